@@ -15,7 +15,7 @@ from cli.shell import environment
 PROGRAM = """
 import os, signal, sys
 from abc import ABCMeta
-from mjcompose.cli.process import end_in_order
+from mjcompose.cli.entry import end_in_order
 
 end_in_order()
 plain = ABCMeta.register
@@ -37,7 +37,7 @@ time.sleep(20)
 
 DEAF = """
 import signal, sys, threading, time
-from mjcompose.cli.process import end_in_a_second, end_in_order
+from mjcompose.cli.entry import end_in_a_second, end_in_order
 from mjcompose.base.processes import Process
 
 end_in_order()

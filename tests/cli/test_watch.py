@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 from cli.shell import RECIPE, WRONG, environment, run
-from mjcompose.cli import watching
+from mjcompose.cli import run as runner
 from mjcompose.mujoco.engine import Session
 from mjcompose.tools.view.builder import Watch, marks
 
@@ -119,7 +119,7 @@ def test_all_runs_have_one_process_for_mujoco(folder: Path, monkeypatch: pytest.
             raise KeyboardInterrupt
         (folder / "cell.yaml").write_text(text)
 
-    monkeypatch.setattr(watching, "_wait", save)
+    monkeypatch.setattr(runner, "_wait", save)
     result = run("build", str(folder / "cell.yaml"), "--no-cache", "-o", str(folder / "out.xml"), "--watch")
     assert result.stdout.count("wrote") == 4 and "error[attach-place]" in result.stderr
     assert len(started) == 1 and started[0]._process is None
@@ -150,5 +150,5 @@ def test_an_interrupt_that_comes_with_the_start_of_the_watch_ends_it(
 
     monkeypatch.setattr(ThreadPoolExecutor, "submit", submit)
     with pytest.raises(KeyboardInterrupt):
-        watching._wait(marks([tmp_path]))
+        runner._wait(marks([tmp_path]))
     assert not rescued.is_set()

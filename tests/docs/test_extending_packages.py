@@ -58,6 +58,7 @@ def installed(tmp_path_factory: pytest.TempPathFactory) -> Path:
     inside.mkdir()
     (inside / "__init__.py").write_text("")
     sections = {"shared": "Add a source kind", "named": "Add a check", "hide": "Add a verb of `edit`"}
+    sections["count"] = "Add a command"
     for name, heading in {**sections, "sapien": "Add a target"}.items():
         (inside / f"{name}.py").write_text(_python(heading), encoding="utf-8")
     section = PAGE.partition("## From a package of your own\n")[2].partition("\n## ")[0]
@@ -104,8 +105,9 @@ def test_one_of_each_is_used(run: Run, tmp_path: Path) -> None:
         model, manifest = bundle.read("model.xml").decode(), json.loads(bundle.read("manifest.json"))
     assert 'group="5"' in model and "armature" in model
     assert manifest["extensions"] == {"mjcompose-lab": "0.4.0"}
-    assert run("-m", "mjcompose", "hello").stdout == "hello from the lab\n"
-    assert "hello" in run("-m", "mjcompose", "--help").stdout
+    counted = run("-m", "mjcompose", "count", "cell.yaml", "--only", "geom", "--json")
+    assert json.loads(counted.stdout) == {"geom": 1}, counted.stderr
+    assert "count " in run("-m", "mjcompose", "--help").stdout
     locked = run("-m", "mjcompose", "lock", "cell.yaml")
     assert locked.returncode == 0, locked.stderr
     assert "mjcompose-lab" in (tmp_path / "cell.lock").read_text()

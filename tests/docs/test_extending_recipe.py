@@ -148,6 +148,19 @@ def test_all_of_it_works(package: Path) -> None:
     assert "named" in json.dumps(schema["else"]["properties"]["check"])
 
 
+def test_a_command_counts_and_reports(package: Path) -> None:
+    extend(package, "Add a command")
+    (package / "recipe.yaml").write_text(
+        "recipe: 1\nadd:\n  - {to: world, geom: {size: [0.1]}}\n", encoding="utf-8"
+    )
+    assert "Count the elements of a model." in run(package, "--help").stdout
+    assert "--only KIND" in run(package, "count", "--help").stdout
+    assert "\ngeom 1\n" in run(package, "count", "recipe.yaml").stdout
+    assert json.loads(run(package, "count", "recipe.yaml", "--only", "geom", "--json").stdout) == {"geom": 1}
+    failed = run(package, "count", "none.yaml")
+    assert failed.returncode == 2 and "error[file-not-found]" in failed.stderr and not failed.stdout
+
+
 HALF_DONE = [(title, path) for title in TITLES for path in dict.fromkeys(path for path, *_ in rows(title))]
 
 

@@ -2,223 +2,267 @@
 
 from __future__ import annotations
 
-import sys
+import os
 from contextlib import ExitStack
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import click
 
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.diagnostic import hide
+from mjcompose.build.bundle.bundle import is_address
+from mjcompose.cli.cells import CellsOptions, WorkerOptions, check_several
 from mjcompose.cli.options import (
+    NO_CACHE,
+    RECIPE,
+    STRICT,
+    VERBOSE,
+    WATCH,
     Choices,
-    Shard,
+    FetchOptions,
+    ReportOptions,
+    TimeOptions,
     caching,
-    caching_options,
-    cells_options,
-    check_several,
-    check_target,
-    choice_options,
-    fetching,
-    fetching_options,
-    jobs_options,
-    output_option,
-    target_option,
-    timeout_option,
+    output,
 )
-from mjcompose.cli.output import (
-    Picturing,
-    Wanted,
-    build_one,
-    check_has_picture,
-    finish,
-    for_shared_assets,
-    kind_of_output,
-)
-from mjcompose.cli.reporting import USAGE, is_strict, report, reporting_options, strict_option, verbose_option
-from mjcompose.cli.watching import session_of_run, watch_option
+from mjcompose.cli.output import OutputSpec, Picturing, Task, kind_of_output
+from mjcompose.cli.reporting import USAGE
+from mjcompose.cli.run import PATH, Run, Stop, command, flag, group, option
+from mjcompose.targets.names import MUJOCO
+from mjcompose.targets.names import NAMES as TARGETS_NAMES
+
+if TYPE_CHECKING:
+    from mjcompose.build.bundle.bundle import OutputForm
 
 
-@click.command()
-@click.argument("recipe", type=click.Path(path_type=Path))
-@output_option(
-    "Where to write the model: DIR/, FILE.zip, FILE.mjz, FILE.xml (text without assets; '-' is standard output),"
-    " FILE.mjb or FILE.usdz (also .usd, .usda, .usdc). {name} is replaced by the name of the model, {hash} by two"
-    " digits of a hash of it, for very many models. In the name of an MJB, {mujoco} is replaced by the version of"
-    " MuJoCo; no other version can read the file. Default: build/{name}.zip."
-)
-@choice_options
-@cells_options
-@jobs_options
-@click.option(
-    "--samples",
-    metavar="FILE",
-    help="Write drawn values to this table, *.csv or *.parquet. Default with --all: samples.csv next to the models.",
-)
-@click.option(
-    "--as",
-    "output",
-    type=click.Choice(["models", "worlds", "union"]),
-    default="models",
-    help="models, the default: each sample is a model. worlds: one model, and a table in it of the numbers that"
-    " differ between the samples. union: with --worlds, one model with the parts of all cells and samples.",
-)
-@click.option("--worlds", "table", type=click.Path(path_type=Path), metavar="FILE",
-              help="Build every cell and sample as one model and this table of the numbers that differ, *.npz or"
-              " *.parquet.")  # fmt: skip
-@click.option(
-    "--parquet",
-    is_flag=True,
-    help="With --all: also write models.parquet and samples.parquet, next to the CSV files.",
-)
-@click.option("--shared-assets", is_flag=True, help="Write the assets of all cells to one folder:"
-              " DIR/assets/ for -o 'DIR/{name}/'.")  # fmt: skip
-@click.option("--no-verify", is_flag=True, help="Do not compile the result in MuJoCo.")
-@click.option("--dedup", is_flag=True, help="Merge identical meshes, textures, materials and height fields of"
-              " several parts; the manifest lists the merged names.")  # fmt: skip
-@click.option(
-    "--picture",
-    is_flag=True,
-    help="Also write a picture, NAME.png, next to the model and list it in the manifest.",
-)
-@target_option
-@click.option("--licenses", is_flag=True, help="Print the license of every part.")
-@timeout_option
-@caching_options
-@fetching_options
-@strict_option
-@verbose_option
-@reporting_options
-@watch_option
-def command(
-    recipe: Path,
-    out: str | None,
-    choices: Choices,
-    every: bool,
-    picks: tuple[str, ...],
-    only_samples: tuple[int, ...],
-    jobs: int | None,
-    cluster: str | None,
-    shard: Shard | None,
-    samples: str | None,
-    output: str,
-    table: Path | None,
-    parquet: bool,
-    shared_assets: bool,
-    no_verify: bool,
-    dedup: bool,
-    picture: bool,
-    target: str | None,
-    licenses: bool,
-    no_cache: bool,
-    why: bool,
-    form: str,
-) -> None:
+class _Target(click.Choice):  # type: ignore[type-arg]  # before click 8.2 it is not generic
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> str:
+        if value in self.choices:
+            return str(value)
+        from mjcompose.base.extensions import is_registered
+        from mjcompose.base.suggest import closest
+
+        if is_registered("targets", value):
+            return str(value)
+
+        near = closest(value, self.choices)
+        hint = f" Did you mean `{near[0]}`?" if near else ""
+        message = f"the target `{value}` does not exist.{hint} Targets: {', '.join(self.choices)}."
+        raise click.BadParameter(message, ctx, param)
+
+
+@dataclass(frozen=True, slots=True)
+class Options:
+    """The options of `build`."""
+
+    recipe: Path = RECIPE
+    out: str | None = output(
+        "Where to write the model: DIR/, FILE.zip, FILE.mjz, FILE.xml (text without assets; '-' is standard output),"
+        " FILE.mjb or FILE.usdz (also .usd, .usda, .usdc). {name} is replaced by the name of the model, {hash} by two"
+        " digits of a hash of it, for very many models. In the name of an MJB, {mujoco} is replaced by the version of"
+        " MuJoCo; no other version can read the file. Default: build/{name}.zip."
+    )
+    choices: Choices = group(Choices)
+    cells: CellsOptions = group(CellsOptions)
+    workers: WorkerOptions = group(WorkerOptions)
+    samples: str | None = option(
+        "--samples", metavar="FILE",
+        help="Write drawn values to this table, *.csv or *.parquet. Default with --all: samples.csv next to the"
+        " models.",
+    )  # fmt: skip
+    gives: str = option(
+        "--as", type=click.Choice(["models", "worlds", "union"]), default="models",
+        help="models, the default: each sample is a model. worlds: one model, and a table in it of the numbers that"
+        " differ between the samples. union: with --worlds, one model with the parts of all cells and samples.",
+    )  # fmt: skip
+    table: Path | None = option(
+        "--worlds", type=PATH, metavar="FILE",
+        help="Build every cell and sample as one model and this table of the numbers that differ, *.npz or *.parquet.",
+    )  # fmt: skip
+    parquet: bool = flag(
+        "--parquet",
+        help="With --all: also write models.parquet and samples.parquet, next to the CSV files.",
+    )
+    shared_assets: bool = flag(
+        "--shared-assets",
+        help="Write the assets of all cells to one folder: DIR/assets/ for -o 'DIR/{name}/'.",
+    )
+    no_verify: bool = flag("--no-verify", help="Do not compile the result in MuJoCo.")
+    dedup: bool = flag("--dedup", help="Merge identical meshes, textures, materials and height fields of several"
+                       " parts; the manifest lists the merged names.")  # fmt: skip
+    picture: bool = flag(
+        "--picture", help="Also write a picture, NAME.png, next to the model and list it in the manifest."
+    )
+    target: str | None = option(
+        "--target", type=_Target(TARGETS_NAMES), callback=lambda context, option, value: _not_mujoco(value),
+        help="The program to write the model for. What it does not support is reported. Default: mujoco.",
+    )  # fmt: skip
+    licenses: bool = flag("--licenses", help="Print the license of every part.")
+    limits: TimeOptions = group(TimeOptions)
+    no_cache: bool = NO_CACHE
+    why: bool = flag("--why", help="Print why a model was built, or why it was taken from the cache.")
+    fetching: FetchOptions = group(FetchOptions)
+    strict: bool = STRICT
+    verbose: bool = VERBOSE
+    reporting: ReportOptions = group(ReportOptions)
+    watch: bool = WATCH
+
+    @property
+    def one(self) -> bool:
+        return self.cells.one and self.table is None
+
+
+def _not_mujoco(value: str) -> str | None:
+    return None if value == MUJOCO else value
+
+
+@command(Options)
+def build(options: Options, run: Run) -> int:
     """Build the model of RECIPE: one MJCF file and its assets, compiled in MuJoCo before it is written."""
-    from mjcompose.build.bundle.bundle import OutputError
     from mjcompose.build.cache.builder import Maker
     from mjcompose.build.cache.cache_key import BuildOptions
-    from mjcompose.sources.context import Context
 
-    one = not every and not picks and not only_samples and table is None
-    check_several(one, jobs=jobs, shard=shard, cluster=cluster)
+    _check_usage(options)
+    spec, context, one = _output_spec(options, run), run.context, options.one
+    how = context.fetching
+    assert how is not None
+    order = BuildOptions(
+        spec.verified, options.dedup, spec.text_beside(context.folder), choices=options.choices.named(context),
+        locked=how.locked, offline=how.offline, pictured=options.picture, target=options.target,
+        worlds=options.gives == "worlds",
+    )  # fmt: skip
+    with caching(context, options.no_cache) as cache, ExitStack() as opened:
+        if options.picture:
+            spec = replace(spec, picturing=Picturing(opened))
+        place = partial(spec.place, context.folder)
+        maker = Maker(options.recipe, order, cache, context=context, form=spec.kind, place=place)
+        reasons: tuple[str, ...] = ()
+        if one:
+            known, reasons = maker.recall(maker.key(), context)
+            if known is not None:
+                return Task(maker, spec, run).finish(known)
+        given = options.choices.given(run)
+        with run.session(remembers=not one) as session:
+            task = Task(maker, spec, run, given=given, session=session)
+            if options.table is not None:
+                from mjcompose.cli.build_cells import build_worlds
+
+                return build_worlds(task, options, options.table)
+            if not one:
+                from mjcompose.cli.build_cells import build_cells
+
+                return build_cells(task, options)
+            if spec.verified:
+                session.begin()
+            return task.build_one(reasons)
+
+
+def _check_usage(options: Options) -> None:
+    """Raise UsageError for options that do not go together."""
+    workers, table, samples = options.workers, options.table, options.samples
+    check_several(options.one, jobs=workers.jobs, shard=workers.shard, cluster=workers.cluster)
     if table is not None and (left := next((name for name, given in {
-        "--shard": shard, "--cluster": cluster, "--samples": samples, "--parquet": parquet,
-        "--shared-assets": shared_assets, "--picture": picture,
+        "--shard": workers.shard, "--cluster": workers.cluster, "--samples": samples, "--parquet": options.parquet,
+        "--shared-assets": options.shared_assets, "--picture": options.picture,
     }.items() if given), None)):  # fmt: skip
         raise click.UsageError(f"{left} is not for --worlds, which gives one bundle and one table.")
-    if output == "union" and table is None:
+    if options.gives == "union" and table is None:
         raise click.UsageError("--as union also needs --worlds FILE, the table of the numbers that differ.")
-    if output == "worlds" and only_samples:
+    if options.gives == "worlds" and options.cells.only_samples:
         raise click.UsageError("--sample selects a model, and with --as worlds all samples are in one.")
     if samples is not None and not samples.lower().endswith((".csv", ".parquet")):
         help = "`--sample NUMBER` builds one, and `randomize: {samples: NUMBER}` in the recipe says how many there are"
         raise click.UsageError(
             f"--samples names a table, FILE.csv or FILE.parquet, and `{samples}` is none: {help}."
         )
-    how = fetching()
-    context = Context(fetching=how, strict=is_strict())
+
+
+def _output_spec(options: Options, run: Run) -> OutputSpec:
+    """Return what is written, or end the command if it cannot be."""
+    from mjcompose.build.bundle.bundle import OutputError
+
+    out = options.out
     try:
-        if shared_assets:
-            out, kind = for_shared_assets(out, one=one)
+        if options.shared_assets:
+            out, kind = _for_shared_assets(out, options.one)
         else:
             kind = kind_of_output(out)
-        if picture:
-            check_has_picture(out or "", kind)
-        if parquet:
+        if options.picture:
+            _check_has_picture(out or "", kind)
+        if options.parquet:
             from mjcompose.build.cache.run_table import check_parquet
 
             check_parquet()
-        check_target(target, kind, is_verified=not no_verify)
+        _check_target(options, kind)
     except OutputError as error:
-        context.sink.add(error.diagnostic)
-        report(context, form)
-        sys.exit(USAGE)
-    wanted = Wanted(
-        "build/{name}.zip" if out is None else out,
-        kind,
-        not no_verify,
-        deduplicated=dedup,
-        form=form,
-        why=why,
-        licenses=licenses,
-    )
-    order = BuildOptions(
-        wanted.verified, dedup, wanted.text_beside(context.folder), choices=choices.named(context),
-        locked=how.locked, offline=how.offline, pictured=picture, target=target, worlds=output == "worlds",
+        run.context.sink.add(error.diagnostic)
+        raise Stop(USAGE) from None
+    return OutputSpec(
+        "build/{name}.zip" if out is None else out, kind, not options.no_verify, run.form,
+        why=options.why, licenses=options.licenses,
     )  # fmt: skip
-    with caching(context, no_cache) as cache, ExitStack() as opened:
-        if picture:
-            wanted = replace(wanted, picturing=Picturing(opened))
-        maker = Maker(
-            recipe, order, cache, context=context, form=kind, place=partial(wanted.place, context.folder)
+
+
+_NO_SHARING = {
+    "archive": "a zip cannot refer to files outside of it",
+    "text": "text alone names the sources' own files, and none is copied",
+    "mjb": "MuJoCo's binary form has its assets in it",
+    "usd": "USD has meshes in its layers",
+}
+
+
+def _for_shared_assets(out: str | None, one: bool) -> tuple[str, OutputForm]:
+    """Return the output of models that share their assets, and its form. Raises OutputError if they cannot."""
+    from mjcompose.build.bundle.bundle import OutputError, OutputForm
+
+    out = "build/{name}/" if out is None else out
+    help = "write `--all -o 'build/{name}/'`"
+    if one:
+        raise OutputError("output-kind", "one model has nobody to share its assets with", help)
+    kind = kind_of_output(out, models=2)
+    if kind is not OutputForm.FOLDER:
+        raise OutputError("output-kind", f"`--shared-assets` is for folders: {_NO_SHARING[kind]}", help)
+    above, _, last = os.path.dirname(out.rstrip("/")).rpartition("/")
+    if "{name}" in above + last or "{hash}" in above or ("{hash}" in last and last != "{hash}"):
+        raise OutputError("output-kind", f"the folders `{out}` do not stand side by side", help)
+    return out, OutputForm.SHARED
+
+
+def _check_has_picture(out: str, kind: OutputForm) -> None:
+    """Raise OutputError for outputs without pictures."""
+    from mjcompose.build.bundle.bundle import OutputError
+
+    if is_address(out):
+        help = "write to this machine and copy the files from there, or leave `--picture` out"
+        message = f"`--picture` is for what is written to this machine, and `{hide(out)}` is an address"
+        raise OutputError("output-kind", message, help)
+    why = {"mjb": "MuJoCo's binary form", "usd": "USD"}.get(kind)
+    if out == "-" or why is not None:
+        message = f"`--picture` is for bundles and MJCF files, and `{out}` is {why or 'standard output'}"
+        raise OutputError(
+            "output-kind", message, "write a folder, a `.zip` or an `.xml`, or leave `--picture` out"
         )
-        reasons: tuple[str, ...] = ()
-        if one:
-            known, reasons = maker.recall(maker.key(), context)
-            if known is not None:
-                sys.exit(finish(known, maker, wanted, context=context, session=None))
-        given = choices.values(context)
-        if context.sink.has_errors:
-            report(context, form)
-            sys.exit(USAGE)
-        with session_of_run(remembers=not one) as session:
-            if table is not None:
-                from mjcompose.cli.build_cells import build_worlds
 
-                sys.exit(
-                    build_worlds(
-                        maker,
-                        wanted,
-                        given,
-                        picks=picks,
-                        only_samples=only_samples,
-                        table=table,
-                        context=context,
-                        session=session,
-                        jobs=jobs,
-                        unites=output == "union",
-                    )
-                )
-            if not one:
-                from mjcompose.cli.build_cells import build_cells
 
-                sys.exit(
-                    build_cells(
-                        maker,
-                        wanted,
-                        given,
-                        picks=picks,
-                        only_samples=only_samples,
-                        context=context,
-                        session=session,
-                        table=samples,
-                        jobs=jobs,
-                        shard=shard,
-                        cluster=cluster,
-                        parquet=parquet,
-                    )
-                )
-            if wanted.verified:
-                session.begin()
-            sys.exit(build_one(maker, wanted, given, context=context, session=session, why=reasons))
+_MORE = {"isaac": ("usd",)}
+"""Other kinds of output that a target reads: Isaac Sim opens USD without its importer."""
+
+
+def _check_target(options: Options, kind: str) -> None:
+    """Refuse an output form that a target does not support. Raises OutputError."""
+    from mjcompose.build.bundle.bundle import OutputError
+
+    target = options.target
+    if target is None:
+        return
+    if kind not in ("folder", "archive", *_MORE.get(target, ())):
+        help = f"write a folder, `--target {target} -o build/{target}/`, or an archive"
+        raise OutputError(
+            "output-kind", f"a model for `{target}` is several files, and the output is one", help
+        )
+    if options.no_verify:
+        help = "leave `--no-verify` out"
+        raise OutputError("output-kind", "`--target` is made of the compiled model", help)

@@ -24,21 +24,10 @@ from mjcompose.build.bundle.write import write as write_bundle
 from mjcompose.build.cache.builder import Maker
 from mjcompose.build.cache.cell_run import CellMaker, CellResult, CellRun
 from mjcompose.build.cache.run_table import RunTable, index_row
-from mjcompose.cli.clustering import check_room, crew_of, found_no_room, stopped
-from mjcompose.cli.options import Shard, chosen_cells
-from mjcompose.cli.output import Wanted, add_picture, build_one, finish, kind_of_output, put, said
-from mjcompose.cli.reporting import (
-    FINDINGS,
-    INTERRUPTED,
-    USAGE,
-    Tally,
-    arguments,
-    counting,
-    note_files,
-    report,
-    say,
-    say_details,
-)
+from mjcompose.cli.cells import Shard, Tally, check_room, counting, found_no_room, stopped
+from mjcompose.cli.output import OutputSpec, Task, add_picture, kind_of_output, put, report_of
+from mjcompose.cli.reporting import FINDINGS, INTERRUPTED, USAGE, arguments, note_files, say, say_details
+from mjcompose.cli.run import Stop
 from mjcompose.tools.worlds import worlds
 from mjcompose.tools.worlds.join import Joined, Joining, Shelf
 from mjcompose.tools.worlds.names import LoadError
@@ -47,123 +36,102 @@ from mjcompose.tools.worlds.worlds import Worlds
 if TYPE_CHECKING:
     from mjcompose.base.diagnostic import Span
     from mjcompose.build.bundle.bundle import Bundle
+    from mjcompose.cli.build import Options
     from mjcompose.language.expand import Cell
-    from mjcompose.mujoco.engine import Session
     from mjcompose.sources.context import Context
-    from mjcompose.text.node import Node
 
 SAMPLES, MODELS = "samples", "models"
 
-if TYPE_CHECKING:
-    from mjcompose.build.cache.builder import Maker
-    from mjcompose.language.expand import Cell
-    from mjcompose.mujoco.engine import Session
-    from mjcompose.sources.context import Context
-    from mjcompose.text.node import Node
 
-
-def build_cells(
-    maker: Maker,
-    wanted: Wanted,
-    given: dict[str, Node],
-    picks: tuple[str, ...],
-    only_samples: tuple[int, ...],
-    context: Context,
-    session: Session,
-    table: str | None = None,
-    jobs: int | None = None,
-    shard: Shard | None = None,
-    cluster: str | None = None,
-    parquet: bool = False,
-) -> int:
-    """Build the cells, and report a fault in several cells once. Return the exit code.
-
-    Draws are written to `table`, or by default next to the models if all are built.
-    """
-    recipe = maker.recipe
-    chosen, code = chosen_cells(
-        recipe, picks, only_samples, given=given, context=context, verb="build", worlds=maker.options.worlds
-    )
-    if code:
-        report(context, wanted.form)
-        return code
+def build_cells(task: Task, options: Options) -> int:
+    """Build the cells, and report a fault in several cells once. Return the exit code."""
+    maker, spec, run, context = task.maker, task.spec, task.run, task.run.context
+    chosen = _chosen(task, options)
     if not chosen:
-        made, why = maker.recall(maker.key(), context)
-        if made is not None:
-            return finish(made, maker, wanted, context=context, session=session)
-        return build_one(maker, wanted, given, context=context, session=session, why=why)
-    folder, code = _checked_folder(wanted, len(chosen), context)
-    if code or _share_a_place(chosen, wanted, context):
-        return code or FINDINGS
-    if shard is not None:
-        chosen = shard.of(chosen)
-    beside = None if picks or only_samples else _folder(wanted.out)
-    results = _Results(wanted, context, Tally(recipe, len(chosen)), beside=beside)
-    putting = partial(put, wanted=replace(wanted, picturing=None))  # pictures are drawn by this process
+        result, why = maker.recall(maker.key(), context)
+        return task.build_one(why) if result is None else task.finish(result)
+    folder = _checked_folder(task, len(chosen))
+    _check_names(chosen, task)
+    workers = options.workers
+    if workers.shard is not None:
+        chosen = workers.shard.of(chosen)
+    beside = None if options.cells.picks or options.cells.only_samples else _folder(spec.out)
+    results = _Results(spec, context, Tally(maker.recipe, len(chosen)), beside=beside)
+    putting = partial(put, spec=replace(spec, picturing=None))  # pictures are drawn by this process
     away = None
-    if wanted.kind != "text":  # text alone refers to this machine's files
-        away = partial(put, wanted=wanted.elsewhere(context.folder))
+    if spec.kind != "text":  # text alone refers to this machine's files
+        away = partial(put, spec=spec.elsewhere(context.folder))
+    assert task.session is not None
     with (
-        crew_of(cluster, jobs, folder, away=away) as crew,
-        CellRun(CellMaker(maker, given, session, finish=putting), jobs, crew) as running,
+        workers.started(folder, away=away) as crew,
+        CellRun(CellMaker(maker, task.given, task.session, finish=putting), workers.jobs, crew) as running,
     ):
         try:
             # A crew records what it has done, and may wait long for it.
             patience = deferring() if crew is None else nullcontext()
-            ended = _take_all(running, chosen, results, patience=patience, maker=maker)
+            code = _take_all(running, chosen, results, patience=patience, maker=maker)
         finally:  # also after an interruption
-            results.write_tables(table, parquet, shard)
-    if ended is not None:
-        return ended
-    report(context, wanted.form)
+            results.write_tables(options.samples, options.parquet, workers.shard)
+    if code is not None:
+        run.is_reported = True  # the user wants no more of it
+        return code
+    run.report()
     say_details(context)
-    results.tally.say(wanted.form)
-    if wanted.form == "text" and results.tally.whole == len(chosen) and not context.sink.has_errors:
+    results.tally.say(run.form)
+    if run.form == "text" and results.tally.whole == len(chosen) and not context.sink.has_errors:
         count, known = results.tally.whole, results.tally.whole - results.new
         from_cache = f", {known} from the cache" if known else ""
         say(f"{maker.recipe}: {count} model{'s' * (count != 1)} built{from_cache}")
     return FINDINGS if context.sink.has_errors else 0
 
 
-def _share_a_place(chosen: Sequence[Cell], wanted: Wanted, context: Context) -> bool:
-    """Report two models that some file systems would write to one place, such as `A.zip` and `a.zip`."""
+def _chosen(task: Task, options: Options) -> list[Cell]:
+    """Return the cells to build, or end the command if the choice is wrong."""
+    recipe, worlds = task.maker.recipe, task.maker.options.worlds
+    chosen, code = options.cells.chosen(
+        recipe, task.given, context=task.run.context, verb="build", worlds=worlds
+    )
+    if code:
+        raise Stop(code)
+    return chosen
+
+
+def _check_names(chosen: Sequence[Cell], task: Task) -> None:
+    """End the command if some file systems would write two models to one place, such as `A.zip` and `a.zip`."""
     from unicodedata import normalize
 
     taken: dict[str, Cell] = {}
     for cell in chosen:
-        target = wanted.target(cell.name, "")
+        target = task.spec.target(cell.name, "")
         other = taken.setdefault(normalize("NFC", target).casefold(), cell)
         if other is not cell:
-            places = dict.fromkeys((wanted.target(other.name, ""), target))
+            places = dict.fromkeys((task.spec.target(other.name, ""), target))
             where = " and ".join(f"`{each}`" for each in places)
             if len(places) > 1:
                 where += ", which are one place where the case of letters does not count"
-            context.sink.error(
+            task.run.context.sink.error(
                 "name-clash",
                 f"the models `{other.name}` and `{cell.name}` would be written to {where}",
                 cell.span,
                 help="write another `name` into `matrix`, or build them with `--pick` into two folders",
             )
-            report(context, wanted.form)
-            return True
-    return False
+            raise Stop(FINDINGS)
 
 
-def _checked_folder(wanted: Wanted, count: int, context: Context) -> tuple[Path | str, int]:
-    """Return the folder of the models, and the exit code if they cannot be written there, which is reported."""
-    code, folder = USAGE, _folder(wanted.out)
+def _checked_folder(task: Task, count: int) -> Path | str:
+    """Return the folder of the models, or end the command if they cannot be written there."""
+    code, spec, context = USAGE, task.spec, task.run.context
     try:
-        kind_of_output(wanted.out, count)  # of all shards, which write to one place
-        code, place_of_models = FINDINGS, location(context.folder, folder)
-        if isinstance(place_of_models, str):
+        kind_of_output(spec.out, count)  # of all shards, which write to one place
+        code, folder = FINDINGS, location(context.folder, _folder(spec.out))
+        if isinstance(folder, str):
             from mjcompose.build.bundle.remote import check_writable
 
-            check_writable(place_of_models)
+            check_writable(folder)
     except OutputError as error:
         context.sink.add(error.diagnostic)
-        report(context, wanted.form)
-        return folder, code
-    return place_of_models, 0
+        raise Stop(code) from None
+    return folder
 
 
 @dataclass(slots=True)
@@ -173,7 +141,7 @@ class _Results:
     The index lists paths relative to the folder `beside`. Without one, no index is written.
     """
 
-    wanted: Wanted
+    spec: OutputSpec
     context: Context
     tally: Tally
     beside: str | None
@@ -183,20 +151,20 @@ class _Results:
 
     def take(self, each: CellResult) -> None:
         """Report a cell that is done, and add its rows."""
-        wanted, sink = self.wanted, self.context.sink
+        spec, sink = self.spec, self.context.sink
         note_files(each.files)
         pictured = replace(self.context, sink=Sink())
         if each.result is not None and not each.failed:
-            add_picture(each.result, wanted, pictured)
+            add_picture(each.result, spec, pictured)
         failed = each.failed or pictured.sink.has_errors
         self.tally.take(each.cell.label, (*each.diagnostics, *pictured.sink.diagnostics), sink, failed=failed)
         if each.result is not None and not failed:
-            say(said(each.result, wanted), form=wanted.form)
+            say(report_of(each.result, spec), form=spec.form)
             self.new += each.result.is_new
             if each.result.draws is not None:
                 self.samples.add((each.cell.name, each.cell.sample), each.result.draws)
             if self.beside is not None:
-                path = os.path.relpath(wanted.target(each.result.name, each.result.mujoco), self.beside)
+                path = os.path.relpath(spec.target(each.result.name, each.result.mujoco), self.beside)
                 self.index.add(*index_row(each.cell, each.result, path, checks=len(each.outcomes)))
 
     def write_tables(self, table: str | None, parquet: bool, shard: Shard | None) -> None:
@@ -205,17 +173,30 @@ class _Results:
         drawn, all_of_them = (
             [_in(self.beside, f"{name}{form}", shard) for form in forms] for name in (SAMPLES, MODELS)
         )
-        form, context = self.wanted.form, self.context
-        option = "--samples" if table else None
-        _put_table(
+        self._put_table(
             self.samples,
             [table] if table else drawn,
             "what was drawn for",
-            form=form,
-            context=context,
-            option=option,
+            option="--samples" if table else None,
         )
-        _put_table(self.index, all_of_them, "the index of", form=form, context=context)
+        self._put_table(self.index, all_of_them, "the index of")
+
+    def _put_table(
+        self, table: RunTable, paths: Iterable[str | None], what: str, *, option: str | None = None
+    ) -> None:
+        for path in paths:
+            if path is None or not table.count:
+                continue
+            try:
+                table.write(location(self.context.folder, path), option)
+            except OutputError as error:
+                known = {each.code for each in self.context.sink.errors}
+                if error.code != "output-full" or error.code not in known:  # that error ended the run
+                    self.context.sink.add(error.diagnostic)
+            else:
+                if self.spec.form == "text":
+                    say(f"wrote {hide(path)}: {what} {table.count} models")
+        table.close()
 
 
 def _take_all(
@@ -259,29 +240,6 @@ def _in(folder: str | None, name: str, shard: Shard | None) -> str | None:
     return path if is_address(path) else os.path.normpath(path)
 
 
-def _put_table(
-    table: RunTable,
-    paths: Iterable[str | None],
-    what: str,
-    form: str,
-    context: Context,
-    option: str | None = None,
-) -> None:
-    for path in paths:
-        if path is None or not table.count:
-            continue
-        try:
-            table.write(location(context.folder, path), option)
-        except OutputError as error:
-            known = {each.code for each in context.sink.errors}
-            if error.code != "output-full" or error.code not in known:  # that error ended the run
-                context.sink.add(error.diagnostic)
-        else:
-            if form == "text":
-                say(f"wrote {hide(path)}: {what} {table.count} models")
-    table.close()
-
-
 def _how_to_go_on(whole: int, total: int, maker: Maker) -> str:
     command = hide(shlex.join(["mjcompose", *arguments()]))
     rest = "builds the rest" if maker.cache is not None else "builds them all"
@@ -292,93 +250,62 @@ class _Failed(Exception):
     """A cell failed, which was reported."""
 
 
-def build_worlds(
-    maker: Maker,
-    wanted: Wanted,
-    given: dict[str, Node],
-    picks: tuple[str, ...],
-    only_samples: tuple[int, ...],
-    table: Path,
-    context: Context,
-    session: Session,
-    jobs: int | None,
-    unites: bool,
-) -> int:
-    """Build all models into `table`, and their common model if it is wanted. Return the exit code.
-
-    If it `unites` them, this is one model with the parts of all.
-    """
-    chosen, code = chosen_cells(
-        maker.recipe,
-        picks,
-        only_samples,
-        given=given,
-        context=context,
-        verb="build",
-        worlds=maker.options.worlds,
+def build_worlds(task: Task, options: Options, table: Path) -> int:
+    """Build all models into `table`, and their common model if it is wanted. Return the exit code."""
+    spec, context = task.spec, task.run.context
+    chosen, code = options.cells.chosen(
+        task.maker.recipe, task.given, context=context, verb="build", worlds=task.maker.options.worlds
     )
-    if not code and wanted.kind not in (OutputForm.FOLDER, OutputForm.ARCHIVE):
+    if not code and spec.kind not in (OutputForm.FOLDER, OutputForm.ARCHIVE):
         help = "write a folder or an archive, such as `-o build/{name}.zip`"
-        context.sink.error("output-kind", f"worlds are of a bundle, and `{wanted.out}` is none", help=help)
+        context.sink.error("output-kind", f"worlds are of a bundle, and `{spec.out}` is none", help=help)
     if not code and not chosen and not context.sink.has_errors:
         help = "write `matrix` or `randomize` into it, or build it without `--worlds`"
-        context.sink.error("missing-key", f"`{maker.recipe}` is one model, which has no worlds", help=help)
+        context.sink.error(
+            "missing-key", f"`{task.maker.recipe}` is one model, which has no worlds", help=help
+        )
     try:
         worlds.check_name(table)
     except OutputError as error:
         context.sink.add(error.diagnostic)
-    if context.sink.has_errors:
-        report(context, wanted.form)
-        return code or USAGE
-    run = _Run(maker, wanted, given, table=table, context=context, session=session)
+    task.run.check(code or USAGE)
+    joint = _Worlds(task, table)
     with scratch("worlds") as folder:
         try:
-            study, bundle = run.worlds(chosen, Shelf(folder), jobs, unites=unites)
+            study, bundle = joint.worlds(chosen, Shelf(folder), options)
         except LoadError as error:
             for each in error.diagnostics:
-                context.sink.add(replace(each, span=each.span or run.last))
+                context.sink.add(replace(each, span=each.span or joint.last))
         except _Failed:
             pass
         else:
-            run.write(chosen[0], study, bundle)
-    report(context, wanted.form)
+            joint.write(chosen[0], study, bundle)
+    task.run.report()
     say_details(context)
-    run.tally.say(wanted.form)
+    joint.tally.say(spec.form)
     return FINDINGS if context.sink.has_errors else 0
 
 
-class _Run:
-    """One run; `last` is where the recipe defines the last model."""
+class _Worlds:
+    """The worlds of one run; `last` is where the recipe defines the last model."""
 
-    def __init__(
-        self,
-        maker: Maker,
-        wanted: Wanted,
-        given: dict[str, Node],
-        table: Path,
-        context: Context,
-        session: Session,
-    ) -> None:
-        self.maker, self.wanted, self.given = maker, wanted, given
-        self.table, self.context, self.session = table, context, session
-        self.tally = Tally(maker.recipe, 0)
+    def __init__(self, task: Task, table: Path) -> None:
+        self.task, self.table, self.context = task, table, task.run.context
+        self.tally = Tally(task.maker.recipe, 0)
         self.last: Span | None = None
 
-    def worlds(
-        self, chosen: list[Cell], shelf: Shelf, jobs: int | None, *, unites: bool
-    ) -> tuple[Worlds, Bundle | None]:
+    def worlds(self, chosen: list[Cell], shelf: Shelf, options: Options) -> tuple[Worlds, Bundle | None]:
         """Return all models as worlds, and the bundle of their union if they form one. Raises LoadError."""
         self.tally.total = len(chosen)
-        joining = Joining(len(chosen), unites)
+        joining = Joining(len(chosen), options.gives == "union")
+        maker, session = self.task.maker, self.task.session
+        assert session is not None
         unwritten = Maker(
-            self.maker.recipe,
-            self.maker.options,
-            self.maker.cache,
-            context=self.context,
-            form=OutputForm.FOLDER,
+            maker.recipe, maker.options, maker.cache, context=self.context, form=OutputForm.FOLDER,
             place=shelf.place,
-        )
-        with CellRun(CellMaker(unwritten, self.given, self.session, finish=shelf.put), jobs) as running:
+        )  # fmt: skip
+        making = CellMaker(unwritten, self.task.given, session, finish=shelf.put)
+        with CellRun(making, options.workers.jobs) as running:
             for each in counting(running.made(chosen), len(chosen), lambda each: each.cell.name):
                 joined = self._taken(each, shelf)
                 if not joining.add(joined):
@@ -388,7 +315,7 @@ class _Run:
         from mjcompose.tools.worlds.union import unite
 
         self.last = None
-        return unite(joining, f"{self.maker.recipe.stem}-union", self.context, session=self.session)
+        return unite(joining, f"{maker.recipe.stem}-union", self.context, session=session)
 
     def _taken(self, each: CellResult, shelf: Shelf) -> Joined:
         note_files(each.files)
@@ -401,32 +328,33 @@ class _Run:
     def write(self, first: Cell, study: Worlds, bundle: Bundle | None) -> None:
         """Write the bundle, and then the table; report what cannot be written."""
         try:
-            said = self._put_first(first) if bundle is None else self._put(bundle, study)
+            words = self._put_first(first) if bundle is None else self._put(bundle, study)
             worlds.write(self.context.folder / self.table, study.nominal, study.table, option="--worlds")
         except OutputError as error:
             self.context.sink.add(error.diagnostic)
             return
         except _Failed:
             return
-        say(said, form=self.wanted.form)
+        say(words, form=self.task.spec.form)
         numbers = sum(varying.index.size for varying in study.arrays.values())
-        if self.wanted.form == "text":
+        if self.task.spec.form == "text":
             say(f"wrote {self.table}: {study.count} worlds, {numbers} numbers of {len(study.arrays)} arrays")
 
     def _put_first(self, first: Cell) -> str:
         """Write the model of the first cell as any build does; return the report."""
-        again = CellMaker(self.maker, self.given, self.session, finish=partial(put, wanted=self.wanted)).make(
-            first
-        )
+        task = self.task
+        assert task.session is not None
+        putting = partial(put, spec=task.spec)
+        again = CellMaker(task.maker, task.given, task.session, finish=putting).make(first)
         if again.result is None or again.failed:
             for each in again.diagnostics:
                 self.context.sink.add(each)
             raise _Failed
-        return said(again.result, self.wanted)
+        return report_of(again.result, self.task.spec)
 
     def _put(self, bundle: Bundle, study: Worlds) -> str:
         """Write the union of all models; return the report."""
-        target = self.wanted.target(study.manifest.name, study.manifest.mujoco)
+        target = self.task.spec.target(study.manifest.name, study.manifest.mujoco)
         write_bundle(bundle, self.context.folder / target, environment=self.context.environment)
         parts = ", ".join(study.table.parts)
         return f"wrote {target}\n  {study.manifest.name}: one model with the parts {parts}"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-import sys
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -11,153 +11,119 @@ from typing import TYPE_CHECKING
 import click
 
 from mjcompose.base import report as github
-from mjcompose.base.diagnostic import Span
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.diagnostic import CellName, Diagnostic, Severity, Span
+from mjcompose.base.report import Case, Suite
 from mjcompose.base.sink import Sink
-from mjcompose.cli.clustering import crew_of, stopped
+from mjcompose.cli.cells import CellsOptions, Tally, WorkerOptions, check_several, counting, stopped
 from mjcompose.cli.options import (
+    NO_CACHE,
+    STRICT,
+    VERBOSE,
+    WATCH,
     Choices,
-    Shard,
+    FetchOptions,
+    ReportOptions,
+    TimeOptions,
     caching,
-    cells_options,
-    check_several,
-    choice_options,
-    chosen_cells,
-    fetching,
-    fetching_options,
-    jobs_options,
-    no_cache_option,
-    timeout_option,
 )
-from mjcompose.cli.reporting import (
-    FINDINGS,
-    USAGE,
-    Tally,
-    counting,
-    exit_code,
-    is_strict,
-    junit_option,
-    note_files,
-    progress,
-    report,
-    reporting_options,
-    say,
-    say_details,
-    strict_option,
-    suite_of,
-    verbose_option,
-    write_junit,
-)
-from mjcompose.cli.watching import session_of_run, watch_option
+from mjcompose.cli.reporting import FINDINGS, exit_code, note_files, progress, say, say_details
+from mjcompose.cli.run import PATH, Run, argument, command, flag, group, option
 
 if TYPE_CHECKING:
-    from mjcompose.base.report import Suite
     from mjcompose.build.cache.builder import Maker
-    from mjcompose.build.cache.cache_key import BuildOptions
     from mjcompose.build.cache.cell_run import RecipeResult
+    from mjcompose.build.verify.outcome import Outcome
     from mjcompose.sources.context import Context
-    from mjcompose.text.node import Node
+
+_MODEL = "model"
 
 
-@click.command()
-@click.argument("recipes", type=click.Path(path_type=Path), nargs=-1, required=True)
-@choice_options
-@cells_options
-@jobs_options
-@click.option(
-    "--no-verify", is_flag=True, help="Do not compile the models in MuJoCo, and do not run their checks."
-)
-@timeout_option
-@junit_option
-@no_cache_option
-@fetching_options
-@strict_option
-@verbose_option
-@reporting_options
-@watch_option
-def command(
-    recipes: tuple[Path, ...],
-    choices: Choices,
-    every: bool,
-    picks: tuple[str, ...],
-    only_samples: tuple[int, ...],
-    jobs: int | None,
-    cluster: str | None,
-    shard: Shard | None,
-    no_verify: bool,
-    junit: str | None,
-    no_cache: bool,
-    form: str,
-) -> None:
+@dataclass(frozen=True, slots=True)
+class Options:
+    """The options of `check`."""
+
+    recipes: tuple[Path, ...] = argument(type=PATH, nargs=-1, required=True)
+    choices: Choices = group(Choices)
+    cells: CellsOptions = group(CellsOptions)
+    workers: WorkerOptions = group(WorkerOptions)
+    no_verify: bool = flag(
+        "--no-verify", help="Do not compile the models in MuJoCo, and do not run their checks."
+    )
+    limits: TimeOptions = group(TimeOptions)
+    junit: str | None = option("--junit", metavar="FILE", help="Write the result of each check as JUnit XML ('-' is"
+                               " standard output).")  # fmt: skip
+    no_cache: bool = NO_CACHE
+    fetching: FetchOptions = group(FetchOptions)
+    strict: bool = STRICT
+    verbose: bool = VERBOSE
+    reporting: ReportOptions = group(ReportOptions)
+    watch: bool = WATCH
+
+
+@command(Options)
+def check(options: Options, run: Run) -> int:
     """Check each of RECIPES: read, plan and compose it, compile it in MuJoCo, and run its checks.
 
     Without --all, --pick or --sample, the model with the default values is checked. Nothing is written except the
     file of --junit.
     """
-    from mjcompose.sources.context import Context
-
-    one = not every and not picks and not only_samples
-    check_several(one and len(recipes) == 1, jobs=jobs, shard=shard, cluster=cluster)
-    if one and (shard is not None or cluster is not None):
-        check_several(one, jobs=None, shard=shard, cluster=cluster)
-    run = _Run(
-        choices, form, jobs, shard=shard, cluster=cluster, no_verify=no_verify, no_cache=no_cache, junit=junit
-    )
-    several = len(dict.fromkeys(recipes)) > 1
-    if one and several:
-        run.at_once([*dict.fromkeys(recipes)])
+    recipes, one, workers = list(dict.fromkeys(options.recipes)), options.cells.one, options.workers
+    jobs = workers.jobs if len(options.recipes) == 1 else None
+    check_several(one, jobs=jobs, shard=workers.shard, cluster=workers.cluster)
+    checking = _Checking(options, run)
+    run.to_stderr = options.junit == "-"
+    if len(recipes) == 1:
+        return checking.alone(recipes[0])
+    if one:
+        checking.at_once(recipes)
     else:
-        for recipe in recipes:
-            run.one_after_another(recipe, picks, only_samples, one=one, several=several)
-    if several:
-        run.sum_up()
-    code = run.code
-    if junit is not None:
-        context = Context()
-        write_junit(run.suites, junit, context)
-        report(context, form)
-        code = max(code, FINDINGS if context.sink.has_errors else 0)
-    sys.exit(code)
+        checking.one_after_another(recipes)
+    return checking.sum_up()
 
 
-class _Run:
-    """Checks one recipe after another, or several at once. What several have in common is reported once."""
+@dataclass(frozen=True, slots=True)
+class _Result:
+    """The result of one recipe; `counted` says what was checked."""
 
-    def __init__(
-        self,
-        choices: Choices,
-        form: str,
-        jobs: int | None,
-        shard: Shard | None,
-        cluster: str | None,
-        no_verify: bool,
-        no_cache: bool,
-        junit: str | None,
-    ) -> None:
-        self.choices, self.form, self.jobs, self.shard, self.cluster = choices, form, jobs, shard, cluster
-        self.no_verify, self.no_cache, self.junit = no_verify, no_cache, junit
-        self.suites: list[Suite] = []
-        self.code = 0
-        self.common: Context | None = None
-        self.tallies: list[Tally] = []
-        self.verdicts: list[tuple[Path, bool, str]] = []
-        """Each recipe, whether it holds, and what was counted."""
+    recipe: Path
+    code: int
+    counted: str = ""
+    tally: Tally | None = None
+    files: frozenset[str] = frozenset()
 
-    def _context(self) -> Context:
-        from mjcompose.sources.context import Context
 
-        return Context(fetching=fetching(), strict=is_strict())
+class _Checking:
+    """Checks one recipe, or several; what these have in common is reported once."""
 
-    def _given(self, context: Context) -> tuple[dict[str, Node], BuildOptions]:
+    def __init__(self, options: Options, run: Run) -> None:
         from mjcompose.build.cache.cache_key import BuildOptions
 
-        given = self.choices.values(context)
-        if context.sink.has_errors:
-            report(context, self.form)
-            sys.exit(USAGE)
-        how = context.fetching
+        self.options, self.run = options, run
+        self.given = options.choices.given(run)
+        how = run.context.fetching
         assert how is not None
-        named = self.choices.named(context)
-        return given, BuildOptions(not self.no_verify, choices=named, locked=how.locked, offline=how.offline)
+        named = options.choices.named(run.context)
+        verifies = not options.no_verify
+        self.order = BuildOptions(verifies, choices=named, locked=how.locked, offline=how.offline)
+        self.results: list[_Result] = []
+
+    def alone(self, recipe: Path) -> int:
+        """Check the only recipe, and report it. Return the exit code."""
+        run = self.run
+        result = self._checked(recipe, run.context)
+        run.report()
+        say_details(run.context, result.files)
+        if result.tally is not None:
+            result.tally.say(run.form, err=run.to_stderr)
+        if not result.code and run.form == "text" and not run.to_stderr:
+            say(f"{recipe}: ok{result.counted}")
+        return result.code
+
+    def one_after_another(self, recipes: list[Path]) -> None:
+        for recipe in recipes:
+            context = self.run.new_context()
+            self._take(self._checked(recipe, context), context)
 
     def at_once(self, recipes: list[Path]) -> None:
         """Check one model of each recipe, in as many processes as there are cores."""
@@ -167,24 +133,18 @@ class _Run:
         from mjcompose.build.cache.builder import Maker
         from mjcompose.build.cache.cell_run import RecipeJob, RecipeResult, context_for_worker, make_recipe
 
-        context = self._context()
-        given, order = self._given(context)
-        count = min(self.jobs or cores(), len(recipes))
-        with caching(context, self.no_cache) as cache, session_of_run(remembers=True) as session:
+        context, given, order = self.run.context, self.given, self.order
+        count = min(self.options.workers.jobs or cores(), len(recipes))
+        with caching(context, self.options.no_cache) as cache, self.run.session(remembers=True) as session:
 
             def make(recipe: Path) -> RecipeResult:
                 own = replace(context, sink=Sink(), timings=[], concrete={})
                 return make_recipe(Maker(recipe, order, cache, context=own), session, given)
 
-            store = None if cache is None else cache.store
             job = RecipeJob(
-                order,
-                store,
-                given,
-                context=context_for_worker(context),
-                limits=in_force(),
-                noted=sources.current().noted(),
-            )
+                order, None if cache is None else cache.store, given, context=context_for_worker(context),
+                limits=in_force(), noted=sources.current().noted(),
+            )  # fmt: skip
             with Pool[Path, RecipeResult](
                 count - 1, ("mjcompose.build.cache.cell_run", "mjcompose.build.stages")
             ) as pool:
@@ -196,174 +156,122 @@ class _Run:
                         own.sink.error(
                             "worker-died", message, Span(str(recipe), 1, 1), help="give `--jobs 1`"
                         )
-                        result = RecipeResult(
-                            tuple(own.sink.diagnostics), (), frozenset(), timings=(), failed=True
-                        )
+                        result = RecipeResult((), (), frozenset(), timings=(), failed=True)
                     for each in result.diagnostics:
                         own.sink.add(each)
                     own.timings.extend(result.timings)
-                    if not result.failed:
-                        note_cells(own, result.cells, result.cells_at)
-                    note_files(result.files)
-                    self.suites.append(suite_of(recipe, result.outcomes, own.sink.errors, context=own))
-                    code = exit_code(context.folder, [recipe]) if result.failed else 0
-                    self._take(recipe, own, code, counted=_counted(len(result.outcomes)))
-                    say_details(own, result.files)
-        for each in context.sink.diagnostics:
-            self._common().sink.add(each)
+                    self._take(self._of_model(recipe, result, own, notes_cells=True), own)
 
-    def one_after_another(
-        self, recipe: Path, picks: tuple[str, ...], samples: tuple[int, ...], *, one: bool, several: bool
-    ) -> None:
-        from mjcompose.build.cache.builder import Maker
-
-        context = self._context()
-        given, order = self._given(context)
-        err = self.junit == "-"
-        with caching(context, self.no_cache) as cache:
-            look = _Check(
-                Maker(recipe, order, cache, context=context),
-                context,
-                self.form,
-                jobs=self.jobs,
-                shard=self.shard,
-                cluster=self.cluster,
-                wants_suites=self.junit is not None,
-            )
-            if one:
-                look.one(given, alone=True)
-            elif not look.cells(picks, samples, given):
-                look.one(given)
-        self.suites += look.suites
-        if several:
-            self._take(recipe, context, look.code, counted=look.counted)
-            say_details(context, look.files)
-        else:
-            report(context, self.form, err=err)
-            say_details(context, look.files)
-            self.code = look.code
-        if look.tally is not None:
-            self.tallies.append(look.tally)
-            if not several:
-                look.tally.say(self.form, err=err)
-        if not several and not look.code and self.form == "text" and not err:
-            say(f"{recipe}: ok{look.counted}")
-
-    def _common(self) -> Context:
-        if self.common is None:
-            self.common = self._context()
-        return self.common
-
-    def _take(self, recipe: Path, context: Context, code: int, counted: str) -> None:
+    def _take(self, result: _Result, context: Context) -> None:
         """Keep what was found of one of several recipes."""
         for each in context.sink.diagnostics:
-            self._common().sink.add_of_recipe(str(recipe), each)
-        self.verdicts.append((recipe, not code, counted))
-        self.code = max(self.code, code)
+            self.run.context.sink.add_of_recipe(str(result.recipe), each)
+        self.results.append(result)
+        say_details(context, result.files)
 
-    def sum_up(self) -> None:
-        """Report what was found of all recipes, and which of them hold."""
-        err = self.junit == "-"
-        report(self._common(), self.form, err=err)
-        for tally in self.tallies:
-            tally.say(self.form, err=err)
-        failed = [str(recipe) for recipe, holds, _ in self.verdicts if not holds]
-        for recipe, holds, counted in self.verdicts:
-            if self.form == "json":
-                click.echo(json.dumps({"recipe": str(recipe), "ok": holds}), err=err)
-            elif holds and not err:
-                words = f"{recipe}: ok{counted}"
-                say(words if self.form == "text" else github.command("notice", words, {"title": str(recipe)}))
-        if failed and self.form == "text":
-            click.echo(f"{len(failed)} of {len(self.verdicts)} recipes failed: {', '.join(failed)}", err=True)
+    def sum_up(self) -> int:
+        """Report what was found of all recipes, and which of them hold. Return the exit code."""
+        run, err = self.run, self.run.to_stderr
+        run.report()
+        for result in self.results:
+            if result.tally is not None:
+                result.tally.say(run.form, err=err)
+        failed = [str(result.recipe) for result in self.results if result.code]
+        for result in self.results:
+            if run.form == "json":
+                click.echo(json.dumps({"recipe": str(result.recipe), "ok": not result.code}), err=err)
+            elif not result.code and not err:
+                words, title = f"{result.recipe}: ok{result.counted}", {"title": str(result.recipe)}
+                say(words if run.form == "text" else github.command("notice", words, title))
+        if failed and run.form == "text":
+            click.echo(f"{len(failed)} of {len(self.results)} recipes failed: {', '.join(failed)}", err=True)
+        return max(result.code for result in self.results)
 
+    def _checked(self, recipe: Path, context: Context) -> _Result:
+        """Check a recipe, as one model or several."""
+        from mjcompose.build.cache.builder import Maker
 
-class _Check:
-    """Checks one recipe, as one model or several."""
+        with caching(context, self.options.no_cache) as cache:
+            maker = Maker(recipe, self.order, cache, context=context)
+            if self.options.cells.one:
+                return self._model(maker, notes_cells=True)
+            return self._cells(maker) or self._model(maker, notes_cells=False)
 
-    def __init__(
-        self,
-        maker: Maker,
-        context: Context,
-        form: str,
-        jobs: int | None = None,
-        shard: Shard | None = None,
-        cluster: str | None = None,
-        wants_suites: bool = False,
-    ) -> None:
-        self.maker, self.context, self.form, self.jobs, self.shard = maker, context, form, jobs, shard
-        self.cluster, self.wants_suites = cluster, wants_suites
-        self.suites: list[Suite] = []
-        self.tally: Tally | None = None
-        self.counted = ""
-        self.files: set[str] = set()
-        self.code = 0
-
-    def one(self, given: dict[str, Node], *, alone: bool = False) -> None:
-        """Check the recipe's model without a cell; `alone` says that the user did not ask for cells."""
+    def _model(self, maker: Maker, *, notes_cells: bool) -> _Result:
+        """Check the recipe's model without a cell."""
         from mjcompose.build.cache.cell_run import make_recipe
 
-        maker, context = self.maker, self.context
         progress(f"checking {maker.recipe}")
-        with session_of_run(remembers=False) as session:
-            made = make_recipe(maker, session, given)
-        self.suites.append(suite_of(maker.recipe, made.outcomes, context.sink.errors, context=context))
-        self.counted = _counted(len(made.outcomes))
-        self.files |= made.files
-        note_files(self.files)
-        self.code = exit_code(context.folder, [maker.recipe]) if made.failed else 0
-        if not made.failed and alone:
-            note_cells(context, made.cells, made.cells_at)
+        with self.run.session(remembers=False) as session:
+            result = make_recipe(maker, session, self.given)
+        return self._of_model(maker.recipe, result, maker.context, notes_cells=notes_cells)
 
-    def cells(self, picks: tuple[str, ...], samples: tuple[int, ...], given: dict[str, Node]) -> bool:
-        """Check cells; return False if there are none, because the recipe is one model."""
+    def _of_model(
+        self, recipe: Path, result: RecipeResult, context: Context, *, notes_cells: bool
+    ) -> _Result:
+        """Return the result of a model; `notes_cells` if the user did not ask for cells."""
+        outcomes = result.outcomes
+        self.run.suites.append(_suite(recipe, outcomes, context.sink.errors, context=context))
+        note_files(result.files)
+        if notes_cells and not result.failed and result.cells:
+            count = f"{result.cells} cell{'s' * (result.cells > 1)}"
+            context.sink.note("cells-not-checked", f"one model was checked, and the matrix has {count}",
+                              result.cells_at, help="`--all` checks all of them, `--pick CELL` one")  # fmt: skip
+        code = exit_code(context.folder, [recipe]) if result.failed else 0
+        return _Result(recipe, code, counted=_counted(len(outcomes)), files=frozenset(result.files))
+
+    def _cells(self, maker: Maker) -> _Result | None:
+        """Check cells, or return None if there are none, because the recipe is one model."""
         from mjcompose.build.cache.cell_run import CellMaker, CellRun
 
-        maker, context = self.maker, self.context
-        chosen, self.code = chosen_cells(
-            maker.recipe, picks, samples, given=given, context=context, verb="check"
-        )
-        if self.code:
-            self.suites.append(suite_of(maker.recipe, (), context.sink.errors, context=context))
-            return True
+        options, run, recipe, context = self.options, self.run, maker.recipe, maker.context
+        chosen, code = options.cells.chosen(recipe, self.given, context=context, verb="check")
+        if code:
+            run.suites.append(_suite(recipe, (), context.sink.errors, context=context))
+            return _Result(recipe, code)
         if not chosen:
-            return False
-        if self.shard is not None:
-            chosen = self.shard.of(chosen)
-        self.tally = Tally(maker.recipe, len(chosen))
-        checks = 0
+            return None
+        if options.workers.shard is not None:
+            chosen = options.workers.shard.of(chosen)
+        tally, checks, files = Tally(recipe, len(chosen)), 0, set[str]()
         with (
-            session_of_run(remembers=True) as session,
-            crew_of(self.cluster, self.jobs) as crew,
-            CellRun(CellMaker(maker, given, session), self.jobs, crew) as running,
+            run.session(remembers=True) as session,
+            options.workers.started() as crew,
+            CellRun(CellMaker(maker, self.given, session), options.workers.jobs, crew) as running,
             stopped(context) as ended,
         ):
             for each in counting(running.made(chosen), len(chosen), lambda each: each.cell.name):
-                self.files |= each.files
+                files |= each.files
                 note_files(each.files)
-                self.tally.take(each.cell.label, each.diagnostics, context.sink, failed=each.failed)
-                if self.wants_suites:  # suites grow with the cells
-                    self.suites.append(
-                        suite_of(
-                            maker.recipe,
-                            each.outcomes,
-                            each.diagnostics,
-                            context=context,
-                            cell=each.cell.label,
-                        )
+                label = each.cell.label
+                tally.take(label, each.diagnostics, context.sink, failed=each.failed)
+                if run.junit is not None:  # suites grow with the cells
+                    run.suites.append(
+                        _suite(recipe, each.outcomes, each.diagnostics, context=context, cell=label)
                     )
                 checks += len(each.outcomes)
-        self.counted = f", {len(chosen)} model{'s' * (len(chosen) != 1)}{_counted(checks)}"
-        self.code = FINDINGS if self.tally.failed or ended else 0
-        return True
+        code = FINDINGS if tally.failed or ended else 0
+        counted = f", {len(chosen)} model{'s' * (len(chosen) != 1)}{_counted(checks)}"
+        return _Result(recipe, code, counted, tally, frozenset(files))
 
 
-def note_cells(context: Context, cells: int, at: Span | None) -> None:
-    """Report that the cells of a recipe's matrix were not checked."""
-    if cells:
-        count = f"{cells} cell{'s' * (cells > 1)}"
-        context.sink.note("cells-not-checked", f"one model was checked, and the matrix has {count}",
-                          at, help="`--all` checks all of them, `--pick CELL` one")  # fmt: skip
+def _suite(
+    recipe: Path,
+    outcomes: Sequence[Outcome],
+    found: Iterable[Diagnostic],
+    context: Context,
+    cell: CellName | None = None,
+) -> Suite:
+    """Return the results of a recipe, or of one cell: the first case is the model itself, followed by its checks."""
+    of_checks = {each for outcome in outcomes for each in outcome.diagnostics}
+    others = [each for each in found if each.severity is Severity.ERROR and each not in of_checks]
+    shown = context.shown(recipe)
+    cases = [Case(_MODEL, _MODEL, others, file=shown)]
+    cases += [
+        Case(each.name, each.kind, each.diagnostics, file=each.span.file, line=each.span.line)
+        for each in outcomes
+    ]
+    return Suite(shown if cell is None else f"{shown}: {cell.name}", cases, cell)
 
 
 def _counted(checks: int) -> str:

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 import click
 
 from mjcompose.base.dataclass import dataclass
-from mjcompose.cli.options import JSON, QUIET, Amount, CellOptions, Choices, TimeOptions, formats
+from mjcompose.cli.cells import CellOptions
+from mjcompose.cli.options import JSON, QUIET, Amount, Choices, TimeOptions, formats
 from mjcompose.cli.reporting import USAGE, progress
 from mjcompose.cli.run import Answer, Run, Stop, argument, command, flag, group, option
 

@@ -11,8 +11,9 @@ import click
 from mjcompose.base.codes import CODES, address, code_of, in_terminal, page
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.suggest import closest
-from mjcompose.cli import completing
-from mjcompose.cli.options import CellOptions, Choices, FetchOptions, LimitOptions, ReportOptions
+from mjcompose.cli import completion
+from mjcompose.cli.cells import CellOptions
+from mjcompose.cli.options import Choices, FetchOptions, LimitOptions, ReportOptions
 from mjcompose.cli.reporting import USAGE, source_reader, use_color
 from mjcompose.cli.run import PATH, Answer, Run, Stop, argument, command, flag, group
 
@@ -22,10 +23,10 @@ class Options:
     """The options of `explain`."""
 
     model: Path | None = argument(
-        metavar="MODEL|CODE", type=PATH, required=False, shell_complete=completing.models_and_codes
+        metavar="MODEL|CODE", type=PATH, required=False, shell_complete=completion.models_and_codes
     )
-    query: str | None = argument(required=False, shell_complete=completing.elements)
-    attribute: str | None = argument(required=False, shell_complete=completing.attributes)
+    query: str | None = argument(required=False, shell_complete=completion.elements)
+    attribute: str | None = argument(required=False, shell_complete=completion.attributes)
     codes: bool = flag("--codes", help="List all error codes.")
     choices: Choices = group(Choices)
     cell: CellOptions = group(CellOptions)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import click
 
 from mjcompose.base.dataclass import dataclass
-from mjcompose.cli import completing
+from mjcompose.cli import completion
 from mjcompose.cli.run import Answer, Run, argument, command
 
 
@@ -13,7 +13,7 @@ from mjcompose.cli.run import Answer, Run, argument, command
 class Options:
     """The options of `help`."""
 
-    names: tuple[str, ...] = argument(metavar="[COMMAND]...", nargs=-1, shell_complete=completing.commands)
+    names: tuple[str, ...] = argument(metavar="[COMMAND]...", nargs=-1, shell_complete=completion.commands)
 
 
 @command(Options)

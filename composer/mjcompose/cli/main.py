@@ -14,7 +14,7 @@ import click
 
 from mjcompose.base import files
 from mjcompose.base.version import __version__
-from mjcompose.cli.process import exit_code_asked, ran_out
+from mjcompose.cli.entry import exit_code_asked, ran_out
 
 _VERBS = {
     "build": "Build the model of a recipe: one MJCF file and its assets.",
@@ -69,9 +69,9 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 _FAILED, _INTERRUPTED, _BUG = 1, 130, 70
 
 if "_MJCOMPOSE_COMPLETE" in os.environ:
-    from mjcompose.cli import completing
+    from mjcompose.cli import completion
 
-    completing.install()
+    completion.install()
 
 
 class _Verbs(click.Group):
@@ -85,11 +85,7 @@ class _Verbs(click.Group):
             return _extension(ctx, cmd_name)
         room = f"{cmd_name}_" if keyword.iskeyword(cmd_name) else cmd_name
         module = importlib.import_module(f"mjcompose.cli.{room}")
-        command = (
-            getattr(module, "command", None)
-            if isinstance(getattr(module, "command", None), click.Command)
-            else getattr(module, room)
-        )
+        command = getattr(module, room)
         assert isinstance(command, click.Command)
         return command
 
@@ -192,7 +188,7 @@ def _extension(ctx: click.Context, name: str) -> click.Command | None:
     from mjcompose.sources.context import Context
 
     try:
-        return Table[click.Command]("commands", {}, "command", kind=click.Command)[name]
+        return Table[click.Command]("commands", {}, "", kind=click.Command)[name]
     except DiagnosticError as error:
         context = Context()
         context.sink.add(error.diagnostic)

@@ -12,7 +12,7 @@ import click
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.report import Paint
-from mjcompose.cli import completing
+from mjcompose.cli import completion
 from mjcompose.cli.fmt import difference, rewrite
 from mjcompose.cli.options import STRICT, FetchOptions, ReportOptions, TimeOptions, output
 from mjcompose.cli.reporting import FINDINGS, progress, use_color
@@ -31,7 +31,7 @@ _SHOWN = 5
 class Options:
     """The options of `migrate`."""
 
-    model: str = argument(shell_complete=completing.files)
+    model: str = argument(shell_complete=completion.files)
     before: str | None = option("--from", metavar="VERSION",
                                 help="The MuJoCo version that MODEL is written for, 3.0 to 4.0.")  # fmt: skip
     after: str | None = option("--mujoco", metavar="VERSION", help="The MuJoCo version to write for, which may be"

@@ -14,34 +14,19 @@ from typing import TYPE_CHECKING, Any
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Severity, hide
 from mjcompose.build.bundle.bundle import Location, file_name, hash_of, is_address, location, picture_of
-from mjcompose.cli.reporting import clear_progress, exit_code, note_files, progress, report, say, say_details
+from mjcompose.cli.reporting import clear_progress, note_files, progress, say, say_details
 from mjcompose.model.merged_settings import in_words
 from mjcompose.text.expression_values import shown
 
 if TYPE_CHECKING:
     from mjcompose.build.bundle.bundle import Bundle, OutputForm
     from mjcompose.build.cache.builder import BuildResult, Maker
+    from mjcompose.cli.run import Run
     from mjcompose.mujoco.engine import Session
     from mjcompose.sources.context import Context
     from mjcompose.text.node import Node
 
 _KEPT = "picture"
-
-
-def check_has_picture(out: str, kind: OutputForm) -> None:
-    """Raise OutputError for outputs without pictures."""
-    from mjcompose.build.bundle.bundle import OutputError
-
-    if is_address(out):
-        help = "write to this machine and copy the files from there, or leave `--picture` out"
-        message = f"`--picture` is for what is written to this machine, and `{hide(out)}` is an address"
-        raise OutputError("output-kind", message, help)
-    why = {"mjb": "MuJoCo's binary form", "usd": "USD"}.get(kind)
-    if out == "-" or why is not None:
-        message = f"`--picture` is for bundles and MJCF files, and `{out}` is {why or 'standard output'}"
-        raise OutputError(
-            "output-kind", message, "write a folder, a `.zip` or an `.xml`, or leave `--picture` out"
-        )
 
 
 def picture_beside(target: str, name: str) -> Path:
@@ -81,13 +66,12 @@ class Picturing:
 
 
 @dataclass(frozen=True, slots=True)
-class Wanted:
+class OutputSpec:
     """What is built of a recipe, where it goes, and how it is reported; `picturing` draws a picture next to it."""
 
     out: str
     kind: OutputForm
     verified: bool
-    deduplicated: bool
     form: str
     why: bool = False
     licenses: bool = False
@@ -106,7 +90,7 @@ class Wanted:
         """Return the output of a model as a place, or None for standard output."""
         return None if self.out == "-" else location(folder, self.target(name, mujoco))
 
-    def elsewhere(self, folder: Path) -> Wanted:
+    def elsewhere(self, folder: Path) -> OutputSpec:
         """Return the same for a process that runs in another folder, without pictures."""
         slash = "/" if self.out.endswith("/") and not is_address(self.out) else ""
         return replace(self, picturing=None, out=f"{location(folder, self.out)}{slash}")
@@ -117,7 +101,7 @@ class Wanted:
         return 2 if os.path.basename(os.path.dirname(self.out.rstrip("/"))) == "{hash}" else 1
 
     def text_beside(self, folder: Path) -> Path | None:
-        """Return the folder from which text refers to its files, if only text is wanted."""
+        """Return the folder from which text refers to its files, if only text is spec."""
         if self.kind != "text":
             return None
         return folder if self.out == "-" else Path(os.path.abspath(folder / self.out)).parent
@@ -149,42 +133,19 @@ _NO_ADDRESS = {
     "text": "text alone names files of this machine",
     "usd": "USD is written by MuJoCo's converter, to this machine",
 }
-_NO_SHARING = {
-    "archive": "a zip cannot refer to files outside of it",
-    "text": "text alone names the sources' own files, and none is copied",
-    "mjb": "MuJoCo's binary form has its assets in it",
-    "usd": "USD has meshes in its layers",
-}
 
 
-def for_shared_assets(out: str | None, one: bool) -> tuple[str, OutputForm]:
-    """Return the output of models that share their assets, and its form. Raises OutputError if they cannot."""
-    from mjcompose.build.bundle.bundle import OutputError, OutputForm
-
-    out = "build/{name}/" if out is None else out
-    help = "write `--all -o 'build/{name}/'`"
-    if one:
-        raise OutputError("output-kind", "one model has nobody to share its assets with", help)
-    kind = kind_of_output(out, models=2)
-    if kind is not OutputForm.FOLDER:
-        raise OutputError("output-kind", f"`--shared-assets` is for folders: {_NO_SHARING[kind]}", help)
-    above, _, last = os.path.dirname(out.rstrip("/")).rpartition("/")
-    if "{name}" in above + last or "{hash}" in above or ("{hash}" in last and last != "{hash}"):
-        raise OutputError("output-kind", f"the folders `{out}` do not stand side by side", help)
-    return out, OutputForm.SHARED
-
-
-def said(result: BuildResult, wanted: Wanted) -> str:
+def report_of(result: BuildResult, spec: OutputSpec) -> str:
     """Return the report about a written model: JSON, or several lines of text."""
-    out = hide(wanted.target(result.name, result.mujoco))
-    if wanted.form == "json":
+    out = hide(spec.target(result.name, result.mujoco))
+    if spec.form == "json":
         import json
 
-        return json.dumps(_data(result, wanted, out))
-    return "\n".join(_lines(result, wanted, out))
+        return json.dumps(_data(result, spec, out))
+    return "\n".join(_lines(result, spec, out))
 
 
-def _data(result: BuildResult, wanted: Wanted, out: str) -> dict[str, object]:
+def _data(result: BuildResult, spec: OutputSpec, out: str) -> dict[str, object]:
     answer: dict[str, object] = {
         "output": out,
         "name": result.name,
@@ -201,19 +162,19 @@ def _data(result: BuildResult, wanted: Wanted, out: str) -> dict[str, object]:
         answer["excluded"] = result.excluded
     if result.replaced:
         answer["replaced"] = dict(result.replaced)
-    if wanted.licenses:
+    if spec.licenses:
         answer["licenses"] = [asdict(row) for row in result.licenses]
-    if wanted.picturing is not None:
+    if spec.picturing is not None:
         answer["picture"] = picture_of(result.name)
-    if wanted.why:
+    if spec.why:
         answer["built"] = result.is_new
         answer["why"] = list(result.why)
     return answer
 
 
-def _lines(result: BuildResult, wanted: Wanted, out: str) -> Iterator[str]:
+def _lines(result: BuildResult, spec: OutputSpec, out: str) -> Iterator[str]:
     files, be = out, "is"
-    if wanted.kind == "mjb":
+    if spec.kind == "mjb":
         from mjcompose.build.bundle.staging import manifest_beside
 
         files, be = f"{out} and {manifest_beside(Path(out)).name}", "are"
@@ -225,19 +186,19 @@ def _lines(result: BuildResult, wanted: Wanted, out: str) -> Iterator[str]:
         yield f"  {result.name}: nq {sizes['nq']}, nv {sizes['nv']}, nu {sizes['nu']}, {counted}"
     else:
         yield "  not verified: MuJoCo has not compiled it"
-    if wanted.picturing is not None:
+    if spec.picturing is not None:
         yield f"  picture {picture_of(result.name)}"
-    yield from remarks(result, wanted)
+    yield from remarks(result, spec)
     yield f"  contents sha256 {result.sha256}"
-    if wanted.licenses and not result.licenses:
+    if spec.licenses and not result.licenses:
         yield "  no licenses: it takes nothing from other models"
-    elif wanted.licenses:
+    elif spec.licenses:
         from mjcompose.build.bundle.licenses import license_table
 
         yield license_table(result.licenses)
 
 
-def remarks(result: BuildResult, wanted: Wanted) -> Iterator[str]:
+def remarks(result: BuildResult, spec: OutputSpec) -> Iterator[str]:
     """Yield one line each for adopted settings, the replaced output, merged assets, and why it was built or not."""
     yield from (f"  adopted {words}" for words in in_words(result.adopted))
     if result.excluded:
@@ -247,7 +208,7 @@ def remarks(result: BuildResult, wanted: Wanted) -> Iterator[str]:
         yield _replacing(result.replaced)
     if result.merged:
         yield _merging(result)
-    if wanted.why:
+    if spec.why:
         if result.is_new:
             yield from (f"  built: {line}" for line in result.why)
         else:
@@ -275,198 +236,198 @@ def _count(number: int, noun: str, plural: str | None = None) -> str:
     return f"{number} {noun if number == 1 else plural or noun + 's'}"
 
 
-def build_one(
-    maker: Maker,
-    wanted: Wanted,
-    given: dict[str, Node],
-    context: Context,
-    session: Session,
-    why: tuple[str, ...],
-) -> int:
-    """Build the single model of the recipe. Return the exit code."""
-    progress(f"building {maker.recipe}")
-    made = maker.make(context, session, given, key=maker.key(), why=why)
-    return finish(made, maker, wanted, context=context, session=session)
+@dataclass(frozen=True, slots=True)
+class Task:
+    """One run of `build`: who makes the models, where they go, and with which values of parameters."""
 
+    maker: Maker
+    spec: OutputSpec
+    run: Run
+    given: dict[str, Node] = field(default_factory=dict)
+    session: Session | None = None
 
-def finish(
-    result: BuildResult | None,
-    maker: Maker,
-    wanted: Wanted,
-    context: Context,
-    session: Session | None,
-) -> int:
-    """Write the model and report it. Return the exit code."""
-    from mjcompose.build.cache.builder import shown_input_files
+    def build_one(self, why: tuple[str, ...]) -> int:
+        """Build the single model of the recipe. Return the exit code."""
+        maker = self.maker
+        assert self.session is not None
+        progress(f"building {maker.recipe}")
+        return self.finish(maker.make(self.run.context, self.session, self.given, key=maker.key(), why=why))
 
-    files = shown_input_files(result, context)
-    note_files(files)
-    result = None if result is None else put(result, maker, context, session=session, wanted=wanted)
-    if result is not None:
-        add_picture(result, wanted, context)
-    report(context, wanted.form, err=wanted.out == "-")
-    say_details(context, files)
-    if result is None or context.sink.has_errors:
-        return exit_code(context.folder, [maker.recipe])
-    if wanted.out == "-":
-        for line in remarks(result, wanted):
-            say(line, err=True)
+    def finish(self, result: BuildResult | None) -> int:
+        """Write the model and report it. Return the exit code."""
+        from mjcompose.build.cache.builder import shown_input_files
+
+        run, spec, context = self.run, self.spec, self.run.context
+        files = shown_input_files(result, context)
+        note_files(files)
+        if result is not None:
+            result = put(result, self.maker, context, session=self.session, spec=spec)
+        if result is not None:
+            add_picture(result, spec, context)
+        run.to_stderr = spec.out == "-"
+        run.report()
+        say_details(context, files)
+        if result is None or context.sink.has_errors:
+            return run.code_of_failure(self.maker.recipe)
+        if run.to_stderr:
+            for line in remarks(result, spec):
+                say(line, err=True)
+        else:
+            say(report_of(result, spec), form=run.form)
         return 0
-    say(said(result, wanted), form=wanted.form)
-    return 0
 
 
 def put(
-    result: BuildResult, maker: Maker, context: Context, session: Session | None, wanted: Wanted
+    result: BuildResult, maker: Maker, context: Context, session: Session | None, spec: OutputSpec
 ) -> BuildResult | None:
     """Write a model to its output; return it as written, or None after an error, which is reported."""
-    from mjcompose.build.bundle.bundle import OutputError
-    from mjcompose.build.bundle.licenses import report_unlicensed
+    return _Writer(maker, spec, context, session=session).put(result)
 
-    clear_progress()
-    report_unlicensed(result.licenses, context)
-    _judge_warnings(result, context)
-    if context.strict and context.sink.has_errors:
-        return None
-    target = wanted.target(result.name, result.mujoco)
-    try:
-        _check_picture(result, target, wanted, context=context)
-        if wanted.kind == "text" and result.built is not None:
-            from mjcompose.build.bundle.collect import text_alone
 
-            composed = result.built.composed
-            text = text_alone(composed.model, composed.files, target, folder=context.folder)
-            result = maker.with_text(result, text, context)
-        if not result.is_written:
-            from mjcompose.build.bundle.write import origin_of_output
+def add_picture(result: BuildResult, spec: OutputSpec, context: Context) -> None:
+    """Draw a picture next to a written model, if one is wanted; errors go to the context's sink."""
+    if spec.picturing is not None:
+        target = spec.target(result.name, result.mujoco)
+        spec.picturing.put(target, result.name, is_known=result.is_written, context=context)
 
-            out = location(context.folder, target)
-            before = None if wanted.kind in ("text", "usd") else origin_of_output(out)
-            maker.note_written(
-                result, _write(result, target, maker, wanted=wanted, context=context, session=session)
+
+@dataclass(frozen=True, slots=True)
+class _Writer:
+    """Writes models to their outputs."""
+
+    maker: Maker
+    spec: OutputSpec
+    context: Context
+    session: Session | None
+
+    def put(self, result: BuildResult) -> BuildResult | None:
+        from mjcompose.build.bundle.bundle import OutputError
+        from mjcompose.build.bundle.licenses import report_unlicensed
+
+        maker, spec, context = self.maker, self.spec, self.context
+        clear_progress()
+        report_unlicensed(result.licenses, context)
+        self._judge_warnings(result)
+        if context.strict and context.sink.has_errors:
+            return None
+        target = spec.target(result.name, result.mujoco)
+        try:
+            self._check_picture(result, target)
+            if spec.kind == "text" and result.built is not None:
+                from mjcompose.build.bundle.collect import text_alone
+
+                composed = result.built.composed
+                text = text_alone(composed.model, composed.files, target, folder=context.folder)
+                result = maker.with_text(result, text, context)
+            if not result.is_written:
+                from mjcompose.build.bundle.write import origin_of_output
+
+                out = location(context.folder, target)
+                before = None if spec.kind in ("text", "usd") else origin_of_output(out)
+                maker.note_written(result, self._write(result, target))
+                now = None if before is None else origin_of_output(out)
+                if before is not None and now is not None:
+                    result = replace(result, replaced=before.other_than(now))
+        except OutputError as error:
+            context.sink.add(error.diagnostic)
+            return None
+        self._judge_warnings(result)
+        return result
+
+    def _check_picture(self, result: BuildResult, target: str) -> None:
+        """Refuse a picture that would take the place of a texture. Raises OutputError."""
+        if self.spec.picturing is not None:
+            from mjcompose.build.bundle.staging import check_is_no_source
+            from mjcompose.build.cache.builder import input_files
+
+            check_is_no_source(
+                self.context.folder / picture_beside(target, result.name), "--picture", input_files(result)
             )
-            now = None if before is None else origin_of_output(out)
-            if before is not None and now is not None:
-                result = replace(result, replaced=before.other_than(now))
-    except OutputError as error:
-        context.sink.add(error.diagnostic)
-        return None
-    _judge_warnings(result, context)
-    return result
 
+    def _judge_warnings(self, result: BuildResult) -> None:
+        """Drop warnings that the recipe allows; with `--strict` the rest become errors."""
+        context = self.context
+        for diagnostic in context.sink.diagnostics:
+            if diagnostic.severity is not Severity.ERROR and diagnostic.code in result.allowed:
+                context.sink.drop(diagnostic)
+        if context.strict:
+            context.sink.promote()
 
-def _check_picture(result: BuildResult, target: str, wanted: Wanted, context: Context) -> None:
-    """Refuse a picture that would take the place of a texture. Raises OutputError."""
-    if wanted.picturing is not None:
+    def _write(self, result: BuildResult, out: str) -> tuple[Path, ...]:
+        """Write the model, and return what was written elsewhere than to `out`."""
         from mjcompose.build.bundle.staging import check_is_no_source
         from mjcompose.build.cache.builder import input_files
 
-        check_is_no_source(
-            context.folder / picture_beside(target, result.name), "--picture", input_files(result)
-        )
-
-
-def add_picture(result: BuildResult, wanted: Wanted, context: Context) -> None:
-    """Draw a picture next to a written model, if one is wanted; errors go to the context's sink."""
-    if wanted.picturing is not None:
-        target = wanted.target(result.name, result.mujoco)
-        wanted.picturing.put(target, result.name, is_known=result.is_written, context=context)
-
-
-def _judge_warnings(result: BuildResult, context: Context) -> None:
-    """Drop warnings that the recipe allows; with `--strict` the rest become errors."""
-    for diagnostic in context.sink.diagnostics:
-        if diagnostic.severity is not Severity.ERROR and diagnostic.code in result.allowed:
-            context.sink.drop(diagnostic)
-    if context.strict:
-        context.sink.promote()
-
-
-def _write(
-    result: BuildResult, out: str, maker: Maker, wanted: Wanted, context: Context, session: Session | None
-) -> tuple[Path, ...]:
-    """Write the model, and return what was written elsewhere than to `out`."""
-    from mjcompose.build.bundle.staging import check_is_no_source
-    from mjcompose.build.cache.builder import input_files
-
-    if wanted.kind in ("text", "mjb", "usd") and result.bundle is not None:
-        _check_holds_all(result.bundle, out)
-    if out != "-":
-        if is_address(out):
-            _deliver(result, out, maker, wanted=wanted, context=context, session=session)
-            return ()
-        check_is_no_source(context.folder / out, "-o", input_files(result))
-    if wanted.kind == "text":
-        text = result.text
-        assert text is not None
+        maker, spec, context = self.maker, self.spec, self.context
+        if spec.kind in ("text", "mjb", "usd") and result.bundle is not None:
+            _check_holds_all(result.bundle, out)
         if out != "-":
-            from mjcompose.build.bundle.staging import staged_file
+            if is_address(out):
+                self._deliver(result, out)
+                return ()
+            check_is_no_source(context.folder / out, "-o", input_files(result))
+        if spec.kind == "text":
+            text = result.text
+            assert text is not None
+            if out != "-":
+                from mjcompose.build.bundle.staging import staged_file
 
-            with staged_file(context.folder / out, "-o") as stage:
-                stage.write_bytes(text)
-        elif sys.stdout is None:
-            raise OSError("standard output is closed")
+                with staged_file(context.folder / out, "-o") as stage:
+                    stage.write_bytes(text)
+            elif sys.stdout is None:
+                raise OSError("standard output is closed")
+            else:
+                sys.stdout.buffer.write(text)
+                sys.stdout.buffer.flush()
+        elif spec.kind == "folder with shared assets":
+            from mjcompose.build.bundle.remote import write_shared
+
+            assert result.bundle is not None
+            return write_shared(result.bundle, Path(os.path.abspath(context.folder / out)), spec.assets_above)
+        elif result.packed and result.record is not None:
+            from mjcompose.build.bundle.write import write_packed
+
+            write_packed(
+                result.packed,
+                result.record.model,
+                Path(out),
+                environment=context.environment,
+                packed=result.packed.__getitem__,
+            )
         else:
-            sys.stdout.buffer.write(text)
-            sys.stdout.buffer.flush()
-    elif wanted.kind == "folder with shared assets":
-        from mjcompose.build.bundle.remote import write_shared
+            from mjcompose.build.bundle.write import write
 
-        assert result.bundle is not None
-        return write_shared(result.bundle, Path(os.path.abspath(context.folder / out)), wanted.assets_above)
-    elif result.packed and result.record is not None:
-        from mjcompose.build.bundle.write import write_packed
+            def lost(warning: str) -> None:
+                context.sink.warning("usd-loss", f"`{out}` is not the whole model: {warning}")
 
-        write_packed(
-            result.packed,
-            result.record.model,
-            Path(out),
-            environment=context.environment,
-            packed=result.packed.__getitem__,
-        )
-    else:
-        from mjcompose.build.bundle.write import write
+            assert result.bundle is not None
+            write(
+                result.bundle, out, environment=context.environment, session=self.session,
+                packing=maker.packing, warn=lost,
+            )  # fmt: skip
+            if spec.kind == "mjb":
+                from mjcompose.build.bundle.staging import manifest_beside
 
-        def lost(warning: str) -> None:
-            context.sink.warning("usd-loss", f"`{out}` is not the whole model: {warning}")
+                return (manifest_beside(Path(os.path.abspath(context.folder / out))),)
+        return ()
 
-        assert result.bundle is not None
-        write(
-            result.bundle, out, environment=context.environment, session=session, packing=maker.packing, warn=lost
-        )  # fmt: skip
-        if wanted.kind == "mjb":
-            from mjcompose.build.bundle.staging import manifest_beside
+    def _deliver(self, result: BuildResult, out: str) -> None:
+        """Write to this machine first, and then to an address."""
+        from mjcompose.base.scratch import scratch
+        from mjcompose.build.bundle.remote import ASSETS, deliver_assets, deliver_file, deliver_folder
 
-            return (manifest_beside(Path(os.path.abspath(context.folder / out))),)
-    return ()
-
-
-def _deliver(
-    result: BuildResult, out: str, maker: Maker, wanted: Wanted, context: Context, session: Session | None
-) -> None:
-    """Write to this machine first, and then to an address."""
-    from mjcompose.base.scratch import scratch
-    from mjcompose.build.bundle.remote import ASSETS, deliver_assets, deliver_file, deliver_folder
-
-    parts = out.rstrip("/").rsplit("/", wanted.assets_above)
-    with scratch("output") as folder:
-        models = folder / "models"
-        local = models.joinpath(*parts[1:])
-        _write(
-            result,
-            f"{local}/" if out.endswith("/") else str(local),
-            maker,
-            wanted=wanted,
-            context=context,
-            session=session,
-        )
-        if os.path.isdir(models / ASSETS):
-            deliver_assets(models / ASSETS, f"{parts[0]}/{ASSETS}")
-        if os.path.isdir(local):
-            deliver_folder(local, out.rstrip("/"))
-            return
-        for each in sorted(local.parent.iterdir(), key=lambda each: each == local):
-            deliver_file(each, f"{out.rpartition('/')[0]}/{each.name}")
+        parts = out.rstrip("/").rsplit("/", self.spec.assets_above)
+        with scratch("output") as folder:
+            models = folder / "models"
+            local = models.joinpath(*parts[1:])
+            self._write(result, f"{local}/" if out.endswith("/") else str(local))
+            if os.path.isdir(models / ASSETS):
+                deliver_assets(models / ASSETS, f"{parts[0]}/{ASSETS}")
+            if os.path.isdir(local):
+                deliver_folder(local, out.rstrip("/"))
+                return
+            for each in sorted(local.parent.iterdir(), key=lambda each: each == local):
+                deliver_file(each, f"{out.rpartition('/')[0]}/{each.name}")
 
 
 def _check_holds_all(bundle: Bundle, out: str) -> None:

@@ -9,7 +9,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from mjcompose.base.dataclass import dataclass
-from mjcompose.cli.options import RECIPE, CellOptions, Choices, FetchOptions, LimitOptions, ReportOptions
+from mjcompose.cli.cells import CellOptions
+from mjcompose.cli.options import RECIPE, Choices, FetchOptions, LimitOptions, ReportOptions
 from mjcompose.cli.run import Answer, Run, command, flag, group
 
 if TYPE_CHECKING:

@@ -9,18 +9,9 @@ from typing import TYPE_CHECKING
 import click
 
 from mjcompose.base.dataclass import dataclass
-from mjcompose.cli import completing
-from mjcompose.cli.options import (
-    JOBS,
-    Amount,
-    CellsOptions,
-    Choices,
-    FetchOptions,
-    ReportOptions,
-    TimeOptions,
-    check_several,
-    output,
-)
+from mjcompose.cli import completion
+from mjcompose.cli.cells import JOBS, CellsOptions, check_several
+from mjcompose.cli.options import Amount, Choices, FetchOptions, ReportOptions, TimeOptions, output
 from mjcompose.cli.reporting import FINDINGS, USAGE, progress
 from mjcompose.cli.run import Answer, Run, Stop, argument, command, flag, group, option
 
@@ -63,9 +54,9 @@ class Options:
     target: str = argument()
     out: str | None = output("FILE.png, FILE.gif or FILE.mp4. Default: build/NAME.png.")
     key: str | None = option("--key", metavar="KEY", help="The keyframe to show. Default: the first one.",
-                             shell_complete=completing.keys)  # fmt: skip
+                             shell_complete=completion.keys)  # fmt: skip
     camera: str | None = option(
-        "--camera", metavar="CAMERA", shell_complete=completing.cameras,
+        "--camera", metavar="CAMERA", shell_complete=completion.cameras,
         help="A camera of the model. Default: a camera that shows the whole model.",
     )  # fmt: skip
     size: tuple[int, int] | None = option(

@@ -2,29 +2,21 @@
 
 from __future__ import annotations
 
-import json
 import os
 import shutil
 import sys
-import time
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import asdict, field
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any
 
 import click
 
 from mjcompose.base import report as text
-from mjcompose.base.dataclass import dataclass
-from mjcompose.base.diagnostic import CellName, Diagnostic, Severity, listed
-from mjcompose.base.report import Case, Suite, printable
+from mjcompose.base.diagnostic import Diagnostic
+from mjcompose.base.report import Suite, printable
 from mjcompose.base.report import report as junit_text
-from mjcompose.base.sink import Sink
 from mjcompose.sources.context import Context
-
-if TYPE_CHECKING:
-    from mjcompose.build.verify.outcome import Outcome
 
 _READ = "mjcompose.read"
 
@@ -35,84 +27,17 @@ def note_files(files: Iterable[str | Path]) -> None:
         context.meta.setdefault(_READ, set()).update(map(Path, files))
 
 
-def note_reported(context: Context) -> None:
-    """Record for `--watch` the files that may fix a fault."""
-    current = click.get_current_context(silent=True)
-    if current is not None and current.params.get("watch"):
-        from mjcompose.tools.view.builder import hopes
-
-        note_files(hopes(context))
-
-
 def noted_files() -> set[Path]:
     return set(click.get_current_context().meta.get(_READ, ()))
 
 
 FINDINGS, USAGE, INTERRUPTED = 1, 2, 130
-ARGUMENTS = "mjcompose.arguments"
-_QUIET, _JSON, FORM, _STANDING = "mjcompose.quiet", "mjcompose.json", "mjcompose.form", "mjcompose.standing"
-_STRICT, _VERBOSE = "mjcompose.strict", "mjcompose.verbose"
-_FORMATS = ("text", "json", "github")
-
-
-def reporting_options(command: Callable[..., Any]) -> Callable[..., Any]:
-    """Add `--format`, `--json` and `--quiet`; the command gets the first as `form`; for the last see `say`."""
-    return format_options(_FORMATS)(quiet_option(command))
-
-
-def format_options(formats: Iterable[str]) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
-    """Add `--format` with these values, and `--json`, which is short for `--format json`; the command gets `form`."""
-
-    def note(ctx: click.Context, parameter: click.Parameter, given: bool) -> None:
-        ctx.meta[_JSON] = given
-
-    def form(ctx: click.Context, parameter: click.Parameter, given: str) -> str:
-        ctx.meta[FORM] = "json" if ctx.meta.get(_JSON) else given
-        return str(ctx.meta[FORM])
-
-    def options(command: Callable[..., Any]) -> Callable[..., Any]:
-        command = click.option("--json", is_flag=True, expose_value=False, is_eager=True, callback=note,
-                               help="The same as --format json.")(command)  # fmt: skip
-        return click.option("--format", "form", type=click.Choice(tuple(formats)), default="text",
-                            show_default=True, callback=form, help="How the output is printed.")(command)  # fmt: skip
-
-    return options
-
-
-def quiet_option(command: Callable[..., Any]) -> Callable[..., Any]:
-    """Add `--quiet`, which is not an argument of the command: `say` and `progress` use it."""
-    return _noted("-q", _QUIET, "Print only errors and warnings.", "--quiet")(command)
-
-
-def strict_option(command: Callable[..., Any]) -> Callable[..., Any]:
-    """Add `--strict`, which is not an argument of the command: see `is_strict`."""
-    return _noted("--strict", _STRICT, "Treat warnings as errors, except those that the recipe allows.")(
-        command
-    )
-
-
-def is_strict() -> bool:
-    return bool(_meta().get(_STRICT))
-
-
-def verbose_option(command: Callable[..., Any]) -> Callable[..., Any]:
-    """Add `--verbose`, which is not an argument of the command: `say_details` uses it."""
-    help = "Also print how long each stage took, and which files were read."
-    return _noted("-v", _VERBOSE, help, "--verbose")(command)
-
-
-def _noted(flag: str, key: str, help: str, *more: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
-    """Return a flag that is stored under a key of the command."""
-
-    def note(ctx: click.Context, parameter: click.Parameter, given: bool) -> None:
-        ctx.meta[key] = given
-
-    return click.option(flag, *more, is_flag=True, expose_value=False, callback=note, help=help)
+ARGUMENTS, FORM, _LINE = "mjcompose.arguments", "mjcompose.form", "mjcompose.progress_line"
 
 
 def say_details(context: Context, files: Iterable[str] = ()) -> None:
     """Print for `--verbose`, to standard error, how long each stage took, and the files that were read."""
-    if not _meta().get(_VERBOSE) and not _given("verbose"):
+    if not _given("verbose"):
         return
     clear_progress()
     seconds: dict[str, float] = {}
@@ -140,7 +65,7 @@ def say(words: str, *, err: bool = False, form: str = "text") -> None:
 
 
 def is_quiet() -> bool:
-    return bool(_meta().get(_QUIET)) or _given("quiet")
+    return _given("quiet")
 
 
 def report(
@@ -152,7 +77,10 @@ def report(
     by their names in messages.
     """
     clear_progress()
-    note_reported(context)
+    if _given("watch"):
+        from mjcompose.tools.view.builder import hopes
+
+        note_files(hopes(context))
     if shown := _report_text(context, form, texts or {}):
         click.echo(shown, nl=False, err=err or form == "text", color=use_color())
 
@@ -220,12 +148,12 @@ def progress(message: str) -> None:
     clear_progress()
     width = shutil.get_terminal_size().columns - 1
     click.echo(message[:width], err=True, nl=False)
-    _meta()[_STANDING] = True
+    _meta()[_LINE] = True
 
 
 def clear_progress() -> None:
     """Remove the line of `progress`, if there is one."""
-    if _meta().pop(_STANDING, False):
+    if _meta().pop(_LINE, False):
         click.echo("\r\x1b[K", err=True, nl=False)
 
 
@@ -282,106 +210,6 @@ def source_reader(folder: Path, texts: Mapping[str, bytes] | None = None) -> tex
             return None
 
     return read
-
-
-Item = TypeVar("Item")
-_EVERY = 10.0
-_WIDTH = 20
-
-
-def counting(items: Iterable[Item], total: int, name: Callable[[Item], str]) -> Iterator[Item]:
-    """Yield the items; show a bar, their count, the rate and the name of the last one on standard error."""
-    if is_quiet():
-        yield from items
-        return
-    start = said = time.monotonic()
-    terminal = on_terminal()
-    for done, item in enumerate(items, 1):
-        if terminal:
-            click.echo("\r\x1b[K", err=True, nl=False)
-        yield item
-        now = time.monotonic()
-        if terminal or now - said >= _EVERY:
-            said = now
-            line = f"{done}/{total} {done / max(now - start, 1e-9):.1f}/s {name(item)}"
-            click.echo(f"{_bar(done, total)} {line}" if terminal else line, err=True, nl=not terminal)
-    if terminal:
-        click.echo("\r\x1b[K", err=True, nl=False)
-
-
-def _bar(done: int, total: int) -> str:
-    """Return a progress bar as text. No I/O.
-
-    >>> _bar(1, 4)
-    '[#####               ]'
-    """
-    return f"[{'#' * (_WIDTH * done // total):{_WIDTH}}]"
-
-
-@dataclass(slots=True)
-class Tally:
-    """Counts the cells of a run: `total` is their number, `whole` the number of those without errors."""
-
-    recipe: Path
-    total: int
-    whole: int = 0
-    failed: list[CellName] = field(default_factory=list)
-
-    def take(self, cell: CellName, found: Iterable[Diagnostic], sink: Sink, *, failed: bool) -> None:
-        """Count a cell, and add its diagnostics."""
-        for diagnostic in found:
-            sink.add_of_cell(cell, diagnostic)
-        if failed:
-            self.failed.append(cell)
-        else:
-            self.whole += 1
-
-    def say(self, form: str, *, err: bool = False) -> None:
-        """Print the tally: always in JSON, else only if a cell failed."""
-        words = self._said(form)
-        if words is not None:
-            click.echo(words, err=err or form == "text")
-
-    def _said(self, form: str) -> str | None:
-        if form == "json":
-            answer = {
-                "recipe": str(self.recipe),
-                "cells": self.total,
-                "failed": [asdict(each) for each in self.failed],
-            }
-            return json.dumps(answer)
-        if not self.failed:
-            return None
-        words = f"{len(self.failed)} of {self.total} cells failed: {listed(self.failed)}"
-        return words if form == "text" else text.command("error", words, {"title": str(self.recipe)})
-
-
-MODEL = "model"
-
-
-def junit_option(command: Callable[..., Any]) -> Callable[..., Any]:
-    """Add the option; the command gets the file as `junit`."""
-    return click.option("--junit", metavar="FILE", help="Write the result of each check as JUnit XML ('-' is"
-                        " standard output).")(command)  # fmt: skip
-
-
-def suite_of(
-    recipe: Path,
-    outcomes: Sequence[Outcome],
-    found: Iterable[Diagnostic],
-    context: Context,
-    cell: CellName | None = None,
-) -> Suite:
-    """Return the results of a recipe, or of one cell: the first case is the model itself, followed by its checks."""
-    of_checks = {each for outcome in outcomes for each in outcome.diagnostics}
-    others = [each for each in found if each.severity is Severity.ERROR and each not in of_checks]
-    shown = context.shown(recipe)
-    cases = [Case(MODEL, MODEL, others, file=shown)]
-    cases += [
-        Case(each.name, each.kind, each.diagnostics, file=each.span.file, line=each.span.line)
-        for each in outcomes
-    ]
-    return Suite(shown if cell is None else f"{shown}: {cell.name}", cases, cell)
 
 
 def write_junit(suites: Sequence[Suite], out: str, context: Context) -> None:

@@ -6,7 +6,6 @@ A command is a class of options and a function of them and a `Run`; docs/extendi
 from __future__ import annotations
 
 import json
-import os
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager
@@ -23,6 +22,7 @@ from mjcompose.cli.reporting import (
     FORM,
     USAGE,
     clear_progress,
+    exit_code,
     is_quiet,
     note_files,
     noted_files,
@@ -166,7 +166,8 @@ class Run:
     """One run of a command: its context with the sink, the format of its output, and how it ends.
 
     `to_stderr` is set by a command whose standard output is a model. `texts` are new contents of files that messages
-    show, by their names. `suites` are the results for `--junit`.
+    show, by their names. `suites` are the results for `--junit`. Once a command `is_reported`, its end prints no
+    diagnostics.
     """
 
     def __init__(self, command: click.Context, fetches: bool) -> None:
@@ -180,7 +181,7 @@ class Run:
         self.to_stderr = False
         self._given, self._meta = given, command.meta
         self._fetches = fetches or "offline" in given
-        self._is_reported = False
+        self.is_reported = False
         self.context = self.new_context()
 
     def new_context(self) -> Context:
@@ -195,7 +196,7 @@ class Run:
 
     def report(self, context: Context | None = None) -> None:
         """Print all diagnostics now, of another context if one is given."""
-        self._is_reported |= context is None
+        self.is_reported |= context is None
         form = "text" if self.form == "markdown" else self.form
         report(context or self.context, form, err=self.to_stderr, texts=self.texts)
 
@@ -212,12 +213,12 @@ class Run:
 
     def code_of_failure(self, *named: Path) -> int:
         """Return the exit code of a failed command: a usage error if one of its files does not exist."""
-        return FINDINGS if all(os.path.exists(self.context.folder / each) for each in named) else USAGE
+        return exit_code(self.context.folder, named)
 
     def end(self, answer: Answer | int | None) -> int:
         """Report what has not been reported, print the answer, and return the exit code."""
         context = self.context
-        if not self._is_reported and (not isinstance(answer, Answer) or answer.reports):
+        if not self.is_reported and (not isinstance(answer, Answer) or answer.reports):
             self.report()
         clear_progress()
         code = answer
@@ -258,7 +259,7 @@ def _ended(function: Callable[[Options, Run], Answer | int | None], options: Opt
     try:
         answer = function(options, run)
     except Stop as stop:
-        answer = stop.code
+        answer, run.junit = stop.code, None
     return run.end(answer)
 
 

@@ -7,8 +7,9 @@ from pathlib import Path
 import click
 
 from mjcompose.base.dataclass import dataclass
-from mjcompose.cli import completing
-from mjcompose.cli.options import CellOptions, Choices, FetchOptions, LimitOptions, ReportOptions
+from mjcompose.cli import completion
+from mjcompose.cli.cells import CellOptions
+from mjcompose.cli.options import Choices, FetchOptions, LimitOptions, ReportOptions
 from mjcompose.cli.reporting import use_color
 from mjcompose.cli.run import Answer, Run, argument, command, flag, group, option
 
@@ -17,7 +18,7 @@ from mjcompose.cli.run import Answer, Run, argument, command, flag, group, optio
 class Options:
     """The options of `tree`."""
 
-    model: str = argument(shell_complete=completing.files)
+    model: str = argument(shell_complete=completion.files)
     places: bool = flag(
         "--places", help="List the places where a part can be attached, as written in a recipe."
     )

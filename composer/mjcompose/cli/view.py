@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING
 import click
 
 from mjcompose.base.dataclass import dataclass
-from mjcompose.cli import completing
-from mjcompose.cli.options import CellOptions, Choices, FetchOptions, ReportOptions, TimeOptions
+from mjcompose.cli import completion
+from mjcompose.cli.cells import CellOptions
+from mjcompose.cli.options import Choices, FetchOptions, ReportOptions, TimeOptions
 from mjcompose.cli.reporting import FINDINGS, USAGE, progress, say, words_of
 from mjcompose.cli.run import Answer, Run, Stop, argument, command, flag, group, option
 
@@ -35,7 +36,7 @@ class Options:
         help="With --html: include MuJoCo (3.5 MB) in the page, so that it can run the simulation.",
     )
     key: str | None = option("--key", metavar="KEY", help="The keyframe at the start. Default: the first one.",
-                             shell_complete=completing.keys)  # fmt: skip
+                             shell_complete=completion.keys)  # fmt: skip
     host: str = option("--host", default="127.0.0.1", show_default=True, metavar="ADDRESS", help="The address to listen"
                        " on. With another one, people who know the token can view the model too.")  # fmt: skip
     port: int = option("--port", type=click.IntRange(0, 65535), default=0, metavar="PORT",
