@@ -201,7 +201,7 @@ def _output_spec(options: Options, run: Run) -> OutputSpec:
         run.context.sink.add(error.diagnostic)
         raise Stop(USAGE) from None
     return OutputSpec(
-        "build/{name}.zip" if out is None else out, kind, not options.no_verify, run.form,
+        "build/{name}.zip" if out is None else out, kind, verified=not options.no_verify, form=run.form,
         why=options.why, licenses=options.licenses,
     )  # fmt: skip
 

@@ -252,7 +252,7 @@ class _Checking:
                 checks += len(each.outcomes)
         code = FINDINGS if tally.failed or ended else 0
         counted = f", {len(chosen)} model{'s' * (len(chosen) != 1)}{_counted(checks)}"
-        return _Result(recipe, code, counted, tally, frozenset(files))
+        return _Result(recipe, code, counted, tally=tally, files=frozenset(files))
 
 
 def _suite(

@@ -75,7 +75,7 @@ def import_(options: Options, run: Run) -> Answer | int:
         result = run.need(search(merged, options.folders, context, progress=progress), merged)
         among = f"among {amount(result.looked_at, 'model')}"
         if not result.parts:
-            return _whole(merged, target, among, run)
+            return _whole(merged, target, among=among, run=run)
         names = [each.reference or context.shown(each.path) for each in result.parts]
         say(f"found {amount(len(names), 'part')} {among}: {', '.join(names)}", err=run.form == "json")
         references = {each.path: each.reference for each in result.parts if each.reference is not None}
@@ -87,7 +87,7 @@ def import_(options: Options, run: Run) -> Answer | int:
             context.sink.add(fault)
     if found is None or context.sink.has_errors:
         raise Stop(run.code_of_failure(merged, *parts))
-    return _answer(found, target, context.shown(merged), run)
+    return _answer(found, target, shown=context.shown(merged), run=run)
 
 
 def _answer(found: Recovered, target: Path, shown: str, run: Run) -> Answer | int:
