@@ -16,14 +16,14 @@ import sys
 import tempfile
 import time
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from random import Random
 
 HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE.parent), str(HERE.parents[1])]
 
-from kills.project import EDITIONS, OUTPUTS, Output, Project, references  # noqa: E402
+from kills.project import EDITIONS, OUTPUTS, Output, Project, Undisturbed, undisturbed  # noqa: E402
 
 _CHECKED = 5
 """Every so many kills the store is hashed, and the builds that were killed are run again."""
@@ -31,38 +31,33 @@ _GONE = 1.0
 """Seconds in which all that a killed build started has ended."""
 
 
-def kill(project: Project, count: int, seed: int, say: Callable[[str], None]) -> Counter[str]:
+def kill(
+    project: Project, outputs: Sequence[Output], count: int, seed: int, *, say: Callable[[str], None]
+) -> Counter[str]:
     """End that many builds; gives how many outputs were old, new or not there. Raises AssertionError for the rest."""
     random, seen, killed = Random(seed), Counter[str](), set[str]()
-    whole = references(project)
-    longest = {output.name: _seconds(project, output.words) for output in OUTPUTS}
+    whole = {output.name: undisturbed(project, output) for output in outputs}
     for number in range(1, count + 1):
-        output = random.choice(OUTPUTS)
+        output = random.choice(outputs)
         if random.random() < 0.3:
             _forget(project)
         edition = random.choice(EDITIONS)
         project.edit(edition)
         killed.add(output.name)
-        _kill_one(project, output.words, random.uniform(0.02, 1.1 * longest[output.name]))
-        known = [whole[output.name, each] for each in EDITIONS]
+        _kill_one(project, output.words, random.uniform(0.02, 1.1 * whole[output.name].seconds))
+        known = whole[output.name].digests
         for path, found in project.written(output).items():
-            editions = [each for each, paths in zip(EDITIONS, known, strict=True) if paths.get(path) == found]
+            editions = [each for each, paths in known.items() if paths.get(path) == found]
             assert editions or _is_assets(project, path), f"{path} is neither old nor new after kill {number}"
             seen["new" if edition in editions else "old"] += 1
         if number % _CHECKED == 0 or number == count:
-            again = [each for each in OUTPUTS if each.name in killed]
+            again = [each for each in outputs if each.name in killed]
             _go_on(project, again, random.choice(EDITIONS), whole)
             seen["next builds"] += len(again)
             killed.clear()
         if number % 50 == 0:
             say(f"{number} kills: {dict(seen)}")
     return seen
-
-
-def _seconds(project: Project, words: tuple[str, ...]) -> float:
-    start = time.monotonic()
-    project.run((*words, "--no-cache") if words[0] == "build" else words)
-    return time.monotonic() - start
 
 
 def _forget(project: Project) -> None:
@@ -100,16 +95,14 @@ def _is_assets(project: Project, path: str) -> bool:
     return all(each.stem.endswith(sha256(each.read_bytes()).hexdigest()[:16]) for each in files)
 
 
-def _go_on(
-    project: Project, outputs: list[Output], edition: str, whole: dict[tuple[str, str], dict[str, str]]
-) -> None:
+def _go_on(project: Project, outputs: list[Output], edition: str, whole: dict[str, Undisturbed]) -> None:
     """The next builds succeed and give what they give undisturbed; nothing in the store is damaged, nothing grows."""
     project.edit(edition)
     for output in outputs:
         code, said = project.run(output.words)
         assert code == 0, said
         written = project.written(output)
-        for path, found in whole[output.name, edition].items():
+        for path, found in whole[output.name].digests[edition].items():
             assert path.endswith("/assets") or written.get(path) == found, (
                 f"{path} is not what it is undisturbed"
             )
@@ -136,7 +129,7 @@ def main() -> int:
         project = Project(Path(folder))
         project.make()
         start = time.monotonic()
-        seen = kill(project, options.kills, options.seed, say)
+        seen = kill(project, OUTPUTS, options.kills, options.seed, say=say)
         say(f"{options.kills} kills in {time.monotonic() - start:.0f} s: all whole: {dict(seen)}")
     return 0
 

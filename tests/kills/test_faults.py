@@ -164,8 +164,8 @@ def test_with_a_temporary_folder_that_is_gone(project: Project) -> None:
     assert code in (0, 1) and "Traceback" not in said and "bug in mjcompose" not in said, said
 
 
-def test_twenty_builds_at_once_with_prunes_in_between(project: Project) -> None:
-    words = [(*ARCHIVE.words[:-1], f"out/{number}.zip") for number in range(20)]
+def test_many_builds_at_once_with_prunes_in_between(project: Project) -> None:
+    words = [(*ARCHIVE.words[:-1], f"out/{number}.zip") for number in range(12)]
     running = [project.start(each) for each in words]
     for _ in range(3):
         code, said = project.run(("cache", "prune"))
@@ -173,6 +173,6 @@ def test_twenty_builds_at_once_with_prunes_in_between(project: Project) -> None:
     for process in running:
         said, _ = process.communicate(timeout=280)
         assert process.returncode == 0, said.decode()
-    written = {digest(project.folder / "cell" / f"out/{number}.zip") for number in range(20)}
-    names = {len((project.folder / "cell" / f"out/{number}.zip").read_bytes()) for number in range(20)}
-    assert len(names) == 1 and len(written) == 20  # the digest has the name in it
+    written = {digest(project.folder / "cell" / f"out/{number}.zip") for number in range(12)}
+    names = {len((project.folder / "cell" / f"out/{number}.zip").read_bytes()) for number in range(12)}
+    assert len(names) == 1 and len(written) == 12  # the digest has the name in it

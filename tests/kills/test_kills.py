@@ -23,7 +23,7 @@ def project(tmp_path: Path) -> Project:
 
 
 def test_every_output_is_old_or_new(project: Project) -> None:
-    seen = kill(project, 30, 1, lambda line: None)
+    seen = kill(project, OUTPUTS, 20, 1, say=lambda line: None)
     assert seen["old"] + seen["new"] > 10 and seen["next builds"] >= 6
 
 
@@ -41,4 +41,4 @@ def test_what_is_half_written_would_be_seen(project: Project, monkeypatch: pytes
 
     monkeypatch.setattr("kills.run._kill_one", spoil)
     with pytest.raises(AssertionError, match="is neither old nor new"):
-        kill(project, 20, 1, lambda line: None)
+        kill(project, [archive], 20, 1, say=lambda line: None)
