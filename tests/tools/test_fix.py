@@ -166,7 +166,6 @@ def test_models_are_not_touched(tmp_path: Path) -> None:
     assert found.left and not found.files
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("case", cases(ERRORS), ids=lambda case: case.id)
 def test_every_wrong_recipe(case: Case, tmp_path: Path) -> None:
     """What is fixed is not found again, nothing else breaks, and there is nothing to fix the second time."""
