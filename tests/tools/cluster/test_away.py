@@ -134,7 +134,7 @@ host, port = server.get_host_and_port()
 os.environ.update(AWS_ACCESS_KEY_ID="key", AWS_SECRET_ACCESS_KEY="secret", AWS_DEFAULT_REGION="us-east-1",
                   AWS_ENDPOINT_URL=f"http://{host}:{port}")
 boto3.client("s3").create_bucket(Bucket="bucket")
-build = [sys.executable, "-m", "mjcompose", "build", "r.yaml", "--all", "--cluster", "local", "--jobs", "2"]
+build = [sys.executable, "-m", "mjcompose", "build", "r.yaml", "--all", "--cluster", "local", "--jobs", "1"]
 for form, counts in (("{hash}/{name}.zip", ["wrote s3://", "is up to date"]), ("{name}/", ["wrote s3://"])):
     out = "s3://bucket/" + str(len(form))
     for count in counts:

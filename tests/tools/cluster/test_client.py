@@ -47,6 +47,17 @@ def cluster(tmp_path: Path) -> Iterator[Cluster]:
         found.end()
 
 
+@pytest.fixture(scope="module")
+def two_workers(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Cluster]:
+    """A cluster for the tests that leave it whole."""
+    found = Cluster(tmp_path_factory.mktemp("dask"))
+    try:
+        found.add(2)
+        yield found
+    finally:
+        found.end()
+
+
 def start(*words: str) -> subprocess.Popen[str]:
     command = [sys.executable, "-m", "mjcompose", *words]
     return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
@@ -91,11 +102,10 @@ def test_local_is_the_same_as_without(folder: Path) -> None:
     assert seen[0][0] == 1 and seen[0][1].count("wrote out/ball") == 4
 
 
-def test_a_check(folder: Path, cluster: Cluster) -> None:
-    cluster.add(2)
+def test_a_check(folder: Path, two_workers: Cluster) -> None:
     seen = [
         run("check", "r.yaml", "--all", "--no-cache", *words)
-        for words in (("--jobs", "1"), ("--cluster", str(cluster.file)))
+        for words in (("--jobs", "1"), ("--cluster", str(two_workers.file)))
     ]
     assert seen[0] == seen[1] and seen[0][0] == 1
 
@@ -119,10 +129,9 @@ def test_workers_that_die_lose_nothing(folder: Path, cluster: Cluster) -> None:
     assert not list(folder.glob("out/.*"))
 
 
-def test_a_connection_that_is_cut_is_made_again(folder: Path, cluster: Cluster) -> None:
+def test_a_connection_that_is_cut_is_made_again(folder: Path, two_workers: Cluster) -> None:
     (folder / "r.yaml").write_text(MANY.replace("samples: 3", "samples: 80"))
-    cluster.add(2)
-    address = json.loads(cluster.file.read_text())["address"]
+    address = json.loads(two_workers.file.read_text())["address"]
     way = Way(int(address.rpartition(":")[2]))
     process = start("build", "r.yaml", "--all", "-o", "out/{name}/", "--cluster", f"127.0.0.1:{way.port}")
     wait_for(lambda: len(list(folder.glob("out/ball*"))) >= 10)
@@ -150,17 +159,16 @@ def test_a_scheduler_that_dies(folder: Path, cluster: Cluster) -> None:
     assert code == 0 and again.count("is up to date") >= 10 and len(list(folder.glob("out/ball*"))) == 81
 
 
-def test_an_interruption(folder: Path, cluster: Cluster) -> None:
+def test_an_interruption(folder: Path, two_workers: Cluster) -> None:
     (folder / "r.yaml").write_text(MANY.replace("samples: 3", "samples: 80"))
-    cluster.add(2)
-    process = start("build", "r.yaml", "--all", "-o", "out/{name}/", "--cluster", str(cluster.file))
+    process = start("build", "r.yaml", "--all", "-o", "out/{name}/", "--cluster", str(two_workers.file))
     wait_for(lambda: len(list(folder.glob("out/ball*"))) >= 10)
     process.send_signal(2)
     _, said = process.communicate(timeout=60)
     whole = list(folder.glob("out/ball*"))
     assert process.returncode == 130 and whole_as_said(said) == len(whole)
     assert all((each / "manifest.json").exists() for each in whole) and not list(folder.glob("out/.*"))
-    assert run("build", "r.yaml", "--all", "-o", "out/{name}/", "--cluster", str(cluster.file))[0] == 0
+    assert run("build", "r.yaml", "--all", "-o", "out/{name}/", "--cluster", str(two_workers.file))[0] == 0
 
 
 def test_another_mujoco_is_refused_before_anything_is_made(folder: Path, cluster: Cluster) -> None:
