@@ -33,7 +33,7 @@ from mjcompose.build.bundle.bundle import Bundle
 
 def swap(stage, target):
     if sys.argv[2] == "between":
-        target.replace(staging.aside(stage))
+        target.replace(staging.backup_path(stage))
     print(stage.parent, flush=True)
     time.sleep(300)
 
