@@ -52,8 +52,8 @@ READS_ITSELF = {
         build/bundle/staging.py:write_mjb build/bundle/write.py:write_usd tools/diff/diff.py:render_views
         mujoco/child.py mujoco/engine.py:_last_words mujoco/engine.py:_load_arrays
         tools/migrate/compare.py:_Side.of tools/migrate/dump.py:main tools/migrate/migrate.py:measured
-        mujoco/pictures.py:sheet targets/export.py:_files targets/checks.py:placed targets/export.py:export
-        targets/plain.py:keep_files targets/plain.py:plain targets/checks.py:read_back
+        mujoco/pictures.py:sheet targets/export.py:_files targets/read_back.py:placed targets/export.py:export
+        targets/plain.py:keep_files targets/plain.py:plain targets/read_back.py:read_back
         build/verify/draws.py:with_worlds build/verify/draws.py:compute build/verify/draws.py:compare""",
     "what was checked, in a folder of ours, as MuJoCo's process opens it": "mujoco/convert.py:_read tools/worlds/load.py:_compiled",
     "the entry points of installed packages, as Python's own reader does": "base/extensions.py:_are_there",
@@ -76,8 +76,8 @@ WRITES_ITSELF = {
         cli/doctor.py:_mujoco build/compose/mesh_jobs.py:Workshop._made tools/diff/sides.py:_recipe_of
         tools/diff/sides.py:from_lfs tools/diff/sides.py:_beside_the_same mujoco/child.py
         mujoco/engine.py:Session._spawn link/measure.py:folder_of mujoco/pictures.py:pictures base/scratch.py
-        mujoco/scene.py:Blobs.put mujoco/scene.py:describe targets/checks.py:placed targets/export.py:_put
-        targets/checks.py:read_back urdf/read.py:UrdfReader._written build/verify/compile.py:_written
+        mujoco/scene.py:Blobs.put mujoco/scene.py:describe targets/read_back.py:placed targets/export.py:_put
+        targets/read_back.py:read_back urdf/read.py:UrdfReader._written build/verify/compile.py:_written
         build/verify/draws.py:with_worlds build/verify/draws.py:compute tools/view/live.py:_opened
         tools/worlds/union.py:compose_union""",
     "into a folder of ours, in an environment of its own": """

@@ -15,5 +15,5 @@ randomize:
   seed: 7
   samples: 2
   fields: {friction: {select: {geom: g}, attr: friction, uniform: [0.5, 1]}}
-check: {light: {mass: {range: [0, 5000]}}}
+check: {light: {expect: {attr: mass, range: [0, 5000]}}}
 """

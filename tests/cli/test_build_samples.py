@@ -198,7 +198,7 @@ def test_the_name_of_a_cell_means_all_its_samples(folder: Path) -> None:
 
 
 def test_faults_name_the_cell_and_the_sample(folder: Path) -> None:
-    check = "check: {light: {mass: {range: [0, 1]}}}\n"
+    check = "check: {light: {expect: {attr: mass, range: [0, 1]}}}\n"
     (folder / "r.yaml").write_text(HEAD + MATRIX + DRAWS + check)
     for form in ("build", "check"):
         lines = run(form, "r.yaml", "--pick", "ball-2", "--sample", "1", "--json").stdout.splitlines()

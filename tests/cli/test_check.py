@@ -34,8 +34,8 @@ def test_json_of_a_right_recipe_is_empty(folder: Path) -> None:
 
 CHECKED = """
 check:
-  dims: {size: {nq: 1}}
-  have: {exists: [{site: flange}]}
+  nq: {expect: {attr: nq, equals: 1}}
+  have: {expect: {select: {site: flange}}}
 """
 
 
@@ -43,12 +43,12 @@ def test_checks_are_counted_and_one_that_fails_is_told(folder: Path) -> None:
     recipe = folder / "cell.yaml"
     recipe.write_text(recipe.read_text() + CHECKED)
     assert run("check", "cell.yaml").stdout == "cell.yaml: ok, 2 checks hold\n"
-    recipe.write_text(recipe.read_text().replace("nq: 1", "nq: 2"))
+    recipe.write_text(recipe.read_text().replace("equals: 1", "equals: 2"))
     result = run("check", "cell.yaml")
     assert result.exit_code == 1
-    assert "error[check-failed]: check `dims`: `nq` is 1, not 2" in result.stderr
+    assert "error[check-failed]: check `nq`: `nq` of the model is 1, not 2" in result.stderr
     annotated = run("check", "cell.yaml", "--format", "github").stdout
-    assert annotated.startswith("::error file=cell.yaml,line=10,col=21,")
+    assert annotated.startswith("::error file=cell.yaml,line=10,col=35,")
     assert run("check", "cell.yaml", "--no-verify").exit_code == 0
 
 
@@ -71,7 +71,7 @@ def test_junit(folder: Path) -> None:
     assert result.exit_code == 1
     assert cases((folder / "out" / "report.xml").read_text(encoding="utf-8")) == {
         "cell.yaml model": None,
-        "cell.yaml dims": None,
+        "cell.yaml nq": None,
         "cell.yaml have": "check-failed",
         "wrong.yaml model": "attach-place",
     }
@@ -99,7 +99,7 @@ name: study
 params: {m: 1}
 matrix: {axes: {m: [1, 2, 3]}, name: "study-${m}kg"}
 add: [{to: world, body: {name: b, geom: [{type: sphere, size: [0.1], mass: "${m}"}]}}]
-check: {light: {mass: {range: [0, 1.5]}}}
+check: {light: {expect: {attr: mass, range: [0, 1.5]}}}
 """
 HEAVY = [{"name": name, "cell": name, "sample": None} for name in ("study-2kg", "study-3kg")]
 
@@ -112,7 +112,7 @@ def test_all_cells_are_checked_and_named(folder: Path) -> None:
     assert (
         "  = cells: study-2kg, study-3kg\n" in result.stderr and "  = recipe: study.yaml\n" in result.stderr
     )
-    assert "study-3kg: check `light`: the mass of the model is 3 kg\n" in result.stderr
+    assert "study-3kg: check `light`: `mass` of the model is 3 kg, not 0 to 1.5 kg\n" in result.stderr
     assert "1 of 2 recipes failed: study.yaml\n" in result.stderr
     assert "2 of 3 cells failed: study-2kg, study-3kg\n" in result.stderr
     told = list(map(json.loads, run("check", "study.yaml", "--all", "--json").stdout.splitlines()))

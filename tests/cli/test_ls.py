@@ -30,7 +30,7 @@ randomize:
   seed: 7
   samples: 2
   fields: {friction: {select: {geom: g}, attr: "friction[0]", per: sample, uniform: [0.5, 1]}}
-check: {light: {mass: {range: [0, 500000]}}}
+check: {light: {expect: {attr: mass, range: [0, 500000]}}}
 """
 
 

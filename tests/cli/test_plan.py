@@ -56,9 +56,9 @@ def test_checks_in_words(folder: Path) -> None:
     (folder / "all.yaml").write_text(
         RECIPE
         + "params: {n: 1}\n"
-        + 'check: {dims: {size: {nq: "${n}"}, exists: [{site: "*", expect: 2}]}, gone: {size: {nq: 2}, when: false}}\n'
+        + 'check: {sizes: {expect: {attr: nq, equals: "${n}"}}, sites: {expect: {select: {site: "*"}, count: 2}}, gone: {expect: {attr: nq, equals: 2}, when: false}}\n'
     )
-    told = ["check dims: size {nq: 1}", "check dims: exists [{site: *, expect: 2}]"]
+    told = ["check sizes: expect {attr: nq, equals: 1}", "check sites: expect {select: {site: *}, count: 2}"]
     assert [line.strip() for line in run("plan", "all.yaml").stdout.splitlines()[-2:]] == told
     assert json.loads(run("plan", "all.yaml", "--json").stdout)["checks"] == told
 

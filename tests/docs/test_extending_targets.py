@@ -42,7 +42,6 @@ def test_the_target_works(package: Path) -> None:
     [
         "composer/mjcompose/targets/names.py",
         "composer/mjcompose/targets/table.py",
-        "composer/mjcompose/language/checks/form.py",
     ],
 )
 def test_a_forgotten_row_fails_at_import(package: Path, forgotten: str) -> None:

@@ -85,8 +85,11 @@ def test_wrong_recipe_is_marked(yaml_server: YamlServer, case: str, line: int, m
             "recipe: 1\nrandomize:\n  fields:\n    f:\n      |\n",
             {"select", "attr", "param", "truncnormal", "per"},
         ),
-        ("recipe: 1\ncheck:\n  a:\n    |\n", {"size", "reachable", "unchanged", "when"}),
-        ("recipe: 1\ncheck:\n  a:\n    exists:\n      - |\n", {"site", "where", "in", "expect"}),
+        ("recipe: 1\ncheck:\n  a:\n    |\n", {"expect", "reachable", "unchanged", "when"}),
+        (
+            "recipe: 1\ncheck:\n  a:\n    expect:\n      select:\n        |\n",
+            {"site", "where", "in", "parent"},
+        ),
         ("recipe: 1\nkeyframe:\n  home:\n    |\n", {"from", "qpos", "mquat", "time"}),
     ],
 )
@@ -171,10 +174,10 @@ HOVERED = [
         "between",
     ),
     (
-        "check: {a: {exists: [{geom: a, wh|ere: {type: box}}]}}",
+        "check: {a: {expect: {select: {geom: a, wh|ere: {type: box}}}}}",
         "only what has these values in the compiled model",
     ),
-    ("check: {a: {sta|ble: {}}}", "simulated"),
+    ("check: {a: {set|tles: {}}}", "simulated"),
     ("keyframe: {home: {q|pos: {}}}", "positions of all joints"),
 ]
 

@@ -267,7 +267,7 @@ def pruned(value: Any, chance: random.Random) -> Any:
     if not isinstance(value, dict):
         return chance.choice(("a", 1, [0, 0, 1], "90deg", True)) if chance.random() < 0.02 else value
     return {
-        name: pruned(item, chance)
+        name: item if name == "id" else pruned(item, chance)  # `expand` judges these
         for name, item in value.items()
         if chance.random() > 0.04 or name == "recipe"
     }

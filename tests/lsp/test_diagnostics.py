@@ -116,7 +116,7 @@ def test_a_nested_recipe_is_read_as_it_is_being_written(editor: Editor, small: P
 def test_what_only_mujoco_finds_comes_after_a_pause_and_stays_with_its_line(
     editor: Editor, small: Path
 ) -> None:
-    text = ARM + "check:\n  load: {mass: {value: 1}}\n"
+    text = ARM + "check:\n  load: {expect: {attr: mass, equals: 1}}\n"
     uri = editor.open("small/check.yaml", text)
     (found,) = editor.wait(uri, lambda found: bool(found))
     assert (found["code"], found["range"]["start"]["line"]) == ("check-failed", 7)
@@ -125,7 +125,7 @@ def test_what_only_mujoco_finds_comes_after_a_pause_and_stays_with_its_line(
     assert (found["code"], found["range"]["start"]["line"]) == ("check-failed", 8), (
         "before MuJoCo is asked again"
     )
-    editor.change(uri, text.replace("value: 1", "value: 2"))
+    editor.change(uri, text.replace("equals: 1", "equals: 2"))
     assert editor.diagnostics(uri) == [], "the line is another one"
 
 
@@ -157,7 +157,7 @@ def test_robots_of_menagerie(editor: Editor) -> None:
 
 
 def test_where_the_text_has_errors_there_is_no_model_for_mujoco_to_judge(editor: Editor, small: Path) -> None:
-    text = ARM + "check:\n  load: {mass: {value: 1}}\n"
+    text = ARM + "check:\n  load: {expect: {attr: mass, equals: 1}}\n"
     uri = editor.open("small/judged.yaml", text)
     editor.wait(uri, lambda found: [each["code"] for each in found] == ["check-failed"])
     editor.change(uri, text + "sensr: {}\n")

@@ -10,7 +10,7 @@ import sys
 import venv
 from pathlib import Path
 
-from mjcompose.targets.checks import READERS
+from mjcompose.targets.read_back import READERS
 
 FOLDER = Path(__file__).parents[2] / "build" / "consumers"
 PACKAGES = {reader.program: reader.packages for reader in READERS.values()}

@@ -17,9 +17,9 @@ if __name__ == "__main__":
     sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from mjcompose.base.dataclass import dataclass
-from mjcompose.targets.checks import READERS, Reader, placed, read_back
 from mjcompose.targets.export import export
 from mjcompose.targets.judge import FEATURES, differences, facts_of, questions
+from mjcompose.targets.read_back import READERS, Reader, placed, read_back
 from mjcompose.targets.table import READ_BACK, TARGETS
 from mjcompose.targets.target import Loss, Outcome
 from targets.environments import is_ready, python_of

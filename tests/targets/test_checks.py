@@ -1,4 +1,4 @@
-"""The checks `runs_on` and `loads`: what a program lacks, and whether it reads the model."""
+"""The check `targets`: what a program lacks, and whether it reads the model."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ import pytest
 from mjcompose.build.bundle.bundle import Bundle
 from mjcompose.build.stages import Request, build
 from mjcompose.sources.context import Context
-from mjcompose.targets import checks
-from mjcompose.targets.checks import READERS, Reader, interpreter, placed
+from mjcompose.targets import read_back
 from mjcompose.targets.names import CONSUMERS
+from mjcompose.targets.read_back import READERS, Reader, interpreter, placed
 from targets.models import PROBE, SELDOM
 
 READER = """
@@ -39,7 +39,7 @@ def moved(start, steps):
     return data.qpos
 write_facts("1", model, lambda name: getattr(model, name), placed, moved)
 """
-SHARED = Path(checks.__file__).parent / "readers" / "shared"
+SHARED = Path(read_back.__file__).parent / "readers" / "shared"
 
 
 def reader(**changed: float) -> str:
@@ -71,16 +71,16 @@ def with_reader(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A program that is MuJoCo itself reads for MJX."""
     folder = tmp_path / "readers"
     folder.mkdir()
-    monkeypatch.setattr(checks, "_READERS", folder)
+    monkeypatch.setattr(read_back, "_READERS", folder)
     monkeypatch.setattr(
-        "mjcompose.targets.checks.READERS", {"mjx": Reader("mjx", "it", "mujoco", ("mujoco",))}
+        "mjcompose.targets.read_back.READERS", {"mjx": Reader("mjx", "it", "mujoco", ("mujoco",))}
     )
     return folder / "it.py"
 
 
 def test_it_loads(with_reader: Path, tmp_path: Path) -> None:
     with_reader.write_text(reader())
-    bundle, context = checked(SELDOM, "loads: {in: mjx}", tmp_path)
+    bundle, context = checked(SELDOM, "targets: {in: mjx, losses: warning}", tmp_path)
     assert bundle is not None and told(context) == []
 
 
@@ -89,25 +89,27 @@ def test_what_has_no_name_is_not_compared(with_reader: Path, tmp_path: Path) -> 
     inner = '<body pos="0 0 .1"><joint/><geom size=".1"/></body><body pos="0 0 .2"><joint/><geom size=".2"/></body>'
     bundle, context = checked(SELDOM.replace('<geom class="bar"/>\n', f'<geom class="bar"/>{inner}\n', 1)
                               .replace('<key name="home" qpos="0.4 0.1 0 0.2 0.2"/>', '<key name="home"/>'),
-                              "loads: {in: mjx}", tmp_path)  # fmt: skip
+                              "targets: {in: mjx, losses: warning}", tmp_path)  # fmt: skip
     assert bundle is not None and told(context) == []
 
 
 def test_another_mass(with_reader: Path, tmp_path: Path) -> None:
     with_reader.write_text(reader(body_mass=2))
-    bundle, context = checked(SELDOM, "loads: {in: [mjx]}", tmp_path)
+    bundle, context = checked(SELDOM, "targets: {in: [mjx], losses: warning}", tmp_path)
     assert bundle is None
     ((code, message),) = told(context)
     assert code == "check-failed"
     assert message.startswith("check `it`: `mjx` 1 reads another model: the mass of `stand` is ")
     (found,) = context.sink.diagnostics
-    assert found.span is not None and (found.span.line, found.span.column) == (5, 21)
+    assert found.span is not None and (found.span.line, found.span.column) == (5, 23)
 
 
 def test_what_the_target_loses_is_told_and_not_compared(with_reader: Path, tmp_path: Path) -> None:
     """MJX has no polynomials: they are not in the file, and what it reads has none."""
     with_reader.write_text(reader())
-    bundle, context = checked(PROBE.replace('damping=".5"', 'damping=".5 9"'), "loads: {in: [mjx]}", tmp_path)
+    bundle, context = checked(
+        PROBE.replace('damping=".5"', 'damping=".5 9"'), "targets: {in: [mjx], losses: warning}", tmp_path
+    )
     assert bundle is not None
     ((code, message),) = told(context)
     assert code == "target-loss"
@@ -119,7 +121,7 @@ def test_what_the_target_loses_is_told_and_not_compared(with_reader: Path, tmp_p
 
 def test_a_program_that_ends_with_an_error(with_reader: Path, tmp_path: Path) -> None:
     with_reader.write_text("raise SystemExit('this file is not for me')")
-    _, context = checked(SELDOM, "loads: {in: [mjx]}", tmp_path)
+    _, context = checked(SELDOM, "targets: {in: [mjx], losses: warning}", tmp_path)
     assert told(context) == [
         ("check-failed", "check `it`: `mjx` does not read the model: this file is not for me")
     ]
@@ -128,13 +130,13 @@ def test_a_program_that_ends_with_an_error(with_reader: Path, tmp_path: Path) ->
 def test_a_model_that_is_refused(with_reader: Path, tmp_path: Path) -> None:
     with_reader.write_text(reader())
     model = BALL.replace("</mujoco>", '<option integrator="implicit"/></mujoco>')
-    _, context = checked(model, "loads: {in: [mjx]}", tmp_path)
+    _, context = checked(model, "targets: {in: [mjx], losses: warning}", tmp_path)
     ((_, message),) = told(context)
     assert message == "check `it`: `mjx` does not read the model: option: MJX has no integrator `implicit`"
 
 
 def test_a_program_that_is_not_installed(tmp_path: Path) -> None:
-    bundle, context = checked(BALL, "loads: {in: [drake]}", tmp_path, **{CONSUMERS: str(tmp_path)})
+    bundle, context = checked(BALL, "targets: [drake]", tmp_path, **{CONSUMERS: str(tmp_path)})
     assert bundle is None
     (found,) = context.sink.errors
     assert found.code == "consumer-missing" and found.help is not None and "pip install drake" in found.help
@@ -153,18 +155,18 @@ def test_the_environment_that_is_named_comes_first(tmp_path: Path) -> None:
 
 
 def test_what_a_simulator_lacks(tmp_path: Path) -> None:
-    _, context = checked(SELDOM, "runs_on: [mjx, warp, drake]", tmp_path)
+    _, context = checked(SELDOM, "targets: {in: [mjx, warp, drake], read: false}", tmp_path)
     ((code, message),) = told(context)
     assert code == "check-failed" and message.startswith(
         "check `it`: `drake` does not have all of the model: "
     )
     (found,) = context.sink.diagnostics
-    assert found.span is not None and (found.span.line, found.span.column) == (5, 29)
+    assert found.span is not None and (found.span.line, found.span.column) == (5, 34)
 
 
 def test_what_is_written_otherwise_is_not_lacking(tmp_path: Path) -> None:
     text = '<mujoco><worldbody><body name="b"><joint name="j" ref="30"/><geom size=".1"/></body></worldbody></mujoco>'
-    bundle, context = checked(text, "runs_on: [newton]", tmp_path)
+    bundle, context = checked(text, "targets: {in: [newton], read: false}", tmp_path)
     assert bundle is not None and told(context) == []
 
 
@@ -176,5 +178,5 @@ def test_a_package_stands_in_a_folder_of_its_name(tmp_path: Path) -> None:
 
 
 def test_each_reader_has_its_program() -> None:
-    folder = Path(checks.__file__).with_name("readers")
+    folder = Path(read_back.__file__).with_name("readers")
     assert {each.program for each in READERS.values()} == {path.stem for path in folder.glob("*.py")}

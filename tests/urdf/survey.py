@@ -27,7 +27,7 @@ from mjcompose.mujoco.engine import Session  # noqa: E402
 from mjcompose.sources.path import KIND  # noqa: E402
 from mjcompose.sources.reference import Source  # noqa: E402
 from mjcompose.sources.ros import UrdfChoices  # noqa: E402
-from mjcompose.targets.checks import READERS, read_back  # noqa: E402
+from mjcompose.targets.read_back import READERS, read_back  # noqa: E402
 from mjcompose.urdf.read import UrdfReader  # noqa: E402
 from targets.environments import FOLDER, is_ready, python_of  # noqa: E402
 

@@ -13,6 +13,7 @@ import os
 import sys
 from collections.abc import Iterable, Iterator, Mapping
 from functools import cache
+from importlib import import_module
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from mjcompose.base.dataclass import dataclass
@@ -87,21 +88,41 @@ class Table(dict[str, Row]):
     """Our rows by their words, to which a word that is asked for by `[]` adds the row of another package.
 
     `in` and `get` know only what is there, so a recipe loads nothing by itself. `attribute` is the name of the row in
-    the module of an extension, or empty if the entry point names the row itself; `kind` is the class of the row.
+    the module of an extension, or empty if the entry point names the row itself; `kind` is the class of the row. Our
+    rows may be `modules` too, in which the row has the same name; `[]` imports one.
 
     >>> table = Table("checks", {"mass": 1}, "KIND", kind=int)
     >>> table["mass"], "height" in table
     (1, False)
+    >>> Table("checks", {}, "__name__", modules={"mass": "decimal"})["mass"]
+    'decimal'
     """
 
     def __init__(
-        self, group: str, rows: Mapping[str, Row], attribute: str, *, kind: type | None = None
+        self,
+        group: str,
+        rows: Mapping[str, Row],
+        attribute: str,
+        *,
+        kind: type | None = None,
+        modules: Mapping[str, str] | None = None,
     ) -> None:
         super().__init__(rows)
-        self.own = tuple(rows)
+        self.modules = modules or {}
+        self.own = (*rows, *self.modules)
         self._group, self._attribute, self._kind = group, attribute, kind
 
+    def __contains__(self, word: object) -> bool:
+        return super().__contains__(word) or word in self.modules
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(dict.fromkeys((*self.own, *super().__iter__())))
+
     def __missing__(self, word: str) -> Row:
+        if word in self.modules:
+            ours: Row = getattr(import_module(self.modules[word]), self._attribute)
+            self[word] = ours
+            return ours
         loaded = load(self._group, word)
         if loaded is None:
             raise KeyError(word)

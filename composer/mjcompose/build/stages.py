@@ -17,12 +17,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from contextlib import ExitStack
 from dataclasses import field, replace
-from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.log import log
@@ -261,24 +260,10 @@ class Build:
                     context=context,
                     merged=draft.merged,
                     renamed=renamed_in(composed.model, composed.members),
-                    size=sum(map(len, draft.bundle.files.values())),
-                    elsewhere=self._of_targets(draft.bundle),
+                    bundle=draft.bundle,
                     shapes=composed.shapes,
                 ).run(self.outcomes)
         return compiled
-
-    def _of_targets(self, bundle: Bundle) -> Mapping[str, Callable[[dict[str, Any]], Any]]:
-        """Return what carries out the checks about targets, if there is one."""
-        from mjcompose.build.verify.checks import checks_in
-        from mjcompose.build.verify.compile import WHOLE
-        from mjcompose.language.recipe import KINDS
-
-        if not any(KINDS[check.word].of_target for _, check in checks_in(self.plan)):
-            return {}
-        from mjcompose.targets.checks import CHECKS, Work  # few recipes have such checks
-
-        work = Work(bundle, WHOLE, self.session, environment=self.context.environment)
-        return {word: partial(check, work) for word, check in CHECKS.items()}
 
     def _with_worlds(self, draft: _Draft, compiled: Compiled | None) -> Bundle:
         """Return the bundle with the draws of `randomize` and its worlds, some compared with samples that are built."""

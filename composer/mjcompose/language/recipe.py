@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Annotated, Any, Literal
 
@@ -10,28 +10,10 @@ from pydantic import Field
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Fault, Path
-from mjcompose.base.extensions import Table
-from mjcompose.base.suggest import advised, closest, exists_note
-from mjcompose.language.attach import Attachment, Prefixes, Start
-from mjcompose.language.checks import (
-    actuated,
-    budget,
-    clear,
-    collision,
-    equal,
-    exists,
-    limits,
-    loads,
-    mass,
-    no_penetration,
-    plausible,
-    reachable,
-    runs_on,
-    size,
-    stable,
-    unchanged,
-)
-from mjcompose.language.checks.form import Check, Keyed, Keys, Kind
+from mjcompose.base.suggest import advised, exists_note
+from mjcompose.language.attach import Attachment, Prefixes
+from mjcompose.language.check import Checks
+from mjcompose.language.checks.form import Check
 from mjcompose.language.element import FRAGMENT, Reader, label, path_of
 from mjcompose.language.element_schema import mapping
 from mjcompose.language.form import (
@@ -54,7 +36,7 @@ from mjcompose.language.motors import Motor, Motors
 from mjcompose.language.randomize import Randomize
 from mjcompose.language.sections import ByTag, DefaultClass, Defaults, Extension, Singleton, Typed
 from mjcompose.language.select import Collisions, Contacts
-from mjcompose.language.used_model import Allowed, Edit, Edits, Model
+from mjcompose.language.used_model import Allowed, Base, Edit, Edits, Model
 from mjcompose.model.grammar import GRAMMAR, ElementType
 
 TO = "to"
@@ -212,130 +194,6 @@ def _definition_of_addition(_: str) -> Schema:
     return {**schema, "required": ["to"], "minProperties": 2, "maxProperties": 2}
 
 
-KINDS = Table(
-    "checks",
-    {
-        room.KIND.word: room.KIND
-        for room in (
-            size,
-            mass,
-            exists,
-            stable,
-            no_penetration,
-            clear,
-            collision,
-            reachable,
-            limits,
-            actuated,
-            plausible,
-            equal,
-            unchanged,
-            budget,
-            runs_on,
-            loads,
-        )
-    },
-    "KIND",
-    kind=Kind,
-)
-SEVERITY = "severity"
-SEVERITIES = ("error", "warning")
-
-
-@dataclass(frozen=True, slots=True)
-class Checks(Form):
-    """Form of the field `check`: a mapping from names to `{KIND: {…}}`, read as a tuple of checks."""
-
-    def schema(self) -> Schema:
-        kinds: dict[str, Any] = {"type": "object", "additionalProperties": False, "minProperties": 1}
-        kinds["properties"] = {word: kind.form.schema() for word, kind in KINDS.items()}
-        kinds["properties"][SEVERITY] = {
-            "enum": list(SEVERITIES),
-            "default": "error",
-            "description": "whether the build fails where the check does not hold, or only warns",
-        }
-        return {"type": "object", "additionalProperties": kinds}
-
-    def read(self, value: Any, faults: list[Fault], settings: Settings) -> tuple[Check, ...]:
-        found: list[Check] = []
-        if isinstance(value, dict):
-            found = [check for name, item in value.items() for check in _read(name, item, faults)]
-        else:
-            message = f"`check` expects a mapping from names to checks, got {kind_of(value)}"
-            help = "give each a name: `check: {whole: {unchanged: {}}}`"
-            faults.append(Fault("wrong-type", message, help=help))
-        return tuple(found)
-
-
-def _read(name: str, value: Any, faults: list[Fault]) -> Iterator[Check]:
-    owner = f"check `{name}`"
-    if not isinstance(value, dict):
-        help = f"write `{name}: {{unchanged: {{}}}}`" if name not in KINDS else _named(name)
-        faults.append(Fault("wrong-type", f"{owner} is a mapping, got {kind_of(value)}", (name,), help=help))
-        return
-    if not value:
-        help = "write for instance `unchanged: {}`" if name not in KINDS else _named(name)
-        faults.append(Fault("missing-key", f"{owner} checks nothing", (name,), help=help))
-    elif not any(word != SEVERITY for word in value):
-        help = "write for instance `unchanged: {}` beside it"
-        faults.append(Fault("missing-key", f"{owner} checks nothing", (name,), help=help))
-    if name in KINDS and not any(word in (*KINDS, "when") for word in value):
-        first = next(iter(value), None)
-        if first is not None:
-            message = f"`{first}` in {owner} is not a kind of check: `{name}` is the name of this check"
-            faults.append(Fault("unknown-key", message, (name, first), key=True, help=_named(name)))
-        return
-    _check_severity(value, owner, (name,), faults=faults)
-    for word, given in value.items():
-        kind = KINDS.get(word)
-        if word == SEVERITY:
-            continue
-        if kind is None:
-            faults.append(_unknown_kind(word, owner, (name, word)))
-        elif not isinstance(given, list if kind.is_list else dict):
-            wanted = "list" if kind.is_list else "mapping"
-            message = f"`{word}` of {owner} is a {wanted}, got {kind_of(given)}"
-            help = f"write for instance `{word}: {_alone(given, kind) or kind.example}`"
-            faults.append(Fault("wrong-type", message, (name, word), help=help))
-        else:
-            keys, before = Keys(name, word, given, faults=faults), len(faults)
-            check = kind.make(keys, kind.form.read(keys), path_of(value))
-            if check is not None and len(faults) == before:
-                yield check
-
-
-def _alone(given: Any, kind: Kind) -> str | None:
-    return kind.form.alone(given) if isinstance(kind.form, Keyed) else None
-
-
-def _check_severity(value: dict[str, Any], owner: str, at: Path, faults: list[Fault]) -> None:
-    if SEVERITY not in value or value[SEVERITY] in SEVERITIES:
-        return
-    given = value[SEVERITY]
-    near = closest(given, SEVERITIES) if isinstance(given, str) else []
-    message = f"`{SEVERITY}` of {owner} is `error` or `warning`, got {kind_of(given)}"
-    help = f"write `{SEVERITY}: {near[0] if near else 'warning'}`"
-    faults.append(Fault("wrong-keyword", message, (*at, SEVERITY), help=help))
-
-
-def _named(word: str) -> str:
-    """Return what to write if a kind of check is used as a name."""
-    return f"the key is a name that you choose: write `NAME: {{{word}: {KINDS[word].example}}}`"
-
-
-def _unknown_kind(key: str, owner: str, at: Path) -> Fault:
-    help, fix = advised(key, (*KINDS, SEVERITY, "when"))
-    return Fault(
-        "unknown-key",
-        f"`{key}` in {owner} is not a kind of check",
-        at,
-        key=True,
-        notes=(exists_note("check kind", KINDS, key),),
-        help=help,
-        fix=fix,
-    )
-
-
 VERSION = 1
 SETTABLE = frozenset("discardvisual fusestatic boundmass boundinertia settotalmass lengthrange".split())
 
@@ -394,8 +252,8 @@ class Recipe(Model):
     """What stands between a prefix and a name."""
     conflict: Annotated[Literal["error", "base", "mujoco"], Choice("conflict")] = "error"
     """What happens where parts disagree in `option`, `size`, `statistic` or `visual`."""
-    base: Annotated[Attachment | None, Start()] = None
-    """The model to start from: a part without a prefix, at the world; without it, an empty one."""
+    base: Base | None = None
+    """The model to start from, which keeps its own names; without it, an empty one."""
     attach: Annotated[Mapping[str, Attachment], Prefixes()] = Field(default_factory=dict)
     """The parts: a mapping from the prefix of their names to what they are and where they hang."""
     compiler: Annotated[Element | None, Singleton("compiler", SETTABLE)] = None

@@ -26,7 +26,7 @@ from mjcompose.language.placing import OF_A_FILE
 from mjcompose.language.randomize import Randomize
 from mjcompose.language.recipe import Recipe, sections_of
 from mjcompose.language.sections import Singleton
-from mjcompose.language.used_model import Model, UrdfKeys
+from mjcompose.language.used_model import Base, Model, UrdfKeys
 
 _DEFS = "#/$defs/"
 _PIECE = "piece."
@@ -316,7 +316,7 @@ def _into(schema: Any, key: str, value: Schema) -> None:
 
 
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
-MODELS: tuple[type[Model], ...] = (Recipe, Attachment, Randomize, UrdfKeys)
+MODELS: tuple[type[Model], ...] = (Recipe, Attachment, Base, Randomize, UrdfKeys)
 WIDTH = 110
 
 _ORDER = (

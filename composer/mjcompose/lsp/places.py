@@ -39,7 +39,7 @@ def selector_around(question: Question) -> tuple[Path, dict[str, Any]] | None:
 def is_selector(path: Path, written: dict[str, Any]) -> bool:
     if not path:
         return False
-    is_place = path[-1] in ("select", "parent", "in") or (len(path) > 1 and path[-2] in ("drop", "exists"))
+    is_place = path[-1] in ("select", "parent", "in") or (len(path) > 1 and path[-2] == "drop")
     tags = [name for name in written if name not in NARROWING]
     return is_place and len(tags) == 1 and bool(paths_of(tags[0]))
 
@@ -100,28 +100,26 @@ _ROWS: tuple[tuple[Path, Wanted], ...] = (
     (("attach", ANY, "mate"), Wanted(("site", "body", "frame"))),
     (("attach", ANY, "subtree"), Wanted(("body",))),
     (("base", "subtree"), Wanted(("body",))),
-    (("base", "mate"), Wanted(("site", "body", "frame"))),
     (("add", ANY, "to"), Wanted(("body",))),
     (("add", ANY, "to", "frame"), Wanted(("frame",))),
     (("edit", ANY, "move", "to"), Wanted(("body", "frame"))),
     (("attach", ANY, "edit", ANY, "move", "to"), Wanted(("body", "frame"))),
     (("base", "edit", ANY, "move", "to"), Wanted(("body", "frame"))),
-    (("check", ANY, "mass", "subtree"), Wanted(("body",))),
-    (("check", ANY, "mass", "body"), Wanted(("body",))),
     (("check", ANY, "reachable", "site"), Wanted(("site",))),
-    (("check", ANY, "plausible", "bodies"), Wanted(("body",), pattern=True)),
-    (("check", ANY, "plausible", "bodies", ANY), Wanted(("body",), pattern=True)),
-    (("check", ANY, "plausible", "exclude"), Wanted(("body",), pattern=True)),
-    (("check", ANY, "plausible", "exclude", ANY), Wanted(("body",), pattern=True)),
+    (("check", ANY, "clearance", "between", ANY), Wanted(("body", "geom"), pattern=True)),
+    (("check", ANY, "clearance", "between", ANY, ANY), Wanted(("body", "geom"), pattern=True)),
+    (("check", ANY, "clearance", "except", ANY, ANY), Wanted(("body", "geom"), pattern=True)),
+    (("check", ANY, "lint", "select", "inertia-implausible", "body"), Wanted(("body",), pattern=True)),
+    (("check", ANY, "lint", "select", "joint-unactuated", "joint"), Wanted(("joint",), pattern=True)),
     (("check", ANY, "unchanged", "part"), Wanted((PART,))),
     (("check", ANY, ANY, "key"), Wanted((KEY,))),
-    (("check", ANY, ANY, "keys", ANY), Wanted((KEY,), pattern=True)),
+    (("check", ANY, ANY, "key", ANY), Wanted((KEY,), pattern=True)),
     (("contact", "collide", "between", ANY), Wanted((PART,))),
     (("contact", "exclude", ANY, "between", ANY), Wanted((PART,))),
 )
 """The keys of recipes themselves that take names; what MJCF has is in its grammar."""
 _OWN = (("attach", ANY, "mate"), ("attach", ANY, "subtree"), ("attach", ANY, "edit"), ("attach", ANY, "drop"),
-        ("base", "mate"), ("base", "subtree"), ("base", "edit"), ("base", "drop"))  # fmt: skip
+        ("base", "subtree"), ("base", "edit"), ("base", "drop"))  # fmt: skip
 _PLACES = ("site", "body", "frame")
 
 
@@ -222,7 +220,7 @@ def part_of_reference(path: Path, plan: Plan) -> str | None:
 
 
 def part_at(at: Path, plan: Plan | None) -> AttachPart | None:
-    parts = plan.members if plan is not None else ()
+    parts = plan.parts if plan is not None else ()
     return next((step for step in parts if step.at == at), None)
 
 

@@ -9,7 +9,6 @@ from functools import partial
 from pathlib import Path
 
 from mjcompose.base.extensions import Table
-from mjcompose.language.checks.form import RUN_ON
 from mjcompose.language.form import check_rows
 from mjcompose.targets.consumers import (
     drake,
@@ -95,7 +94,6 @@ TARGETS: Table[Target] = Table(
 )
 
 check_rows("the targets of composer/mjcompose/targets/table.py", [MUJOCO, *TARGETS.own], NAMES)
-check_rows("the simulators of the check `runs_on`", RUN_ON, [name for name in TARGETS if name != PLAIN.name])
 check_rows(
     "the features of composer/mjcompose/targets/table.py",
     FEATURES,

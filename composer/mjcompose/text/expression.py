@@ -3,48 +3,50 @@
 from __future__ import annotations
 
 import re
-from typing import NamedTuple, TypeAlias
+from typing import NamedTuple
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.text.expression_values import FUNCTIONS, Value
 
-Range: TypeAlias = tuple[int, int]
-"""The first character of something in the parsed text, and the one after its last."""
-
 
 class ExpressionError(Exception):
-    """An error at some characters of the parsed text; `help` says how to fix it."""
+    """An error at characters `start` to `end` of the parsed text; `help` says how to fix it."""
 
-    def __init__(self, message: str, at: Range, help: str | None = None) -> None:
+    def __init__(self, message: str, start: int, end: int, help: str | None = None) -> None:
         super().__init__(message)
-        self.message, self.at, self.help = message, at, help
+        self.message = message
+        self.start = start
+        self.end = end
+        self.help = help
 
     def moved(self, by: int) -> ExpressionError:
         """Return the same error for a text in which the expression is `by` characters later."""
-        return ExpressionError(self.message, (self.at[0] + by, self.at[1] + by), self.help)
+        return ExpressionError(self.message, self.start + by, self.end + by, self.help)
 
 
 class UnknownName(ExpressionError):
     """A name that the scope does not have; code that knows the existing names can say more."""
 
-    def __init__(self, name: str, at: Range) -> None:
-        super().__init__(f"`{name}` does not exist", at)
+    def __init__(self, name: str, start: int, end: int) -> None:
+        super().__init__(f"`{name}` does not exist", start, end)
         self.name = name
 
     def moved(self, by: int) -> UnknownName:
-        return UnknownName(self.name, (self.at[0] + by, self.at[1] + by))
+        return UnknownName(self.name, self.start + by, self.end + by)
 
 
 @dataclass(frozen=True, slots=True)
 class Constant:
     value: Value
-    at: Range
+    start: int
+    end: int
 
 
 @dataclass(frozen=True, slots=True)
 class Name:
     name: str
-    at: Range
+    start: int
+    end: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,20 +55,23 @@ class Item:
 
     vector: Expression
     index: int
-    at: Range
+    start: int
+    end: int
 
 
 @dataclass(frozen=True, slots=True)
 class Vector:
     items: tuple[Expression, ...]
-    at: Range
+    start: int
+    end: int
 
 
 @dataclass(frozen=True, slots=True)
 class Unary:
     operator: str
     operand: Expression
-    at: Range
+    start: int
+    end: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,7 +81,8 @@ class Binary:
     operator: str
     left: Expression
     right: Expression
-    at: Range
+    start: int
+    end: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,7 +91,8 @@ class Comparison:
 
     operators: tuple[str, ...]
     operands: tuple[Expression, ...]
-    at: Range
+    start: int
+    end: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,14 +102,16 @@ class Choice:
     condition: Expression
     yes: Expression
     no: Expression
-    at: Range
+    start: int
+    end: int
 
 
 @dataclass(frozen=True, slots=True)
 class Call:
     function: str
     arguments: tuple[Expression, ...]
-    at: Range
+    start: int
+    end: int
 
 
 Expression = Constant | Name | Item | Vector | Unary | Binary | Comparison | Choice | Call
@@ -119,8 +128,8 @@ class Token(NamedTuple):
     start: int
 
     @property
-    def at(self) -> Range:
-        return self.start, self.start + len(self.text)
+    def end(self) -> int:
+        return self.start + len(self.text)
 
 
 KEYWORDS = frozenset({"and", "or", "not", "if", "else", "true", "false"})
@@ -157,26 +166,26 @@ def tokens(text: str) -> list[Token]:
         ):
             raise _run_on(text, start)
         if kind == "number" and len(token) > _MAX_DIGITS:
-            raise ExpressionError("the number is too long", (start, match.end()))
+            raise ExpressionError("the number is too long", start, match.end())
         found.append(Token(token if kind == "operator" or token in KEYWORDS else kind, token, start))
         at = match.end()
         if len(found) > _MAX_TOKENS:
-            raise ExpressionError("the expression is too long", (0, len(text)), "make parts of it parameters")
+            raise ExpressionError("the expression is too long", 0, len(text), "make parts of it parameters")
     found.append(Token("end", "", end))
     return found
 
 
 def _unreadable(text: str, at: int) -> ExpressionError:
     if text[at] in "'\"":
-        return ExpressionError(f"the text that begins with {text[at]} has no end", (at, len(text)))
+        return ExpressionError(f"the text that begins with {text[at]} has no end", at, len(text))
     for foreign, ours in _FOREIGN.items():
         if text.startswith(foreign, at):
             return ExpressionError(
-                f"`{foreign}` is not an operator", (at, at + len(foreign)), f"write `{ours}`"
+                f"`{foreign}` is not an operator", at, at + len(foreign), f"write `{ours}`"
             )
     if text[at] == ".":
-        return ExpressionError("expressions have no attributes", (at, at + 1))
-    return ExpressionError(f"`{text[at]}` has no meaning in an expression", (at, at + 1))
+        return ExpressionError("expressions have no attributes", at, at + 1)
+    return ExpressionError(f"`{text[at]}` has no meaning in an expression", at, at + 1)
 
 
 def _run_on(text: str, start: int) -> ExpressionError:
@@ -186,20 +195,20 @@ def _run_on(text: str, start: int) -> ExpressionError:
     unit = next((unit for unit in ("deg", "rad") if word.endswith(unit)), None)
     number = word.removesuffix(unit) if unit else ""
     help = f"units stand outside of expressions; write `rad({number})` for radians" if unit == "deg" else None
-    return ExpressionError(f"`{word}` is not a number", (start, found.end()), help)
+    return ExpressionError(f"`{word}` is not a number", start, found.end(), help)
 
 
 _MAX_DEPTH = 50
+_COMPARISONS = ("<", "<=", ">", ">=", "==", "!=")
 # From loose to tight, each level left to right; `**` binds tighter than a sign before it and goes right to left.
 _LEVELS = (("+", "-"), ("*", "/", "//", "%"))
-_COMPARISONS = ("<", "<=", ">", ">=", "==", "!=")
 
 
 def parse(text: str) -> Expression:
     """Return the tree of an expression. Raises `ExpressionError`."""
     parser = _Parser(tokens(text))
     if parser.next.kind == "end":
-        raise ExpressionError("the expression is empty", (0, len(text)), "write for instance `${2 * reach}`")
+        raise ExpressionError("the expression is empty", 0, len(text), "write for instance `${2 * reach}`")
     tree = parser.choice()
     if parser.next.kind != "end":
         raise parser.unexpected("an operator")
@@ -227,7 +236,7 @@ class _Parser:
         token = self.take(kind)
         if token is None:
             if self.next.kind == "end":
-                raise ExpressionError(f"`{opened.text}` is never closed", opened.at)
+                raise ExpressionError(f"`{opened.text}` is never closed", opened.start, opened.end)
             raise self.unexpected(f"`{kind}`")
         return token
 
@@ -235,25 +244,22 @@ class _Parser:
         token = self.next
         if token.kind == "end":
             return ExpressionError(
-                f"the expression ends where {wanted} should come", (max(token.start - 1, 0), token.start)
+                f"the expression ends where {wanted} should come", max(token.start - 1, 0), token.start
             )
         help = "compare with each: `a == 1 or a == 2`" if token.text in ("in", "not") else None
-        return ExpressionError(f"`{token.text}` stands where {wanted} should", token.at, help)
-
-    def descend(self) -> None:
-        self.depth += 1
-        if self.depth > _MAX_DEPTH:
-            raise ExpressionError("the expression is nested too deep", self.next.at)
+        return ExpressionError(f"`{token.text}` stands where {wanted} should", token.start, token.end, help)
 
     def choice(self) -> Expression:
-        self.descend()
+        self.depth += 1
+        if self.depth > _MAX_DEPTH:
+            raise ExpressionError("the expression is nested too deep", self.next.start, self.next.end)
         value = self.disjunction()
         if self.take("if"):
             condition = self.disjunction()
             if self.take("else") is None:
                 raise self.unexpected("`else`")
             other = self.choice()
-            value = Choice(condition, value, other, at=_over(value, other))
+            value = Choice(condition, value, other, value.start, other.end)
         self.depth -= 1
         return value
 
@@ -261,21 +267,24 @@ class _Parser:
         left = self.conjunction()
         while self.take("or"):
             right = self.conjunction()
-            left = Binary("or", left, right, at=_over(left, right))
+            left = Binary("or", left, right, left.start, right.end)
         return left
 
     def conjunction(self) -> Expression:
         left = self.negation()
         while self.take("and"):
             right = self.negation()
-            left = Binary("and", left, right, at=_over(left, right))
+            left = Binary("and", left, right, left.start, right.end)
         return left
 
     def negation(self) -> Expression:
         signs = []
         while token := self.take("not"):
             signs.append(token)
-        return _signed(signs, self.comparison())
+        value = self.comparison()
+        for token in reversed(signs):
+            value = Unary("not", value, token.start, value.end)
+        return value
 
     def comparison(self) -> Expression:
         operands = [self.level(0)]
@@ -285,7 +294,7 @@ class _Parser:
             operands.append(self.level(0))
         if not operators:
             return operands[0]
-        return Comparison(tuple(operators), tuple(operands), at=_over(operands[0], operands[-1]))
+        return Comparison(tuple(operators), tuple(operands), operands[0].start, operands[-1].end)
 
     def level(self, number: int) -> Expression:
         if number == len(_LEVELS):
@@ -293,23 +302,28 @@ class _Parser:
         left = self.level(number + 1)
         while token := self.take(*_LEVELS[number]):
             right = self.level(number + 1)
-            left = Binary(token.kind, left, right, at=_over(left, right))
+            left = Binary(token.kind, left, right, left.start, right.end)
         return left
 
     def signed(self) -> Expression:
         signs = []
         while token := self.take("-", "+"):
             signs.append(token)
-        return _signed(signs, self.power())
+        value = self.power()
+        for token in reversed(signs):
+            value = Unary(token.kind, value, token.start, value.end)
+        return value
 
     def power(self) -> Expression:
         base = self.item()
         if self.take("**") is None:
             return base
-        self.descend()
+        self.depth += 1
+        if self.depth > _MAX_DEPTH:
+            raise ExpressionError("the expression is nested too deep", self.next.start, self.next.end)
         exponent = self.signed()
         self.depth -= 1
-        return Binary("**", base, exponent, at=_over(base, exponent))
+        return Binary("**", base, exponent, base.start, exponent.end)
 
     def item(self) -> Expression:
         value = self.atom()
@@ -317,66 +331,62 @@ class _Parser:
             sign = self.take("-")
             token = self.take("number")
             if token is None or not token.text.isdigit():
-                raise ExpressionError("an index is a whole number that is written", _over(opened, self.next))
+                raise ExpressionError(
+                    "an index is a whole number that is written", opened.start, self.next.end
+                )
             index = -int(token.text) if sign else int(token.text)
-            value = Item(value, index, at=_over(value, self.expect("]", opened)))
+            value = Item(value, index, value.start, self.expect("]", opened).end)
         return value
 
     def atom(self) -> Expression:
         if token := self.take("number"):
-            return Constant(_number(token), token.at)
+            return Constant(_number(token), token.start, token.end)
         if token := self.take("text"):
-            return Constant(token.text[1:-1], token.at)
+            return Constant(token.text[1:-1], token.start, token.end)
         if token := self.take("true", "false"):
-            return Constant(token.kind == "true", token.at)
+            return Constant(token.kind == "true", token.start, token.end)
         if token := self.take("name"):
             opened = self.take("(")
-            return self.call(token, opened) if opened else Name(token.text, token.at)
+            return self.call(token, opened) if opened else _name(token)
         if opened := self.take("("):
             value = self.choice()
             self.expect(")", opened)
             return value
         if opened := self.take("["):
             items, end = self.items(opened, "]")
-            return Vector(items, (opened.start, end))
+            return Vector(items, opened.start, end)
         raise self.unexpected("a value")
 
     def call(self, name: Token, opened: Token) -> Expression:
         if name.text not in FUNCTIONS:
             known = ", ".join(FUNCTIONS)
             message = f"the function `{name.text}` does not exist; those that exist: {known}"
-            raise ExpressionError(message, name.at)
+            raise ExpressionError(message, name.start, name.end)
         arguments, end = self.items(opened, ")")
-        return Call(name.text, arguments, (name.start, end))
+        return Call(name.text, arguments, name.start, end)
 
     def items(self, opened: Token, closing: str) -> tuple[tuple[Expression, ...], int]:
         found: list[Expression] = []
         while not (closed := self.take(closing)):
             if found:
                 if self.take(",") is None:
-                    return tuple(found), self.expect(closing, opened).at[1]
+                    return tuple(found), self.expect(closing, opened).end
                 if closed := self.take(closing):
                     break
             found.append(self.choice())
-        return tuple(found), closed.at[1]
+        return tuple(found), closed.end
 
 
 def _number(token: Token) -> int | float:
     if token.text.isdigit():
         if len(token.text) > 19:
-            raise ExpressionError("a number too large for an expression", token.at)
+            raise ExpressionError("a number too large for an expression", token.start, token.end)
         return int(token.text)
     value = float(token.text)
     if value in (float("inf"), float("-inf")):
-        raise ExpressionError(f"`{token.text}` is too large for a number", token.at)
+        raise ExpressionError(f"`{token.text}` is too large for a number", token.start, token.end)
     return value
 
 
-def _signed(signs: list[Token], value: Expression) -> Expression:
-    for token in reversed(signs):
-        value = Unary(token.kind, value, _over(token, value))
-    return value
-
-
-def _over(first: Expression | Token, last: Expression | Token) -> Range:
-    return first.at[0], last.at[1]
+def _name(token: Token) -> Expression:
+    return Name(token.text, token.start, token.end)

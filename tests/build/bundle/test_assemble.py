@@ -50,9 +50,9 @@ edit:
 sensor:
   angle: {type: jointpos, joint: right/bend}
 check:
-  sizes: {size: {nu: 2}}
-  there: {exists: [{joint: "**"}]}
-  still: {stable: {seconds: 0.01, max_speed: 100}}
+  sizes: {expect: {attr: nu, equals: 2}}
+  there: {expect: {select: {joint: "**"}}}
+  still: {settles: {seconds: 0.01, max_speed: 100}}
 """
 
 

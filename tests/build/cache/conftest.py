@@ -26,7 +26,7 @@ add:
   - {to: link, geom: {type: sphere, size: [0.1], mass: "${load}", pos: [0, 0, 0.2]}}
 matrix:
   axes: {tool: [none, palm], load: [1.0, 2.0]}
-check: {heavy: {mass: {range: [0.1, 100000]}}}
+check: {heavy: {expect: {attr: mass, range: [0.1, 100000]}}}
 """
 
 

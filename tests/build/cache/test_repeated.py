@@ -35,7 +35,7 @@ base: ./models/arm.xml
 option: {gravity: [0, 0, -9]}
 attach:
   other: {model: ./other.xml}
-check: {heavy: {mass: {range: [0.1, 100000]}}}
+check: {heavy: {expect: {attr: mass, range: [0.1, 100000]}}}
 """
 BUILD = ("build", "cell.yaml", "-o", "out.zip", "--no-verify")
 

@@ -28,7 +28,7 @@ def notes(fault: Fault) -> tuple[str, ...]:
 
 @pytest.fixture
 def ask() -> Ask:
-    """What a check finds in a model: `ask(xml, "size: {nu: 1}")`; more arguments are fields of the scope."""
+    """What a check finds in a model: `ask(xml, "settles: {}")`; more arguments are fields of the scope."""
 
     def ask(xml: str, check: str, frame: dict[str, Any] = WORLD, head: str = "", **scope: Any) -> list[Fault]:
         sink = Sink()
@@ -37,7 +37,7 @@ def ask() -> Ask:
         recipe = validate(node, sink)
         assert recipe is not None, "\n".join(map(render, sink.diagnostics))
         (read,) = recipe.check
-        asked = {**asdict(read), "angle": recipe.angle, "frame": frame}  # type: ignore[call-overload]
+        asked = {**asdict(read), "angle": recipe.angle, "frame": frame, "shapes": ()}  # type: ignore[call-overload]
         if scope.get("prefix") or scope.get("others"):
             scope["whole"] = False
         question = {"kind": read.word, "asked": asked, "scope": scope}

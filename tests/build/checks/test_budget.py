@@ -26,7 +26,10 @@ MODEL = """<mujoco>
         ("faces: 4", "left/"),
         ("textures: 96", ""),
         ("contacts: 1", ""),
-        ("contacts: 0, keys: up", ""),
+        ("geoms: 4", ""),
+        ("geoms: 1", "left/"),
+        ("meshes: 1kB", ""),
+        ("contacts: 0, key: up", ""),
         ("steps_per_second: 1", ""),
     ],
 )
@@ -38,6 +41,8 @@ def test_holds(ask, asked: str, prefix: str) -> None:
     ("asked", "at", "told"),
     [
         ("faces: 7", "faces", "`faces` is 8, in all meshes together"),
+        ("geoms: 3", "geoms", "`geoms` is 4"),
+        ("meshes: 479", "meshes", "`meshes` is 480 bytes in memory"),
         ("textures: 95", "textures", "`textures` is 96 bytes in memory"),
         ("contacts: 0", "contacts", "`contacts` is 1, in `down`"),
         ("steps_per_second: 1e12", "steps_per_second", "one thread of this machine takes"),
@@ -54,11 +59,11 @@ def test_a_speed_is_called_a_measurement(ask) -> None:
 
 
 def test_bytes_are_those_of_the_files() -> None:
-    asked = {"most": {"bytes": 1000}, "speed": None, "keys": (), "bytes": 1001}
+    asked = {"most": {"bytes": 1000}, "speed": None, "key": (), "bytes": 1001}
     (finding,) = check(Scope(mujoco, mujoco.MjModel.from_xml_string(MODEL)), asked)
     assert notes(finding) == ("expected: at most 1000", "actual: 1001")
 
 
 def test_a_keyframe_that_is_not_there(ask) -> None:
-    (finding,) = ask(MODEL, "budget: {contacts: 1, keys: dwn}")
+    (finding,) = ask(MODEL, "budget: {contacts: 1, key: dwn}")
     assert (finding.code, finding.help) == ("unknown-name", "did you mean `down`?")

@@ -206,22 +206,22 @@ def test_a_check_in_a_nested_recipe_is_told_there(tmp_path: Path, run: Run) -> N
 def test_every_check_is_heard_in_order_with_what_came_of_it(tmp_path: Path, run: Run) -> None:
     run(EVERYTHING)
     heard: list[Outcome] = []
-    recipe = "recipe: 1\nattach:\n  nest: {model: ./inner.yaml}\ncheck:\n  dims: {size: {nq: 2}, mass: {range: [0, 9e9]}}\n"
+    recipe = "recipe: 1\nattach:\n  nest: {model: ./inner.yaml}\ncheck:\n  both: {expect: {attr: nq, equals: 2}, settles: {max_speed: 9e9}}\n"
     (tmp_path / "recipe.yaml").write_text(recipe)
     context = Context(folder=tmp_path, environment={})
     assert build(Request(tmp_path / "recipe.yaml"), context, outcomes=heard) is not None, (
         context.sink.diagnostics
     )
     assert [(each.name, each.kind, each.span.file, each.span.line, each.holds) for each in heard] == [
-        ("dims", "size", "recipe.yaml", 5, True),
-        ("dims", "mass", "recipe.yaml", 5, True),
+        ("both", "expect", "recipe.yaml", 5, True),
+        ("both", "settles", "recipe.yaml", 5, True),
         ("nest/inside", "unchanged", "inner.yaml", 7, True),
     ]
 
 
 def test_a_check_that_takes_too_long_is_told_at_its_place(tmp_path: Path, run: Run) -> None:
     (tmp_path / "recipe.yaml").write_text(
-        "recipe: 1\nbase: ./cube.xml\ncheck:\n  rest: {stable: {seconds: 1e9}}\n  have: {exists: [{body: cube}]}\n"
+        "recipe: 1\nbase: ./cube.xml\ncheck:\n  rest: {settles: {seconds: 1e9}}\n  have: {expect: {select: {body: cube}}}\n"
     )
     context = Context(folder=tmp_path, environment={})
     with Session(Limits(seconds=3)) as session:

@@ -39,7 +39,7 @@ attach:
   right: {model: ./arm.xml, pos: [1, 0, 0], joint: free}
 keyframe:
   bent: {qpos: {left/turn: 0.5rad}}
-check: {weight: {mass: {range: [0.1, 100]}}}
+check: {weight: {expect: {attr: mass, range: [0.1, 100]}}}
 """
 
 

@@ -7,44 +7,12 @@ from typing import Any
 
 from mjcompose.base.diagnostic import Fault
 from mjcompose.base.extensions import Table
-from mjcompose.build.checks import (
-    actuated,
-    budget,
-    clear,
-    collision,
-    equal,
-    exists,
-    limits,
-    mass,
-    no_penetration,
-    plausible,
-    reachable,
-    size,
-    stable,
-)
 from mjcompose.build.checks.check import Scope, to_json
+from mjcompose.language.check import MODULES
 from mjcompose.model.pattern import BadPattern
 from mjcompose.mujoco.attributes import Model
 
-CHECKS: Table[Callable[[Scope, dict[str, Any]], list[Fault]]] = Table(
-    "checks",
-    {
-        "size": size.check,
-        "mass": mass.check,
-        "exists": exists.check,
-        "stable": stable.check,
-        "no_penetration": no_penetration.check,
-        "clear": clear.check,
-        "collision": collision.check,
-        "reachable": reachable.check,
-        "limits": limits.check,
-        "actuated": actuated.check,
-        "plausible": plausible.check,
-        "budget": budget.check,
-        "equal": equal.check,
-    },
-    "check",
-)
+CHECKS: Table[Callable[[Scope, dict[str, Any]], list[Fault]]] = Table("checks", {}, "check", modules=MODULES)
 
 
 def ask(mujoco: Any, model: Model, question: dict[str, Any]) -> dict[str, Any]:

@@ -1,31 +1,98 @@
-"""The check `budget`."""
+"""The check `budget`: what a model costs is limited."""
 
 from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import Any, ClassVar
 
-import numpy as np
-
-from mjcompose.base.diagnostic import Fault
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.diagnostic import Fault, Path
 from mjcompose.build.checks.check import Scope, at_keys, failed, keys_named
+from mjcompose.language.checks.form import BYTES, Globs, Key, Keyed, Keys, Kind, Number
+
+AT_MOST = {
+    "geoms": ("the most geoms", {}),
+    "faces": ("the most triangles that the meshes have together", {}),
+    "meshes": ("the most bytes that points, normals and faces of all meshes have in memory", BYTES),
+    "textures": ("the most bytes that the textures have together in memory, unpacked", BYTES),
+    "bytes": (
+        "the most bytes that the files of the model have together: its text, meshes, textures, …",
+        BYTES,
+    ),
+    "contacts": ("the most contacts in a keyframe, or in the reference configuration", {}),
+}
+SPEED = "steps_per_second"
+KEY = "key"
+
+
+@dataclass(frozen=True, slots=True)
+class Budget:
+    """The most that a model may have of each thing in `most`, and the least steps per second on this machine.
+
+    `key` has globs over the keyframes in which contacts are counted. Without globs, these are all keyframes and
+    the reference configuration.
+    """
+
+    word: ClassVar[str] = "budget"
+    name: str
+    most: Mapping[str, float]
+    speed: float | None
+    key: tuple[str, ...]
+    at: Path
+
+
+FORM = Keyed(
+    "The model does not cost more than it may.",
+    *(Key(name, Number(least=0, units=units), about) for name, (about, units) in AT_MOST.items()),
+    Key(
+        SPEED,
+        Number(above=0),
+        "the least steps in a second of one thread of this machine: a measurement, which depends on the machine",
+    ),
+    Key(
+        KEY,
+        Globs("globs over names of keyframes"),
+        "the keyframes in which contacts are counted; without it, all and the reference configuration",
+        default=(),
+    ),
+)
+
+
+def make(keys: Keys, found: Mapping[str, Any], at: Path) -> Budget:
+    most = {name: found[name] for name in AT_MOST if found[name] is not None}
+    is_reported = any(each.at[:2] == (keys.name, keys.word) for each in keys.faults)
+    if not is_reported and not any(name in keys.value for name in (*AT_MOST, SPEED)):
+        keys.add(
+            "missing-key",
+            f"`budget` of {keys.owner} limits nothing",
+            key=True,
+            help="write `budget: {faces: 50000}`",
+        )
+    return Budget(keys.name, most, found[SPEED], key=found[KEY], at=at)
+
+
+KIND = Kind("budget", FORM, make, example="{faces: 50000}")
 
 _WARM_UP, _SECONDS, _RUNS = 20, 0.2, 3
+_OF_A_MESH = {"vert": 12, "normal": 12, "texcoord": 8, "face": 36}
+"""Bytes of one of each: three or two single-precision numbers, and of a face nine indices."""
 _SHOWN_SPEED = 2
 """Digits: the speed differs from run to run."""
 
 
 def check(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
     """Return one finding for each thing of which there is more than allowed."""
-    keys = keys_named(scope, asked["keys"])
+    keys = keys_named(scope, asked["key"])
     if isinstance(keys, Fault):
         return [keys]
     counted: Mapping[str, Callable[[], tuple[int, str]]] = {
+        "geoms": lambda: (len(list(scope.own("geom"))), ""),
+        "meshes": lambda: (_meshes(scope), " bytes in memory"),
         "faces": lambda: (_faces(scope), ", in all meshes together"),
         "bytes": lambda: (int(asked["bytes"]), ", in all files of the model together"),
         "textures": lambda: (_textures(scope), " bytes in memory"),
-        "contacts": lambda: _contacts(scope, keys, everywhere=not asked["keys"]),
+        "contacts": lambda: _contacts(scope, keys, everywhere=not asked["key"]),
     }
     found: list[Fault] = []
     for name, most in asked["most"].items():
@@ -40,6 +107,12 @@ def check(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
 
 def _faces(scope: Scope) -> int:
     return int(sum(int(scope.model.mesh_facenum[mesh]) for mesh in scope.own("mesh")))
+
+
+def _meshes(scope: Scope) -> int:
+    """Return the bytes of the points, normals, texture coordinates and faces of all meshes."""
+    counts = [(getattr(scope.model, f"mesh_{each}num"), width) for each, width in _OF_A_MESH.items()]
+    return sum(int(count[mesh]) * width for mesh in scope.own("mesh") for count, width in counts)
 
 
 def _textures(scope: Scope) -> int:
@@ -69,6 +142,8 @@ def _contacts(scope: Scope, keys: list[str], *, everywhere: bool) -> tuple[int, 
 
 def _speed(scope: Scope, least: float) -> list[Fault]:
     """Return a finding if the best of several runs is too slow. The best one is disturbed least by other work."""
+    import numpy as np
+
     mujoco, model = scope.mujoco, scope.model
     data = mujoco.MjData(model)
     best = 0.0

@@ -15,7 +15,6 @@ from mjcompose.language.checks.form import naming
 from mjcompose.model.pattern import fitter
 from mjcompose.mujoco.arrays import words
 from mjcompose.mujoco.attributes import ENUMERATED, ON_BODIES, Model, NameTable, array_of, holder
-from mjcompose.mujoco.references import links
 
 
 def failed(
@@ -114,6 +113,8 @@ class Scope:
             return index > 0 and self.owns("body", holder(self.model, kind, index))
         if kind in ON_BODIES:
             return self.owns("body", holder(self.model, kind, index))
+        from mjcompose.mujoco.references import links
+
         return any(
             self.owns(each.kind, each.index) for each in links(self.model, kind, index) if each.index >= 0
         )
@@ -213,6 +214,8 @@ def words_of(scope: Scope, tag: str, index: int, attr: str) -> Iterator[str]:
         if values is not None:
             yield words(scope.mujoco, array)[int(values[index])]
         return
+    from mjcompose.mujoco.references import links
+
     kind = naming(tag)[attr]
     for link in links(scope.model, tag, index):
         if link.index >= 0 and (kind is None or link.kind == kind) and _is_meant(link.field, tag, attr):
@@ -237,16 +240,33 @@ def keys_named(scope: Scope, globs: Sequence[str]) -> list[str] | Fault:
     known = [] if scope.keys is None else scope.names("key")
     if not globs:
         return known
+    if scope.keys is None and isinstance(fault := scope.at_key(globs[0]), Fault):
+        return fault
     found: list[str] = []
     for at, glob in enumerate(globs):
         fitting = scope.fitting(glob, known)
         if not fitting:
             notes = (exists_note("keyframe", known, glob),)
-            place = ("keys", at) if len(globs) > 1 else ("keys",)
+            place = ("key", at) if len(globs) > 1 else ("key",)
             help = did_you_mean(glob, known)
             return Fault("unknown-name", f"`{glob}` names no keyframe", place, notes=notes, help=help)
         found += [name for name in known if name in fitting and name not in found]
     return found
+
+
+def poses(scope: Scope, globs: Sequence[str]) -> list[tuple[str, Any]] | Fault:
+    """Return where a message is about, and an mjData, of each keyframe that the globs match.
+
+    Without globs it is the reference configuration. The caller still calls `mj_forward`.
+    """
+    if not globs:
+        return [("", scope.at_key(None))]
+    names = keys_named(scope, globs)
+    return (
+        names
+        if isinstance(names, Fault)
+        else [(f" in `{name}`", data) for name, data in at_keys(scope, names)]
+    )
 
 
 def at_keys(scope: Scope, names: Sequence[str]) -> Iterator[tuple[str, Any]]:
@@ -261,7 +281,7 @@ def unmet(scope: Scope, kinds: Sequence[str], globs: Sequence[str], *at: str | i
     """Return a finding for the first glob that matches nothing of these kinds."""
     known = [name for kind in kinds for name in scope.names(kind)]
     for index, glob in enumerate(globs):
-        if not scope.fitting(glob, known):
+        if not any(scope.matching(kind, glob) for kind in kinds):
             notes = (exists_note("name", sorted(known), glob),)
             place = (*at, index) if len(globs) > 1 else at
             message, help = f"`{glob}` names no {' and no '.join(kinds)}", did_you_mean(glob, known)

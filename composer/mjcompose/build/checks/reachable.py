@@ -2,17 +2,60 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Mapping
+from typing import Any, ClassVar
 
-import numpy as np
-
-from mjcompose.base.diagnostic import Fault
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.diagnostic import Fault, Path
 from mjcompose.build.checks.check import SOLVED, Scope, beside, failed
-from mjcompose.build.checks.inverse_kinematics import STARTS, Solver
+from mjcompose.language.checks.form import LENGTH, Key, Keyed, Keys, Kind, Name, Number, Numbers
+
+TOLERANCE = 1e-3
+_POINT = "[0.5, 0, 0.8]"
+
+
+@dataclass(frozen=True, slots=True)
+class Reachable:
+    """Some joint positions within their limits bring `site` to `target` (metres, in the world of the recipe)."""
+
+    word: ClassVar[str] = "reachable"
+    name: str
+    site: str
+    target: tuple[float, ...]
+    tolerance: float
+    key: str | None
+    at: Path
+
+
+FORM = Keyed(
+    "Joint positions within their limits bring a site to a point. Collisions are not looked at.",
+    Key("site", Name("the name of a site"), "the site that is brought there", needed="NAME"),
+    Key(
+        "target",
+        Numbers(3, _POINT),
+        "the point, in metres, in the world of this recipe",
+        needed=_POINT,
+    ),
+    Key("tolerance", Number(above=0, units=LENGTH), "how near it must come, in metres", default=TOLERANCE),
+    Key(
+        "key",
+        Name("the name of a keyframe"),
+        "where everything else is, and the search starts; without it, the reference configuration",
+    ),
+)
+
+
+def make(keys: Keys, found: Mapping[str, Any], at: Path) -> Reachable:
+    return Reachable(keys.name, at=at, **found)
+
+
+KIND = Kind("reachable", FORM, make, example="{site: tcp, target: [0.5, 0, 0.8]}", needs_world=True)
 
 
 def check(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
     """Report that no joint positions were found, with the nearest point."""
+    from mjcompose.build.checks.inverse_kinematics import STARTS, Solver
+
     site = scope.find("site", asked["site"], "site")
     if isinstance(site, Fault):
         return [site]
@@ -48,6 +91,8 @@ def _in_the_world(scope: Scope, data: Any, target: list[float], frame: dict[str,
 
     `frame` is the pose of the recipe's world in the model.
     """
+    import numpy as np
+
     turned = np.zeros(3)
     scope.mujoco.mju_rotVecQuat(
         turned, np.array(target, dtype=np.float64), np.array(frame["quat"], dtype=np.float64)

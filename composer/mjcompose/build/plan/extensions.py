@@ -9,8 +9,8 @@ from mjcompose.base import extensions
 from mjcompose.base.diagnostic import DiagnosticError, Span
 from mjcompose.base.sink import Sink
 from mjcompose.build.plan.plan import Plan
+from mjcompose.language.check import KINDS, SEVERITY
 from mjcompose.language.motors import SHEETS, library
-from mjcompose.language.recipe import KINDS, SEVERITY
 from mjcompose.language.used_model import KEYS
 from mjcompose.language.verbs.table import VERBS
 from mjcompose.sources.kinds import EXTENDED

@@ -2,39 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import asdict, field, replace
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import asdict, replace
+from functools import cached_property
 from typing import Any
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Diagnostic, Fault, Note, Severity, Span
+from mjcompose.base.extensions import Table
 from mjcompose.base.rotation import IDENTITY_QUAT, ORIGIN
 from mjcompose.base.sink import Sink
 from mjcompose.build.bundle.assemble import Renamed
-from mjcompose.build.checks.ask import CHECKS, ask
+from mjcompose.build.bundle.bundle import Bundle
+from mjcompose.build.checks.ask import ask
 from mjcompose.build.checks.check import from_json
-from mjcompose.build.plan.plan import BASE, MadeShapes, PartRecord, Plan, arrays_of_draw, of_part
+from mjcompose.build.plan.plan import BASE, MadeShapes, PartRecord, Plan, arrays_of_draw
 from mjcompose.build.verify.compile import WHOLE
 from mjcompose.build.verify.outcome import Outcome
-from mjcompose.build.verify.parts import (
-    PartComparer,
-    PartComparison,
-    causes,
-    change_sentence,
-    difference_notes,
-)
-from mjcompose.language.checks.collision import Collision
+from mjcompose.build.verify.parts import PartComparer
+from mjcompose.language.check import KINDS, MODULES, SEVERITY
 from mjcompose.language.checks.form import Check
-from mjcompose.language.checks.unchanged import Unchanged, attributes
-from mjcompose.language.form import check_rows
-from mjcompose.language.recipe import KINDS, SEVERITY
 from mjcompose.link.files import Merged
 from mjcompose.mujoco import engine
-from mjcompose.mujoco.attributes import arrays_of
-from mjcompose.mujoco.match import EXTRA, MISSING, Difference
 from mjcompose.mujoco.messages import CRASHES
 from mjcompose.sources.context import Context
-from mjcompose.text.node import Scalar, find, locate
+from mjcompose.text.node import Mapping, Scalar, find, locate
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,7 +68,7 @@ class NestedRecipe:
         if not self.part:
             return {"body": None, "pos": ORIGIN, "quat": IDENTITY_QUAT}
         end, name, plan = self.plan.separator, f"{self.part}{BASE}", self.plan
-        while plan.base is not None and isinstance(plan.base.model, Plan):
+        while isinstance(plan.base.model, Plan):
             plan, name = plan.base.model, f"{name}{end}{BASE}"
         for member in members:
             if member.part == name and member.pose is not None:
@@ -95,23 +87,16 @@ def checks_in(plan: Plan) -> Iterator[tuple[NestedRecipe, Check]]:
 
 # The codes of failed checks; all other codes are errors in the check itself.
 _NOT_HELD = ("check-failed", "part-changed")
-
-check_rows(
-    "the checks that composer/mjcompose/build/checks/ask.py runs",
-    [*CHECKS.own, Unchanged.word],
-    [word for word in KINDS.own if not KINDS[word].of_target],
-)
 _LOSS = "target-loss"  # a warning: the check holds
-Elsewhere = Callable[[dict[str, Any]], tuple[Sequence[Fault], dict[str, Any]]]
-"""A check that is carried out elsewhere: of what it asks for, the findings and what was found."""
+_RUNS: Table[Callable[..., dict[str, Any]]] = Table("checks", {}, "run", modules=MODULES)
+"""How to carry out the checks that need more than the compiled model."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Checks:
     """The checks of a model that the session keeps; `run` reports those that fail to the sink of `context`.
 
-    `size` is that of the files of the model, in bytes; `elsewhere` carries out the checks that are about targets;
-    `shapes` is what was made of meshes.
+    `bundle` is the model with its files, and `shapes` is what was made of meshes.
     """
 
     plan: Plan
@@ -120,22 +105,27 @@ class Checks:
     context: Context
     merged: Merged
     renamed: Renamed
-    size: int = 0
-    elsewhere: Mapping[str, Elsewhere] = field(default_factory=dict)
+    bundle: Bundle
     shapes: Sequence[MadeShapes] = ()
+
+    @cached_property
+    def comparer(self) -> PartComparer:
+        return PartComparer(self.session, self.merged, self.renamed)
+
+    @cached_property
+    def drawn(self) -> list[str]:
+        """The arrays that samples draw."""
+        return sorted({array for step in self.plan.draws if step.sample for array in arrays_of_draw(step)})
 
     def run(self, outcomes: list[Outcome]) -> None:
         """Run every check in the order of the recipe, and append what came of each."""
-        judge, kept = PartComparer(self.session, self.merged, self.renamed), True
-        drawn = sorted({array for step in self.plan.draws if step.sample for array in arrays_of_draw(step)})
+        kept = True
         for recipe, check in checks_in(self.plan):
             own = replace(self.context, sink=Sink())
-            if isinstance(check, Unchanged):
-                values = self._unchanged(check, recipe, judge, context=own, drawn=drawn)
-            elif KINDS[check.word].of_target:
-                values = _ask_elsewhere(check, recipe, self.elsewhere, context=own)
-            else:
+            if KINDS[check.word].is_in_mujoco:
                 kept, values = self._ask(check, recipe, own)
+            else:
+                values = _RUNS[check.word](self, check, recipe, own)
             reported = tuple(_as_severe(each, check, recipe) for each in own.sink.diagnostics)
             for diagnostic in reported:
                 self.context.sink.add(diagnostic)
@@ -156,13 +146,20 @@ class Checks:
 
         Return whether that process still keeps the model, and the values that the check found.
         """
-        angle = recipe.plan.angle_context.at((*check.at, check.word, "value")).angle
-        asked = {**asdict(check), "angle": angle, "frame": recipe.frame(self.members), "bytes": self.size}  # type: ignore[call-overload]
-        if isinstance(check, Collision):
-            asked["made"] = [
+        path = (*check.at, check.word)
+        written = next(
+            (key for key in ("equals", "range") if find(recipe.plan.document, (*path, key))), "select"
+        )
+        asked = {
+            **asdict(check),  # type: ignore[call-overload]
+            "angle": recipe.plan.angle_context.at((*path, written)).angle,
+            "frame": recipe.frame(self.members),
+            "bytes": sum(map(len, self.bundle.files.values())),
+            "shapes": [
                 {"mesh": each.mesh, "of": each.of, "shapes": each.shapes, **each.error}
                 for each in self.shapes
-            ]
+            ],
+        }
         about = f"check `{recipe.part}{check.name}`"
         if KINDS[check.word].needs_world and asked["frame"] is None:
             message = f"{about}: it is not known where the world of this recipe stands in the model, for it has no base"
@@ -178,31 +175,8 @@ class Checks:
             context.sink.error(code, message, _place(check, recipe), notes=notes)
             return not answer.crash, {}
         for finding in map(from_json, answer.value["findings"]):
-            _report_finding(finding, check, recipe, context=context)
+            report(finding, check, recipe, context=context)
         return True, answer.value["values"]
-
-    def _unchanged(
-        self,
-        check: Unchanged,
-        recipe: NestedRecipe,
-        judge: PartComparer,
-        context: Context,
-        *,
-        drawn: Sequence[str],
-    ) -> dict[str, Any]:
-        """Compare each source of the part with the source alone, and return how many there are.
-
-        The part goes by the name that the outermost recipe gives it.
-        """
-        separator = self.plan.separator
-        part = recipe.part + check.part if check.part else recipe.part.removesuffix(separator) or None
-        excused = [*drawn, *(array for name in check.excepted for array in arrays_of(name))]
-        found = of_part(self.members, part, separator)
-        for member in found:
-            compared = judge.compare(member, excused)
-            if not compared.ok:
-                _report(compared, recipe, check, context=context)
-        return {"parts": len(found)}
 
 
 def check_spans(plan: Plan) -> dict[str, Span]:
@@ -221,61 +195,11 @@ def _as_severe(found: Diagnostic, check: Check, recipe: NestedRecipe) -> Diagnos
     return replace(found, severity=Severity.WARNING) if warns and found.code in _NOT_HELD else found
 
 
-def _ask_elsewhere(
-    check: Check, recipe: NestedRecipe, elsewhere: Mapping[str, Elsewhere], context: Context
-) -> dict[str, Any]:
-    findings, values = elsewhere[check.word](asdict(check))  # type: ignore[call-overload]
-    for finding in findings:
-        _report_finding(finding, check, recipe, context=context)
-    return values
-
-
-def _report_finding(finding: Fault, check: Check, recipe: NestedRecipe, context: Context) -> None:
-    span = locate(recipe.plan.document, (*check.at, check.word, *finding.at), key=not finding.at)
+def report(finding: Fault, check: Check, recipe: NestedRecipe, context: Context) -> None:
+    """Report what a check finds, at the value that it is about, or else at the word of the check."""
+    path = (*check.at, check.word, *finding.at)
+    value = find(recipe.plan.document, path) if finding.at else None
+    span = locate(recipe.plan.document, path, key=value is None or isinstance(value, Mapping))
     message = f"check `{recipe.part}{check.name}`: {finding.message}"
     add = context.sink.warning if finding.code == _LOSS else context.sink.error
     add(finding.code, message, span, notes=finding.notes, help=finding.help)
-
-
-def _report(compared: PartComparison, recipe: NestedRecipe, check: Unchanged, context: Context) -> None:
-    path = (*check.at, "unchanged")
-    span = locate(recipe.plan.document, (*path, "part") if check.part else path, key=check.part is None)
-    about = f"check `{recipe.part}{check.name}`"
-    if compared.obscure is not None:
-        message = (
-            f"{about}: `{compared.member.called}` cannot be compared with its source: {compared.obscure}"
-        )
-        context.sink.error("part-not-compared", message, span)
-        return
-    message = f"{about}: {change_sentence(compared)}"
-    context.sink.error(
-        "part-changed",
-        message,
-        span,
-        notes=difference_notes(compared.differences),
-        help=_excepting(compared, check),
-    )
-
-
-def _excepting(compared: PartComparison, check: Unchanged) -> str | None:
-    """Return the line that accepts all differences, or None if one of them belongs to no attribute."""
-    names = list(check.excepted)
-    for each in causes(compared.differences):
-        if each.field in (MISSING, EXTRA):
-            return None
-        if (name := _attribute(each)) is None:
-            return None
-        names.append(name)
-    listed = ", ".join(dict.fromkeys(names))
-    return f"if that is meant, write `except: [{listed}]`"
-
-
-def _attribute(difference: Difference) -> str | None:
-    """Return an MJCF attribute that determines the array."""
-    end = difference.array.partition("_")[2]
-    known = attributes()
-    if end in known:
-        return end
-    return next(
-        (name for name in known if end in arrays_of(name) or difference.array in arrays_of(name)), None
-    )

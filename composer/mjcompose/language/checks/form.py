@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import re
 import sys
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import field
 from functools import cache
-from typing import Any, Protocol
+from typing import Any, ClassVar, Protocol
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Fault, Fix, Note, Path
@@ -17,28 +18,6 @@ from mjcompose.language.value import without_unit
 from mjcompose.model.grammar import GRAMMAR
 from mjcompose.model.selector import paths_of
 from mjcompose.mujoco.attributes import ENUMERATED
-
-RUN_ON = (
-    "drake",
-    "pinocchio",
-    "pybullet",
-    "newton",
-    "genesis",
-    "mjx",
-    "warp",
-    "isaac",
-    "urdf",
-)
-"""Those of which it is known what they lack: the targets of `build --target`, without MuJoCo itself."""
-READ_IN = ("drake", "pinocchio", "pybullet", "newton", "genesis", "mjx", "warp", "urdf")
-"""Those in which a model can be read back."""
-NOT_READ_IN = {
-    name: f"no check reads models in it; `runs_on: [{name}]` says what it lacks"
-    for name in RUN_ON
-    if name not in READ_IN
-}
-"""What helps somebody who names one of the others for that."""
-
 
 _NAMING = ("geom", "site", "camera", "light", "skin", "material", "pair", "exclude", "equality", "tendon", "actuator",
            "sensor")  # fmt: skip
@@ -228,19 +207,51 @@ class Globs:
         return {"anyOf": [dict(GLOB), {"type": "array", "items": dict(GLOB), "minItems": 1}]}
 
 
+LENGTH: Mapping[str, float] = {"mm": 1e-3, "cm": 1e-2, "m": 1.0}
+BYTES: Mapping[str, float] = {
+    f"{prefix}{infix}B": float((1024 if infix else 1000) ** (power + 1))
+    for power, prefix in enumerate("kMG")
+    for infix in ("", "i")
+}
+
+
 @dataclass(frozen=True, slots=True)
 class Number:
-    """A finite number that is at least `least`, or greater than `above`."""
+    """A finite number that is at least `least`, or greater than `above`.
+
+    It may have a unit behind it: `units` are the factors to the number without a unit.
+
+    >>> Number(units=LENGTH).read(Keys("a", "b", {}, []), "-1mm", "min")
+    -0.001
+    """
 
     least: float | None = None
     above: float | None = None
+    units: Mapping[str, float] = field(default_factory=dict)
 
     def read(self, keys: Keys, value: Any, *at: str | int) -> float | None:
+        if self.units and isinstance(value, str) and (match := _MEASURE.fullmatch(value.strip())):
+            number, unit = match.groups()
+            if unit in self.units:
+                value = float(number) * self.units[unit]
         return keys.number_of(value, *at, least=self.least, above=self.above)
 
     def schema(self) -> Schema:
         bounds = {"minimum": self.least, "exclusiveMinimum": self.above}
-        return {**reference("number"), **{key: each for key, each in bounds.items() if each is not None}}
+        given = {key: each for key, each in bounds.items() if each is not None}
+        if not self.units:
+            return {**reference("number"), **given}
+        known = "|".join(self.units)
+        sign = "" if self.least is not None or self.above is not None else "-?"
+        return {
+            "type": ["number", "string"],
+            **given,
+            "pattern": rf"^{sign}(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?\s*(?:{known})$|\$\{{",
+            "patternErrorMessage": f"expected a number, or one with a unit: {', '.join(self.units)}",
+        }
+
+
+_MEASURE = re.compile(r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([A-Za-z]+)")
 
 
 @dataclass(frozen=True, slots=True)
@@ -265,15 +276,25 @@ class Numbers:
 
 
 @dataclass(frozen=True, slots=True)
-class Words:
-    """One of these words or a list of them, read as a tuple. Messages call each one a `noun`.
+class Flag:
+    """`true` or `false`."""
 
-    `elsewhere` has the help for words that are right in other places.
-    """
+    def read(self, keys: Keys, value: Any, *at: str | int) -> bool | None:
+        if isinstance(value, bool):
+            return value
+        keys.add("wrong-type", f"`{at[-1]}` of {keys.owner} is `true` or `false`, got {kind_of(value)}", *at)
+        return None
+
+    def schema(self) -> Schema:
+        return reference("boolean")
+
+
+@dataclass(frozen=True, slots=True)
+class Words:
+    """One of these words or a list of them, read as a tuple. Messages call each one a `noun`."""
 
     known: tuple[str, ...]
     noun: str
-    elsewhere: Mapping[str, str] = field(default_factory=dict)
 
     def read(self, keys: Keys, value: Any, *at: str | int) -> tuple[str, ...]:
         listed = isinstance(value, list)
@@ -298,8 +319,6 @@ class Words:
             help, fix = advised(each, self.known)
             note = exists_note(self.noun, self.known, each)
             message = f"{keys.owner} knows no {self.noun} `{each}`"
-            if each in self.elsewhere:
-                message, help, fix = f"{keys.owner} cannot use `{each}`", self.elsewhere[each], None
             keys.add("wrong-keyword", message, *place, notes=(note,), help=help, fix=fix)
         return tuple(dict.fromkeys(found))
 
@@ -341,6 +360,7 @@ class Keyed:
     about: str
     keys: tuple[Key, ...]
     noun: str
+    shapes: ClassVar[tuple[type, ...]] = (dict,)
 
     def __init__(self, about: str, *keys: Key, noun: str = "key") -> None:
         for name, value in (("about", about), ("keys", keys), ("noun", noun)):
@@ -389,7 +409,10 @@ class Check(Protocol):
 
 
 class CheckForm(Protocol):
-    """The form of a check's value: a `Keyed` mapping, or a list."""
+    """The form of a check's value: a `Keyed` mapping, or one of its `shapes`."""
+
+    @property
+    def shapes(self) -> tuple[type, ...]: ...
 
     def read(self, keys: Keys) -> Any:
         """Return the argument of `make`. Faults are added to `keys`."""
@@ -404,7 +427,7 @@ class Kind:
 
     `make` makes the check from what `form` has read, and may report more faults. After a fault its result is not
     used. A check that `needs_world` is about points in the world of its recipe, and cannot run in a nested recipe
-    whose place is unknown. A check `of_target` is about other programs: `composer/mjcompose/targets` carries it out.
+    whose place is unknown. One that is not `is_in_mujoco` has a function `run` in place of `check` in its module.
     """
 
     word: str
@@ -412,8 +435,4 @@ class Kind:
     make: Callable[[Keys, Any, Path], Check | None]
     example: str
     needs_world: bool = False
-    of_target: bool = False
-
-    @property
-    def is_list(self) -> bool:
-        return getattr(self.form, "is_list", not isinstance(self.form, Keyed))
+    is_in_mujoco: bool = True

@@ -35,7 +35,7 @@ class CheckForm:
     """The form of a check whose value is a model, or a list of models."""
 
     def __init__(self, form: Any) -> None:
-        self.form, self.is_list = form, not is_model(form)
+        self.form, self.shapes = form, (dict,) if is_model(form) else (list,)
 
     def read(self, keys: Keys) -> Any:
         """Return the model, or None after reported faults."""

@@ -1,0 +1,255 @@
+"""The check `clearance`: geoms are not inside each other, or keep a distance."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, ClassVar
+
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.diagnostic import Fault, Path
+from mjcompose.build.checks.check import SOLVED, Scope, beside, failed, poses, unmet
+from mjcompose.language.checks.form import LENGTH, Globs, Key, Keyed, Keys, Kind, Number
+from mjcompose.language.form import Schema, kind_of
+from mjcompose.language.select import GLOB
+
+MIN = -1e-3
+_SIDES, _PAIRS = '["arm/**", table]', '[["gripper/**", "gripper/**"]]'
+
+
+@dataclass(frozen=True, slots=True)
+class Clearance:
+    """In each of the keyframes that the globs in `key` match, geoms are at least `min` metres apart.
+
+    A negative `min` is how deep they may be in each other. Without `key`, the reference configuration is checked.
+    Without `between`, the pairs are those that can touch; with it, all of its two sides. A pair of `excepted` globs
+    does not count. Globs match names of geoms, flexes and bodies; a body stands for its own geoms.
+    """
+
+    word: ClassVar[str] = "clearance"
+    name: str
+    key: tuple[str, ...]
+    min: float
+    excepted: tuple[tuple[str, ...], ...]
+    between: tuple[tuple[str, ...], ...] | None
+    at: Path
+
+
+class Sides:
+    """Form of two sides. Each is a glob or a list of globs, read as a tuple."""
+
+    side = Globs("a glob over names of geoms or bodies")
+
+    def read(self, keys: Keys, value: Any, *at: str | int) -> tuple[tuple[str, ...], ...] | None:
+        if isinstance(value, list) and len(value) == 2:
+            return tuple(self._side(keys, side, *at, index) for index, side in enumerate(value))
+        message = f"`{at[-1]}` of {keys.owner} expects two sides, each a glob over geoms or bodies or a list of them"
+        code = "wrong-length" if isinstance(value, list) else "wrong-type"
+        keys.add(code, message, *at, help=f"write for instance `{at[-1]}: {_SIDES}`")
+        return None
+
+    def _side(self, keys: Keys, value: Any, *at: str | int) -> tuple[str, ...]:
+        if value == []:
+            keys.add("wrong-length", f"a side of `{at[0]}` of {keys.owner} is an empty list", *at)
+            return ()
+        return self.side.read(keys, value, *at)
+
+    def schema(self) -> Schema:
+        return {"type": "array", "items": self.side.schema(), "minItems": 2, "maxItems": 2}
+
+
+class Pairs:
+    """Form of pairs of globs, read as a tuple of pairs."""
+
+    def read(self, keys: Keys, value: Any, *at: str | int) -> tuple[tuple[str, ...], ...]:
+        if not isinstance(value, list):
+            message = f"`{at[-1]}` of {keys.owner} expects a list of pairs of globs, got {kind_of(value)}"
+            keys.add("wrong-type", message, *at, help=f"write for instance `{at[-1]}: {_PAIRS}`")
+            return ()
+        return tuple(self._pair(keys, each, *at, index) for index, each in enumerate(value))
+
+    def _pair(self, keys: Keys, value: Any, *at: str | int) -> tuple[str, ...]:
+        if isinstance(value, list) and len(value) == 2:
+            what = "globs over names of geoms or bodies"
+            return tuple(keys.glob_of(each, what, *at, side) or "" for side, each in enumerate(value))
+        got = f"{len(value)} of them" if isinstance(value, list) else kind_of(value)
+        message = f"`{at[0]}` of {keys.owner} expects pairs of globs, got {got}"
+        code = "wrong-length" if isinstance(value, list) else "wrong-type"
+        keys.add(code, message, *at, help=f"a pair is a list of its own: `{at[0]}: [[a, b]]`")
+        return ()
+
+    def schema(self) -> Schema:
+        return {
+            "type": "array",
+            "items": {"type": "array", "items": dict(GLOB), "minItems": 2, "maxItems": 2},
+        }
+
+
+FORM = Keyed(
+    "Geoms are not inside each other, or keep a distance.",
+    Key(
+        "key",
+        Globs("globs over names of keyframes"),
+        "in which keyframes; without it, in the reference configuration",
+        default=(),
+    ),
+    Key(
+        "min",
+        Number(units=LENGTH),
+        "the least distance, in metres; below 0 it is how deep they may be in each other",
+        default=MIN,
+    ),
+    Key(
+        "except",
+        Pairs(),
+        "pairs of globs over names of geoms and bodies that do not count",
+        default=(),
+    ),
+    Key(
+        "between",
+        Sides(),
+        "the two sides, each a glob over names of geoms and bodies or a list of them, whether they can touch or not;"
+        " without it, all geoms that can touch",
+    ),
+)
+
+
+def make(keys: Keys, found: Mapping[str, Any], at: Path) -> Clearance:
+    return Clearance(
+        keys.name, found["key"], found["min"], excepted=found["except"], between=found["between"], at=at
+    )
+
+
+KIND = Kind("clearance", FORM, make, example="{key: home}")
+
+_NAMED = ("geom", "body", "flex")
+_SHOWN = 8
+_SLACK = 1e-9
+
+Side = tuple[str, int]
+"""A geom or flex by kind and id."""
+Pair = tuple[Side, Side]
+
+
+def check(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
+    """Report the pairs that are nearer to each other than the check allows, the nearest first."""
+    for index, pair in enumerate(asked["excepted"]):
+        for side, glob in enumerate(pair):
+            if (nothing := unmet(scope, _NAMED, [glob], "except", index, side)) is not None:
+                return [nothing]
+    sides = []
+    for index, globs in enumerate(asked["between"] or ()):
+        if (nothing := unmet(scope, _NAMED[:2], globs, "between", index)) is not None:
+            return [nothing]
+        sides.append(_geoms(scope, globs))
+    places = poses(scope, asked["key"])
+    if isinstance(places, Fault):
+        return [places]
+    known = {name for kind in _NAMED for name in scope.names(kind)}
+    excepted = [[scope.fitting(glob, known) for glob in pair] for pair in asked["excepted"]]
+    least: float = asked["min"]
+    near: dict[tuple[str, Pair], float] = {}
+    nearest: float | None = None
+    for where, data in places:
+        apart = _apart(scope, data, sides, least) if sides else _touching(scope, data, least)
+        for pair, distance in apart:
+            if distance >= least and nearest is not None and distance >= nearest:
+                continue
+            if any(_is_excepted(scope, pair, one, other) for one, other in excepted):
+                continue
+            nearest = distance if nearest is None else min(nearest, distance)
+            if distance < least:
+                near[where, pair] = min(distance, near.get((where, pair), distance))
+    if nearest is not None:
+        scope.found("distance", nearest, SOLVED)
+    if not near:
+        return []
+    ranked = sorted(near.items(), key=lambda item: item[1])
+    lines = [_line(scope, pair, where, distance, least) for (where, pair), distance in ranked[:_SHOWN]]
+    more = [*lines[1:], *([f"and {len(ranked) - _SHOWN} more pairs"] if len(ranked) > _SHOWN else [])]
+    expected = f"at least {least:g} m" if least >= 0 else f"at most {-least:g} m inside"
+    return [failed(lines[0], expected, _measure(ranked[0][1], least), "min", more=more)]
+
+
+def _measure(distance: float, least: float) -> str:
+    """Return a distance in words."""
+    return f"{beside(distance, least)} m" if distance >= 0 else f"{beside(-distance, -least)} m inside"
+
+
+def _line(scope: Scope, pair: Pair, where: str, distance: float, least: float) -> str:
+    """Return in words how far apart the two of a pair are."""
+    one, other = (scope.called(*side) for side in pair)
+    if distance < 0:
+        return f"{one} is {_measure(distance, least)} of {other}{where}"
+    return f"{one} and {other}{where} are {_measure(distance, least)} apart"
+
+
+def _touching(scope: Scope, data: Any, least: float) -> Iterator[tuple[Pair, float]]:
+    """Yield the pairs that can touch with their distance, if it is at most `least` or they do touch.
+
+    Options of the model that disable contacts do not count.
+    """
+    mujoco, option = scope.mujoco, scope.model.opt
+    before = int(option.disableflags), int(option.enableflags), float(option.o_margin)
+    off = int(mujoco.mjtDisableBit.mjDSBL_CONTACT) | int(mujoco.mjtDisableBit.mjDSBL_CONSTRAINT)
+    option.disableflags = before[0] & ~off
+    if least > 0:  # MuJoCo looks for contacts as far away as the margin
+        option.enableflags = before[1] | int(mujoco.mjtEnableBit.mjENBL_OVERRIDE)
+        option.o_margin = least + _SLACK
+    try:
+        mujoco.mj_fwdPosition(scope.model, data)
+    finally:
+        option.disableflags, option.enableflags, option.o_margin = before
+    for contact in data.contact:
+        pair = (_side(contact, 0), _side(contact, 1))
+        if all(scope.owns(*side) for side in pair):
+            yield pair, float(contact.dist)
+
+
+def _side(contact: Any, side: int) -> Side:
+    geom = int(contact.geom[side])
+    return ("geom", geom) if geom >= 0 else ("flex", int(contact.flex[side]))
+
+
+def _geoms(scope: Scope, globs: Sequence[str]) -> list[int]:
+    """Return the geoms that the globs match, and the geoms of the bodies that they match."""
+    geoms: list[int] = []
+    for glob in globs:
+        geoms += scope.matching("geom", glob)
+        bodies = set(scope.matching("body", glob))
+        geoms += [geom for geom in scope.own("geom") if int(scope.model.geom_bodyid[geom]) in bodies]
+    return list(dict.fromkeys(geoms))
+
+
+def _apart(
+    scope: Scope, data: Any, sides: Sequence[Sequence[int]], least: float
+) -> Iterator[tuple[Pair, float]]:
+    """Yield the pairs of geoms of the two sides that are on different bodies, with their distance up to `least`."""
+    import numpy as np
+
+    mujoco, model = scope.mujoco, scope.model
+    mujoco.mj_kinematics(model, data)
+    for one in sides[0]:
+        for other in sides[1]:
+            if one == other or model.geom_bodyid[one] == model.geom_bodyid[other]:
+                continue
+            apart = float(np.linalg.norm(data.geom_xpos[one] - data.geom_xpos[other]))
+            radius = float(model.geom_rbound[one] + model.geom_rbound[other])
+            if model.geom_rbound[one] and model.geom_rbound[other] and apart - radius >= max(least, 0.0):
+                continue  # their bounding spheres are apart: no need to ask MuJoCo
+            limit = max(least, 0.0) + _SLACK
+            distance = float(mujoco.mj_geomDistance(model, data, one, other, limit, None))
+            yield (("geom", one), ("geom", other)), distance
+
+
+def _is_excepted(scope: Scope, pair: Pair, one: frozenset[str], other: frozenset[str]) -> bool:
+    first, second = (_names(scope, side) for side in pair)
+    return bool((first & one and second & other) or (first & other and second & one))
+
+
+def _names(scope: Scope, side: Side) -> set[str]:
+    """Return the names by which a glob matches a side: its own and that of its body."""
+    kind, index = side
+    names = [scope.roster.names[kind][index]]
+    if kind == "geom":
+        names.append(scope.roster.names["body"][int(scope.model.geom_bodyid[index])])
+    return {name.removeprefix(scope.prefix) for name in names if name}

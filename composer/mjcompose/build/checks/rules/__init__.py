@@ -1,0 +1,1 @@
+"""The rules of the check `lint`, one file each: what a rule can be told, and how it is checked."""

@@ -1,0 +1,59 @@
+"""A rule of the check `lint`, and what rules share."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.diagnostic import Fault
+from mjcompose.build.checks.check import Scope, failed, unmet
+from mjcompose.language.checks.form import Keyed, Keys
+
+SHOWN = 8
+
+
+@dataclass(frozen=True, slots=True)
+class Rule:
+    """A rule: its word, the form of its settings, and the kinds of element that `except` can name.
+
+    `check` returns the findings for the settings. A rule that `needs` some of its settings runs only if a recipe
+    writes them, and `example` is one.
+    """
+
+    word: str
+    form: Keyed
+    kinds: tuple[str, ...]
+    check: Callable[[Scope, Mapping[str, Any]], list[Fault]]
+    needs: tuple[str, ...] = ()
+    example: str = "{}"
+    validate: Callable[[Keys, Mapping[str, Any]], None] = lambda keys, found: None
+
+
+def chosen(scope: Scope, kind: str, settings: Mapping[str, Any]) -> list[int] | Fault | None:
+    """Return the elements that the setting of their kind names, or None if it is not written."""
+    globs: Sequence[str] = settings[kind]
+    if (nothing := unmet(scope, (kind,), globs, kind)) is not None:
+        return nothing
+    return (
+        list(dict.fromkeys(each for glob in globs for each in scope.matching(kind, glob))) if globs else None
+    )
+
+
+def excepted(scope: Scope, kinds: Sequence[str], settings: Mapping[str, Any]) -> set[tuple[str, int]] | Fault:
+    """Return the elements that `except` names, by kind and id, or a finding that a glob names nothing."""
+    if (nothing := unmet(scope, kinds, settings["except"], "except")) is not None:
+        return nothing
+    return {
+        (kind, each) for glob in settings["except"] for kind in kinds for each in scope.matching(kind, glob)
+    }
+
+
+def listed(
+    lines: Sequence[str], expected: str, actual: str, *at: str | int, help: str | None = None
+) -> list[Fault]:
+    """Return one finding for lines, the first of them as its message; nothing without lines."""
+    if not lines:
+        return []
+    more = [*lines[1:SHOWN], *([f"and {len(lines) - SHOWN} more"] if len(lines) > SHOWN else [])]
+    return [failed(lines[0], expected, actual, *at, more=more, help=help)]

@@ -1,0 +1,117 @@
+"""Rule `shape-off-mesh`: shapes that the verbs `collision` and `simplify` put in place of meshes are close to them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from mjcompose.base.diagnostic import Fault
+from mjcompose.base.suggest import did_you_mean, exists_note
+from mjcompose.build.checks.check import Scope, failed
+from mjcompose.build.checks.rules.rule import SHOWN, Rule, listed
+from mjcompose.language.checks.form import LENGTH, Globs, Key, Keyed, Keys, Number, Numbers
+
+FORM = Keyed(
+    "The shapes and meshes that `collision` and `simplify` made of meshes are near enough to them.",
+    Key("mesh", Globs("globs over names of meshes"), "which meshes; without it, all", default=()),
+    Key(
+        "hausdorff",
+        Number(least=0, units=LENGTH),
+        "the greatest distance of the two from one another, in metres",
+    ),
+    Key(
+        "beyond", Number(least=0, units=LENGTH), "how far the shapes reach out of the mesh at most, in metres"
+    ),
+    Key(
+        "short",
+        Number(least=0, units=LENGTH),
+        "how far the mesh reaches out of the shapes at most, in metres",
+    ),
+    Key("uncovered", Number(least=0), "the greatest share of the surface outside of the shapes"),
+    Key("volume", Numbers(2, "[0.9, 1.2]"), "the least and the most volume, relative to that of the mesh"),
+)
+
+
+def validate(keys: Keys, settings: Mapping[str, Any]) -> None:
+    volume = settings["volume"]
+    if volume is not None and volume[0] > volume[1]:
+        low, high = volume
+        message = f"`volume` of {keys.owner} starts with {low:g}, which is more than {high:g}"
+        keys.add("out-of-range", message, "volume", help=f"write `volume: [{high:g}, {low:g}]`")
+
+
+_LENGTHS = {
+    "hausdorff": "is {} m off",
+    "beyond": "reaches {} m out of the mesh",
+    "short": "leaves the mesh {} m outside",
+}
+
+
+def check(scope: Scope, settings: Mapping[str, Any]) -> list[Fault]:
+    """Return a finding for each measure beyond its limit, with the worst meshes."""
+    made = [each for each in settings["shapes"] if each["mesh"].startswith(scope.prefix)]
+    pairs = [(each["mesh"].removeprefix(scope.prefix), each) for each in made]
+    names = [name for name, _ in pairs]
+    for key in ("mesh", "except"):
+        for at, glob in enumerate(settings[key]):
+            if not scope.fitting(glob, names):
+                message = f"nothing was made of a mesh `{glob}`"
+                notes = (exists_note("mesh", sorted(set(names)), glob),)
+                help = did_you_mean(glob, names)
+                return [Fault("unknown-name", message, (key, at), notes=notes, help=help)]
+    fitting = {
+        key: {name for glob in settings[key] for name in scope.fitting(glob, names)}
+        for key in ("mesh", "except")
+    }
+    meant = [
+        each for each in pairs if each[0] in (fitting["mesh"] or names) and each[0] not in fitting["except"]
+    ]
+    if not meant:
+        return [failed("no `collision` or `simplify` made anything of a mesh", "at least one mesh", "none")]
+    scope.found("meshes", len(meant))
+    findings = []
+    for measure, words in _LENGTHS.items():
+        scope.found(measure, max(each[measure] for _, each in meant))
+        if (most := settings[measure]) is not None:
+            wrong = [(each[measure], name) for name, each in meant if each[measure] > most]
+            findings += _failed(wrong, words, f"at most {most:g} m", measure=measure)
+    covered = [(each["uncovered"], name) for name, each in meant if each["uncovered"] is not None]
+    if covered:
+        scope.found("uncovered", max(covered)[0])
+    if (most := settings["uncovered"]) is not None:
+        wrong = [each for each in covered if each[0] > most]
+        findings += _failed(
+            wrong, "leaves {} of the surface outside", f"at most {most:g}", measure="uncovered"
+        )
+    if settings["volume"] is not None:
+        findings += _volumes(meant, *settings["volume"])
+    return findings
+
+
+def _volumes(meant: list[tuple[str, dict[str, Any]]], low: float, high: float) -> list[Fault]:
+    expected = f"{low:g} to {high:g}"
+    open_ones = [name for name, each in meant if each["volume"] is None]
+    if open_ones:
+        message = f"the mesh `{open_ones[0]}` is open: it has no volume to compare with"
+        more = [f"so is `{name}`" for name in open_ones[1:SHOWN]]
+        help = "close the meshes, or name the others by `mesh`"
+        return [failed(message, expected, "unknown", "volume", more=more, help=help)]
+    wrong = [(each["volume"], name) for name, each in meant if not low <= each["volume"] <= high]
+    return _failed(wrong, "has {} of the volume", expected, measure="volume")
+
+
+def _failed(wrong: list[tuple[float, str]], words: str, expected: str, measure: str) -> list[Fault]:
+    ranked = sorted(wrong, reverse=True)
+    lines = [f"what was made of `{name}` {words.format(f'{value:.4g}')}" for value, name in ranked]
+    return listed(lines, expected, f"{ranked[0][0]:.4g}" if ranked else "", measure)
+
+
+RULE = Rule(
+    "shape-off-mesh",
+    FORM,
+    ("mesh",),
+    check,
+    needs=("hausdorff", "beyond", "short", "uncovered", "volume"),
+    example="{hausdorff: 0.002}",
+    validate=validate,
+)

@@ -1,0 +1,161 @@
+"""The check `unchanged`: a part is the same as its source alone."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.diagnostic import Path
+from mjcompose.base.suggest import advised
+from mjcompose.language.checks.form import Key, Keyed, Keys, Kind, Name
+from mjcompose.language.form import Schema, kind_of
+from mjcompose.model.grammar import GRAMMAR
+from mjcompose.mujoco.attributes import arrays_of
+from mjcompose.text.node import locate
+
+if TYPE_CHECKING:
+    from mjcompose.build.verify.checks import Checks, NestedRecipe
+    from mjcompose.build.verify.parts import PartComparison
+    from mjcompose.mujoco.match import Difference
+    from mjcompose.sources.context import Context
+
+PART, EXCEPT = "part", "except"
+OF_THE_WHOLE = frozenset("compiler option size statistic visual extension".split())
+"""Sections that are not a part's."""
+OWN = frozenset({"class", "childclass", "name", "file"})
+"""Attributes that a compiled model does not have as such: they cannot be excepted."""
+
+
+@dataclass(frozen=True, slots=True)
+class Unchanged:
+    """A part is the same as its source alone. Without `part`, all parts are. Attributes `excepted` may differ.
+
+    The place of an attribute is `locate(node, (*at, "unchanged", "except", INDEX))`.
+    """
+
+    word: ClassVar[str] = "unchanged"
+    name: str
+    part: str | None
+    excepted: tuple[str, ...]
+    at: Path
+
+
+def attributes() -> list[str]:
+    """Return every attribute of MJCF that an element of a model can have, sorted."""
+    sections = [tag for tag in GRAMMAR.root.children if tag not in OF_THE_WHOLE]
+    kinds = [kind for tag in sections for kind in GRAMMAR.within(tag).values()]
+    return sorted({name for kind in kinds for name in kind.attributes} - OWN)
+
+
+class Attributes:
+    """Form of a list of MJCF's attributes, read as a tuple."""
+
+    def read(self, keys: Keys, value: Any, *at: str | int) -> tuple[Any, ...]:
+        if not isinstance(value, list):
+            message = f"`{at[-1]}` of {keys.owner} expects a list of attributes, got {kind_of(value)}"
+            listed = f"write `{at[-1]}: [{value}]`" if isinstance(value, str) else None
+            keys.add("wrong-type", message, *at, help=listed)
+            return ()
+        known = attributes() if value else []
+        for index, each in enumerate(value):
+            if each not in known:
+                self._unknown(keys, each, known, *at, index)
+        return tuple(value)
+
+    def _unknown(self, keys: Keys, name: Any, known: list[str], *at: str | int) -> None:
+        if not isinstance(name, str):
+            message = f"`{at[0]}` expects attributes of MJCF, got {kind_of(name)}"
+            keys.add("wrong-type", message, *at)
+            return
+        help, fix = advised(name, known)
+        message = f"MJCF has no attribute `{name}` that could be excepted"
+        keys.add("unknown-attribute", message, *at, help=help, fix=fix)
+
+    def schema(self) -> Schema:
+        return {"type": "array", "items": {"type": "string", "minLength": 1}}
+
+
+FORM = Keyed(
+    "A part is what its source is when MuJoCo compiles that alone.",
+    Key(
+        PART,
+        Name("the prefix of a part"),
+        "the part, by its prefix; `base` is the base; without it, all of them",
+    ),
+    Key(EXCEPT, Attributes(), "attributes of MJCF that are changed on purpose", default=()),
+)
+
+
+def make(keys: Keys, found: Mapping[str, Any], at: Path) -> Unchanged:
+    return Unchanged(keys.name, found[PART], found[EXCEPT], at=at)
+
+
+KIND = Kind("unchanged", FORM, make, example="{}", is_in_mujoco=False)
+
+
+def run(checks: Checks, check: Unchanged, recipe: NestedRecipe, context: Context) -> dict[str, Any]:
+    """Compare each source of the part with the source alone, and return how many there are.
+
+    The part goes by the name that the outermost recipe gives it.
+    """
+    from mjcompose.build.plan.plan import of_part
+
+    separator = checks.plan.separator
+    part = recipe.part + check.part if check.part else recipe.part.removesuffix(separator) or None
+    excused = [*checks.drawn, *(array for name in check.excepted for array in arrays_of(name))]
+    sources = of_part(checks.members, part, separator)
+    for source in sources:
+        compared = checks.comparer.compare(source, excused)
+        if not compared.ok:
+            _report(compared, recipe, check, context=context)
+    return {"parts": len(sources)}
+
+
+def _report(compared: PartComparison, recipe: NestedRecipe, check: Unchanged, context: Context) -> None:
+    from mjcompose.build.verify.parts import change_sentence, difference_notes
+
+    path = (*check.at, "unchanged")
+    span = locate(recipe.plan.document, (*path, "part") if check.part else path, key=check.part is None)
+    about = f"check `{recipe.part}{check.name}`"
+    if compared.obscure is not None:
+        message = (
+            f"{about}: `{compared.member.called}` cannot be compared with its source: {compared.obscure}"
+        )
+        context.sink.error("part-not-compared", message, span)
+        return
+    message = f"{about}: {change_sentence(compared)}"
+    context.sink.error(
+        "part-changed",
+        message,
+        span,
+        notes=difference_notes(compared.differences),
+        help=_excepting(compared, check),
+    )
+
+
+def _excepting(compared: PartComparison, check: Unchanged) -> str | None:
+    """Return the line that accepts all differences, or None if one of them belongs to no attribute."""
+    from mjcompose.build.verify.parts import causes
+    from mjcompose.mujoco.match import EXTRA, MISSING
+
+    names = list(check.excepted)
+    for each in causes(compared.differences):
+        if each.field in (MISSING, EXTRA):
+            return None
+        if (name := _attribute(each)) is None:
+            return None
+        names.append(name)
+    listed = ", ".join(dict.fromkeys(names))
+    return f"if that is meant, write `except: [{listed}]`"
+
+
+def _attribute(difference: Difference) -> str | None:
+    """Return an MJCF attribute that determines the array."""
+    end = difference.array.partition("_")[2]
+    known = attributes()
+    if end in known:
+        return end
+    return next(
+        (name for name in known if end in arrays_of(name) or difference.array in arrays_of(name)), None
+    )

@@ -1,0 +1,270 @@
+"""The check `targets`: models are written for other programs, which read them back."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import subprocess
+import sys
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, replace
+from pathlib import Path
+from typing import Any
+
+from lxml import etree
+
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.diagnostic import Fault, Note
+from mjcompose.base.limits import in_force
+from mjcompose.base.processes import Process
+from mjcompose.base.scratch import scratch
+from mjcompose.build.bundle.bundle import Bundle
+from mjcompose.build.bundle.staging import write_files
+from mjcompose.language.form import check_rows
+from mjcompose.mujoco import engine
+from mjcompose.targets.export import export
+from mjcompose.targets.judge import asked_of, judged
+from mjcompose.targets.names import CONSUMERS, READ_IN
+from mjcompose.targets.table import TARGETS
+from mjcompose.targets.target import Loss, grouped, in_words
+
+_READERS = Path(__file__).with_name("readers")
+_INTERPRETER = "Scripts/python.exe" if os.name == "nt" else "bin/python"
+_ASK = "import importlib.util, sys; sys.exit(importlib.util.find_spec(sys.argv[1]) is None)"
+_LAST_WORDS = 400
+_RAISED = re.compile(r"[\w.]+(Error|Exception|Exit)\b")
+
+
+@dataclass(frozen=True, slots=True)
+class Reader:
+    """A program that reads models back.
+
+    `program` is both the file in `readers/` and the folder of its environment. `module` is what Python imports, and
+    `packages` are what pip installs. A program that computes in `single` precision gets a larger tolerance.
+    """
+
+    target: str
+    program: str
+    module: str
+    packages: tuple[str, ...]
+    single: bool = False
+
+
+READERS: Mapping[str, Reader] = {
+    each.target: each
+    for each in (
+        Reader("drake", "drake", "pydrake", packages=("drake",)),
+        Reader("pinocchio", "pinocchio", "pinocchio", packages=("pin",)),
+        Reader("pybullet", "pybullet", "pybullet", packages=("numpy", "pybullet"), single=True),
+        Reader(
+            "newton", "newton", "newton", packages=("newton", "trimesh", "scipy", "mujoco", "mujoco-warp"),
+            single=True,
+        ),
+        Reader("genesis", "genesis", "genesis", packages=("torch", "genesis-world")),
+        Reader("mjx", "mjx", "mujoco.mjx", packages=("mujoco-mjx",)),
+        Reader("warp", "warp", "mujoco_warp", packages=("mujoco-warp",), single=True),
+        Reader("urdf", "pinocchio", "pinocchio", packages=("pin",)),
+    )
+}  # fmt: skip
+"""By the name of the target that it reads."""
+
+check_rows("the programs of composer/mjcompose/targets/read_back.py", READERS, READ_IN)
+check_rows("the targets that they read", [name for name in TARGETS if name in READERS], READERS)
+
+
+def interpreter(reader: Reader, environment: Mapping[str, str]) -> str | None:
+    """Return the Python that can import a program: that of its environment, or the current one; None without either."""
+    folder = environment.get(CONSUMERS)
+    named = Path(folder, reader.program, _INTERPRETER) if folder else None
+    for python in (named, Path(sys.executable)):
+        if python is not None and os.path.isfile(python) and _has(str(python), reader.module):
+            return str(python)
+    return None
+
+
+def _has(python: str, module: str) -> bool:
+    asked = subprocess.run([python, "-I", "-c", _ASK, module], capture_output=True, check=False)
+    return asked.returncode == 0
+
+
+def read_back(reader: Reader, python: str, model: Path, questions: dict[str, Any]) -> dict[str, Any] | str:
+    """Return the facts of a model as the program reads it, or an error message.
+
+    The facts are those of `judging.py`: numbers by name, the count of shapes, poses, and the end of a motion. Files are
+    written beside the folder of the model.
+    """
+    asked, out = model.parent.with_suffix(".poses.json"), model.parent.with_suffix(".facts.json")
+    asked.write_text(json.dumps(questions), encoding="utf-8")
+    command = [python, "-I", str(_READERS / f"{reader.program}.py"), str(model), str(asked), str(out)]
+    seconds = in_force().time
+    with Process(
+        command,
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+        cwd=model.parent.parent,
+    ) as process:
+        try:
+            _, said = process.communicate(timeout=seconds)
+        except subprocess.TimeoutExpired:
+            process.end()
+            return f"it took longer than {seconds:g} seconds"
+    if process.returncode or not os.path.isfile(out):
+        lines = [line for line in said.decode("utf-8", "replace").splitlines() if line.strip(" -")]
+        raised = [line for line in lines if _RAISED.match(line)]  # JAX and Genesis write more after it
+        return (
+            (raised or lines)[-1][:_LAST_WORDS] if lines else f"it ended with the code {process.returncode}"
+        )
+    facts: dict[str, Any] = json.loads(out.read_bytes())
+    return facts
+
+
+_FAILED, _MISSING = "check-failed", "consumer-missing"
+_SHOWN = 8
+_POSES = 50
+LOSS = "target-loss"
+
+
+@dataclass(frozen=True, slots=True)
+class Work:
+    """A bundle that MuJoCo has compiled. The session keeps its model under the name `whole`."""
+
+    bundle: Bundle
+    whole: str
+    session: engine.Session
+    environment: Mapping[str, str]
+
+
+Found = tuple[Sequence[Fault], dict[str, Any]]
+
+
+def carry_out(work: Work, asked: dict[str, Any]) -> Found:
+    """Return a finding for each target that lacks something of the model, cannot read it, or reads another one.
+
+    `asked` is a check `targets` as a mapping.
+    """
+    findings: list[Fault] = []
+    values: dict[str, Any] = {}
+    questions: dict[str, Any] = {}
+    if asked["read"]:
+        answer = engine.call(work.session, asked_of, [work.whole], argument=_POSES)
+        if not answer.ok:
+            return [Fault(_FAILED, f"MuJoCo does not move the model: {answer.error or answer.crash}")], values
+        questions = answer.value
+    for index, name in enumerate(asked["targets"]):
+        at = (*asked["place"], index)
+        with scratch("target") as folder:
+            each, value = _about(work, name, folder, asked, questions)
+        findings += [replace(fault, at=at) for fault in each]
+        values |= {} if value is None else {name: value}
+    return findings, values
+
+
+def _about(
+    work: Work, name: str, folder: Path, asked: dict[str, Any], questions: dict[str, Any]
+) -> tuple[list[Fault], Any]:
+    """Return the findings for one target, and what was measured of it."""
+    reader = READERS[name] if asked["read"] else None
+    python = None if reader is None else interpreter(reader, work.environment)
+    if reader is not None and python is None:
+        return [_missing(name, reader)], None
+    written = _written(work, name, folder)
+    if isinstance(written, str):
+        return [Fault(_FAILED, f"the model cannot be written for `{name}`: {written}")], None
+    lacked = [each for each in written.losses if not each.otherwise]
+    if lacked and asked["losses"] == "error":
+        return [_lacking(name, lacked)], len(lacked)
+    losses = [_warned(name, lacked)] if lacked else []
+    if reader is None or python is None:
+        return losses, len(lacked)
+    refused = next((each for each in written.losses if each.refused), None)
+    facts: dict[str, Any] | str
+    if refused is not None:
+        facts = f"{refused.shown}: {refused.why}"
+    else:
+        facts = read_back(reader, python, placed(written.folder, written.model), questions=questions)
+    if isinstance(facts, str):
+        return [Fault(_FAILED, f"`{name}` does not read the model: {facts}")], None
+    question = {
+        "facts": facts, "asked": questions, "single": reader.single,
+        "losses": [asdict(each) for each in written.losses],
+    }  # fmt: skip
+    answer = engine.call(work.session, judged, [work.whole], argument=question)
+    wrong = list(answer.value) if answer.ok else [str(answer.error or answer.crash)]
+    version = str(facts["version"])
+    return [*([_another(name, version, wrong)] if wrong else []), *losses], version
+
+
+def _warned(name: str, lacked: Sequence[Loss]) -> Fault:
+    first, *others = _sentences(name, lacked)
+    return Fault(LOSS, first, notes=(Note("\n".join(others)),) if others else ())
+
+
+def _lacking(name: str, lacked: Sequence[Loss]) -> Fault:
+    lines, several = _sentences(name, lacked), "s" * (len(lacked) != 1)
+    actual = f"actual: it lacks {len(lacked)} thing{several}"
+    notes = ["expected: nothing that it lacks", actual, *lines[1:_SHOWN]]
+    if len(lines) > _SHOWN:
+        notes.append(f"and {len(lines) - _SHOWN} more")
+    help = next((each.help for each in lacked if each.help), None)
+    message = f"`{name}` does not have all of the model: {lines[0]}"
+    return Fault(_FAILED, message, notes=tuple(map(Note, notes)), help=help)
+
+
+def _missing(name: str, reader: Reader) -> Fault:
+    message = f"`{name}` is not installed: no Python here has its module `{reader.module}`"
+    packages = " ".join(reader.packages)
+    help = (
+        f"run `pip install {packages}`; or install it into an environment `FOLDER/{reader.program}`,"
+        f" and set `{CONSUMERS}` to FOLDER"
+    )
+    return Fault(_MISSING, message, help=help)
+
+
+def _another(name: str, version: str, wrong: Sequence[str]) -> Fault:
+    notes = ["expected: the numbers, poses and motion of MuJoCo", f"actual: {len(wrong)} that differ"]
+    notes += [*wrong[1:_SHOWN], *([f"and {len(wrong) - _SHOWN} more"] if len(wrong) > _SHOWN else [])]
+    message = f"`{name}` {version} reads another model: {wrong[0]}"
+    return Fault(_FAILED, message, notes=tuple(map(Note, notes)))
+
+
+def _sentences(name: str, losses: Sequence[Loss]) -> list[str]:
+    return [in_words(TARGETS[name].title, group) for group in grouped(losses)]
+
+
+def placed(folder: Path, model: str) -> Path:
+    """Return the path of a model after its folder is moved to where the program looks for it.
+
+    A ROS package must be in a folder with the name of the package.
+    """
+    about = folder / "package.xml"
+    if os.path.isfile(about):
+        named = str(etree.parse(about, etree.XMLParser(resolve_entities=False)).findtext("name"))
+        folder = folder.rename(folder.with_name(named))
+    return folder / model
+
+
+@dataclass(frozen=True, slots=True)
+class _Written:
+    folder: Path
+    model: str
+    losses: Sequence[Loss]
+
+
+def _written(work: Work, target: str, folder: Path) -> _Written | str:
+    """Return what is written for a target, or an error message."""
+    source, out = folder / "in", folder / "out"
+    source.mkdir()
+    out.mkdir()
+    write_files(work.bundle, source)
+    asked = {"name": target, "model": str(source / work.bundle.model), "out": str(out)}
+    answer = engine.call(work.session, export, (), argument=asked)
+    wrong = answer.error or answer.crash if not answer.ok else answer.value["error"]
+    if wrong is not None:
+        return engine.without_folder(engine.without_folder(wrong, out), source)
+    if answer.value["differences"]:
+        return (
+            f"MuJoCo reads the plain text of the model back as another one: {answer.value['differences'][0]}"
+        )
+    return _Written(out, answer.value["model"], [Loss(**each) for each in answer.value["losses"]])
