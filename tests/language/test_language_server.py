@@ -171,7 +171,7 @@ HOVERED = [
     ("matrix: {ax|es: {light: [dim]}}", "all combinations"),
     (
         "randomize: {seed: 1, samples: 2, fields: {f: {select: {geom: a}, attr: size, uni|form: [0, 1]}}}",
-        "between",
+        "Between",
     ),
     (
         "check: {a: {expect: {select: {geom: a, wh|ere: {type: box}}}}}",

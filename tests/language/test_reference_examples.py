@@ -19,9 +19,9 @@ NAMES = sorted(path.stem for path in (ROOT / "docs" / "examples" / "keys").glob(
 TABLES = {
     "Top-level keys": "top",
     "Sections of MJCF": "top",
-    "Selectors": "selector",
+    "Selectors": "selectors",
     "Entries": "edit",
-    "Fields": "draw",
+    "Fields": "fields",
 }
 ROW = re.compile(r"^\| \[?\**`([^`]+)`\**", re.MULTILINE)
 START = re.compile(r"^Keys of `([^`]+)`:$", re.MULTILINE)
@@ -89,11 +89,11 @@ def inside(value: Any, key: str) -> Iterator[Any]:
 
 def places(chapter: str, recipe: Any) -> list[Any]:
     """What the keys of a chapter are keys of."""
-    if chapter == "selector":
+    if chapter == "selectors":
         return [*inside(recipe, "select")]
     if chapter == "edit":
         return [entry for entries in inside(recipe, "edit") for entry in entries]
-    if chapter == "draw":
+    if chapter == "fields":
         return [field for fields in inside(recipe, "fields") for field in fields.values()]
     return [recipe]
 

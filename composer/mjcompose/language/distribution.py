@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-import sys
 from array import array
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import field
 from functools import lru_cache
-from typing import Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
+
+from pydantic import Field
 
 from mjcompose.base.dataclass import dataclass
-from mjcompose.base.diagnostic import Fault, Fix, Path
+from mjcompose.base.diagnostic import Fault, Path
 from mjcompose.base.distribution import (
     Distribution,
     Integers,
@@ -21,34 +22,25 @@ from mjcompose.base.distribution import (
     Uniform,
 )
 from mjcompose.base.draw_stream import below, bits
-from mjcompose.base.suggest import closest, exists_note
+from mjcompose.base.extensions import Table
 from mjcompose.language.form import kind_of, shown
+from mjcompose.language.forms.model import IT, WHOLE, Model
+from mjcompose.language.forms.rows import Rows
+from mjcompose.language.forms.rules import OneOf
+from mjcompose.language.forms.scalars import Checked, Expects, Items, Measure, NotNegative, Positive, Whole
 from mjcompose.text.expression_values import Angle
 
 Operation = Literal["set", "scale", "offset"]
 CHOICE = "choice"
-INTERVALS: Mapping[str, type[Uniform | LogUniform | Integers]] = {
+_MAKERS: Mapping[str, Callable[..., Distribution]] = {
     "uniform": Uniform,
     "loguniform": LogUniform,
     "integers": Integers,
+    "normal": Normal,
+    "truncnormal": TruncNormal,
+    "lognormal": LogNormal,
 }
-"""Distributions between two bounds: a list of the two."""
-BELLS: Mapping[str, tuple[Callable[..., Distribution], tuple[str, ...]]] = {
-    "normal": (Normal, ("mean", "std")),
-    "truncnormal": (TruncNormal, ("mean", "std", "min", "max")),
-    "lognormal": (LogNormal, ("mean", "std")),
-}
-"""Distributions with a mean: a mapping with these keys."""
-KINDS = ("uniform", "loguniform", "normal", "truncnormal", "lognormal", CHOICE, "integers")
-EXAMPLES = {
-    "uniform": "[0.8, 1.2]",
-    "loguniform": "[0.1, 10]",
-    "normal": "{mean: 1, std: 0.1}",
-    "truncnormal": "{mean: 1, std: 0.1, min: 0.5, max: 1.5}",
-    "lognormal": "{mean: 0, std: 0.1}",
-    CHOICE: "[1, 2, 5]",
-    "integers": "[1, 6]",
-}
+_INTERVALS = ("uniform", "loguniform", "integers")
 _LARGEST = 2**53
 _MANY = 64  # from so many draws on it pays to import numpy
 
@@ -124,7 +116,7 @@ class FieldDistribution:
 
         if self.kind == CHOICE:
             return f"{CHOICE} of {', '.join(shown(each) for each in self.values)}"
-        if self.kind in INTERVALS:
+        if self.kind in _INTERVALS:
             return f"{self.kind} {' to '.join(map(written, self.parameters.values()))}"
         return f"{self.kind} {', '.join(f'{name} {written(each)}' for name, each in self.parameters.items())}"
 
@@ -132,140 +124,234 @@ class FieldDistribution:
 @lru_cache(maxsize=256)
 def _distribution(kind: str, numbers: tuple[float, ...]) -> Distribution:
     """Return the distribution. It is cached, because some compute what all their draws need."""
-    if kind in INTERVALS:
-        return INTERVALS[kind](*numbers)  # type: ignore[arg-type]  # those of Integers are whole
-    return BELLS[kind][0](*numbers)
+    return _MAKERS[kind](*numbers)
 
 
-@dataclass(slots=True)
-class DistributionReader:
-    """Reads one distribution and adds to the faults. `owner` is the subject of messages."""
+Numbers = Annotated[tuple[Annotated[float | Angle, Measure()], ...], Items(1, single=True)]
+Spread = Annotated[tuple[Annotated[float | Angle, Measure(ge=0)], ...], Items(1, single=True)]
+PositiveSpread = Annotated[tuple[Annotated[float | Angle, Measure(gt=0)], ...], Items(1, single=True)]
+PositiveNumbers = Annotated[tuple[Positive, ...], Items(1, single=True)]
+Plain = Annotated[tuple[float, ...], Items(1, single=True)]
+PlainSpread = Annotated[tuple[NotNegative, ...], Items(1, single=True)]
+WholeNumbers = Annotated[
+    tuple[Annotated[Whole, Field(gt=-_LARGEST, lt=_LARGEST)], ...], Items(1, single=True)
+]
 
-    owner: str
-    operation: Operation
-    faults: list[Fault]
 
-    def read(self, kind: str, value: Any, at: Path) -> FieldDistribution | None:
-        """Return the distribution that is written behind `kind`, or None after a reported fault."""
-        before = len(self.faults)
-        if kind == CHOICE:
-            return self._choice(value, at)
-        written = self._bounds(kind, value, at) if kind in INTERVALS else self._named(kind, value, at)
-        numbers = {name: self._numbers(each, kind, path) for name, each, path in written}
-        if len(self.faults) > before:
-            return None
-        angles = [each for items in numbers.values() for each in items if isinstance(each, Angle)]
-        unit = self._unit(numbers, angles, kind, at=at)
-        if len(self.faults) > before:
-            return None
-        plain = {name: tuple(_in(each, unit) for each in items) for name, items in numbers.items()}
-        if kind == "integers":
-            plain = {name: tuple(int(each) for each in items) for name, items in plain.items()}
-        distribution = FieldDistribution(kind, plain, unit=unit)
-        self._check(distribution, at)
-        return distribution if len(self.faults) == before else None
+def _bounds(example: str) -> tuple[Items, Expects]:
+    return Items(2, 2), Expects("a list of two bounds", example)
 
-    def _fault(self, code: str, message: str, at: Path, **more: Any) -> None:
-        self.faults.append(Fault(code, message, at, **more))
 
-    def _choice(self, value: Any, at: Path) -> FieldDistribution | None:
-        if not isinstance(value, list) or not value:
-            got = "an empty list" if value == [] else kind_of(value)
-            self._fault("wrong-type", f"`{CHOICE}` of {self.owner} is a list of values, got {got}", at,
-                        help=f"write for instance `{CHOICE}: {EXAMPLES[CHOICE]}`")  # fmt: skip
-            return None
-        wrong = [place for place, each in enumerate(value) if isinstance(each, dict) or each is None]
-        for place in wrong:
-            message = f"`{CHOICE}` of {self.owner} is among values, got {kind_of(value[place])}"
-            self._fault("wrong-type", message, (*at, place))
-        return None if wrong else FieldDistribution(CHOICE, values=tuple(value))
+class Written(Model):
+    """A distribution as it is written, with one number for all components of a value, or a list."""
 
-    def _bounds(self, kind: str, value: Any, at: Path) -> list[tuple[str, Any, Path]]:
-        if isinstance(value, list) and len(value) == 2:
-            return [("min", value[0], (*at, 0)), ("max", value[1], (*at, 1))]
-        code = "wrong-length" if isinstance(value, list) else "wrong-type"
-        got = f"a list of {len(value)}" if isinstance(value, list) else kind_of(value)
-        self._fault(code, f"`{kind}` of {self.owner} is a list of two bounds, got {got}", at,
-                    help=f"write for instance `{kind}: {EXAMPLES[kind]}`")  # fmt: skip
-        return []
+    @classmethod
+    def subject(cls, at: Path) -> str:
+        return f"`{at[-1]}` of {cls.field(at)}"
 
-    def _named(self, kind: str, value: Any, at: Path) -> list[tuple[str, Any, Path]]:
-        keys = BELLS[kind][1]
-        example = f"write for instance `{kind}: {EXAMPLES[kind]}`"
-        if not isinstance(value, dict):
-            known = ", ".join(f"`{key}`" for key in keys)
-            message = f"`{kind}` of {self.owner} is a mapping with {known}, got {kind_of(value)}"
-            self._fault("wrong-type", message, at, help=example)
-            return []
-        meant: set[str] = set()
-        for key in value:
-            if key not in keys:
-                near = [_SYMBOLS[key]] if _SYMBOLS.get(key) in keys else closest(key, keys)
-                meant.update(near)
-                self._fault("unknown-key", f"`{kind}` of {self.owner} has no key `{key}`", (*at, key), key=True,
-                            notes=(exists_note("key", keys, key),),
-                            help=f"write `{near[0]}`" if near else None,
-                            fix=Fix(near[0], key) if near else None)  # fmt: skip
-        neutral = {"scale": 0.0 if kind == "lognormal" else 1.0, "offset": 0.0}.get(self.operation)
-        given = {"mean": neutral, **value} if neutral is not None else value
-        for key in keys:
-            if key not in given and key not in meant:
-                self._fault("missing-key", f"`{kind}` of {self.owner} lacks `{key}`", at, help=example)
-        return [(key, given[key], (*at, key)) for key in keys if key in given]
+    @staticmethod
+    def field(at: Path) -> str:
+        """Return how messages call the field whose distribution is at a path."""
+        return f"field `{at[-3] if at[-2] in ('scale', 'offset') else at[-2]}`"
 
-    def _numbers(self, value: Any, kind: str, at: Path) -> tuple[float | Angle, ...]:
-        """Return one number for all components, or one for each."""
-        items = value if isinstance(value, list) else [value]
-        found: list[float | Angle] = []
-        for place, item in enumerate(items):
-            read: Any = Angle.read(item) if isinstance(item, str) else item
-            finite = _is_number(read) and abs(read) <= sys.float_info.max
-            whole = kind != "integers" or (finite and abs(read) < _LARGEST and float(read).is_integer())
-            if not whole or not (finite or isinstance(read, Angle)):
-                noun = "a whole number" if kind == "integers" else "a number"
-                noun = noun if finite or not _is_number(read) else "a finite number"
-                message = f"`{kind}` of {self.owner} expects {noun}, got {kind_of(item)}"
-                self._fault("wrong-type", message, (*at, place) if isinstance(value, list) else at)
-            else:
-                found.append(read)
-        if not items:
-            self._fault("wrong-length", f"`{kind}` of {self.owner} has an empty list of numbers", at)
-        return tuple(found)
+    def numbers(self) -> dict[str, tuple[Any, ...] | None]:
+        """Return the parameters by name, None for a mean that is not written."""
+        return {name: getattr(self, name) for name in type(self).model_fields}
 
-    def _unit(
-        self, numbers: Mapping[str, tuple[float | Angle, ...]], angles: list[Angle], kind: str, at: Path
-    ) -> Literal["deg", "rad"] | None:
-        if not angles:
-            return None
-        if self.operation == "scale":
-            self._fault("wrong-type", f"{self.owner} scales by a factor, which has no unit", at)
-            return None
-        if kind in ("loguniform", "lognormal"):
-            self._fault("wrong-type", f"`{kind}` of {self.owner} is about a logarithm, which has no unit", at)
-            return None
-        for items in numbers.values():
-            for each in items:
-                if not isinstance(each, Angle) and each != 0:
-                    unit = angles[0].unit
-                    message = (
-                        f"`{kind}` of {self.owner} has numbers with a unit and {shown(each)} without one"
-                    )
-                    self._fault("bare-angle", message, at, help=f"write `{shown(each)}{unit}`")
-                    return None
-        units = {each.unit for each in angles}
-        return units.pop() if len(units) == 1 else "rad"
 
-    def _check(self, distribution: FieldDistribution, at: Path) -> None:
-        kind, lengths = distribution.kind, {len(each) for each in distribution.parameters.values()} - {1}
-        if len(lengths) > 1:
-            counts = " and ".join(map(str, sorted(lengths)))
-            self._fault("wrong-length", f"`{kind}` of {self.owner} has lists of {counts} numbers", at)
-            return
-        for component in range(distribution.components or 1):
-            wrong = _fault_of(distribution.of(component))
-            if wrong is not None:
-                self._fault("out-of-range", f"`{kind}` of {self.owner}: {wrong}", at)
-                return
+class _Whole(Written):
+    """A distribution that is written as a list."""
+
+    @classmethod
+    def owner(cls, at: Path) -> str:
+        return cls.field(at)
+
+
+class Interval(_Whole):
+    """A distribution between two bounds."""
+
+    bounds: Any = Field(alias=WHOLE)
+    """the two"""
+
+    def numbers(self) -> dict[str, tuple[Any, ...] | None]:
+        low, high = self.bounds
+        return {"min": low, "max": high}
+
+
+class UniformBounds(Interval):
+    """Between two bounds, all numbers as likely: `[0.4, 1.2]`."""
+
+    bounds: Annotated[tuple[Numbers, ...], *_bounds("[0.8, 1.2]")] = Field(alias=WHOLE)
+    """the two"""
+
+
+class LogUniformBounds(Interval):
+    """Between two positive bounds, all orders of magnitude as likely: `[0.1, 10]`."""
+
+    bounds: Annotated[tuple[PositiveNumbers, ...], *_bounds("[0.1, 10]")] = Field(alias=WHOLE)
+    """the two"""
+
+
+class IntegerBounds(Interval):
+    """Whole numbers from the first to the last: `[1, 6]`."""
+
+    bounds: Annotated[tuple[WholeNumbers, ...], *_bounds("[1, 6]")] = Field(alias=WHOLE)
+    """the two"""
+
+
+_MEAN = Field(None, description="the middle; by default what changes nothing")
+
+
+class BellOfChange(Written):
+    """A bell about `mean` with the standard deviation `std`."""
+
+    instead: ClassVar = {
+        "mu": "mean",
+        **dict.fromkeys(("sigma", "stddev", "sd"), "std"),
+        "low": "min",
+        "high": "max",
+    }
+    example: ClassVar = "{mean: 1, std: 0.1}"
+
+    mean: Numbers | None = _MEAN
+    std: Spread = Field(examples=["0.1"])
+    """the standard deviation"""
+
+
+class Bell(BellOfChange):
+    """A bell about `mean` with the standard deviation `std`."""
+
+    mean: Numbers = Field(examples=["1"])
+    """the middle"""
+
+
+class TruncatedOfChange(Written):
+    """The part of a normal distribution that is between `min` and `max`."""
+
+    instead: ClassVar = BellOfChange.instead
+    example: ClassVar = "{mean: 1, std: 0.1, min: 0.5, max: 1.5}"
+
+    mean: Numbers | None = _MEAN
+    std: PositiveSpread = Field(examples=["0.1"])
+    """the standard deviation"""
+    min: Numbers = Field(examples=["0.5"])
+    """the least that is drawn"""
+    max: Numbers = Field(examples=["1.5"])
+    """the greatest that is drawn"""
+
+
+class Truncated(TruncatedOfChange):
+    """The part of a normal distribution that is between `min` and `max`."""
+
+    mean: Numbers = Field(examples=["1"])
+    """the middle"""
+
+
+class LogarithmsOfChange(Written):
+    """Numbers whose logarithm is normal, with this mean and standard deviation."""
+
+    instead: ClassVar = BellOfChange.instead
+    example: ClassVar = "{mean: 0, std: 0.1}"
+
+    mean: Plain | None = _MEAN
+    std: PlainSpread = Field(examples=["0.1"])
+    """the standard deviation of the logarithm"""
+
+
+class Logarithms(LogarithmsOfChange):
+    """Numbers whose logarithm is normal, with this mean and standard deviation."""
+
+    mean: Plain = Field(examples=["0"])
+    """the middle of the logarithm"""
+
+
+def _no_value(value: Any) -> Fault | None:
+    is_value = not isinstance(value, dict) and value is not None
+    return None if is_value else Fault("wrong-type", f"{IT} is among values, got {kind_of(value)}")
+
+
+class Choice(_Whole):
+    """One of these values, all as likely: `[1, 2, 5]`."""
+
+    values: Annotated[
+        tuple[Annotated[Any, Checked(_no_value)], ...], Items(1), Expects("a list of values", "[1, 2, 5]")
+    ] = Field(alias=WHOLE)
+    """the values"""
+
+
+DISTRIBUTIONS: Table[type[Written]] = Table(
+    "distributions",
+    {
+        "uniform": UniformBounds,
+        "loguniform": LogUniformBounds,
+        "normal": Bell,
+        "truncnormal": Truncated,
+        "lognormal": Logarithms,
+        CHOICE: Choice,
+        "integers": IntegerBounds,
+    },
+    "",
+)
+_OF_CHANGES: dict[str, type[Written]] = {
+    "normal": BellOfChange,
+    "truncnormal": TruncatedOfChange,
+    "lognormal": LogarithmsOfChange,
+}
+CHANGES: Table[type[Written]] = Table("distributions", {**DISTRIBUTIONS, **_OF_CHANGES}, "")
+KINDS = DISTRIBUTIONS.own
+
+
+class Change(Model):
+    """A distribution of factors, or of what is added."""
+
+    rules: ClassVar = (
+        OneOf(
+            *KINDS, lacks="has no distribution", advice="write `{uniform: [0.8, 1.2]}`", noun="distribution"
+        ),
+    )
+    example: ClassVar = "{uniform: [0.8, 1.2]}"
+    noun: ClassVar = "distribution"
+
+    written: Annotated[Mapping[str, Written], Rows(lambda: CHANGES)] = Field({}, alias="<kinds>")
+    """the distribution"""
+
+    @classmethod
+    def subject(cls, at: Path) -> str:
+        return f"`{at[-1]}` of field `{at[-2]}`"
+
+    @classmethod
+    def owner(cls, at: Path) -> str:
+        return f"field `{at[-2]}`"
+
+
+def read(kind: str, written: Written, operation: Operation) -> FieldDistribution | Fault:
+    """Return the distribution that is written, or what is wrong with its numbers together."""
+    if isinstance(written, Choice):
+        return FieldDistribution(CHOICE, values=written.values)
+    neutral = {"scale": 0.0 if kind == "lognormal" else 1.0}.get(operation, 0.0)
+    numbers = {name: each if each is not None else (neutral,) for name, each in written.numbers().items()}
+    angles = [each for items in numbers.values() for each in items if isinstance(each, Angle)]
+    if angles and operation == "scale":
+        return Fault("wrong-type", f"{IT} is of factors, which have no unit")
+    for each in (each for items in numbers.values() for each in items if angles):
+        if not isinstance(each, Angle) and each != 0:
+            message = f"{IT} has numbers with a unit and {shown(each)} without one"
+            return Fault("bare-angle", message, help=f"write `{shown(each)}{angles[0].unit}`")
+    units = {each.unit for each in angles}
+    unit = None if not units else units.pop() if len(units) == 1 else "rad"
+    kept = int if kind == "integers" else float
+    plain = {name: tuple(kept(_in(each, unit)) for each in items) for name, items in numbers.items()}
+    lengths = {len(each) for each in plain.values()} - {1}
+    if len(lengths) > 1:
+        counts = " and ".join(map(str, sorted(lengths)))
+        return Fault("wrong-length", f"{IT} has lists of {counts} numbers")
+    found = FieldDistribution(kind, plain, unit=unit)
+    wrong = next(filter(None, map(_fault_of, map(found.of, range(found.components or 1)))), None)
+    return found if wrong is None else Fault("out-of-range", f"{IT}: {wrong}")
+
+
+def _in(value: float | Angle, unit: Literal["deg", "rad"] | None) -> float:
+    return value.in_unit(unit or "rad") if isinstance(value, Angle) else value
 
 
 def _fault_of(distribution: Distribution) -> str | None:
@@ -275,32 +361,10 @@ def _fault_of(distribution: Distribution) -> str | None:
         and distribution.low > distribution.high
     ):
         return f"the first bound, {shown(distribution.low)}, is above the second, {shown(distribution.high)}"
-    if isinstance(distribution, LogUniform) and distribution.low <= 0:
-        return f"the bounds are positive, got {shown(distribution.low)}"
-    if isinstance(distribution, Normal | LogNormal) and distribution.std < 0:
-        return f"`std` is not negative, got {shown(distribution.std)}"
-    if isinstance(distribution, TruncNormal):
-        if distribution.std <= 0:
-            return f"`std` is positive, got {shown(distribution.std)}"
-        if distribution.is_empty:
-            return "between `min` and `max` there is next to nothing of it"
+    if isinstance(distribution, TruncNormal) and distribution.is_empty:
+        return "between `min` and `max` there is next to nothing of it"
     return None
-
-
-# Names that statisticians and other tools use.
-_SYMBOLS = {"mu": "mean", "sigma": "std", "stddev": "std", "sd": "std", "low": "min", "high": "max"}
 
 
 def _is_number(value: object) -> bool:
     return isinstance(value, int | float) and not isinstance(value, bool)
-
-
-def _in(value: float | Angle, unit: str | None) -> float:
-    if not isinstance(value, Angle):
-        return float(value)
-    return value.in_unit(unit or "rad")
-
-
-def inner_kinds(value: Mapping[str, Any]) -> Iterator[str]:
-    """Return the distributions that a mapping names."""
-    return (kind for kind in KINDS if kind in value)

@@ -30,10 +30,10 @@ from mjcompose.language.form import (
     reference,
     unprintable,
 )
+from mjcompose.language.forms.rows import Lazy
 from mjcompose.language.fragment import missing_key
 from mjcompose.language.keyframe import Keyframe, Keyframes
 from mjcompose.language.motors import Motor, Motors
-from mjcompose.language.randomize import Randomize
 from mjcompose.language.sections import ByTag, DefaultClass, Defaults, Extension, Singleton, Typed
 from mjcompose.language.select import Collisions, Contacts
 from mjcompose.language.used_model import Allowed, Base, Edit, Edits, Model
@@ -296,7 +296,7 @@ class Recipe(Model):
     """Ordered changes to the model, by selectors, when everything else is in place."""
     keyframe: Annotated[tuple[Keyframe, ...], Keyframes("keyframe")] = ()
     """Keys: a mapping from their names to entries by the names of joints, actuators and mocap bodies."""
-    randomize: Randomize | None = None
+    randomize: Annotated[Any, Lazy("mjcompose.language.randomize:Randomize")] = None
     """Seeded draws: samples of the model that `build --all` builds."""
     check: Annotated[tuple[Check, ...], Checks()] = ()
     """What must hold of the model: a mapping from a name to a check."""

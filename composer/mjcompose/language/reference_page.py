@@ -65,7 +65,7 @@ def key_order() -> dict[str, dict[str, list[str]]]:
         "params.*": list(PARAMETER),
         **{f"{section}.*": list(KEYFRAME) for section in sections_of(Keyframes)},
         "matrix": list(MATRIX),
-        "randomize": key_names(Randomize),
+        "randomize": Randomize.key_names(),
     }
     first = {
         **_each(sections_of(Additions), ID, TO),
@@ -117,10 +117,10 @@ _CHAPTERS = {
         "One key is a tag, a family, a path of tags or `default`, with a glob over names; others narrow it.",
     ),
     "edit": ("Entries", "edit.md", "A selector, and what to do with the elements that it selects."),
-    "draw": ("Fields", "randomize.md#fields", "An attribute of the selected elements, or a parameter."),
+    "DrawField": ("Fields", "randomize.md#fields", "An attribute of the selected elements, or a parameter."),
 }
 """Definitions that have a table of their own: the title, the place, and the sentence above the keys."""
-_ON = {"edit": ("edit", "selector"), "randomize": ("draw",)}
+_ON = {"edit": ("edit", "selector"), "randomize": ("DrawField",)}
 """The pages of these tables."""
 _SAME = ("scale", "offset")
 """Keys of a field of `randomize` with the distributions that the field itself may have."""
@@ -224,7 +224,7 @@ def _section(name: str, schema: Schema, keys: _Keys) -> Iterator[str]:
     for chapter in _ON.get(name, ()):
         title, _, about = _CHAPTERS[chapter]
         yield f"\n## {title}\n\n{about}"
-        yield from _examples(chapter)
+        yield from _examples(title.lower())
         yield from ("", *_TABLE, *keys.rows(keys.definitions[chapter], ""))
     section = GRAMMAR.root.children.get("worldbody" if name == "add" else name)
     if name in _SETTINGS:

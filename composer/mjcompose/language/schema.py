@@ -23,7 +23,6 @@ from mjcompose.language.forms.json_schema import Generator
 from mjcompose.language.parameters import KEYS as PARAMETER_KEYS
 from mjcompose.language.parameters import NO_PIECE, TYPES
 from mjcompose.language.placing import OF_A_FILE
-from mjcompose.language.randomize import Randomize
 from mjcompose.language.recipe import Recipe, sections_of
 from mjcompose.language.sections import Singleton
 from mjcompose.language.used_model import Base, Model, UrdfKeys
@@ -316,7 +315,7 @@ def _into(schema: Any, key: str, value: Schema) -> None:
 
 
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
-MODELS: tuple[type[Model], ...] = (Recipe, Attachment, Base, Randomize, UrdfKeys)
+MODELS: tuple[type[Model], ...] = (Recipe, Attachment, Base, UrdfKeys)
 WIDTH = 110
 
 _ORDER = (

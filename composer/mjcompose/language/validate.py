@@ -17,7 +17,7 @@ from mjcompose.base.sink import Sink
 from mjcompose.base.suggest import advised, closest, exists_note
 from mjcompose.language.attach import Attachment
 from mjcompose.language.element import raw
-from mjcompose.language.expand import NO_EMIT, SETTLED
+from mjcompose.language.expand import SETTLED
 from mjcompose.language.form import Settings, kind_of, shown
 from mjcompose.language.forms.translate import translated
 from mjcompose.language.forms.walk import is_model, spot
@@ -166,11 +166,13 @@ def faults(error: ValidationError, data: Any) -> Iterator[Fault]:
     for each in errors:
         if each["type"] == "missing":
             missing.setdefault(each["loc"][:-1], {})[str(each["loc"][-1])] = each
-    typos = {id(each): _meant(each["loc"], missing) for each in extra}
+    typos = {id(each): _meant(each["loc"], missing, data) for each in extra}
     meant = {id(each) for each in typos.values() if each is not None}
     parts = part_keys(data) if isinstance(data, AbcMapping) else {}
     stray = [*parts]
     for each in errors:
+        if id(each) in meant:
+            continue
         loc = real_path(data, each["loc"])
         place = spot(Recipe, each["loc"], data)
         if is_model(place.kind) or is_model(place.model):
@@ -180,10 +182,8 @@ def faults(error: ValidationError, data: Any) -> Iterator[Fault]:
         elif each["type"] == "extra_forbidden":
             if loc[0] not in stray[1:]:  # the keys of a part at the top are one mistake
                 yield _extra(loc, typos[id(each)], data, parts=parts)
-        elif each["type"] != "missing":
-            yield _other(each, loc)
-        elif id(each) not in meant:
-            yield _missing(loc)
+        else:
+            yield _missing(loc) if each["type"] == "missing" else _other(each, loc)
 
 
 def real_path(data: Any, loc: Path) -> Path:
@@ -214,13 +214,16 @@ def _below(data: Any, step: str | int) -> Any:
     return _NOTHING
 
 
-def _meant(loc: Path, missing: AbcMapping[Path, AbcMapping[str, Any]]) -> Any | None:
+def _meant(loc: Path, missing: AbcMapping[Path, AbcMapping[str, Any]], data: Any) -> Any | None:
     """Return the error of the missing key that an unknown key beside it should have been.
 
     `missing` has the errors by mapping and key.
     """
     beside = missing.get(loc[:-1], {})
     near = closest(str(loc[-1]), list(beside)) if beside else []
+    around: Any = spot(Recipe, loc, data).model
+    if is_model(around) and (right := around.instead.get(str(loc[-1]))) in beside:
+        near = [right]
     return beside[near[0]] if near else None
 
 
@@ -241,8 +244,6 @@ def _extra(loc: Path, meant: Any | None, data: Any, parts: AbcMapping[str, Any])
     help, fix = advised(name, known if meant is None else [str(meant["loc"][-1])])
     if model is Recipe and len(loc) == 1 and (elsewhere := advice_at_top(name, data[name], parts)):
         help, fix = elsewhere, None
-    if name == "emit" and loc[0] == "randomize":
-        help, fix = NO_EMIT, None
     note = exists_note("key", known, name)
     return Fault(
         "unknown-key", f"{owner} has no key `{name}`", loc, key=True, notes=(note,), help=help, fix=fix

@@ -385,7 +385,7 @@ def test_more_samples_than_are_drawn(tmp_path: Path) -> None:
     )
     with allow(samples=5):
         (error,) = errors(tmp_path, "r.yaml")
-    assert error.message == "`samples` is from 1 to 5, got 6" and error.help is not None
+    assert error.message == "`samples` is 6; 5 are allowed" and error.help is not None
     assert "--limit samples=6" in error.help and error.span is not None and error.span.line == 4
     with allow(samples=6):
         assert build(Request(Path("r.yaml"), verified=False), Context(folder=tmp_path)) is not None

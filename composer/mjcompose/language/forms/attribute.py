@@ -9,12 +9,13 @@ from pydantic_core import CoreSchema, core_schema
 
 from mjcompose.base.diagnostic import Fault
 from mjcompose.language.element_schema import attribute_schema
-from mjcompose.language.form import Schema, settings, validation_error
-from mjcompose.language.forms.model import OWNER
-from mjcompose.language.select import check_template
+from mjcompose.language.form import Schema, reference, settings, validation_error
+from mjcompose.language.forms.model import IT, OWNER
+from mjcompose.language.select import check_template, read_selector
 from mjcompose.language.value import bare_angle, read_value
 from mjcompose.model.grammar import GRAMMAR
 from mjcompose.model.grammar import Attribute as Declared
+from mjcompose.model.selector import Selector
 from mjcompose.text.node import is_template
 
 
@@ -51,6 +52,23 @@ class Attribute:
         if faults:
             raise validation_error(faults, value)
         return value if self.computed else read
+
+
+class Selects:
+    """An annotation of a selector, which is read as `Selector`."""
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_plain_validator_function(self._read)
+
+    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> Schema:
+        return reference("selector")
+
+    def _read(self, value: Any) -> Selector | None:
+        faults: list[Fault] = []
+        selector = read_selector(value, (), IT, faults=faults)
+        if faults:
+            raise validation_error(faults, value)
+        return selector
 
 
 def _is_computed(value: Any, faults: list[Fault]) -> bool:

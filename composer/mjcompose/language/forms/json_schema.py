@@ -79,7 +79,7 @@ class Generator(GenerateJsonSchema):
 
     def default_schema(self, schema: Any) -> Schema:
         found = super().default_schema(schema)
-        if self._ours and found.get("default", ...) in (None, [], {}):
+        if self._ours and found.get("default", ...) in (None, [], {}, ""):
             del found["default"]
         return found
 

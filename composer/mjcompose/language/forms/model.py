@@ -7,7 +7,7 @@ have marks for what they cannot know: `IT` is the value itself, `OWNER` the mapp
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 from pydantic import (
     BaseModel,
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 # Characters for private use, which no recipe can contain: a name with braces in it is never taken for a mark.
 IT, OWNER, KEY = "\ue001", "\ue002", "\ue003"
-WHOLE = "<value>"
+WHOLE: Final = "<value>"
 """The alias of the only field of a model whose written form is no mapping but the value of that field."""
 
 

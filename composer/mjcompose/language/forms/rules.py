@@ -77,7 +77,7 @@ class OneOf(Exclusive):
         if any(name in value for name in (*self.names, self.unless)):
             return
         unknown = [key for key in value if key not in model.key_names()]
-        if not any(closest(key, self.names) for key in unknown):  # else it is misspelt
+        if not any(closest(key, self.names) or model.instead.get(key) in self.names for key in unknown):
             notes: tuple[Note, ...] = (exists_note(self.noun, self.names),) if self.noun else ()
             yield Fault("missing-key", f"{IT} {self.lacks}", key=True, notes=notes, help=self.advice)
 

@@ -183,8 +183,8 @@ def _listed(value: Any) -> list[Any]:
     return value if isinstance(value, list) else [value]
 
 
-def _whole(value: Any) -> Any:
-    """An expression makes 20.0 of 200 / 10, and for JSON Schema 20.0 is an integer, too."""
+def whole(value: Any) -> Any:
+    """Return a whole number as int: an expression makes 20.0 of 200 / 10, which is an integer for JSON Schema, too."""
     return int(value) if isinstance(value, float) and value.is_integer() else value
 
 
@@ -200,9 +200,9 @@ Number = float
 Positive = Annotated[float, Field(gt=0)]
 NotNegative = Annotated[float, Field(ge=0)]
 # `BeforeValidator` stands behind the bounds, which the JSON Schema has only then.
-Whole = Annotated[int, BeforeValidator(_whole)]
-Count = Annotated[int, Field(ge=0), BeforeValidator(_whole)]
-AtLeastOne = Annotated[int, Field(ge=1), BeforeValidator(_whole)]
+Whole = Annotated[int, BeforeValidator(whole)]
+Count = Annotated[int, Field(ge=0), BeforeValidator(whole)]
+AtLeastOne = Annotated[int, Field(ge=1), BeforeValidator(whole)]
 Text = Annotated[str, Field(min_length=1)]
 Range = Annotated[
     tuple[float, float], Items(2, 2), Checked(_in_order), Expects("a list of 2 numbers", "[LOW, HIGH]")

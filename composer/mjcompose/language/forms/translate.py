@@ -77,8 +77,8 @@ def named(place: Spot) -> str:
         return subject
     if place.key is None:
         return f"`{place.at[-1]}`" if place.at else "the recipe"
-    owner = _owner(place)
-    return f"`{place.key}` of {owner}" if owner else f"`{place.key}`"
+    owner, name = _owner(place), f"`{place.key}`"
+    return f"{name} of {owner}" if owner not in ("", name) else name
 
 
 def _owner(place: Spot) -> str:

@@ -100,6 +100,8 @@ def _stepped(place: Spot, step: str | int, is_there: bool) -> Spot:
         if info is None:
             return Spot(at, Any, model=kind, above=place.at, key=str(step))
         way = _Way(info.annotation, [*info.metadata]).plain()
+        if step == WHOLE:
+            return replace(place, kind=way.kind, metadata=tuple(way.metadata), model=kind, above=place.at)
         if is_hidden(step):
             return replace(place, kind=way.kind, metadata=tuple(way.metadata))
         return Spot(at, way.kind, tuple(way.metadata), model=kind, above=place.at, key=str(step), info=info)
