@@ -46,7 +46,7 @@ READS_ITSELF = {
         tools/migrate/changes.py:<module> language/motors.py:<module> language/motors.py:library
         language/reference_page.py:examples tools/new.py:_action tools/new.py:_read tools/new.py:examples
         tools/new.py:project targets/table.py:<module> targets/table.py:read_back tools/view/page.py:_engine
-        tools/view/page.py:_program tools/view/page.py:described tools/view/page.py:shell
+        tools/view/page.py:_built tools/view/page.py:described
         tools/view/server.py:Server.__init__""",
     "what MuJoCo's process, or another program, has just written into a folder of ours": """
         build/bundle/staging.py:write_mjb build/bundle/write.py:write_usd tools/diff/diff.py:render_views
@@ -54,7 +54,7 @@ READS_ITSELF = {
         tools/migrate/compare.py:_Side.of tools/migrate/dump.py:main tools/migrate/migrate.py:measured
         mujoco/pictures.py:sheet targets/export.py:_files targets/read_back.py:placed targets/export.py:export
         targets/plain.py:keep_files targets/plain.py:plain targets/read_back.py:read_back
-        build/verify/draws.py:with_worlds build/verify/draws.py:compute build/verify/draws.py:compare""",
+        build/verify/draws.py:with_worlds build/verify/draws.py:compute_worlds build/verify/draws.py:compare_world""",
     "what was checked, in a folder of ours, as MuJoCo's process opens it": "mujoco/convert.py:_read tools/worlds/load.py:_compiled",
     "the entry points of installed packages, as Python's own reader does": "base/extensions.py:_are_there",
     "runs in an environment of its own, on a model in a folder of ours": """
@@ -73,12 +73,12 @@ WRITES_ITSELF = {
         tools/worlds/worlds.py:write_parquet tools/worlds/worlds.py:write""",
     "into memory": "urdf/converting.py:_look build/verify/draws.py:_described",
     "into a folder of ours": """
-        cli/doctor.py:_mujoco build/compose/mesh_jobs.py:Workshop._made tools/diff/sides.py:_recipe_of
+        cli/doctor.py:_mujoco build/compose/mesh_jobs.py:MeshWorkshop._make tools/diff/sides.py:_recipe_of
         tools/diff/sides.py:from_lfs tools/diff/sides.py:_beside_the_same mujoco/child.py
         mujoco/engine.py:Session._spawn link/measure.py:folder_of mujoco/pictures.py:pictures base/scratch.py
         mujoco/scene.py:Blobs.put mujoco/scene.py:describe targets/read_back.py:placed targets/export.py:_put
         targets/read_back.py:read_back urdf/read.py:UrdfReader._written build/verify/compile.py:_written
-        build/verify/draws.py:with_worlds build/verify/draws.py:compute tools/view/live.py:_opened
+        build/verify/draws.py:with_worlds build/verify/draws.py:compute_worlds tools/view/live.py:_opened
         tools/worlds/union.py:compose_union""",
     "into a folder of ours, in an environment of its own": """
         tools/migrate/dump.py:main tools/migrate/dump.py:_marks targets/readers/drake.py
