@@ -9,9 +9,10 @@ from pathlib import Path
 import pytest
 from mjcompose.base.diagnostic import Diagnostic
 from mjcompose.build.checks.unchanged import Unchanged
+from mjcompose.language.attach import Attachment
 from mjcompose.language.form import Element
 from mjcompose.language.recipe import Recipe
-from mjcompose.language.used_model import Base, Drop
+from mjcompose.language.used_model import Drop
 from mjcompose.model.selector import EVERYTHING, Selector
 from mjcompose.text.expression_values import Angle
 from pydantic import ValidationError
@@ -156,11 +157,11 @@ def test_head(recipe: Callable[[str], Recipe]) -> None:
     )
     assert (read.name, read.description, read.angle, read.eulerseq) == ("cell", "", "radian", "ZYX")
     assert (read.separator, read.conflict) == ("__", "mujoco")
-    assert read.base == Base(model="./arm.xml", keys="merge")
+    assert read.base == Attachment(model="./arm.xml", keys="merge")
 
 
 def test_base_as_a_mapping(recipe: Callable[[str], Recipe]) -> None:
-    assert recipe("base: {model: ./arm.xml, drop: [key]}").base == Base.model_construct(
+    assert recipe("base: {model: ./arm.xml, drop: [key]}").base == Attachment.model_construct(
         model="./arm.xml", drop=(Drop(None, Selector("key", EVERYTHING), 0),)
     )
 

@@ -40,7 +40,7 @@ def test_the_language_is_small_enough_to_read() -> None:
 def test_every_key_of_the_models_has_a_row() -> None:
     rows = {name: set(ROW.findall(each)) for name, each in pages().items()}
     assert rows["index.md"] >= set(Recipe.model_fields)
-    assert "mate" in rows["attach.md"] and "`keys`" in pages()["base.md"]
+    assert rows["attach.md"] >= {"mate", "keys"} and "| text or [part](attach.md) |" in pages()["index.md"]
     assert rows["randomize.md"] >= {"fields.FIELD", "param"} and rows["edit.md"] >= {"rename", "parent"}
 
 

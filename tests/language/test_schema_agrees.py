@@ -88,11 +88,11 @@ class Mistakes:
 
 
 def keys(node: Node) -> Iterator[Any]:
-    """The place of every key, but for those of fragments, of which a schema knows nothing."""
+    """The place of every key, but for those of fragments and of `where`, of which a schema knows nothing."""
     if isinstance(node, Mapping):
         for key, value in node.entries.values():
             yield key.span
-            yield from keys(value)
+            yield from keys(value) if key.name != "where" else ()
     for item in node.items if isinstance(node, Sequence) else ():
         yield from keys(item)
 

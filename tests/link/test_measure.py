@@ -6,7 +6,7 @@ import pytest
 from link.workshop import Workshop
 from mjcompose.base.sink import Sink
 from mjcompose.link.linking import Linking
-from mjcompose.link.measure import BODIES, NAMED, Survey, measure_with, survey
+from mjcompose.link.measure import BODIES, NAMED, KeptSettings, Survey, measure_with
 from mjcompose.model.parse import parse_text
 from mjcompose.model.unit import Unit
 from mjcompose.mujoco.engine import Limits
@@ -117,7 +117,7 @@ def surveyed(unit: Unit, pinned: tuple[str, ...] = ()) -> tuple[Survey | None, S
     measure = measure_with(Context(sink=sink, environment={}, folder=unit.directory))
     bodies = [body for body in unit.root.iter("body") if body.get("name", "") in pinned]
     linking = Linking(unit, [], sink, measure=measure)
-    return survey(linking, unit, "`fusestatic`", (*BODIES, *NAMED), pinned=bodies), sink
+    return KeptSettings(linking, unit, ("fusestatic",)).survey((*BODIES, *NAMED), pinned=bodies), sink
 
 
 def test_elements_are_found_again(workshop: Workshop) -> None:
@@ -144,7 +144,9 @@ def test_values_that_copies_do_not_share_are_none(workshop: Workshop) -> None:
       <geom size=".1"/></replicate></body></worldbody></mujoco>""")
     sink = Sink()
     measure = measure_with(Context(sink=sink, environment={}, folder=unit.directory))
-    found = survey(Linking(unit, [], sink, measure=measure), unit, "`fitaabb`", ("geom_pos", "geom_size"))
+    found = KeptSettings(Linking(unit, [], sink, measure=measure), unit, ("fitaabb",)).survey(
+        ("geom_pos", "geom_size")
+    )
     geom = next(unit.root.iter("geom"))
     assert found is not None
     assert found.values(geom, "geom_pos", 3) is None

@@ -48,8 +48,8 @@ def test_definition_of_what_the_recipe_makes_itself(editor: Editor) -> None:
 
 
 def test_definition_of_parts_and_parameters(editor: Editor) -> None:
-    text = DEMO.replace("    pos: [0.15", "    after: watcher\n    pos: [0.15")
-    assert places(editor, "definition", mark(text, "after: watcher")) == [("demo.yaml", "watcher")]
+    text = DEMO + "check: {same: {unchanged: {part: watcher}}}\n"
+    assert places(editor, "definition", mark(text, "part: watcher")) == [("demo.yaml", "watcher")]
     name = "payload_study.yaml"
     assert places(editor, "definition", mark(STUDY, '"${reach}", 0'), name) == [(name, "reach")]
     assert places(editor, "definition", mark(STUDY, "when: {to▮ol"), name)[0][0] == name

@@ -18,7 +18,7 @@ recipe: 1
 params: {gap: 0.1}
 attach:
   left: {model: ./renamed.xml, pos: ["${gap}", 0, 0]}
-  right: {model: ./renamed.xml, site: left/tip, after: left, pos: ["${-gap}", 0, 0]}
+  right: {model: ./renamed.xml, site: left/tip, pos: ["${-gap}", 0, 0]}
 add:
   - to: left/b
     xml: |
@@ -62,11 +62,7 @@ def test_a_part_everywhere_in_its_recipe_and_in_those_that_include_it(editor: Ed
     found = edits(editor, mark(INNER, "  le▮ft: {model"), "west", "renamed_inner.yaml")
     assert set(found) == {editor.uri("renamed_inner.yaml"), editor.uri("renamed_outer.yaml")}
     after = applied(INNER, found[editor.uri("renamed_inner.yaml")])
-    expected = (
-        INNER.replace("left/", "west/")
-        .replace("  left: {model", "  west: {model")
-        .replace("after: left", "after: west")
-    )
+    expected = INNER.replace("left/", "west/").replace("  left: {model", "  west: {model")
     expected = expected.replace("{left,right}", "{west,right}").replace("part: left}", "part: west}")
     assert after == expected
     assert applied(OUTER, found[editor.uri("renamed_outer.yaml")]) == OUTER.replace(
@@ -77,8 +73,8 @@ def test_a_part_everywhere_in_its_recipe_and_in_those_that_include_it(editor: Ed
 
 
 def test_from_a_place_that_names_it(editor: Editor, inner: Path) -> None:
-    found = edits(editor, mark(INNER, "after: le▮ft"), "west", "renamed_inner.yaml")
-    assert applied(INNER, found[editor.uri("renamed_inner.yaml")]).count("west") == 9
+    found = edits(editor, mark(INNER, "part: le▮ft"), "west", "renamed_inner.yaml")
+    assert applied(INNER, found[editor.uri("renamed_inner.yaml")]).count("west") == 8
 
 
 def test_the_demo(editor: Editor) -> None:

@@ -88,6 +88,11 @@ def kinds_of_keys(joint: str) -> Iterator[Keys]:
     yield [("part/home", {joint: 0.4})]
 
 
+def said(policy: str) -> str:
+    """What a recipe says for a policy."""
+    return 'drop: [{key: "**", optional: true}]' if policy == "none" else f"keys: {policy}"
+
+
 @pytest.mark.parametrize("written", [None, "home", "other"])
 @pytest.mark.parametrize(("base", "part"), list(product(POLICIES, POLICIES)))
 def test_two_parts_on_a_base(tmp_path: Path, base: str, part: str, written: str | None) -> None:
@@ -105,11 +110,11 @@ def test_two_parts_on_a_base(tmp_path: Path, base: str, part: str, written: str 
             expected.come(part, each, keys)
         others: Keys = [("home", {"k": 0.9})]
         expected.come(second, "second/", others)
-        recipe = f"base: {{model: ./base.xml, keyframes: {base}}}\nattach:\n  part:\n    model: ./part.xml\n"
-        recipe += f"    keyframes: {part}\n"
+        recipe = f"base: {{model: ./base.xml, {said(base)}}}\nattach:\n  part:\n    model: ./part.xml\n"
+        recipe += f"    {said(part)}\n"
         recipe += "" if prefix else '    prefix: ""\n'
         recipe += f"    replicate: [{{count: {copies}, offset: [1, 0, 0]}}]\n" if copies > 1 else ""
-        recipe += f"  second: {{model: ./second.xml, keyframes: {second}}}\n"
+        recipe += f"  second: {{model: ./second.xml, {said(second)}}}\n"
         recipe += f"keyframe: {{{written}: {{qpos: {{base_joint: 0.7rad}}}}}}\n" if written else ""
         files = {"base.xml": model("base_joint", OWN), "part.xml": model("j", keys)}
         judge(tmp_path, recipe, {**files, "second.xml": model("k", others)}, expected)
@@ -125,11 +130,11 @@ def test_a_recipe_in_a_recipe(tmp_path: Path, base: str, part: str) -> None:
         expected = Expected()
         expected.come(base, "", OWN)
         expected.come(part, prefix, inner.final())
-        recipe = f"base: {{model: ./base.xml, keyframes: {base}}}\n"
-        recipe += f"attach: {{part: {{model: ./inner.yaml, keyframes: {part}"
+        recipe = f"base: {{model: ./base.xml, {said(base)}}}\n"
+        recipe += f"attach: {{part: {{model: ./inner.yaml, {said(part)}"
         recipe += "}}\n" if prefix else ', prefix: ""}}\n'
-        nested = f"recipe: 1\nbase: {{model: ./part.xml, keyframes: {inner_base}}}\n"
-        nested += f"attach: {{hand: {{model: ./hand.xml, keyframes: {inner_part}}}}}\n"
+        nested = f"recipe: 1\nbase: {{model: ./part.xml, {said(inner_base)}}}\n"
+        nested += f"attach: {{hand: {{model: ./hand.xml, {said(inner_part)}}}}}\n"
         files = {"base.xml": model("base_joint", OWN), "part.xml": model("j", keys)}
         files |= {"hand.xml": model("k", inner_keys), "inner.yaml": nested}
         judge(tmp_path, recipe, files, None if inner.clashes else expected)

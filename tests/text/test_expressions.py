@@ -90,7 +90,7 @@ def test_faults(text: str, part: str, message: str) -> None:
     with pytest.raises(ExpressionError) as caught:
         value(text)
     assert caught.value.message == message
-    assert text[caught.value.start : caught.value.end] == part
+    assert text[slice(*caught.value.at)] == part
 
 
 @pytest.mark.parametrize(
@@ -123,7 +123,7 @@ def test_more_expressions_in_one_text_than_anybody_writes() -> None:
         ExpressionError, match="the text has 1000000 expressions; 10000 are allowed"
     ) as caught:
         value("x" + "${n}" * 1_000_000)
-    assert caught.value.start == 1 and caught.value.help is not None
+    assert caught.value.at[0] == 1 and caught.value.help is not None
     assert time.process_time() - begun < 1
 
 
@@ -173,7 +173,7 @@ def test_any_text_has_a_value_or_a_fault(text: str) -> None:
     try:
         value(text)
     except ExpressionError as error:
-        assert 0 <= error.start <= error.end <= len(text)
+        assert 0 <= error.at[0] <= error.at[1] <= len(text)
 
 
 @given(st.one_of(st.floats(allow_nan=False, allow_infinity=False), st.integers(-(10**15), 10**15)))

@@ -8,6 +8,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import (
     ConfigDict,
+    Field,
     GetCoreSchemaHandler,
     GetJsonSchemaHandler,
     ValidationInfo,
@@ -44,12 +45,23 @@ from mjcompose.language.placing import (
     ORIENTATIONS,
     JointField,
     JointWord,
+    ModelField,
     Offset,
     Sense,
     SenseField,
     fault_of_inline_recipe,
 )
-from mjcompose.language.used_model import Allowed, Drop, Drops, Edit, Edits, KeyPolicy, UsedModel, key_policy
+from mjcompose.language.used_model import (
+    Allowed,
+    Drop,
+    Drops,
+    Edit,
+    Edits,
+    Given,
+    KeyPolicy,
+    Model,
+    UrdfKeys,
+)
 from mjcompose.language.value import bare_angle, read_value
 from mjcompose.model.grammar import GRAMMAR
 
@@ -154,7 +166,7 @@ class Prefix(Form):
         return str(value)
 
 
-class Attachment(UsedModel):
+class Attachment(Model):
     """A part: the model, where it hangs, how it is turned, and what stands between.
 
     `joint` is None, a word, an `Element` for one joint that is called after the prefix, or a tuple of
@@ -163,6 +175,17 @@ class Attachment(UsedModel):
 
     model_config = ConfigDict(json_schema_extra=_restrict)
 
+    model: Annotated[str | Mapping[str, Any], ModelField()]
+    """A model reference (a file relative to the recipe, `package:…`, `menagerie:…`), or a recipe written in place."""
+    packages: dict[str, Annotated[str, Text("packages")]] = Field(default_factory=dict)
+    """The folders that `package://NAME` stands for in URDF: a mapping from NAME to a path relative to the recipe; `"*"`
+    is a ROS workspace, all of whose packages are meant."""
+    urdf: UrdfKeys = Field(default_factory=UrdfKeys)
+    """How a URDF is read: visuals, fixed links, actuators."""
+    given: Annotated[dict[str, Any], Given()] = Field(default_factory=dict, alias="with")
+    """Values of the parameters and variants of a nested recipe, or of the arguments of a xacro template, by name."""
+    subtree: Annotated[str | None, Text("subtree")] = None
+    """The one body of the model to take, with exactly what it needs; without it, the whole model."""
     drop: Annotated[tuple[Drop, ...], Drops()] = ()
     """What to leave out, with all that refers to it: sections, tags and selectors, in the part's own names."""
     edit: Annotated[tuple[Edit, ...], Edits()] = ()
@@ -205,7 +228,12 @@ class Attachment(UsedModel):
     @property
     def key_policy(self) -> KeyPolicy:
         """What becomes of the part's keyframes."""
-        return key_policy(self.drop, self.keys)
+        return "none" if any(each.leaves_keys for each in self.drop) else self.keys
+
+    @property
+    def is_placed(self) -> bool:
+        """Whether something is said about its place, or about what stands between the two."""
+        return not _OF_A_PLACE.isdisjoint(self.model_fields_set)
 
     @property
     def place(self) -> tuple[str, str]:
@@ -219,7 +247,7 @@ class Attachment(UsedModel):
         faults: list[Fault] = []
         if isinstance(value, Mapping):
             path = path_of(value)
-            owner = f"part `{path[-1]}`" if path else "the part"
+            owner = f"part `{path[-1]}`" if path[:1] == ("attach",) else f"`{RESERVED}`"
             in_place = fault_of_inline_recipe(value, owner, cls.model_fields)
             if in_place is not None:
                 raise validation_error([in_place], value)
@@ -234,6 +262,41 @@ class Attachment(UsedModel):
 def _nameless_copies(owner: str) -> Fault:
     message = f"the copies of {owner} would have the same names: it has no prefix"
     return Fault("name-clash", message, ("prefix",), help="leave `prefix` out, or write one")
+
+
+_OF_A_PLACE = frozenset({*ORIENTATIONS, "pos", "mate", "joint", "sense"})
+_NOT_OF_A_BASE = (*PLACES, "prefix", "replicate")
+
+
+@dataclass(frozen=True, slots=True)
+class Start:
+    """Form of the field `base`: a part without a prefix, at the world, or only its `model`."""
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        part = handler.generate_schema(Attachment)
+        return core_schema.no_info_wrap_validator_function(self._validate, part)
+
+    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> Schema:
+        message = f"`{RESERVED}` is at the world and has no prefix"
+        barred = {"properties": dict.fromkeys(_NOT_OF_A_BASE, False), "errorMessage": message}
+        return {"anyOf": [{"type": "string", "minLength": 1}, {"allOf": [handler(schema), barred]}]}
+
+    def _validate(self, value: Any, handler: ValidatorFunctionWrapHandler) -> Any:
+        if not isinstance(value, Mapping):
+            return handler({"model": value} if isinstance(value, str) else value)
+        help = "write it as a part: `attach: {NAME: {model: …}}`"
+        faults = [
+            Fault(
+                "not-supported",
+                f"`{RESERVED}` is at the world and has no prefix: it cannot have `{key}`",
+                (key,),
+                key=True,
+                help=help,
+            )
+            for key in _NOT_OF_A_BASE
+            if key in value
+        ]
+        return validated_with(handler, value, faults)
 
 
 @dataclass(frozen=True, slots=True)

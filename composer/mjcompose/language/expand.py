@@ -38,7 +38,7 @@ _DEPTH = {
     **dict.fromkeys(("attach", "add", "edit", "check", "keyframe"), 2),
     **dict.fromkeys(("sensor", "actuator", "equality", "tendon", "default"), 2),
     **dict.fromkeys(("asset", "contact", "custom", "deformable", "extension"), 3),
-    **dict.fromkeys(("option", "size", "visual", "statistic", "compiler"), 1),
+    **dict.fromkeys(("base", "option", "size", "visual", "statistic", "compiler"), 1),
 }  # fmt: skip
 _MAX_DEPTH = 4  # the depth of a part's edits
 

@@ -485,7 +485,7 @@ def report(
     """Report an error in an expression, at its place in the scalar; errors about a `broken` name are follow-ups."""
     if isinstance(error, UnknownName) and error.name in broken:
         return
-    span = within(node, error.start, error.end)
+    span = within(node, *error.at)
     if not isinstance(error, UnknownName):
         sink.error("expression", error.message, span, help=error.help)
         return

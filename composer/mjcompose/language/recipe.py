@@ -11,7 +11,7 @@ from pydantic import Field
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Fault, Path
 from mjcompose.base.suggest import advised, exists_note
-from mjcompose.language.attach import Attachment, Prefixes
+from mjcompose.language.attach import Attachment, Prefixes, Start
 from mjcompose.language.check import Checks
 from mjcompose.language.checks.form import Check
 from mjcompose.language.element import FRAGMENT, Reader, label, path_of
@@ -36,7 +36,7 @@ from mjcompose.language.keyframe import Keyframe, Keyframes
 from mjcompose.language.motors import Motor, Motors
 from mjcompose.language.sections import ByTag, DefaultClass, Defaults, Extension, Singleton, Typed
 from mjcompose.language.select import Collisions, Contacts
-from mjcompose.language.used_model import Allowed, Base, Edit, Edits, Model
+from mjcompose.language.used_model import Allowed, Edit, Edits, Model
 from mjcompose.model.grammar import GRAMMAR, ElementType
 
 TO = "to"
@@ -252,8 +252,8 @@ class Recipe(Model):
     """What stands between a prefix and a name."""
     conflict: Annotated[Literal["error", "base", "mujoco"], Choice("conflict")] = "error"
     """What happens where parts disagree in `option`, `size`, `statistic` or `visual`."""
-    base: Base | None = None
-    """The model to start from, which keeps its own names; without it, an empty one."""
+    base: Annotated[Attachment | None, Start()] = None
+    """The model to start from: a part without a prefix, at the world; without it, an empty one."""
     attach: Annotated[Mapping[str, Attachment], Prefixes()] = Field(default_factory=dict)
     """The parts: a mapping from the prefix of their names to what they are and where they hang."""
     compiler: Annotated[Element | None, Singleton("compiler", SETTABLE)] = None

@@ -31,7 +31,7 @@ from mjcompose.language.recipe import ID, TO, Additions, Recipe, sections_of
 from mjcompose.language.schema import recipe_schema
 from mjcompose.language.sections import PARENT, TYPE, Defaults, Typed
 from mjcompose.language.used_model import KEYS as EDIT
-from mjcompose.language.used_model import Base, key_names
+from mjcompose.language.used_model import key_names
 from mjcompose.model.classes import ORIENTATIONS
 from mjcompose.model.grammar import GRAMMAR, ElementType
 from mjcompose.sources.kinds import KINDS
@@ -57,7 +57,7 @@ def key_order() -> dict[str, dict[str, list[str]]]:
     edit = list(EDIT)
     whole = {
         "": _top(),
-        "base": key_names(Base),
+        "base": [*key_names(Attachment), _WHEN],
         "attach.*": [*key_names(Attachment), _WHEN],
         "edit.*": edit,
         "base.edit.*": edit,
@@ -154,6 +154,7 @@ _NO_PAGE = (
     "separator",
     "conflict",
     "allow",
+    "base",
     "extends",
     "variants",
 )
@@ -164,7 +165,7 @@ def pages() -> dict[str, str]:
     """Return the text of each page of the reference, by its file name. They are the same every time."""
     schema = recipe_schema()
     whole = {**schema["else"], "required": schema["required"]}  # a recipe that extends no other
-    keys = _Keys(schema["$defs"], whole["properties"]["attach"])
+    keys = _Keys(schema["$defs"])
     found = {"index.md": _index(whole, keys)}
     for name, each in whole["properties"].items():
         if name not in _NO_PAGE:
@@ -214,11 +215,6 @@ def _section(name: str, schema: Schema, keys: _Keys) -> Iterator[str]:
     mjcf: list[tuple[str, str]] = []
     for place, row in keys.placed(schema, name):
         (mjcf if _is_of_mjcf(name, place) else own).append((place, row))
-    if name == "base":
-        part = {row.replace("`attach.PREFIX.", "`base.", 1) for _, row in keys.placed(keys.attach, "attach")}
-        shared = [place.removeprefix("base.") for place, row in own if row in part and place.count(".") == 1]
-        own = [each for each in own if each[1] not in part]
-        yield f"\nThese keys are those of a [part](attach.md): {', '.join(f'`{key}`' for key in shared)}."
     if own:
         yield from ("", *_titled(own))
     for chapter in _ON.get(name, ()):
@@ -281,8 +277,8 @@ def _references() -> Iterator[str]:
 class _Keys:
     """Makes rows of keys from JSON Schema."""
 
-    def __init__(self, definitions: dict[str, Schema], attach: Schema) -> None:
-        self.definitions, self.attach = definitions, attach
+    def __init__(self, definitions: dict[str, Schema]) -> None:
+        self.definitions = definitions
 
     def rows(self, schema: Schema, path: str, deep: bool = True) -> Iterator[str]:
         """Yield a row for each key in what the schema describes, and for the keys inside, at any depth."""
@@ -367,6 +363,8 @@ class _Keys:
         if "anyOf" in schema:
             kinds = [each for each in schema["anyOf"] if not self._is_template(each)]
             return " or ".join(dict.fromkeys(self._type(each) for each in kinds))
+        if "allOf" in schema and "type" not in schema:  # a part, but for some of its keys
+            return self._type(schema["allOf"][0])
         types = schema.get("type", ())
         types = [types] if isinstance(types, str) else types
         if len(types) > 1 and _TEMPLATE in schema.get("pattern", ""):
@@ -398,6 +396,8 @@ class _Keys:
             return f"[{pointer}]({_CHAPTERS[pointer][1]})"
         if pointer.startswith(_ELEMENTS):
             return "element"
+        if pointer == "Attachment":
+            return "[part](attach.md)"
         if pointer in ("Piece", "InPlace"):
             return "any of the [top-level keys](index.md)"
         return self._type(self.definitions[pointer])

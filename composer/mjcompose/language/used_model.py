@@ -1,20 +1,15 @@
-"""A model that a recipe uses: `base`, its settings, `drop` and `edit`."""
+"""What is done to a model that a recipe uses: `drop`, `edit`, `with`, `urdf`, `allow`."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import field, replace
 from typing import Annotated, Any, Literal
 
 from pydantic import (
     BaseModel,
     ConfigDict,
-    Field,
-    GetJsonSchemaHandler,
-    ValidatorFunctionWrapHandler,
-    model_validator,
 )
-from pydantic_core import CoreSchema
 
 from mjcompose.base.codes import CODES
 from mjcompose.base.dataclass import dataclass
@@ -28,17 +23,14 @@ from mjcompose.language.form import (
     Form,
     Schema,
     Settings,
-    Text,
     check_rows,
     definition,
     kind_of,
     read_count,
     reference,
     unknown_key,
-    validation_error,
 )
 from mjcompose.language.form import SCHEMAS as COUNTS
-from mjcompose.language.placing import ModelField, fault_of_inline_recipe
 from mjcompose.language.select import GLOB, NARROWING, advice_on_narrowing, read_selector
 from mjcompose.language.verbs.table import VERBS
 from mjcompose.language.verbs.values import TAGS, Checker, Selected
@@ -152,22 +144,6 @@ def codes_schema() -> Schema:
     return {"type": "array", "items": reference("code"), "minItems": 1, "uniqueItems": True}
 
 
-class UsedModel(Model):
-    """Which model is used, and how much of it: the keys that a base and a part have in common."""
-
-    model: Annotated[str | Mapping[str, Any], ModelField()]
-    """A model reference (a file relative to the recipe, `package:…`, `menagerie:…`), or a recipe written in place."""
-    packages: dict[str, Annotated[str, Text("packages")]] = Field(default_factory=dict)
-    """The folders that `package://NAME` stands for in URDF: a mapping from NAME to a path relative to the recipe; `"*"`
-    is a ROS workspace, all of whose packages are meant."""
-    urdf: UrdfKeys = Field(default_factory=UrdfKeys)
-    """How a URDF is read: visuals, fixed links, actuators."""
-    given: Annotated[dict[str, Any], Given()] = Field(default_factory=dict, alias="with")
-    """Values of the parameters and variants of a nested recipe, or of the arguments of a xacro template, by name."""
-    subtree: Annotated[str | None, Text("subtree")] = None
-    """The one body of the model to take, with exactly what it needs; without it, the whole model."""
-
-
 # Without these, nothing else in a model can be read.
 _KEPT = ("worldbody", "compiler")
 
@@ -248,6 +224,8 @@ def _drop(value: Any, index: int, at: Path, faults: list[Fault]) -> Drop | None:
     )
     return None
 
+
+KeyPolicy = Literal["merge", "prefix", "none"]
 
 _TEXT: Schema = {"type": "string", "minLength": 1}
 OWN: dict[str, Schema] = {
@@ -454,40 +432,3 @@ def _unknown(value: dict[str, Any], at: Path) -> Iterator[Fault]:
         fault = unknown_key(message, name, _KNOWN, at=(*at, name))
         elsewhere = advice_on_narrowing(name)
         yield replace(fault, help=elsewhere, fix=None) if elsewhere else fault
-
-
-KeyPolicy = Literal["merge", "prefix", "none"]
-
-
-def key_policy(drop: Iterable[Drop], keys: Literal["merge", "prefix"]) -> KeyPolicy:
-    """Return what becomes of the keys of a model."""
-    return "none" if any(each.leaves_keys for each in drop) else keys
-
-
-class Base(UsedModel):
-    """The model to start from, which keeps its own names; a reference alone is its `model`."""
-
-    drop: Annotated[tuple[Drop, ...], Drops()] = ()
-    """What to leave out, with all that refers to it: sections, tags and selectors."""
-    edit: Annotated[tuple[Edit, ...], Edits()] = ()
-    """Ordered changes to the model, before anything is attached to it."""
-    keys: Annotated[Literal["merge", "prefix"], Choice("keys")] = "merge"
-    """How its keyframes are called: merged by name with those of the parts, or kept apart."""
-    allow: Annotated[tuple[str, ...], Allowed()] = ()
-    """The codes of warnings about it that are meant to be there."""
-
-    @model_validator(mode="wrap")
-    @classmethod
-    def _short(cls, value: Any, handler: ValidatorFunctionWrapHandler) -> Any:
-        in_place = (
-            fault_of_inline_recipe(value, "`base`", cls.model_fields) if isinstance(value, Mapping) else None
-        )
-        if in_place is not None:
-            raise validation_error([in_place], value)
-        return handler({"model": value} if isinstance(value, str) else value)
-
-    @classmethod
-    def __get_pydantic_json_schema__(
-        cls, schema: CoreSchema, handler: GetJsonSchemaHandler
-    ) -> dict[str, Any]:
-        return {"anyOf": [{"type": "string", "minLength": 1}, handler.resolve_ref_schema(handler(schema))]}

@@ -24,7 +24,7 @@ from mjcompose.language.forms.walk import is_model, spot
 from mjcompose.language.placing import faults_in_place
 from mjcompose.language.recipe import VERSION, Recipe, sections_of
 from mjcompose.language.sections import ByTag, Lists, Typed
-from mjcompose.language.used_model import Base, Model, key_names
+from mjcompose.language.used_model import Model, key_names
 from mjcompose.language.value import without_space
 from mjcompose.model.grammar import GRAMMAR
 from mjcompose.text.node import Key, Mapping, Node, Scalar, find, locate, texts, to_python
@@ -37,6 +37,8 @@ _MAKING = ("subtree", "joint", "sense", "drop", "edit", "prefix", "replicate", "
 # Sections in which parts may disagree, as `conflict` allows.
 _AGREED = ("option", "size", "statistic", "visual")
 _ROUNDS = 8
+# These are about the model itself, and seldom what an unknown key of a part means.
+_OF_A_MODEL = ("packages", "urdf", "with", "subtree", "drop", "edit", "keys", "allow")
 
 Judge = Callable[[Mapping], tuple[Recipe | None, list[Fault]]]
 
@@ -239,7 +241,7 @@ def _extra(loc: Path, meant: Any | None, data: Any, parts: AbcMapping[str, Any])
     model, owner = _owner(loc[:-1])
     known = key_names(model)
     if model is Attachment:  # a note lists the first few: what places a part is most often meant
-        known.sort(key=lambda name: name != "model" and name in key_names(Base))
+        known.sort(key=lambda name: name in _OF_A_MODEL)
     known += SETTLED if model is Recipe else ()
     help, fix = advised(name, known if meant is None else [str(meant["loc"][-1])])
     if model is Recipe and len(loc) == 1 and (elsewhere := advice_at_top(name, data[name], parts)):
@@ -298,7 +300,7 @@ def _owner(path: Path) -> tuple[type[Model], str]:
     if path[0] == "attach" and len(path) == 2:
         return Attachment, f"part `{path[1]}`"
     if path == ("base",):
-        return Base, "`base`"
+        return Attachment, "`base`"
     return Recipe, f"`{path[-1]}`"
 
 

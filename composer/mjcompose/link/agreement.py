@@ -55,7 +55,7 @@ def written_settings(unit: Unit) -> dict[str, WrittenSetting]:
     """Return every setting in the unit's own tree by its path. If a section repeats, the last value wins."""
     found: dict[str, WrittenSetting] = {}
     for section in unit.root.iterchildren(*SINGLETONS):
-        _note(section, str(section.tag), unit, found)
+        _note(section, str(section.tag), unit, found=found)
     return found
 
 
@@ -81,7 +81,7 @@ def _note(element: Node, path: str, unit: Unit, found: dict[str, WrittenSetting]
         if value and not value.isspace():
             found[f"{path}/{name!s}"] = WrittenSetting(str(value), partial(_span, unit, element, str(name)))
     for child in element.iterchildren("*"):
-        _note(child, f"{path}/{child.tag!s}", unit, found)
+        _note(child, f"{path}/{child.tag!s}", unit, found=found)
 
 
 def _span(unit: Unit, element: Node, name: str) -> Span:
@@ -170,7 +170,9 @@ def common_settings(
         first = given[0][1]
         if all(equal_values(first.value, wanted.value) for _, wanted in given):
             names = tuple(name for owner, wanted in given for name in _names(owner, wanted))
-            found[path] = Adopted(path, first.value, names, first.span, not is_default(path, first.value))
+            found[path] = Adopted(
+                path, first.value, names, at=first.span, is_written=not is_default(path, first.value)
+            )
             del asked[path]
     return found, asked
 
@@ -242,11 +244,11 @@ def agreement(linking: Linking) -> None:
         for path, given in disagreed.items():
             owner, first = given[0]
             model[path] = first._replace(parts=(owner,))
-    found = [(part, [*_wishes(linking, wanted, model, common)]) for part, wanted in asked]
+    found = [(part, [*_wishes(linking, wanted, model, common=common)]) for part, wanted in asked]
     open_ones = [wish for _, wishes in found for wish in wishes if wish.settled is None]
     for part, wishes in found:
         _report_merged(linking, part, [wish for wish in wishes if wish.settled is not None])
-        _report(linking, part, [wish for wish in wishes if wish.settled is None], open_ones)
+        _report(linking, part, [wish for wish in wishes if wish.settled is None], all_wishes=open_ones)
     merge_sizes(linking)
 
 
@@ -279,7 +281,7 @@ def _wishes(
         if current is not None and equal_values(current, wanted.value):
             continue
         settled = merge_values(path, have, wanted) if linking.request.conflict == "mujoco" else None
-        yield _Wish(path, wanted, have, settled)
+        yield _Wish(path, wanted, have, settled=settled)
         if settled is not None:
             set_value(linking.base, path, settled)
             model[path] = wanted._replace(value=settled)
@@ -438,7 +440,7 @@ def autolimits(linking: Linking) -> None:
 
 def _check(linking: Linking, unit: Unit, element: Node) -> None:
     kind = kind_of(element)
-    joint = text_in_effect(element, kind, "type", unit.classes) if element.tag == "joint" else None
+    joint = text_in_effect(element, kind, "type", classes=unit.classes) if element.tag == "joint" else None
     for name, limited in _LIMITED_BY.items():
         if (
             name not in kind.attributes
@@ -446,9 +448,9 @@ def _check(linking: Linking, unit: Unit, element: Node) -> None:
             or joint in _IGNORED_BY.get(name, ())
         ):
             continue
-        if not any(read(text_in_effect(element, kind, name, unit.classes) or "")):
+        if not any(read(text_in_effect(element, kind, name, classes=unit.classes) or "")):
             continue
-        if (text_in_effect(element, kind, limited, unit.classes) or "auto") == "auto":
+        if (text_in_effect(element, kind, limited, classes=unit.classes) or "auto") == "auto":
             called = (
                 f"{element.tag} `{element.get('name')}`"
                 if element.get("name")

@@ -64,7 +64,7 @@ def angles(linking: Linking) -> None:
         settings = part.settings
         to_radians = settings.angle == "degree" and unit == "radian"
         if to_radians or settings.eulerseq != sequence:
-            _orientations(linking, part, to_radians, sequence)
+            _orientations(linking, part, to_radians, sequence=sequence)
         if to_radians:
             _joints(part)
 
@@ -81,7 +81,7 @@ def _orientations(linking: Linking, unit: Unit, to_radians: bool, sequence: str)
         if euler is not None and euler.strip():
             values = numbers.read(euler)
             if element.tag == "replicate":
-                _replicate(linking, unit, element, values, sequence, to_radians)
+                _replicate(linking, unit, element, values=values, sequence=sequence, to_radians=to_radians)
             elif own != sequence:
                 radians = [numbers.orientation_radians(v) for v in values] if degrees else values
                 del element.attrib["euler"]
@@ -158,10 +158,14 @@ def _joints(unit: Unit) -> None:
         for attribute in _ANGULAR:
             writer: Node | None = joint
             if written(joint, attribute) is None:
-                writer = _writer(joint, classes, childclass, attribute) if attribute in in_classes else None
+                writer = (
+                    _writer(joint, classes, childclass, attribute=attribute)
+                    if attribute in in_classes
+                    else None
+                )
             if writer is None:
                 continue
-            turns = _is_angle(unit, classes, joint, childclass, attribute)
+            turns = _is_angle(unit, classes, joint, childclass=childclass, attribute=attribute)
             if writer is joint:
                 if turns:
                     own.append((joint, attribute))
@@ -169,7 +173,9 @@ def _joints(unit: Unit) -> None:
                 given.setdefault((writer, attribute), []).append((joint, turns))
     for flex, body in _flexes(unit.root) if in_classes else ():
         for attribute in _ANGULAR:
-            writer = _writer(body, classes, body.get("childclass") or childclass_of(body), attribute)
+            writer = _writer(
+                body, classes, body.get("childclass") or childclass_of(body), attribute=attribute
+            )
             if writer is not None:
                 given.setdefault((writer, attribute), []).append((flex, False))
     own += _of_classes(given)
@@ -265,7 +271,7 @@ def note_flexes(linking: Linking) -> None:
     for unit, part in [(linking.base, None), *((part.unit, part) for part in linking.parts)]:
         for worldbody in unit.root.iterchildren("worldbody"):
             found = (child for child in through_frames(worldbody) if child.tag == "flexcomp")
-            linking.notes.flexes.extend(Flex(flex, unit, part, top_joint(unit)) for flex in found)
+            linking.notes.flexes.extend(Flex(flex, unit, part, joint=top_joint(unit)) for flex in found)
 
 
 def in_world(linking: Linking) -> Iterator[Flex]:

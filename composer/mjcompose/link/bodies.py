@@ -169,7 +169,7 @@ def _report_lost(linking: Linking, lost: Iterable[Part]) -> None:
             waiting.append((part, *added))
         # What is added to nothing is reported where that is carried out.
     for part, to, span in waiting[:1]:
-        _report_wait_for_itself(linking, part, to, span)
+        _report_wait_for_itself(linking, part, to, added=span)
 
 
 def _report_missing_place(linking: Linking, part: Part) -> None:

@@ -15,7 +15,7 @@ from lxml.etree import _Element as Node
 from mjcompose.base.diagnostic import Cause, Note
 from mjcompose.link.inertia import has_mass, settle_inertia
 from mjcompose.link.linking import Linking, Part
-from mjcompose.link.measure import BODIES, NAMED, Survey, report_not_kept, survey
+from mjcompose.link.measure import BODIES, NAMED, KeptSettings, Survey
 from mjcompose.model.classes import childclass_of, own, through_frames, walk_bodies
 from mjcompose.model.files import stem
 from mjcompose.model.grammar import GRAMMAR
@@ -50,13 +50,13 @@ def _reduce(linking: Linking, unit: Unit, part: Part | None) -> None:
         return
     # On a joint of the recipe stands what would be part of a world alone: it keeps its mass.
     pinned = static_bodies(unit) if part is not None and part.has_body else ()
-    found = survey(linking, unit, wanted, (*BODIES, *NAMED), pinned=pinned)
+    found = KeptSettings(linking, unit, wanted).survey((*BODIES, *NAMED), pinned=pinned)
     if found is None:
         return
     changed = discard(unit, found) if "discardvisual" in wanted else set()
-    changed |= fuse(linking, unit, part, found) if "fusestatic" in wanted else set()
+    changed |= fuse(linking, unit, part, found=found) if "fusestatic" in wanted else set()
     unit.forget_settings(*wanted)
-    settle_inertia(linking, unit, changed, found)
+    settle_inertia(linking, unit, changed, found=found)
 
 
 _ASSETS = ("mesh", "material", "texture")
@@ -128,10 +128,10 @@ def fuse(linking: Linking, unit: Unit, part: Part | None, found: Survey) -> set[
         element for element, _ in walk_bodies(unit.root) if element.tag == "body" and found.is_gone(element)
     ]
     hosts = {body: _body_fused_with(body, found) for body in fused}
-    if any(_report_flexcomp(linking, unit, body, host) for body, host in hosts.items()):
+    if any(_report_flexcomp(linking, unit, body, host=host) for body, host in hosts.items()):
         return set()
     if part is not None and part.place.kind != "world":
-        _remove_mass(linking, unit, part, [body for body, host in hosts.items() if host is None])
+        _remove_mass(linking, unit, part, bodies=[body for body, host in hosts.items() if host is None])
     frames = {str(frame.get("name")) for frame in unit.root.iter("frame")}
     for body in fused:
         _make_frame(body, frames)
@@ -220,9 +220,8 @@ def _report_flexcomp(linking: Linking, unit: Unit, body: Node, host: Node | None
     after = unit.classes.get(None if host is None else host.get("childclass") or childclass_of(host))
     if before is after or not (before.sets("joint") or after.sets("joint")):
         return False
-    report_not_kept(
-        linking, unit, ("fusestatic",), "the joints of a `<flexcomp>` would have another class", flexcomp
-    )
+    kept = KeptSettings(linking, unit, ("fusestatic",))
+    kept.refuse("the joints of a `<flexcomp>` would have another class", flexcomp)
     return True
 
 

@@ -287,7 +287,7 @@ def _suspects(unit: Unit) -> Iterator[_Suspect]:
         if actuator.tag not in fine:
             later = _actuators(sections[setting[-1]])[0]
             written = {str(name): str(value) for name, value in actuator.items()}
-            yield _Suspect(actuator, written, found.kind, later)
+            yield _Suspect(actuator, written, found.kind, later=later)
 
 
 def _read_all(sections: Sequence[Node]) -> dict[str, _Class]:
@@ -296,7 +296,7 @@ def _read_all(sections: Sequence[Node]) -> dict[str, _Class]:
     earlier = False
     for at, section in enumerate(sections):
         kind = found[MAIN].kind if at else None
-        _read(section, MAIN, _Class(kind, at), earlier, found)
+        _read(section, MAIN, _Class(kind, at), earlier=earlier, found=found)
         earlier = earlier or bool(_actuators(section))
     return found
 
@@ -310,7 +310,7 @@ def _read(node: Node, name: str, around: _Class, earlier: bool, found: dict[str,
             kind = _MIXED if earlier and tag not in (kind, *_OF_ANY_KIND) else tag
     found[name] = _Class(kind, around.section)
     for nested in node.iterchildren("default"):
-        _read(nested, str(nested.get("class", "")), found[name], earlier, found)
+        _read(nested, str(nested.get("class", "")), found[name], earlier=earlier, found=found)
 
 
 def _actuators(node: Node) -> list[Node]:
@@ -328,7 +328,9 @@ def _gains(linking: Linking, unit: Unit, *, wrap: bool = False) -> _Gains | None
         return None
     copy = unit.copied()
     if wrap:
-        defaults(Linking(copy, [], Sink(), linking.request, base_class=f"top{linking.request.separator}"))
+        defaults(
+            Linking(copy, [], Sink(), request=linking.request, base_class=f"top{linking.request.separator}")
+        )
     arrays = tuple(f"actuator_{name}" for name in _GAINS)
     measured = linking.measure(copy, arrays, attempt=wrap)
     own = unit.root.findall("actuator/*")
@@ -361,7 +363,7 @@ def _write(
         if name in common or name in settled or not attribute.in_default or actuator.get(name) is not None:
             continue
         default = default_text(attribute)
-        value, other = (_value(asked, tag, name, default) for asked in (alone, there))
+        value, other = (_value(asked, tag, name, default=default) for asked in (alone, there))
         if value is not None and value != other:
             actuator.set(name, value)
 

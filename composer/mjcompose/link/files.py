@@ -108,7 +108,7 @@ class _Meanings:
     ) -> Hashable:
         attributes = tuple(
             sorted(
-                (name, self._value(element, name, known.get(name), value))
+                (name, self._value(element, name, known.get(name), value=value))
                 for name, value in values.items()
                 if name not in _NO_MEANING and value is not None
             )
@@ -194,7 +194,7 @@ def files(linking: Linking) -> None:
     for prefix, unit in [("", linking.base), *((part.prefix, part.unit) for part in linking.parts)]:
         named = list(file_attributes(unit.root))
         if named:
-            _give_paths(linking, unit, prefix, named, taken)
+            _give_paths(linking, unit, prefix, named=named, taken=taken)
 
 
 def _give_paths(
@@ -218,28 +218,32 @@ def _give_paths(
         tag = element.tag
         if where:
             path = name if "/" in name and is_settled(unit, tag, name) else target + name
-            source = listed.get(where) or _readable_path(linking, unit, element, attribute, where)
+            source = listed.get(where) or _readable_path(
+                linking, unit, element, attribute=attribute, path=where
+            )
             if source is None:
                 continue
             alone: tuple[str, bytes | None] = (source, None)
             if taken.setdefault(path.lower(), alone) == alone:
                 element.set(attribute, path)
-                use(FileUse(element, attribute, path, source, None))
+                use(FileUse(element, attribute, path, source=source, content=None))
                 continue
         written = written_path(unit.settings, element, name)
         known = unit.contents.get(written) if unit.contents else None
         content = known if isinstance(known, bytes) else None
         if known is None:
-            source = _readable_path(linking, unit, element, attribute, join(directory, written))
+            source = _readable_path(
+                linking, unit, element, attribute=attribute, path=join(directory, written)
+            )
         else:
             source = held(known if isinstance(known, Path) else join(directory, written))
         if source is None:
             continue
         if prefix and tag == "skin":
-            content = _skin(linking, unit, element, prefix, source, content)
-        path = _free_path(unit, tag, written, source, content, taken)
+            content = _skin(linking, unit, element, prefix=prefix, source=source, content=content)
+        path = _free_path(unit, tag, written, source=source, content=content, taken=taken)
         element.set(attribute, path)
-        use(FileUse(element, attribute, path, source, content))
+        use(FileUse(element, attribute, path, source=source, content=content))
 
 
 def _readable_path(linking: Linking, unit: Unit, element: Node, attribute: str, path: str) -> Passed | None:
@@ -327,4 +331,4 @@ def add_file(
         number += 1
         path = f"{ASSETS}/{number}/{inside}"
     element.set(attribute, path)
-    linking.files.append(FileUse(element, attribute, path, source, None))
+    linking.files.append(FileUse(element, attribute, path, source=source, content=None))

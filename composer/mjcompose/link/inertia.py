@@ -12,7 +12,7 @@ finds them, or if a part is attached to something that moves, because then MuJoC
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Iterable
 
 from lxml.etree import _Element as Node
 
@@ -20,7 +20,7 @@ from mjcompose.base.diagnostic import Note
 from mjcompose.base.rotation import Pose
 from mjcompose.link import numbers
 from mjcompose.link.linking import Linking
-from mjcompose.link.measure import BODIES, GEOMS, Survey, report_not_kept, survey
+from mjcompose.link.measure import BODIES, GEOMS, KeptSettings, Survey
 from mjcompose.link.numbers import read_pose
 from mjcompose.model.classes import ORIENTATIONS, Classes, childclass_of, own, walk_bodies
 from mjcompose.model.files import Settings
@@ -124,9 +124,10 @@ def _pose(body: Node) -> dict[str, str]:
 def write_inertias(linking: Linking, unit: Unit) -> None:
     """Compile the unit alone, and write the inertia that MuJoCo computes for every body."""
     wanting = [name for name in MEASURED if getattr(unit.settings, name) != getattr(_DEFAULT, name)]
-    found = survey(linking, unit, wanting, BODIES)
+    kept = KeptSettings(linking, unit, wanting)
+    found = kept.survey(BODIES)
     if found is not None:
-        write_measured(linking, unit, wanting, _bodies(unit), found)
+        _write_measured(kept, _bodies(unit), found)
 
 
 def settle_inertia(linking: Linking, unit: Unit, changed: Collection[Node], found: Survey) -> None:
@@ -138,17 +139,15 @@ def settle_inertia(linking: Linking, unit: Unit, changed: Collection[Node], foun
         name for name in _RULES if getattr(unit.settings, name).split() != getattr(_DEFAULT, name).split()
     ]
     bodies = [body for body in _bodies(unit) if (ruled or body in changed) and not found.is_gone(body)]
-    if write_measured(linking, unit, ruled or ["fusestatic"], bodies, found):
+    if _write_measured(KeptSettings(linking, unit, ruled or ["fusestatic"]), bodies, found):
         unit.forget_settings(*ruled)
 
 
-def write_measured(
-    linking: Linking, unit: Unit, settings: Sequence[str], bodies: Iterable[Node], found: Survey
-) -> bool:
+def _write_measured(kept: KeptSettings, bodies: Iterable[Node], found: Survey) -> bool:
     """Write the surveyed inertia onto these bodies. Report a body for which that is impossible."""
-    flexible = next(unit.root.iter("flexcomp"), None)
-    if flexible is not None and any(name in settings for name in MEASURED):
-        report_not_kept(linking, unit, settings, "`<flexcomp>` is expanded by MuJoCo")
+    flexible = next(kept.unit.root.iter("flexcomp"), None)
+    if flexible is not None and any(name in kept.names for name in MEASURED):
+        kept.refuse("`<flexcomp>` is expanded by MuJoCo")
         return False
     for body in bodies:
         rows = [found.values(body, array, width) for array, width in zip(BODIES, (1, 3, 4, 3), strict=True)]
@@ -156,7 +155,7 @@ def write_measured(
         if mass is None or pos is None or quat is None or moments is None:
             gone = found.is_gone(body)
             why = "`fusestatic` makes this body one with another" if gone else "the copies of a body differ"
-            report_not_kept(linking, unit, settings, why, body)
+            kept.refuse(why, body)
             return False
         written = own(body, "inertial")
         for inertial in written:
@@ -164,7 +163,7 @@ def write_measured(
             assert holder is not None
             holder.remove(inertial)
         if not written:
-            linking.notes.inertia_written.add(body)
+            kept.linking.notes.inertia_written.add(body)
         # What has no mass and no geoms needs no inertial. Where there are geoms, the inertial takes their place, as it
         # does under `auto`: `<body><inertial mass="1" …/><geom size="1"/></body>` weighs 1 in MuJoCo 4.0.
         if any(mass) or any(moments) or written or own(body, "geom"):
@@ -175,7 +174,6 @@ def write_measured(
     return True
 
 
-_SETTING = ("fitaabb",)
 _SIZES = {"sphere": 1, "capsule": 2, "cylinder": 2, "box": 3, "ellipsoid": 3}
 
 
@@ -200,10 +198,11 @@ def fitted_sizes(linking: Linking) -> None:
             for geom, childclass in walk_bodies(unit.root)
             if geom.tag == "geom" and (kind := _fitted_kind(geom, childclass, classes)) is not None
         }
-        found = survey(linking, unit, _SETTING, GEOMS) if fitted else None
+        kept = KeptSettings(linking, unit, ("fitaabb",))
+        found = kept.survey(GEOMS) if fitted else None
         if found is not None:
             for geom, kind in fitted.items():
-                _write(linking, unit, geom, _SIZES[kind], found)
+                _write_fitted(kept, geom, _SIZES[kind], found=found)
 
 
 def _fitted_kind(geom: Node, childclass: str | None, classes: Classes) -> str | None:
@@ -212,11 +211,12 @@ def _fitted_kind(geom: Node, childclass: str | None, classes: Classes) -> str | 
     return kind if kind in _SIZES and classes.effective(geom, childclass, "mesh") else None
 
 
-def _write(linking: Linking, unit: Unit, geom: Node, sizes: int, found: Survey) -> None:
+def _write_fitted(kept: KeptSettings, geom: Node, sizes: int, found: Survey) -> None:
+    unit = kept.unit
     rows = [found.values(geom, array, width) for array, width in zip(GEOMS, (3, 3, 4), strict=True)]
     size, pos, quat = rows
     if size is None or pos is None or quat is None:
-        report_not_kept(linking, unit, _SETTING, "the copies of a geom differ", geom)
+        kept.refuse("the copies of a geom differ", geom)
         return
     x, y, z = pos
     w, a, b, c = quat
@@ -274,12 +274,13 @@ def lengthranges(linking: Linking) -> None:
             continue
         actuators = unit.root.findall("actuator/*")
         if actuators:
-            found = survey(linking, unit, ("lengthrange",), _ARRAYS)
+            kept = KeptSettings(linking, unit, ("lengthrange",))
+            found = kept.survey(_ARRAYS)
             if found is None:
                 continue
             measured = found.arrays["actuator_lengthrange"]
             if len(measured) != 2 * len(actuators):
-                report_not_kept(linking, unit, ("lengthrange",), "MuJoCo makes copies of actuators")
+                kept.refuse("MuJoCo makes copies of actuators")
                 continue
             for at, actuator in enumerate(actuators):
                 low, high = measured[2 * at : 2 * at + 2]
@@ -287,7 +288,7 @@ def lengthranges(linking: Linking) -> None:
                 if (low, high) != (0.0, 0.0):
                     actuator.set("lengthrange", numbers.text([low, high]))
                 elif _is_muscle(actuator):
-                    _report_no_range(linking, unit, rules[-1], actuator)
+                    _report_no_range(linking, unit, rules[-1], actuator=actuator)
                     break
         for rule in rules:
             compiler = rule.getparent()

@@ -113,7 +113,7 @@ def _multiply(
     whole = [thing for thing in taken if thing.refers <= lost]
     ends = suffixes(replicate)
     copies = [
-        thing.copied(replicate, number, end, lost) for number, end in enumerate(ends) for thing in whole
+        thing.copied(replicate, number, end, lost=lost) for number, end in enumerate(ends) for thing in whole
     ]
     return kept + copies, frozenset(("tendon", thing.name) for thing in taken if thing.name)
 
@@ -185,7 +185,7 @@ def _thing(element: Node, section: str) -> _Multiplied:
         for name, (action, namespace) in table.get(str(each.tag), {}).items()
         if action == REFERS and each.get(name) and namespace != "default"
     }
-    return _Multiplied(element, (), str(element.get("name") or ""), frozenset(refers))
+    return _Multiplied(element, (), str(element.get("name") or ""), refers=frozenset(refers))
 
 
 JOINTS = ("joint", "freejoint")
@@ -365,7 +365,7 @@ class _Reader:
         # it is read, so that they come first there. Either way there is one set of them, not one for each copy.
         for child in through_frames(worldbody):
             inside, twists = Layout(), Layout()
-            self._inner(child, (), inside, twists)
+            self._inner(child, (), inside, twists=twists)
             first, second = (twists, inside) if child.tag == "replicate" else (inside, twists)
             layout.joints |= first.joints
             layout.joints |= second.joints
@@ -381,14 +381,14 @@ class _Reader:
         # A body's own joints come before those of its children, also if they are written later: in MuJoCo 4.0
         # `<body><body><joint name="inner"/></body><joint name="outer"/></body>` has `outer` at qpos 0.
         for child in inner:
-            self._inner(child, within, layout, twists)
+            self._inner(child, within, layout, twists=twists)
 
     def _inner(self, child: Node, within: Within, layout: Layout, twists: Layout) -> None:
         if child.tag == "body":
-            self.visit(child, within, layout, twists)
+            self.visit(child, within, layout, twists=twists)
         elif child.tag == "replicate":
             for number in range(_count(child)):
-                self.visit(child, ((child, number), *within), layout, twists)
+                self.visit(child, ((child, number), *within), layout, twists=twists)
         elif child.tag in _BLOCKS:
             slot = self.known.get(child)
             if slot is None:

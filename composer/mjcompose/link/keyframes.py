@@ -58,12 +58,12 @@ def part_keys(linking: Linking) -> Mapping[str, PartKeys]:
         if layout is None:
             continue
         if policy != "none" or path in asked:
-            own = linking.keys.own[part] = tuple(_own_keys(linking, unit, layout, part))
+            own = linking.keys.own[part] = tuple(_own_keys(linking, unit, layout, part=part))
             found[path] = PartKeys(1, own)
         for inner, (depth, keys) in unit.part_keys.items():
             below = f"{path}{linking.request.separator}{inner}"
             if policy != "none" or below in asked:
-                moved = tuple(_moved(linking, part, layout, key) for key in keys)
+                moved = tuple(_moved(linking, part, layout, key=key) for key in keys)
                 found[below] = PartKeys(depth + 1, moved)
         if part is not None:
             _carry_references(linking, part, layout)
@@ -75,12 +75,22 @@ def _own_keys(linking: Linking, unit: Unit, layout: Layout, part: Part | None) -
     for element in keys_of(unit):
         record = unit.origins.keys.get(element)
         time = numbers_of(record, element, "time")
-        key = Key(str(element.get("name") or ""), time[0] if time else None, element, unit.file, unit.origins)
+        key = Key(
+            str(element.get("name") or ""),
+            time[0] if time else None,
+            element,
+            file=unit.file,
+            origins=unit.origins,
+        )
         for vector in VECTORS:
-            taken = cut_row(linking, unit, layout, element, vector) if element.get(vector) else None
+            taken = (
+                cut_row(linking, unit, layout, element=element, vector=vector)
+                if element.get(vector)
+                else None
+            )
             if taken is not None:
                 key.values[vector] = taken
-        yield _moved(linking, part, layout, key)
+        yield _moved(linking, part, layout, key=key)
 
 
 def _moved(linking: Linking, part: Part | None, layout: Layout, key: Key) -> Key:
@@ -89,10 +99,10 @@ def _moved(linking: Linking, part: Part | None, layout: Layout, key: Key) -> Key
         return key
     values = {vector: dict(columns) for vector, columns in key.values.items()}
     for vector, columns in values.items():
-        _check_copies_part_keys(linking, part, layout, key, vector, columns)
+        _check_copies_part_keys(linking, part, layout, key=key, vector=vector, taken=columns)
         if vector in ("qpos", "qvel"):
-            _check_flexes(linking, part, layout, key, vector, columns)
-        _carry(part, layout, vector, columns)
+            _check_flexes(linking, part, layout, key=key, vector=vector, taken=columns)
+        _carry(part, layout, vector, taken=columns)
     return replace(key, values=values)
 
 
@@ -199,7 +209,9 @@ def _carry(part: Part, layout: Layout, vector: str, taken: dict[Holder, list[Num
     if vector in ("qpos", "qvel"):
         for joint, slot in layout.joints.items():
             if slot.free and joint in taken:
-                taken[joint] = moved(taken[joint], _carry_slot(pose, slot, vector, texts(taken[joint])), by)
+                taken[joint] = moved(
+                    taken[joint], _carry_slot(pose, slot, vector, values=texts(taken[joint])), by
+                )
     elif vector in ("mpos", "mquat"):
         for body in layout.mocaps:
             if body in taken:
@@ -238,7 +250,9 @@ def _carry_references(linking: Linking, part: Part, layout: Layout) -> None:
         return
     for joint, slot in layout.joints.items():
         if slot.free and joint in linking.keys.references:
-            linking.keys.references[joint] = _carry_slot(pose, slot, "qpos", linking.keys.references[joint])
+            linking.keys.references[joint] = _carry_slot(
+                pose, slot, "qpos", values=linking.keys.references[joint]
+            )
     for body in layout.mocaps:
         if body in linking.keys.mocap_references:
             linking.keys.mocap_references[body] = [
@@ -288,7 +302,7 @@ def keyframes(linking: Linking) -> None:
         measure_references_again(linking, final)
     reference = Reference(linking)
     for merged in keys.values():
-        element = _element(linking, merged, final, reference)
+        element = _element(linking, merged, final, reference=reference)
         linking.base.section("keyframe").append(element)
 
 
@@ -370,7 +384,7 @@ def _merged_keys(linking: Linking) -> dict[str, Key]:
             owners[slot] = part
             continue
         if name not in written and "prefix" in (_policy(linking, owners[slot]), _policy(linking, part)):
-            _report_same_name(linking, earlier, owners[slot], key, part)
+            _report_same_name(linking, earlier, owners[slot], second=key, second_part=part)
         _merge_keys(linking, earlier, key, settled=name in written)
     linking.keys.replaced = {name: came[name] for name in written if name in came}
     return came | written
@@ -382,7 +396,7 @@ def lay_out_replaced(linking: Linking) -> list[Node]:
     if final is None:
         return []
     reference = Reference(linking)
-    return [_element(linking, key, final, reference) for key in linking.keys.replaced.values()]
+    return [_element(linking, key, final, reference=reference) for key in linking.keys.replaced.values()]
 
 
 def _source_keys(linking: Linking) -> Iterator[tuple[Part | None, Key]]:

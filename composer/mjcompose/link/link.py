@@ -126,7 +126,7 @@ def print_after(
     Both are the text inside `<mujoco>`; `files` are models that the part names, as whole texts. `hung` says how the
     part hangs, as in `_part`. Errors are printed, too.
     """
-    linking, before, facts = _linked(run, part, base, files or {}, **hung)
+    linking, before, facts = _linked(run, part, base, files=files or {}, **hung)
     units = [("model" if Fact.JOINED in facts else "base", linking.base)]
     if Fact.OWN_SECTIONS in facts:  # also once the bodies of the part are in the base
         units += [("part", each.unit) for each in linking.parts]
@@ -140,7 +140,7 @@ def print_after(
 
 def linking_after(run: object, part: str = "", base: str = "", **hung: Any) -> Linking:
     """Return the linking after a pass that only records facts. The arguments are those of `print_after`."""
-    linking, _, _ = _linked(run, part, base, {}, **hung)
+    linking, _, _ = _linked(run, part, base, files={}, **hung)
     return linking
 
 

@@ -70,7 +70,7 @@ def measure_with(
         compiled = measured.compiled
         if not compiled.ok:
             if not attempt:
-                _rejected(compiled, unit, text, context)
+                _rejected(compiled, unit, text, context=context)
             return {}
         found = {name: [float(value) for value in array.ravel()] for name, array in measured.arrays.items()}
         return {**found, **{name: [float(compiled.sizes[name])] for name in _SIZES}}
@@ -117,7 +117,7 @@ def _rejected(compiled: engine.Compiled, unit: Unit, text: bytes, context: Conte
         return
     fault = parse(compiled.error or "")
     element = None if fault.line is None else element_at(unit.root, text, fault.line)
-    report(translate(" ".join(fault.message.split()), element), element, unit, context, at=whole)
+    report(translate(" ".join(fault.message.split()), element), element, unit, context=context, at=whole)
 
 
 _ARRAYS = (
@@ -169,15 +169,15 @@ def flexible_widths(linking: Linking, unit: Unit) -> dict[Node, Slot] | None:
     if unknown is not None:
         nq = int(arrays["nq"][0]) - layout.total("qpos")
         nv = int(arrays["nv"][0]) - layout.total("qvel")
-        found[unknown] = Slot(BLOCK, (nq, nv), _free_inside(layout, unknown, (nq, nv), arrays))
+        found[unknown] = Slot(BLOCK, (nq, nv), _free_inside(layout, unknown, (nq, nv), arrays=arrays))
         layout = lay_out(unit, found)
     is_mocap = [number >= 0 for number in arrays["body_mocapid"]]
     if (layout.total("qpos"), layout.total("qvel"), sum(layout.mocaps.values())) != (
         int(arrays["nq"][0]), int(arrays["nv"][0]), sum(is_mocap)
     ):  # fmt: skip
         raise Unknown(next(unit.root.iter("replicate", "flexcomp", "attach", "composite", "worldbody")))
-    _note_references(linking, unit, layout, arrays["qpos0"])
-    _note_mocaps(linking, layout, arrays, is_mocap)
+    _note_references(linking, unit, layout, qpos0=arrays["qpos0"])
+    _note_mocaps(linking, layout, arrays, is_mocap=is_mocap)
     return found
 
 
@@ -233,11 +233,11 @@ def _measured(linking: Linking, unit: Unit, attach: Node) -> Slot | None:
         BLOCK,
         size,
         tuple(_free_joints(arrays)),
-        0,
-        (sum(controls), sum(acts)),
-        len(acts),
-        sum(number >= 0 for number in arrays["body_mocapid"]),
-        len(arrays["key_time"]),
+        twists=0,
+        controls=(sum(controls), sum(acts)),
+        actuators=len(acts),
+        mocaps=sum(number >= 0 for number in arrays["body_mocapid"]),
+        keys=len(arrays["key_time"]),
     )
 
 
@@ -359,20 +359,36 @@ class Unmeasurable:
     element: Node | None = None
 
 
-def survey(
-    linking: Linking,
-    unit: Unit,
-    settings: Sequence[str],
-    arrays: tuple[str, ...],
-    *,
-    pinned: Collection[Node] = (),
-) -> Survey | None:
-    """Measure the unit to keep the effect of these settings. Report an error if that is not possible."""
-    found = compile_unaligned(linking, unit, arrays, pinned=pinned)
-    if isinstance(found, Unmeasurable):
-        report_not_kept(linking, unit, settings, found.why, found.element)
-        return None
-    return found
+@dataclass(frozen=True, slots=True)
+class KeptSettings:
+    """Settings of a unit whose effect must be kept in a composition, by writing out what MuJoCo measures."""
+
+    linking: Linking
+    unit: Unit
+    names: Sequence[str]
+
+    def survey(self, arrays: tuple[str, ...], *, pinned: Collection[Node] = ()) -> Survey | None:
+        """Measure the unit. Report an error if that is not possible."""
+        found = compile_unaligned(self.linking, self.unit, arrays, pinned=pinned)
+        if isinstance(found, Unmeasurable):
+            self.refuse(found.why, found.element)
+            return None
+        return found
+
+    def refuse(self, why: str, element: Node | None = None) -> None:
+        """Report that the settings cannot be kept, at an element or where the first of them is written."""
+        linking, unit, first = self.linking, self.unit, self.names[0]
+        named = " and ".join(f"`{name}`" for name in self.names)
+        compilers = list(unit.root.iterchildren("compiler"))
+        compiler = next(
+            (each for each in compilers if each.get(first) is not None), [*compilers, unit.root][0]
+        )
+        linking.sink.error(
+            "compiler-setting",
+            f"{named} of `{unit.label}` cannot be kept in a composition: {why}",
+            linking.span(unit, compiler, first) if element is None else linking.span(unit, element),
+            help="remove the setting from the source, or write the values it gives",
+        )
 
 
 def compile_unaligned(
@@ -415,21 +431,6 @@ def compile_unaligned(
         if places and len(places) != _copies(element):
             return Unmeasurable(f"it leaves out some copies of `<{element.tag}>` only", element)
     return Survey(found, {element: tuple(places) for element, places in rows.items()})
-
-
-def report_not_kept(
-    linking: Linking, unit: Unit, settings: Sequence[str], why: str, element: Node | None = None
-) -> None:
-    """Report that settings cannot be kept, at an element or where the first of them is written."""
-    first, named = settings[0], " and ".join(f"`{name}`" for name in settings)
-    compilers = list(unit.root.iterchildren("compiler"))
-    compiler = next((each for each in compilers if each.get(first) is not None), [*compilers, unit.root][0])
-    linking.sink.error(
-        "compiler-setting",
-        f"{named} of `{unit.label}` cannot be kept in a composition: {why}",
-        linking.span(unit, compiler, first) if element is None else linking.span(unit, element),
-        help="remove the setting from the source, or write the values it gives",
-    )
 
 
 def _pin(unit: Unit, body: Node, number: int) -> None:

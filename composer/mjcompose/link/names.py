@@ -79,7 +79,7 @@ class _UnitRenaming:
         found = rename(unit, self.prefix, top_class=top_class, outward=part.outward if part else _NOTHING)
         self._refer_to_keys()
         for namespace, name, element in found.repeated:
-            self._report_repeated(_Clash(namespace, name, element, found.declared[namespace][name]))
+            self._report_repeated(_Clash(namespace, name, element, earlier=found.declared[namespace][name]))
         for namespace, name, element in found.dangling():
             if not may_be_generated(name, unit.root):
                 own = [each.removeprefix(self.prefix) for each in found.declared[namespace]]
@@ -97,7 +97,7 @@ class _UnitRenaming:
                 continue
             if namespace not in _MAY_REPEAT:
                 for name in [name for name in declared if name in earlier]:
-                    yield _Clash(namespace, name, declared[name], earlier[name])
+                    yield _Clash(namespace, name, declared[name], earlier=earlier[name])
                     declared[name] = earlier[name]  # the first one keeps it
             earlier.update(declared)
 

@@ -97,13 +97,13 @@ def check_replicates(linking: Linking) -> None:
                 (
                     each
                     for each in waiting[other]
-                    if resolves_in_copies(linking, each, replicate, places, made)
+                    if resolves_in_copies(linking, each, replicate, places=places, made=made)
                 ),
                 None,
             )
             if thing is not None:
                 reported.add((unit, other))
-                _refuse(linking, unit, replicate, other, thing)
+                _refuse(linking, unit, replicate, other=other, thing=thing)
 
 
 def multiplied_elements(unit: Unit) -> Iterator[Node]:
@@ -119,7 +119,7 @@ def resolves_in_copies(
     names = list(references_of(thing))
     found = (linking.names.find(kind, name + end) for kind, name in names for end in suffixes(replicate))
     here = places.get(replicate, 0)
-    if is_made_by(names, suffixes(replicate), linking.names.find, made):
+    if is_made_by(names, suffixes(replicate), linking.names.find, made=made):
         return True
     return not names or any(
         element is not None and (_is_listed(element) or places.get(element, here) < here) for element in found
@@ -216,9 +216,11 @@ def spare_added(linking: Linking) -> None:
         multiplied = [
             each
             for each in added
-            if any(resolves_in_copies(linking, each, replicate, places, made) for replicate in inside)
+            if any(
+                resolves_in_copies(linking, each, replicate, places=places, made=made) for replicate in inside
+            )
         ]
-        if multiplied and _stands_alone(base, index_of, nest, inside, multiplied):
+        if multiplied and _stands_alone(base, index_of, nest, inside=inside, spared=multiplied):
             for each in inside:
                 _write_out(linking, base, each)
             linking.names.declared = NameIndex.of(base.root).declared
@@ -258,7 +260,7 @@ def _write_out_foreign(linking: Linking, holding: list[Unit]) -> None:
             )
             if (
                 turns or any(_multiplies(other, index_of, inside) for other in units if other is not unit)
-            ) and _stands_alone(unit, index_of, nest, inside):
+            ) and _stands_alone(unit, index_of, nest, inside=inside):
                 for other in units:  # as they are before anything is written out
                     index_of(other)
                 for each in inside:
@@ -307,7 +309,7 @@ def _multiplies(
         # What refers to nothing is multiplied, too, and so is what refers to something that a replicate makes. MuJoCo
         # 3.12 and 4.0 make four clocks of this one:
         #   <worldbody><replicate count="2"><geom name="g" size=".1"/></replicate></worldbody><sensor><clock/></sensor>
-        if not names or is_made_by(names, ends, index.find, made):
+        if not names or is_made_by(names, ends, index.find, made=made):
             return True
         if any(index.find(kind, name + end) is not None for kind, name in names for end in ends):
             return True
@@ -325,7 +327,7 @@ def _stands_alone(
         for namespace, name in _names(node):
             if any(nest not in user.iterancestors() for user, _ in index.users(namespace, name)):
                 return False
-    return not _multiplies(unit, index_of, inside, spared)
+    return not _multiplies(unit, index_of, inside, spared=spared)
 
 
 def _names(node: Node) -> Iterator[tuple[str, str]]:
@@ -344,7 +346,9 @@ def _write_out(linking: Linking, unit: Unit, replicate: Node) -> None:
     x, y, z = [*numbers.read(str(replicate.get("offset") or "")), 0.0, 0.0, 0.0][:3]
     angles = tuple(numbers.read(str(replicate.get("euler") or "0 0 0")))
     ends = suffixes(replicate)
-    poses = copy_poses(len(ends), (x, y, z), angles, settings.eulerseq, degrees=settings.angle == "degree")
+    poses = copy_poses(
+        len(ends), (x, y, z), angles, sequence=settings.eulerseq, degrees=settings.angle == "degree"
+    )
     declared = {each for node in replicate.iterdescendants("*") for each in _names(node)}
     at = holder.index(replicate)
     for number, (pose, end) in enumerate(zip(poses, ends, strict=True)):

@@ -299,7 +299,7 @@ def _written_requests(linking: Linking, unit: Unit, called: str) -> Iterator[Mem
             value = str(size.get(name) or "").strip()
             # `memory="-1"` leaves it to MuJoCo, as if it were not written.
             if value and value != "-1":
-                yield MemoryRequest(name, value, called, linking.span(unit, size, name))
+                yield MemoryRequest(name, value, called, span=linking.span(unit, size, name))
 
 
 def memory_size(linking: Linking) -> None:

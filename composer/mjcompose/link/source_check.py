@@ -63,7 +63,7 @@ class _UnknownAttribute:
     version: str | None = None
 
     def report(self, unit: Unit, sink: Sink) -> None:
-        found = unknown_attribute(self.node, self.name, unit.file, self.version).diagnostic
+        found = unknown_attribute(self.node, self.name, unit.file, version=self.version).diagnostic
         span = unit.origins.span(self.node, unit.file, self.name, key=True)
         sink.add(replace(found, span=span))
 
@@ -300,17 +300,19 @@ def _of_constraints(node: Node, kind: ElementType) -> Iterator[_Clashing]:
 def _of_name(node: Node, kind: ElementType) -> Iterator[_Misnamed]:
     if kind.path == "body" and node.get("name") == "world":
         message = "a body cannot be called `world`, which is the name of the world itself"
-        yield _Misnamed(node, "name", message, "give it another name")
+        yield _Misnamed(node, "name", message, help="give it another name")
     elif kind.path == "default":
         parent, name = node.getparent(), node.get("class")
         if parent is None or parent.tag == "default":
             if not name:
                 yield _Misnamed(
-                    node, "class", "a default class inside another has no name", 'write `class="…"`'
+                    node, "class", "a default class inside another has no name", help='write `class="…"`'
                 )
         elif name not in (None, "", "main"):
             message = f"a default class at the top is called `main`, and not `{name}`"
-            yield _Misnamed(node, "class", message, f'put it into one: `<default><default class="{name}">`')
+            yield _Misnamed(
+                node, "class", message, help=f'put it into one: `<default><default class="{name}">`'
+            )
 
 
 def _is_newer() -> bool:

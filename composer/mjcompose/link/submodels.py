@@ -50,7 +50,7 @@ def _sizes_in(unit: Unit, known: dict[str, Weight], depth: int) -> Callable[[Nod
 
     def size(attach: Node) -> Weight:
         file = files.get(str(attach.get("model")), "")
-        return _size_of(unit, file, known, depth + 1) if file else NOTHING
+        return _size_of(unit, file, known, depth=depth + 1) if file else NOTHING
 
     return size
 
@@ -115,7 +115,7 @@ def _read(unit: Unit, file: str) -> Unit | None:
     """Return a sub-model, or None if it has errors, which are reported when it is bundled."""
     known = unit.contents.get(file) if file else None
     if isinstance(known, bytes):
-        return parse_held(unit, file, known, Sink())
+        return parse_held(unit, file, known, sink=Sink())
     path = known or Path(join(str(unit.directory), file))
     return parse_file(path, Sink(), door=door_of_submodel(unit, path, known)) if file else None
 
@@ -131,11 +131,11 @@ def _merge(unit: Unit, sub: Unit, compiler: Node) -> None:
         else:
             value = None
         if value is not None:
-            _write(unit, path, value, compiler)
+            _write(unit, path, value, compiler=compiler)
     for size in sub.root.iterchildren("size"):
         for name in _ROOM:
             if size.get(name) and not any(each.get(name) for each in unit.root.iterchildren("size")):
-                _write(unit, f"size/{name}", str(size.get(name)), compiler)
+                _write(unit, f"size/{name}", str(size.get(name)), compiler=compiler)
 
 
 def _write(unit: Unit, path: str, value: str, compiler: Node) -> None:
@@ -162,7 +162,12 @@ def submodels(linking: Linking) -> None:
             if file:
                 with suppress(_TooManyError):
                     _bundle(
-                        linking, unit, element, str(file), f"{ASSETS}/{unit.label}/models", policy != "none"
+                        linking,
+                        unit,
+                        element,
+                        file=str(file),
+                        folder=f"{ASSETS}/{unit.label}/models",
+                        keyed=policy != "none",
                     )
 
 
@@ -171,12 +176,19 @@ def add_named_file(
 ) -> None:
     """Add a file that a recipe names, and for a `<model>` also the files it needs. See `add_file`."""
     if element.tag != "model":
-        add_file(linking, folder, element, attribute, name, door, span)
+        add_file(linking, folder, element, attribute=attribute, name=name, door=door, span=span)
         return
     base = linking.base
-    recipe = Unit(base.root, span.file, folder, "", origins=base.origins, door=door)
+    recipe = Unit(base.root, span.file, folder, label="", origins=base.origins, door=door)
     with suppress(_TooManyError):
-        _bundle(linking, recipe, element, name, f"{ASSETS}/models", linking.request.base_keyframes != "none")
+        _bundle(
+            linking,
+            recipe,
+            element,
+            file=name,
+            folder=f"{ASSETS}/models",
+            keyed=linking.request.base_keyframes != "none",
+        )
 
 
 def _bundle(
@@ -193,7 +205,7 @@ def _bundle(
     source = held(known if isinstance(known, Path) else join(str(unit.directory), file))
     if isinstance(known, bytes):
         if _is_bundled(file):
-            _bundled_before(linking, unit, element, file, known)
+            _bundled_before(linking, unit, element, file=file, model=known)
             return
         source = held(f"{source}#{hashlib.sha256(known).hexdigest()}")  # two may have one path
     if source in above:
@@ -204,10 +216,10 @@ def _bundle(
             help="MuJoCo attaches a copy of what is named here: take this `<model>` out, or name another file",
         )
         return
-    _count(linking, unit, element, len(above))
+    _count(linking, unit, element, depth=len(above))
     before = linking.sink.error_count
     if isinstance(known, bytes):
-        shown, sub = file, parse_held(unit, file, known, linking.sink)
+        shown, sub = file, parse_held(unit, file, known, sink=linking.sink)
     else:
         shown = _shown(unit, source) if known is None else source
         at = linking.span(unit, element, "file")
@@ -222,12 +234,14 @@ def _bundle(
     path = _free(linking, f"{folder}/{sub.label}" + ("" if keyed else "-without-keys"), source)
     for section in list(sub.root.iterchildren("keyframe")) if not keyed else ():
         sub.root.remove(section)
-    _own_files(linking, sub, path, keyed, (*above, source))
+    _own_files(linking, sub, path, keyed=keyed, above=(*above, source))
     linking.notes.attached[element] = sub.root
     sub.origins.own(sub.root, shown)
     unit.origins.adopt(sub.origins)  # a file that it lacks is reported where it names it
     element.set("file", f"{path}.xml")
-    linking.files.append(FileUse(element, "file", f"{path}.xml", source, write(sub.root), shared=False))
+    linking.files.append(
+        FileUse(element, "file", f"{path}.xml", source=source, content=write(sub.root), shared=False)
+    )
 
 
 class _TooManyError(Exception):
@@ -293,12 +307,12 @@ def _bundled_before(linking: Linking, unit: Unit, element: Node, file: str, mode
         number += 1
         free = f"{folder}-{number}"
     element.set("file", free + file.removeprefix(folder))
-    if (again := parse_held(unit, file, model, Sink())) is not None:
+    if (again := parse_held(unit, file, model, sink=Sink())) is not None:
         linking.notes.attached[element] = again.root
     for path, content in files.items():
         data = content if isinstance(content, bytes) else None
         source = held(folder + path if isinstance(content, bytes) else content)
-        linking.files.append(FileUse(element, "file", free + path, source, data, shared=False))
+        linking.files.append(FileUse(element, "file", free + path, source=source, content=data, shared=False))
 
 
 def _same_bytes(one: bytes | Path, other: bytes | Path) -> bool:
@@ -340,7 +354,7 @@ def _own_files(linking: Linking, sub: Unit, path: str, keyed: bool, above: tuple
         written = written_path(sub.settings, element, file)
         known = sub.contents.get(written)
         if known is None:
-            source = _readable_file(linking, sub, element, attribute, written)
+            source = _readable_file(linking, sub, element, attribute=attribute, written=written)
         else:
             source = held(known if isinstance(known, Path) else join(str(sub.directory), written))
         if source is None:
@@ -352,12 +366,14 @@ def _own_files(linking: Linking, sub: Unit, path: str, keyed: bool, above: tuple
             name = f"{number}/{below}"
         element.set(attribute, f"{beside}/{name}")
         content = known if isinstance(known, bytes) else None
-        linking.files.append(FileUse(element, attribute, f"{path}/{name}", source, content, shared=False))
+        linking.files.append(
+            FileUse(element, attribute, f"{path}/{name}", source=source, content=content, shared=False)
+        )
     for nested in sub.root.findall("asset/model"):
         model_file = nested.get("file")
         if model_file:
             inner = f"{path}/models"
-            _bundle(linking, sub, nested, model_file, inner, keyed, above)
+            _bundle(linking, sub, nested, file=model_file, folder=inner, keyed=keyed, above=above)
             nested.set("file", f"{beside}/models/" + str(nested.get("file")).rsplit("/", 1)[-1])
     # Its files are named from where it stands now: MuJoCo would put the folders in front of that once more.
     for compiler in sub.root.iterchildren("compiler"):

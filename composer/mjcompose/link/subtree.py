@@ -323,7 +323,7 @@ def take_subtree(
     it is left behind as a whole. `measure` is asked for what only MuJoCo knows of the whole unit.
     """
     before = sink.error_count
-    body = _find(unit, name, sink, span)
+    body = _find(unit, name, sink, span=span)
     if body is None:
         return None
     linking = Linking(unit, [], sink, measure=measure)
@@ -354,7 +354,9 @@ def _find(unit: Unit, name: str, sink: Sink, span: Span | None) -> Node | None:
     if body is None:
         names = [str(each.get("name")) for each in bodies if each.get("name")]
         message, notes = f"`{unit.label}` has no body `{name}` to take", attached_notes(unit, name)
-        sink.add(unknown_name("body", name, names, span, message=message, written="subtree: {}", notes=notes))
+        sink.add(
+            unknown_name("body", name, names, span=span, message=message, written="subtree: {}", notes=notes)
+        )
         return None
     copies = next(body.iterancestors("replicate"), None)
     if copies is not None:
@@ -412,7 +414,7 @@ def _cut_in_the_tree(concern: SideFinder, unit: Unit, inside: list[Node]) -> Ite
             continue
         side, lacks = concern.of(element, "worldbody")
         if side is Side.OUTSIDE:
-            yield _cut_element(element, "worldbody", lacks, unit)
+            yield _cut_element(element, "worldbody", lacks, unit=unit)
             concern.leave(element)
             parent = element.getparent()
             assert parent is not None
@@ -425,7 +427,7 @@ def _cut_element(element: Node, section: str, lacks: str, unit: Unit) -> Dropped
         _kind_word(element, section),
         declared[1] if declared else "",
         lacks,
-        unit.origins.span(element, unit.file),
+        span=unit.origins.span(element, unit.file),
     )
 
 
@@ -483,7 +485,7 @@ def _leave_sections(unit: Unit, concern: SideFinder) -> Iterator[DroppedElement]
                 continue
             side, lacks = concern.of(element, tag)
             if side is Side.BOTH:
-                going.append((element, _cut_element(element, tag, lacks, unit)))
+                going.append((element, _cut_element(element, tag, lacks, unit=unit)))
             elif side is Side.INSIDE:
                 staying.append((element, tag))
             else:
@@ -544,7 +546,9 @@ def _rows(linking: Linking, policy: KeyPolicy) -> _Rows:
         return {}
     return {
         key: {
-            vector: cut_row(linking, unit, layout, key, vector) or {} for vector in VECTORS if key.get(vector)
+            vector: cut_row(linking, unit, layout, element=key, vector=vector) or {}
+            for vector in VECTORS
+            if key.get(vector)
         }
         for key in keys
     }

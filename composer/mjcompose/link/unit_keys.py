@@ -137,7 +137,11 @@ def bare_model(unit: Unit) -> BareModel | None:
     if any(flex.get("file") or flex.get("mesh") for flex in flexes):
         return None
     found = BareModel(
-        unit.file, "", {}, {str(flex.get("name") or ""): (flex, _copies(flex)) for flex in flexes}, {}
+        unit.file,
+        "",
+        {},
+        flexes={str(flex.get("name") or ""): (flex, _copies(flex)) for flex in flexes},
+        rows={},
     )
     made = root.makeelement("mujoco")
     # The last one counts.
@@ -178,7 +182,7 @@ def _worldbody(section: Node, made: Node, found: BareModel) -> None:
     tree = section.getroottree().getroot()
     wrapped = {str(each.get("geom")) for each in tree.iterfind("tendon/spatial/geom")}
     own = made.makeelement("worldbody")
-    _tree(section, own, found, wrapped, ())
+    _tree(section, own, found, wrapped=wrapped, around=())
     made.append(own)
 
 
@@ -191,10 +195,16 @@ def _tree(source: Node, made: Node, found: BareModel, wrapped: set[str], around:
         if tag in _KEPT:
             own = _with_attributes(child, made, _KEPT[tag])
             if tag in ("body", "joint", "freejoint"):
-                _name(child, own, "joint" if tag == "freejoint" else tag, found, around)
+                _name(child, own, "joint" if tag == "freejoint" else tag, found=found, around=around)
             made.append(own)
             if tag in ("body", "frame", "replicate"):
-                _tree(child, own, found, wrapped, (child, *around) if tag == "replicate" else around)
+                _tree(
+                    child,
+                    own,
+                    found,
+                    wrapped=wrapped,
+                    around=(child, *around) if tag == "replicate" else around,
+                )
         elif tag == "flexcomp":
             own = copy.copy(child)
             own.tail = None
@@ -235,10 +245,10 @@ def _actuators(section: Node, made: Node, found: BareModel) -> None:
         each = _actuator(actuator, own)
         if actuator.get("class"):
             each.set("class", str(actuator.get("class")))
-        _name(actuator, each, "actuator", found, ())
+        _name(actuator, each, "actuator", found=found, around=())
         acted = (str(value) for name, value in actuator.attrib.items() if name not in ("name", "class"))
         if around := next((multiplied[end] for end in acted if end in multiplied), None):
-            _note_copies(actuator, str(each.get("name")), "actuator", found, tuple(around))
+            _note_copies(actuator, str(each.get("name")), "actuator", found=found, around=tuple(around))
         own.append(each)
     made.append(own)
 
@@ -276,7 +286,7 @@ def _name(source: Node, made: Node, kind: str, found: BareModel, around: tuple[N
     name = str(source.get("name") or f"{MARK}{len(found.named)}{MARK}")
     made.set("name", name)
     found.named.setdefault((kind, name), (source, frozenset()))
-    _note_copies(source, name, kind, found, around)
+    _note_copies(source, name, kind, found=found, around=around)
 
 
 def _note_copies(source: Node, name: str, kind: str, found: BareModel, around: tuple[Node, ...]) -> None:
@@ -390,7 +400,7 @@ def _complete_rows(linking: Linking, unit: Unit, layout: Layout) -> None:
             start = max((end for end in ends if end < len(rows[at])), default=0)
             end = next(end for end in ends if end > len(rows[at]))
             whole = found[array][at * ends[-1] + start : at * ends[-1] + end]
-            _complete(unit, keys[at], vector, start, numbers.text(whole).split())
+            _complete(unit, keys[at], vector, start=start, whole=numbers.text(whole).split())
 
 
 def _complete(unit: Unit, key: Node, vector: str, start: int, whole: list[str]) -> None:

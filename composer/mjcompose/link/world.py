@@ -49,10 +49,12 @@ def roots(linking: Linking) -> None:
                     holder.remove(joint)
                 else:
                     alone = len(bodies) == 1 and floats_by_itself(part.unit)
-                    linking.notes.floating.append(Floating(part, body, joint, _called(body), alone))
+                    linking.notes.floating.append(
+                        Floating(part, body, joint, called=_called(body), alone=alone)
+                    )
             if body.get("mocap") == "true":
                 alone = len(bodies) == 1 and floats_by_itself(part.unit, mocap=True)
-                linking.notes.floating.append(Floating(part, body, None, _called(body), alone))
+                linking.notes.floating.append(Floating(part, body, None, called=_called(body), alone=alone))
         if part.place.kind != "world" or part.has_body:
             _planes(linking, part)
 
@@ -71,9 +73,9 @@ def check_roots(linking: Linking) -> None:
     for part, body, joint, called, alone in linking.notes.floating:
         if next(body.iterancestors("body"), None) is not None:
             if joint is not None:
-                _free_joint(linking, part, joint, called, alone)
+                _free_joint(linking, part, joint, called=called, alone=alone)
             else:
-                _mocap(linking, part, body, called, alone)
+                _mocap(linking, part, body, called=called, alone=alone)
     for part, geom in linking.notes.planes:
         if _moves(geom):
             linking.sink.error(
@@ -217,12 +219,12 @@ def worlds(linking: Linking) -> None:
             pose, holder, copied = pose_below(part.content, degrees, sequence)
             named = holder.get("name") if holder not in linking.notes.nameless else ""
             name = WORLD if holder.tag == "worldbody" else str(named or "")
-            hung = _MovedWorld(part, pose, holder, name, copied)
+            hung = _MovedWorld(part, pose, holder, name=name, copied=copied)
             if copied is not None or holder.tag == "body" or not pose.is_identity:
                 _rename_world(linking, hung)
                 _check_targets(linking, hung)
                 _check_attached(linking, hung)
-            _check_free_motors(linking, hung, degrees, sequence)
+            _check_free_motors(linking, hung, degrees, sequence=sequence)
             _check_flexes(linking, hung)
 
 
@@ -349,8 +351,8 @@ def _check_targets(linking: Linking, hung: _MovedWorld) -> None:
             element.set("target", hung.name)
         if hung.pose.pos != (0.0, 0.0, 0.0) or not hung.name:
             at = "the origin of the world" if hung.name in ("", WORLD) else f"the body `{hung.name}`"
-            _warn(linking, hung.part, element, f"looks at {at}, and not at the origin of `{hung.part.called}`",
-                  "add a body there in the part, and let it look at that")  # fmt: skip
+            _warn(linking, hung.part, element, what=f"looks at {at}, and not at the origin of `{hung.part.called}`",
+                  help="add a body there in the part, and let it look at that")  # fmt: skip
 
 
 def _check_free_motors(linking: Linking, hung: _MovedWorld, degrees: bool, sequence: str) -> None:
@@ -366,16 +368,19 @@ def _check_free_motors(linking: Linking, hung: _MovedWorld, degrees: bool, seque
         joint = linking.names.find("joint", str(actuator.get("joint") or actuator.get("jointinparent")))
         if joint is None or not _is_free(joint, linking):
             continue
-        gear = numbers.read(str(text_in_effect(actuator, kind, "gear", unit.classes) or "1"))
+        gear = numbers.read(str(text_in_effect(actuator, kind, "gear", classes=unit.classes) or "1"))
         push, twist = ([*gear, *[0.0] * 6][at : at + 3] for at in (0, 3))
         # MuJoCo 4.0 turns a free body about its own axes, or about those of the world with `jointinparent`.
         along = [push, twist] if actuator.get("jointinparent") else [push]
         if any(
             math.dist(rotate(turn, each), each) > _SAME * max(map(abs, each)) for each in along if any(each)
         ):
-            _warn(linking, hung.part, actuator,
-                  f"pushes along the axes of the world, which is another way for `{hung.part.called}`: it is turned",
-                  "let it act on a site of the body: its `gear` is in the axes of the site")  # fmt: skip
+            what = (
+                f"pushes along the axes of the world, which is another way for `{hung.part.called}`: "
+                "it is turned"
+            )
+            help = "let it act on a site of the body: its `gear` is in the axes of the site"
+            _warn(linking, hung.part, actuator, what=what, help=help)
 
 
 def _check_flexes(linking: Linking, hung: _MovedWorld) -> None:
@@ -397,8 +402,8 @@ def _check_flexes(linking: Linking, hung: _MovedWorld) -> None:
             if dof == "radial"
             else f"is laid out along the axes of {around}, and not of"
         )
-        _warn(linking, hung.part, flex.element, f"has `dof=\"{dof}\"`: it {where} `{hung.part.called}`",
-              "put it into a body of its own in the part: it is laid out by that")  # fmt: skip
+        _warn(linking, hung.part, flex.element, what=f"has `dof=\"{dof}\"`: it {where} `{hung.part.called}`",
+              help="put it into a body of its own in the part: it is laid out by that")  # fmt: skip
 
 
 def _is_free(joint: Node, linking: Linking) -> bool:

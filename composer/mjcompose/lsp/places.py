@@ -100,6 +100,7 @@ _ROWS: tuple[tuple[Path, Wanted], ...] = (
     (("attach", ANY, "mate"), Wanted(("site", "body", "frame"))),
     (("attach", ANY, "subtree"), Wanted(("body",))),
     (("base", "subtree"), Wanted(("body",))),
+    (("base", "mate"), Wanted(("site", "body", "frame"))),
     (("add", ANY, "to"), Wanted(("body",))),
     (("add", ANY, "to", "frame"), Wanted(("frame",))),
     (("edit", ANY, "move", "to"), Wanted(("body", "frame"))),
@@ -119,7 +120,7 @@ _ROWS: tuple[tuple[Path, Wanted], ...] = (
 )
 """The keys of recipes themselves that take names; what MJCF has is in its grammar."""
 _OWN = (("attach", ANY, "mate"), ("attach", ANY, "subtree"), ("attach", ANY, "edit"), ("attach", ANY, "drop"),
-        ("base", "subtree"), ("base", "edit"), ("base", "drop"))  # fmt: skip
+        ("base", "mate"), ("base", "subtree"), ("base", "edit"), ("base", "drop"))  # fmt: skip
 _PLACES = ("site", "body", "frame")
 
 
@@ -220,7 +221,7 @@ def part_of_reference(path: Path, plan: Plan) -> str | None:
 
 
 def part_at(at: Path, plan: Plan | None) -> AttachPart | None:
-    parts = plan.parts if plan is not None else ()
+    parts = plan.members if plan is not None else ()
     return next((step for step in parts if step.at == at), None)
 
 

@@ -131,7 +131,7 @@ def nested_document(at: Path, question: Question) -> Mapping | None:
     analysis = question.analysis
     if analysis.plan is None:
         return None
-    step = analysis.plan.base if at == ("base",) else part_at(at, analysis.plan)
+    step = part_at(at, analysis.plan)
     model = None if step is None else step.model
     if not isinstance(model, Plan):
         return None
@@ -179,7 +179,7 @@ def parameter_at(question: Question) -> tuple[str, Path | None] | None:
 def names_in(template: str) -> list[tuple[str, int, int]]:
     """Return the names in a text with `${…}`, with the columns that they cover. A text with errors has none."""
     try:
-        return [(each.name, each.start, each.end) for each in Template.parse(template).names()]
+        return [(each.name, *each.at) for each in Template.parse(template).names()]
     except ExpressionError:
         return []
 
@@ -266,7 +266,7 @@ def part_named_at(question: Question) -> Path | None:
     if wanted is None or PART not in wanted.namespaces or plan is None:
         return None
     at: Path = ("base",) if cursor.whole == "base" else ("attach", cursor.whole)
-    return at if at == ("base",) or part_at(at, plan) is not None else None
+    return None if part_at(at, plan) is None else at
 
 
 def declared_at(known: Known, analysis: Analysis) -> Iterator[Span]:

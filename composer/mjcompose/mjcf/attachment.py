@@ -79,7 +79,10 @@ class AttachmentFrame(Element):
         kind = self._child_kind(tag)
         self._check_body_name()
         checked = edit.check(self._model, kind, targets(attributes), frame=self._attachment)
-        return cast(Element, view(self._model, edit.create(self._model, self._node, tag, checked, position)))
+        return cast(
+            Element,
+            view(self._model, edit.create(self._model, self._node, tag, edit=checked, position=position)),
+        )
 
     def _write(self, attributes: Mapping[str, object]) -> None:
         for name in attributes:

@@ -108,7 +108,7 @@ class Attributed:
         if refers(attribute):
             found = [
                 each if isinstance(each, str) else view(*each)
-                for each in resolved(self._model, attribute, self._node, str(text))
+                for each in resolved(self._model, attribute, self._node, text=str(text))
             ]
             return found if attribute.type == "references" else found[0]
         if attribute.type == "file":

@@ -72,7 +72,7 @@ def commit(
         return
     as_good: Node | None = None
     bare = settings(sections, _bare(spelled)) or {}
-    for candidate in _candidates(spelled, given, wanted, bare, in_general=not partly):
+    for candidate in _candidates(spelled, given, wanted, bare=bare, in_general=not partly):
         if settings(sections, candidate) != wanted:
             continue
         if partly:
@@ -274,7 +274,7 @@ def _commit_below(model: Model, top: Node, only: frozenset[str] | None) -> None:
     classes = Classes(model.unit.root)
     for node in _elements_committing(top):
         found = str(node.get("class") or "") or (childclass_of(node) if _in_tree(node) else None)
-        _commit(model, node, _class(model, classes, found), only)
+        _commit(model, node, _class(model, classes, found), only=only)
 
 
 def _commit_joints(model: Model, top: Node, only: frozenset[str] | None) -> None:
@@ -284,7 +284,7 @@ def _commit_joints(model: Model, top: Node, only: frozenset[str] | None) -> None
         frame = model.frame_above(node)
         assert frame is not None
         found = str(node.get("class") or "") or childclass_at(model.attachment_of(frame).host)
-        _commit(model, node, _class(model, classes, found), only)
+        _commit(model, node, _class(model, classes, found), only=only)
 
 
 def _class(model: Model, classes: Classes, name: str | None) -> DefaultClass:
@@ -334,7 +334,7 @@ def _commit(model: Model, node: Node, found: DefaultClass, only: frozenset[str] 
         changes = {name: value for name, value in changes.items() if name in only}
     if default_tag(node) in ACTUATORS and not is_plain(found, node):
         given = {name: value for name, value in changes.items() if value is not None}
-        commit(model, node, given, found, partly=only is not None)
+        commit(model, node, given, found=found, partly=only is not None)
     elif changes:
         assign(model, node, changes)
 

@@ -91,7 +91,7 @@ class Home(Generic[_Number]):
         index: NDArray[np.intp],
         before: Callable[[NDArray[np.intp]], None] = lambda rows: None,
     ) -> Home[_Number]:
-        return cls(array.view(Scattered), index, array.ndim == 1, before)
+        return cls(array.view(Scattered), index, array.ndim == 1, before=before)
 
     def read(self) -> Scattered:
         """Return the current values of the rows."""
@@ -177,13 +177,13 @@ def compile_model(model: Model, conflict: Policy) -> tuple[MjModel, Snapshot]:
     text = write(flat.unit.root)
     compiled = compile_text(text, contents(flat), flat)
     issue_warnings(flat)
-    return compiled, _snapshot(model, copies, flat, NameTable(compiled))
+    return compiled, _snapshot(model, copies, flat, roster=NameTable(compiled))
 
 
 def snapshot(model: Model, roster: NameTable) -> Snapshot:
     """Find the elements of a composition by their names in a model that was compiled from something else."""
     copies = _Copies()
-    return _snapshot(model, copies, flatten(model, "base", copies), roster)
+    return _snapshot(model, copies, flatten(model, "base", copies), roster=roster)
 
 
 def compile_text(text: bytes, assets: Mapping[str, bytes], flat: Flat | None = None) -> MjModel:
@@ -272,7 +272,7 @@ def settings(default_sections: Iterable[Node], actuator: Node) -> Mapping[str, s
     if read.trntype.name != "mjTRN_SLIDERCRANK":
         del fields["cranklength"]
     return {
-        name: _text(mujoco, _GENERAL[name], getattr(read, field), read)
+        name: _text(mujoco, _GENERAL[name], getattr(read, field), read=read)
         for name, field in fields.items()
         if field not in ("name", "refsite", "slidersite") and hasattr(read, field)
     }

@@ -34,7 +34,7 @@ def duplicate(model: Model, memo: dict[int, Any] | None = None) -> Model:
         child = duplicate(attachment.child, memo)
         frame = copy.deepcopy(attachment.frame)
         host = counterpart(attachment.host, model.unit.root, twin.unit.root)
-        child.hung = twin.attachments[child.prefix] = Attachment(twin, child, host, frame)
+        child.hung = twin.attachments[child.prefix] = Attachment(twin, child, host, frame=frame)
         twin.unit.origins.owners.update(model.unit.origins.carried(attachment.frame, frame).owners)
         for joint in frame:
             twin.note(joint)
@@ -115,15 +115,15 @@ class _Composition:
             _Tree.of(unit.root, unit.origins),
             list(map(unit.root.index, unit.header)),
             unit.file,
-            unit.directory,
-            unit.label,
-            unit.contents,
-            unit.origins.texts,
-            [
+            directory=unit.directory,
+            label=unit.label,
+            contents=unit.contents,
+            texts=unit.origins.texts,
+            attached=[
                 _Attached(cls.of(each.child), _Tree.of(each.frame, unit.origins), places[each.host])
                 for each in model.attachments.values()
             ],
-            unit.door,
+            door=unit.door,
         )
 
     def restored(self) -> Model:
@@ -131,14 +131,23 @@ class _Composition:
         root = self.tree.restored(origins)
         header = tuple(root[at] for at in self.header)
         unit = Unit(
-            root, self.file, self.directory, self.label, self.contents, origins, header=header, door=self.door
+            root,
+            self.file,
+            self.directory,
+            label=self.label,
+            contents=self.contents,
+            origins=origins,
+            header=header,
+            door=self.door,
         )
         model = Model(unit)
         nodes = list(root.iter()) if self.attached else []
         for each in self.attached:
             child = each.child.restored()
             frame = each.frame.restored(origins)
-            child.hung = model.attachments[child.prefix] = Attachment(model, child, nodes[each.host], frame)
+            child.hung = model.attachments[child.prefix] = Attachment(
+                model, child, nodes[each.host], frame=frame
+            )
             for joint in frame:
                 model.note(joint)
         return model

@@ -131,9 +131,11 @@ def check(
     for name, attribute in sorted(attributes.items(), key=lambda each: refers(each[1])):
         value = values[name]
         try:
-            text = _text(model, kind, attribute, value, written, edit)
+            text = _text(model, kind, attribute, value=value, written=written, edit=edit)
         except BadValue as fault:
-            raise _bad_value(kind, attribute, fault, model, values.get("name"), node) from None
+            raise _bad_value(
+                kind, attribute, fault, model=model, name=values.get("name"), node=node
+            ) from None
         edit.texts[attribute.name] = text
         if text is None:
             written.pop(attribute.name, None)
@@ -144,9 +146,9 @@ def check(
     if len(turned) > 1:
         both = " and ".join(f"`{name}`" for name in turned)
         raise failure("wrong-type", f"`<{kind.tag}>` can have one orientation, got {both}", call_site())
-    _check_name(model, kind, edit, node, frame)
+    _check_name(model, kind, edit, node=node, frame=frame)
     if node is not None and frame is None:
-        edit.skins = _skins(model, kind, edit, node)
+        edit.skins = _skins(model, kind, edit, node=node)
     return edit
 
 
@@ -163,7 +165,7 @@ def _text(
     if isinstance(value, Asset):
         if attribute.type != "file":
             raise BadValue("expects no file, got an `Asset`")
-        return place(model, kind.tag, value, edit.contents)
+        return place(model, kind.tag, value, contents=edit.contents)
     several = isinstance(value, list | tuple) and any(isinstance(each, Target) for each in value)
     if isinstance(value, Target) or several:
         if not refers(attribute):
@@ -173,7 +175,7 @@ def _text(
         namespace = namespace_of(attribute, written)
         names = [value] if isinstance(value, Target) else list(value)  # type: ignore[call-overload]
         texts = [
-            name_for(model, attribute, each, namespace, edit.given)
+            name_for(model, attribute, each, namespace=namespace, given=edit.given)
             if isinstance(each, Target)
             else encode(attribute, each)
             for each in names
@@ -281,7 +283,7 @@ def _check_name(
         )
     before = None if node is None else model.declared(node)
     if before is not None and before[1] != name:
-        edit.renaming = Renaming.of([NewName(model, namespace, before[1], name)])
+        edit.renaming = Renaming.of([NewName(model, namespace, before[1], new=name)])
         check_lists(edit.renaming)
     if namespace in MAY_REPEAT:
         return

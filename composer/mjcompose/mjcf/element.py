@@ -122,7 +122,7 @@ class Element(NodeView):
             edit.write(self._model, existing, checked)
             self._model.unit.origins.own(existing, call_site())
             return cast(Element, view(self._model, existing))
-        made = edit.create(self._model, self._node, kind.tag, checked, position)
+        made = edit.create(self._model, self._node, kind.tag, edit=checked, position=position)
         return cast(Element, view(self._model, made))
 
     def remove(self, cascade: bool = False) -> None:
@@ -382,7 +382,7 @@ def _root_of(model: Model) -> RootElement:
 
 
 def _empty_unit() -> Unit:
-    return Unit(etree.Element("mujoco"), UNNAMED, Path(), UNNAMED, Files(), door=ALL)
+    return Unit(etree.Element("mujoco"), UNNAMED, Path(), label=UNNAMED, contents=Files(), door=ALL)
 
 
 _E = TypeVar("_E", bound=Element)
@@ -429,7 +429,7 @@ class ElementList(Sequence[_E]):
         names = self._ipython_key_completions_()
         unnamed = Note(f"none of the {len(self)} elements here has a name: take them by number")
         message = f"the {self.tag} `{index}` does not exist here"
-        found = unknown_name(self.tag, index, names, call_site(), message=message)
+        found = unknown_name(self.tag, index, names, span=call_site(), message=message)
         raise failed(found if names or not self else replace(found, notes=(unnamed,)), MjcfKeyError)
 
     def __contains__(self, item: object) -> bool:

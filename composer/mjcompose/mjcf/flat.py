@@ -225,7 +225,7 @@ def check_references(model: Model, sink: Sink) -> None:
                     continue
                 heeded = [use for use in users if section_of(use[0]) != "default"]
                 if heeded:
-                    _report(each, namespace, name, heeded, sink)
+                    _report(each, namespace, name, users=heeded, sink=sink)
 
 
 def _report(model: Model, namespace: str, name: str, users: list[Use], sink: Sink) -> None:
@@ -245,7 +245,7 @@ def _report(model: Model, namespace: str, name: str, users: list[Use], sink: Sin
             model,
             namespace,
             name,
-            model.span(first),
+            span=model.span(first),
             message=f"{describe(model, first)} refers to the {word(namespace)} `{name}`, which does not exist",
             help="the attachment frame is a body only once it has a joint"
             if frame
@@ -325,8 +325,10 @@ def linked(model: Model, conflict: Policy, copy: Callable[[Model], Unit], *, che
         prune(unit)
     with ExitStack() as ending:
         started: list[Measure] = []
-        measure = _measure(sink, prefixes, ending, started) if mounting.parts else None
-        linking = Linking(mounting.base, mounting.parts, sink, Request(conflict=conflict), measure)
+        measure = _measure(sink, prefixes, ending, started=started) if mounting.parts else None
+        linking = Linking(
+            mounting.base, mounting.parts, sink, request=Request(conflict=conflict), measure=measure
+        )
         if not mounting.parts:
             if check_keys:
                 layouts(linking)
@@ -344,7 +346,9 @@ def linked(model: Model, conflict: Policy, copy: Callable[[Model], Unit], *, che
             prune(linking.base)
     if sink.has_errors:
         raise MjcfError(map(_for_python, sink.errors))
-    return Flat(linking.base, linking.files, list(map(_for_python, sink.diagnostics)), bool(started))
+    return Flat(
+        linking.base, linking.files, list(map(_for_python, sink.diagnostics)), is_measured=bool(started)
+    )
 
 
 def _check(model: Model, conflict: Policy) -> None:

@@ -89,14 +89,14 @@ def include_copy(model: Model, other: Model, override: bool) -> None:
     settled: list[str] = []
     for conflict in _conflicts(model, source):
         if not override:
-            _refuse(conflict, model, source, other, sink)
+            _refuse(conflict, model, source, other=other, sink=sink)
         elif conflict.path[0] in _READ_BY:
             winner = model if conflict.theirs is None else other
             settled.append(
                 f"{conflict} is not the same in `{model.name}` and `{other.name}`: that of `{winner.name}` now "
                 "counts for the elements of both"
             )
-    _check_names(model, source, other, sink)
+    _check_names(model, source, other, sink=sink)
     raise_errors(sink)
     for message in settled:
         warn(message, MjcfWarning)
@@ -108,7 +108,7 @@ def include_copy(model: Model, other: Model, override: bool) -> None:
     moved = list(_move(model, source))
     contents: dict[str, bytes | Path] = {}
     for node, attribute, asset in files:
-        node.set(attribute, place(model, str(node.tag), asset, contents))
+        node.set(attribute, place(model, str(node.tag), asset, contents=contents))
     known = model.unit.contents
     model.unit.contents = (known if isinstance(known, Files) else Files(known)).with_files(contents)
     for node in models:
@@ -156,7 +156,7 @@ def _conflicts(model: Model, source: Model) -> Iterator[_Conflict]:
         elif None in values:
             continue
         if not _equal(values[0], values[1]):
-            yield _Conflict(path, attribute, mine.get(key), theirs.get(key))
+            yield _Conflict(path, attribute, mine.get(key), theirs=theirs.get(key))
 
 
 def _refuse(conflict: _Conflict, model: Model, source: Model, other: Model, sink: Sink) -> None:
@@ -205,12 +205,12 @@ def _settings(root: Node) -> Iterator[_Setting]:
         for node in section.iter("*"):
             above = [str(each.tag) for each in node.iterancestors() if each is not root]
             path = (*reversed(above), str(node.tag))
-            yield from (_Setting(path, str(name), str(value), node) for name, value in node.items())
+            yield from (_Setting(path, str(name), str(value), node=node) for name, value in node.items())
     for section in root.iterchildren("default"):
         for node in section.iterchildren("*"):
             if node.tag != "default":
                 path = ("default", str(node.tag))
-                yield from (_Setting(path, str(name), str(value), node) for name, value in node.items())
+                yield from (_Setting(path, str(name), str(value), node=node) for name, value in node.items())
 
 
 def _place_for(model: Model, path: tuple[str, ...]) -> Node:

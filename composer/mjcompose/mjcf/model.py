@@ -365,7 +365,7 @@ def page(model: Model, node: Node) -> str:
     The first two levels are open.
     """
     lines: list[str] = []
-    left = _tree(model, node, lines, SHOWN, 0)
+    left = _tree(model, node, lines, left=SHOWN, depth=0)
     if left < 0:
         lines.append(f"<div>… and {-left} more elements</div>")
     return f'<div style="{_STYLE}">{"".join(lines)}</div>'
@@ -391,13 +391,13 @@ def _tree(model: Model, node: Node, lines: list[str], left: int, depth: int) -> 
     is_open = " open" if depth < 2 or (node.tag == WORLD_SECTION and depth < 3) else ""
     lines.append(f'<details{is_open}><summary>{tag}</summary><div style="{_INSIDE}">')
     for child in children:
-        left = _tree(model, child, lines, left, depth + 1)
+        left = _tree(model, child, lines, left=left, depth=depth + 1)
     for attachment in attached:
         if left > 0:
             lines.append(f"<div>{escape(attachment.child.prefix)} is attached here:</div>")
         for joint in attachment.frame:
-            left = _tree(model, joint, lines, left, depth + 1)
-        left = _tree(attachment.child, attachment.child.unit.root, lines, left, max(depth + 1, 2))
+            left = _tree(model, joint, lines, left=left, depth=depth + 1)
+        left = _tree(attachment.child, attachment.child.unit.root, lines, left=left, depth=max(depth + 1, 2))
     lines.append("</div></details>")
     return left
 

@@ -110,10 +110,10 @@ def check_tree(unit: Unit, sink: Sink) -> None:
     for section in unit.root.iterchildren("*"):
         tag = str(section.tag)
         if tag not in GRAMMAR.root.children:
-            _unknown_element(unit, section, GRAMMAR.root, sink)
+            _unknown_element(unit, section, GRAMMAR.root, sink=sink)
             continue
         table, namespaces = _table(tag), _namespaces(tag)
-        _check_attributes(unit, section, GRAMMAR.section(tag), sink)
+        _check_attributes(unit, section, GRAMMAR.section(tag), sink=sink)
         for parent in section.iter("*"):
             if not len(parent):
                 continue
@@ -125,11 +125,11 @@ def check_tree(unit: Unit, sink: Sink) -> None:
                 attributes = allowed.get(kind)
                 if attributes is None:
                     if isinstance(kind, str):
-                        _unknown_element(unit, child, _kind(tag, str(parent.tag)), sink)
+                        _unknown_element(unit, child, _kind(tag, str(parent.tag)), sink=sink)
                     continue
                 keys = child.keys()
                 if not attributes.issuperset(keys):
-                    _check_attributes(unit, child, _kind(tag, str(parent.tag)).children[kind], sink)
+                    _check_attributes(unit, child, _kind(tag, str(parent.tag)).children[kind], sink=sink)
                 if "name" in keys:
                     names.append((namespaces.get(kind), child.get("name")))
                 elif "file" in keys and tag in _NAMED_AFTER_FILE:
@@ -137,7 +137,7 @@ def check_tree(unit: Unit, sink: Sink) -> None:
                 elif kind == "default":
                     names.append((None, child.get("class")))
     if not GRAMMAR.root.attributes.keys() >= set(unit.root.keys()):
-        _check_attributes(unit, unit.root, GRAMMAR.root, sink)
+        _check_attributes(unit, unit.root, GRAMMAR.root, sink=sink)
     if len(set(names)) < len(names):  # or what looks like it
         _check_names(unit, sink)
 
@@ -288,7 +288,7 @@ class Mounting:
 
     def __post_init__(self) -> None:
         self.base = self.copy(self.model)
-        self._mount(self.model, self.base, "", None)
+        self._mount(self.model, self.base, "", own=None)
 
     @property
     def parts(self) -> list[Part]:
@@ -299,7 +299,7 @@ class Mounting:
         hosts = [counterpart(each.host, model.unit.root, unit.root) for each in model.attachments.values()]
         for attachment, host in zip(model.attachments.values(), hosts, strict=True):
             copied = self.copy(attachment.child)
-            place = self._place(attachment, host, unit, prefix, own)
+            place = self._place(attachment, host, unit, prefix=prefix, own=own)
             part = Part(
                 copied,
                 prefix + attachment.child.prefix,
@@ -309,9 +309,9 @@ class Mounting:
                 span=model.span(attachment.frame),
                 outward=_outward(attachment.child, self.model),
             )
-            mounted = _Mounted(attachment, part, unit, prefix, host)
+            mounted = _Mounted(attachment, part, unit, parent_prefix=prefix, host=host)
             self.mounted.append(mounted)
-            self._mount(attachment.child, copied, part.prefix, mounted)
+            self._mount(attachment.child, copied, part.prefix, own=mounted)
 
     def _place(
         self, attachment: Attachment, host: Node, unit: Unit, prefix: str, own: _Mounted | None
@@ -341,7 +341,8 @@ class Mounting:
         for each in self.mounted:
             to_radians = in_radians and each.parent_unit.settings.angle == "degree"
             each.part.joints = tuple(
-                _joint(joint, each, tops[each.parent_prefix], to_radians) for joint in each.attachment.frame
+                _joint(joint, each, tops[each.parent_prefix], to_radians=to_radians)
+                for joint in each.attachment.frame
             )
 
     def clear_up(self) -> None:

@@ -103,7 +103,7 @@ def attach(model: Model, host: Node, child: Model) -> Node:
         )
     _check_prefix(model, child, child.name)
     frame = etree.Element("body")
-    attachment = Attachment(model, child, host, frame)
+    attachment = Attachment(model, child, host, frame=frame)
     model.attachments[child.prefix] = attachment
     child.hung = attachment
     settle(model.top)

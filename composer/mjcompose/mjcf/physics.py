@@ -278,7 +278,7 @@ class Physics:
         """
         free = isinstance(camera, int | np.integer) and camera == -1
         number = -1 if free else self._row("camera", camera)
-        return self._rendering.picture(self._model, self._data, height, width, number)
+        return self._rendering.picture(self._model, self._data, height, width=width, camera=number)
 
     # Any: what the fields of a binding are is known when the program runs.
     def bind(self, elements: NodeView | Iterable[NodeView] | None) -> Any:
@@ -411,7 +411,7 @@ class Physics:
         known = [name or str(at) for at, name in enumerate(names)]
         message = f"the compiled model has no {kind} `{given}`"
         if isinstance(given, str):
-            raise failed(unknown_name(kind, given, known, call_site(), message=message))
+            raise failed(unknown_name(kind, given, known, span=call_site(), message=message))
         raise failure("out-of-range", message, call_site(), notes=(exists_note(kind, known, str(given)),))
 
     def __repr__(self) -> str:

@@ -33,7 +33,7 @@ def below(model: Model, node: Node, query: Query) -> Iterator[Target]:
     if section == WORLD_SECTION:
         yield from _World(model, query).below(node)
     else:
-        yield from _flat(model, node, section, query)
+        yield from _flat(model, node, section, query=query)
         if is_section(node):
             for attachment in model.attachments.values():
                 yield from _in_section(attachment.child, section, query, itself=False)
@@ -103,7 +103,7 @@ def _in_section(model: Model, tag: str, query: Query, *, itself: bool = True) ->
         if tag == WORLD_SECTION:
             yield from _World(model, query).below(section)
         else:
-            yield from _flat(model, section, tag, query)
+            yield from _flat(model, section, tag, query=query)
     if tag != WORLD_SECTION:
         for attachment in model.attachments.values():
             yield from _in_section(attachment.child, tag, query, itself=itself)
@@ -131,7 +131,7 @@ class _World:
 
     def below(self, node: Node) -> Iterator[Target]:
         if node not in self.leads_there:
-            yield from _flat(self.model, node, WORLD_SECTION, self.query)
+            yield from _flat(self.model, node, WORLD_SECTION, query=self.query)
             return
         for child in node.iterchildren("*"):
             tag = str(child.tag)

@@ -107,22 +107,18 @@ def _name(tree: Name, scope: Mapping[str, Value]) -> Value:
     if tree.name in CONSTANTS:
         return CONSTANTS[tree.name]
     if tree.name.lower() in ("true", "false"):
-        raise ExpressionError(
-            f"`{tree.name}` does not exist", tree.start, tree.end, f"write `{tree.name.lower()}`"
-        )
+        raise ExpressionError(f"`{tree.name}` does not exist", tree.at, f"write `{tree.name.lower()}`")
     if tree.name in FUNCTIONS:
-        raise ExpressionError(f"`{tree.name}` is a function", tree.start, tree.end, f"write `{tree.name}(…)`")
-    raise UnknownName(tree.name, tree.start, tree.end)
+        raise ExpressionError(f"`{tree.name}` is a function", tree.at, f"write `{tree.name}(…)`")
+    raise UnknownName(tree.name, tree.at)
 
 
 def _item(tree: Item, scope: Mapping[str, Value]) -> Value:
     vector = evaluate(tree.vector, scope)
     if not isinstance(vector, tuple):
-        raise ExpressionError(f"{kind(vector)} has no items", tree.start, tree.end)
+        raise ExpressionError(f"{kind(vector)} has no items", tree.at)
     if not -len(vector) <= tree.index < len(vector):
-        raise ExpressionError(
-            f"item {tree.index} does not exist: the vector has {len(vector)}", tree.start, tree.end
-        )
+        raise ExpressionError(f"item {tree.index} does not exist: the vector has {len(vector)}", tree.at)
     return vector[tree.index]
 
 
@@ -132,14 +128,14 @@ def _number(tree: Expression, what: str, scope: Mapping[str, Value]) -> int | fl
 
 def _as_number(value: Value, tree: Expression, what: str) -> int | float:
     if isinstance(value, bool) or not isinstance(value, (int, float)):
-        raise ExpressionError(f"{what} needs a number, got {kind(value)}", tree.start, tree.end)
+        raise ExpressionError(f"{what} needs a number, got {kind(value)}", tree.at)
     return value
 
 
 def _boolean(tree: Expression, what: str, scope: Mapping[str, Value]) -> bool:
     value = evaluate(tree, scope)
     if not isinstance(value, bool):
-        raise ExpressionError(f"`{what}` needs a boolean, got {kind(value)}", tree.start, tree.end)
+        raise ExpressionError(f"`{what}` needs a boolean, got {kind(value)}", tree.at)
     return value
 
 
@@ -163,20 +159,16 @@ def _binary(tree: Binary, scope: Mapping[str, Value]) -> Value:
     what = f"`{tree.operator}`"
     a, b = _as_number(first, tree.left, what), _number(tree.right, what, scope)
     if tree.operator == "**" and abs(b) > _MAX_EXPONENT:
-        raise ExpressionError(
-            f"an exponent is at most {_MAX_EXPONENT}, got {shown(b)}", tree.right.start, tree.right.end
-        )
+        raise ExpressionError(f"an exponent is at most {_MAX_EXPONENT}, got {shown(b)}", tree.right.at)
     return _checked(tree, lambda: _ARITHMETIC[tree.operator](a, b), (a, b))
 
 
 def _joined(tree: Binary, left: str, right: Value) -> str:
     if not isinstance(right, str):
-        raise ExpressionError(f"`+` of text and {kind(right)}", tree.start, tree.end)
+        raise ExpressionError(f"`+` of text and {kind(right)}", tree.at)
     most = in_force().string
     if len(left) + len(right) > most:
-        raise ExpressionError(
-            f"text is at most {most} characters long", tree.start, tree.end, advice("string")
-        )
+        raise ExpressionError(f"text is at most {most} characters long", tree.at, advice("string"))
     return left + right
 
 
@@ -185,9 +177,9 @@ def _comparison(tree: Comparison, scope: Mapping[str, Value]) -> bool:
     for symbol, left, right in zip(tree.operators, values, values[1:], strict=False):
         if kind(left) != kind(right):
             message = f"`{symbol}` of {kind(left)} and {kind(right)}"
-            raise ExpressionError(message, tree.start, tree.end)
+            raise ExpressionError(message, tree.at)
         if symbol not in ("==", "!=") and kind(left) not in ("a number", "text"):
-            raise ExpressionError(f"`{symbol}` needs numbers or text, got {kind(left)}", tree.start, tree.end)
+            raise ExpressionError(f"`{symbol}` needs numbers or text, got {kind(left)}", tree.at)
         if not _ORDER[symbol](left, right):
             return False
     return True
@@ -202,7 +194,7 @@ def _call(tree: Call, scope: Mapping[str, Value]) -> Value:
             if function.most is None
             else str(function.least) if function.least == function.most else f"{function.least} or {function.most}"
         )  # fmt: skip
-        raise ExpressionError(f"`{tree.function}` takes {wanted} numbers, got {count}", tree.start, tree.end)
+        raise ExpressionError(f"`{tree.function}` takes {wanted} numbers, got {count}", tree.at)
     arguments = [_number(argument, f"`{tree.function}`", scope) for argument in tree.arguments]
     return _checked(tree, lambda: function.apply(*arguments), arguments)
 
@@ -215,22 +207,22 @@ def _checked(tree: Binary | Call, work: Callable[[], int | float], of: Sequence[
     try:
         value = work()
     except ZeroDivisionError:
-        raise ExpressionError("division by zero", tree.start, tree.end) from None
+        raise ExpressionError("division by zero", tree.at) from None
     except OverflowError:
-        raise ExpressionError("the result is too large", tree.start, tree.end) from None
+        raise ExpressionError("the result is too large", tree.at) from None
     except (ValueError, TypeError) as error:
         name = tree.function if isinstance(tree, Call) else tree.operator
         numbers = ", ".join(map(shown, of))
         reason = str(error) if isinstance(error, ArgumentError) else f"it is not defined at {numbers}"
-        raise ExpressionError(f"`{name}`: {reason}", tree.start, tree.end) from None
+        raise ExpressionError(f"`{name}`: {reason}", tree.at) from None
     if isinstance(value, complex):
         message = f"the root of a negative number, {shown(of[0])} to the power of {shown(of[1])}"
-        raise ExpressionError(message, tree.start, tree.end)
+        raise ExpressionError(message, tree.at)
     if isinstance(value, int):
         if abs(value) >= MAX_INTEGER:
-            raise ExpressionError("the result is too large for a whole number", tree.start, tree.end)
+            raise ExpressionError("the result is too large for a whole number", tree.at)
     elif not math.isfinite(value):
-        raise ExpressionError("the result is not a finite number", tree.start, tree.end)
+        raise ExpressionError("the result is not a finite number", tree.at)
     return value
 
 
@@ -255,7 +247,7 @@ class Template:
         if (count := text.count(OPENING)) > (most := in_force().string):
             at = text.index(OPENING)
             message = f"the text has {count} expressions; {most} are allowed"
-            raise ExpressionError(message, at, at + len(OPENING), advice("string", count))
+            raise ExpressionError(message, (at, at + len(OPENING)), advice("string", count))
         pieces: list[str | tuple[int, Expression]] = []
         at = 0
         while (start := text.find(OPENING, at)) >= 0:
@@ -282,7 +274,7 @@ class Template:
         if given > (most := in_force().string):
             at = next(piece[0] for piece in self.pieces if not isinstance(piece, str))
             message = f"expressions give {given} characters; {most} are allowed"
-            raise ExpressionError(message, at, at + 1, advice("string", given))
+            raise ExpressionError(message, (at, at + 1), advice("string", given))
         return "".join(texts)
 
     def names(self) -> Iterator[Name]:
@@ -290,7 +282,7 @@ class Template:
         for piece in self.pieces:
             if not isinstance(piece, str):
                 at, tree = piece
-                yield from (Name(each.name, each.start + at, each.end + at) for each in names(tree))
+                yield from (Name(each.name, (each.at[0] + at, each.at[1] + at)) for each in names(tree))
 
     @property
     def is_one_name(self) -> str | None:
@@ -318,4 +310,4 @@ def _closing(text: str, start: int) -> int:
             quote = character
         elif character == "}":
             return at
-    raise ExpressionError("`${` is never closed", start, len(text), "put `}` behind the expression")
+    raise ExpressionError("`${` is never closed", (start, len(text)), "put `}` behind the expression")

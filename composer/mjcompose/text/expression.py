@@ -3,50 +3,48 @@
 from __future__ import annotations
 
 import re
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.text.expression_values import FUNCTIONS, Value
 
+Range: TypeAlias = tuple[int, int]
+"""The first character of something in the parsed text, and the one after its last."""
+
 
 class ExpressionError(Exception):
-    """An error at characters `start` to `end` of the parsed text; `help` says how to fix it."""
+    """An error at some characters of the parsed text; `help` says how to fix it."""
 
-    def __init__(self, message: str, start: int, end: int, help: str | None = None) -> None:
+    def __init__(self, message: str, at: Range, help: str | None = None) -> None:
         super().__init__(message)
-        self.message = message
-        self.start = start
-        self.end = end
-        self.help = help
+        self.message, self.at, self.help = message, at, help
 
     def moved(self, by: int) -> ExpressionError:
         """Return the same error for a text in which the expression is `by` characters later."""
-        return ExpressionError(self.message, self.start + by, self.end + by, self.help)
+        return ExpressionError(self.message, (self.at[0] + by, self.at[1] + by), self.help)
 
 
 class UnknownName(ExpressionError):
     """A name that the scope does not have; code that knows the existing names can say more."""
 
-    def __init__(self, name: str, start: int, end: int) -> None:
-        super().__init__(f"`{name}` does not exist", start, end)
+    def __init__(self, name: str, at: Range) -> None:
+        super().__init__(f"`{name}` does not exist", at)
         self.name = name
 
     def moved(self, by: int) -> UnknownName:
-        return UnknownName(self.name, self.start + by, self.end + by)
+        return UnknownName(self.name, (self.at[0] + by, self.at[1] + by))
 
 
 @dataclass(frozen=True, slots=True)
 class Constant:
     value: Value
-    start: int
-    end: int
+    at: Range
 
 
 @dataclass(frozen=True, slots=True)
 class Name:
     name: str
-    start: int
-    end: int
+    at: Range
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,23 +53,20 @@ class Item:
 
     vector: Expression
     index: int
-    start: int
-    end: int
+    at: Range
 
 
 @dataclass(frozen=True, slots=True)
 class Vector:
     items: tuple[Expression, ...]
-    start: int
-    end: int
+    at: Range
 
 
 @dataclass(frozen=True, slots=True)
 class Unary:
     operator: str
     operand: Expression
-    start: int
-    end: int
+    at: Range
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,8 +76,7 @@ class Binary:
     operator: str
     left: Expression
     right: Expression
-    start: int
-    end: int
+    at: Range
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,8 +85,7 @@ class Comparison:
 
     operators: tuple[str, ...]
     operands: tuple[Expression, ...]
-    start: int
-    end: int
+    at: Range
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,16 +95,14 @@ class Choice:
     condition: Expression
     yes: Expression
     no: Expression
-    start: int
-    end: int
+    at: Range
 
 
 @dataclass(frozen=True, slots=True)
 class Call:
     function: str
     arguments: tuple[Expression, ...]
-    start: int
-    end: int
+    at: Range
 
 
 Expression = Constant | Name | Item | Vector | Unary | Binary | Comparison | Choice | Call
@@ -128,8 +119,8 @@ class Token(NamedTuple):
     start: int
 
     @property
-    def end(self) -> int:
-        return self.start + len(self.text)
+    def at(self) -> Range:
+        return self.start, self.start + len(self.text)
 
 
 KEYWORDS = frozenset({"and", "or", "not", "if", "else", "true", "false"})
@@ -166,26 +157,26 @@ def tokens(text: str) -> list[Token]:
         ):
             raise _run_on(text, start)
         if kind == "number" and len(token) > _MAX_DIGITS:
-            raise ExpressionError("the number is too long", start, match.end())
+            raise ExpressionError("the number is too long", (start, match.end()))
         found.append(Token(token if kind == "operator" or token in KEYWORDS else kind, token, start))
         at = match.end()
         if len(found) > _MAX_TOKENS:
-            raise ExpressionError("the expression is too long", 0, len(text), "make parts of it parameters")
+            raise ExpressionError("the expression is too long", (0, len(text)), "make parts of it parameters")
     found.append(Token("end", "", end))
     return found
 
 
 def _unreadable(text: str, at: int) -> ExpressionError:
     if text[at] in "'\"":
-        return ExpressionError(f"the text that begins with {text[at]} has no end", at, len(text))
+        return ExpressionError(f"the text that begins with {text[at]} has no end", (at, len(text)))
     for foreign, ours in _FOREIGN.items():
         if text.startswith(foreign, at):
             return ExpressionError(
-                f"`{foreign}` is not an operator", at, at + len(foreign), f"write `{ours}`"
+                f"`{foreign}` is not an operator", (at, at + len(foreign)), f"write `{ours}`"
             )
     if text[at] == ".":
-        return ExpressionError("expressions have no attributes", at, at + 1)
-    return ExpressionError(f"`{text[at]}` has no meaning in an expression", at, at + 1)
+        return ExpressionError("expressions have no attributes", (at, at + 1))
+    return ExpressionError(f"`{text[at]}` has no meaning in an expression", (at, at + 1))
 
 
 def _run_on(text: str, start: int) -> ExpressionError:
@@ -195,20 +186,20 @@ def _run_on(text: str, start: int) -> ExpressionError:
     unit = next((unit for unit in ("deg", "rad") if word.endswith(unit)), None)
     number = word.removesuffix(unit) if unit else ""
     help = f"units stand outside of expressions; write `rad({number})` for radians" if unit == "deg" else None
-    return ExpressionError(f"`{word}` is not a number", start, found.end(), help)
+    return ExpressionError(f"`{word}` is not a number", (start, found.end()), help)
 
 
 _MAX_DEPTH = 50
-_COMPARISONS = ("<", "<=", ">", ">=", "==", "!=")
 # From loose to tight, each level left to right; `**` binds tighter than a sign before it and goes right to left.
 _LEVELS = (("+", "-"), ("*", "/", "//", "%"))
+_COMPARISONS = ("<", "<=", ">", ">=", "==", "!=")
 
 
 def parse(text: str) -> Expression:
     """Return the tree of an expression. Raises `ExpressionError`."""
     parser = _Parser(tokens(text))
     if parser.next.kind == "end":
-        raise ExpressionError("the expression is empty", 0, len(text), "write for instance `${2 * reach}`")
+        raise ExpressionError("the expression is empty", (0, len(text)), "write for instance `${2 * reach}`")
     tree = parser.choice()
     if parser.next.kind != "end":
         raise parser.unexpected("an operator")
@@ -236,7 +227,7 @@ class _Parser:
         token = self.take(kind)
         if token is None:
             if self.next.kind == "end":
-                raise ExpressionError(f"`{opened.text}` is never closed", opened.start, opened.end)
+                raise ExpressionError(f"`{opened.text}` is never closed", opened.at)
             raise self.unexpected(f"`{kind}`")
         return token
 
@@ -244,22 +235,25 @@ class _Parser:
         token = self.next
         if token.kind == "end":
             return ExpressionError(
-                f"the expression ends where {wanted} should come", max(token.start - 1, 0), token.start
+                f"the expression ends where {wanted} should come", (max(token.start - 1, 0), token.start)
             )
         help = "compare with each: `a == 1 or a == 2`" if token.text in ("in", "not") else None
-        return ExpressionError(f"`{token.text}` stands where {wanted} should", token.start, token.end, help)
+        return ExpressionError(f"`{token.text}` stands where {wanted} should", token.at, help)
 
-    def choice(self) -> Expression:
+    def descend(self) -> None:
         self.depth += 1
         if self.depth > _MAX_DEPTH:
-            raise ExpressionError("the expression is nested too deep", self.next.start, self.next.end)
+            raise ExpressionError("the expression is nested too deep", self.next.at)
+
+    def choice(self) -> Expression:
+        self.descend()
         value = self.disjunction()
         if self.take("if"):
             condition = self.disjunction()
             if self.take("else") is None:
                 raise self.unexpected("`else`")
             other = self.choice()
-            value = Choice(condition, value, other, value.start, other.end)
+            value = Choice(condition, value, other, at=_over(value, other))
         self.depth -= 1
         return value
 
@@ -267,24 +261,21 @@ class _Parser:
         left = self.conjunction()
         while self.take("or"):
             right = self.conjunction()
-            left = Binary("or", left, right, left.start, right.end)
+            left = Binary("or", left, right, at=_over(left, right))
         return left
 
     def conjunction(self) -> Expression:
         left = self.negation()
         while self.take("and"):
             right = self.negation()
-            left = Binary("and", left, right, left.start, right.end)
+            left = Binary("and", left, right, at=_over(left, right))
         return left
 
     def negation(self) -> Expression:
         signs = []
         while token := self.take("not"):
             signs.append(token)
-        value = self.comparison()
-        for token in reversed(signs):
-            value = Unary("not", value, token.start, value.end)
-        return value
+        return _signed(signs, self.comparison())
 
     def comparison(self) -> Expression:
         operands = [self.level(0)]
@@ -294,7 +285,7 @@ class _Parser:
             operands.append(self.level(0))
         if not operators:
             return operands[0]
-        return Comparison(tuple(operators), tuple(operands), operands[0].start, operands[-1].end)
+        return Comparison(tuple(operators), tuple(operands), at=_over(operands[0], operands[-1]))
 
     def level(self, number: int) -> Expression:
         if number == len(_LEVELS):
@@ -302,28 +293,23 @@ class _Parser:
         left = self.level(number + 1)
         while token := self.take(*_LEVELS[number]):
             right = self.level(number + 1)
-            left = Binary(token.kind, left, right, left.start, right.end)
+            left = Binary(token.kind, left, right, at=_over(left, right))
         return left
 
     def signed(self) -> Expression:
         signs = []
         while token := self.take("-", "+"):
             signs.append(token)
-        value = self.power()
-        for token in reversed(signs):
-            value = Unary(token.kind, value, token.start, value.end)
-        return value
+        return _signed(signs, self.power())
 
     def power(self) -> Expression:
         base = self.item()
         if self.take("**") is None:
             return base
-        self.depth += 1
-        if self.depth > _MAX_DEPTH:
-            raise ExpressionError("the expression is nested too deep", self.next.start, self.next.end)
+        self.descend()
         exponent = self.signed()
         self.depth -= 1
-        return Binary("**", base, exponent, base.start, exponent.end)
+        return Binary("**", base, exponent, at=_over(base, exponent))
 
     def item(self) -> Expression:
         value = self.atom()
@@ -331,62 +317,66 @@ class _Parser:
             sign = self.take("-")
             token = self.take("number")
             if token is None or not token.text.isdigit():
-                raise ExpressionError(
-                    "an index is a whole number that is written", opened.start, self.next.end
-                )
+                raise ExpressionError("an index is a whole number that is written", _over(opened, self.next))
             index = -int(token.text) if sign else int(token.text)
-            value = Item(value, index, value.start, self.expect("]", opened).end)
+            value = Item(value, index, at=_over(value, self.expect("]", opened)))
         return value
 
     def atom(self) -> Expression:
         if token := self.take("number"):
-            return Constant(_number(token), token.start, token.end)
+            return Constant(_number(token), token.at)
         if token := self.take("text"):
-            return Constant(token.text[1:-1], token.start, token.end)
+            return Constant(token.text[1:-1], token.at)
         if token := self.take("true", "false"):
-            return Constant(token.kind == "true", token.start, token.end)
+            return Constant(token.kind == "true", token.at)
         if token := self.take("name"):
             opened = self.take("(")
-            return self.call(token, opened) if opened else _name(token)
+            return self.call(token, opened) if opened else Name(token.text, token.at)
         if opened := self.take("("):
             value = self.choice()
             self.expect(")", opened)
             return value
         if opened := self.take("["):
             items, end = self.items(opened, "]")
-            return Vector(items, opened.start, end)
+            return Vector(items, (opened.start, end))
         raise self.unexpected("a value")
 
     def call(self, name: Token, opened: Token) -> Expression:
         if name.text not in FUNCTIONS:
             known = ", ".join(FUNCTIONS)
             message = f"the function `{name.text}` does not exist; those that exist: {known}"
-            raise ExpressionError(message, name.start, name.end)
+            raise ExpressionError(message, name.at)
         arguments, end = self.items(opened, ")")
-        return Call(name.text, arguments, name.start, end)
+        return Call(name.text, arguments, (name.start, end))
 
     def items(self, opened: Token, closing: str) -> tuple[tuple[Expression, ...], int]:
         found: list[Expression] = []
         while not (closed := self.take(closing)):
             if found:
                 if self.take(",") is None:
-                    return tuple(found), self.expect(closing, opened).end
+                    return tuple(found), self.expect(closing, opened).at[1]
                 if closed := self.take(closing):
                     break
             found.append(self.choice())
-        return tuple(found), closed.end
+        return tuple(found), closed.at[1]
 
 
 def _number(token: Token) -> int | float:
     if token.text.isdigit():
         if len(token.text) > 19:
-            raise ExpressionError("a number too large for an expression", token.start, token.end)
+            raise ExpressionError("a number too large for an expression", token.at)
         return int(token.text)
     value = float(token.text)
     if value in (float("inf"), float("-inf")):
-        raise ExpressionError(f"`{token.text}` is too large for a number", token.start, token.end)
+        raise ExpressionError(f"`{token.text}` is too large for a number", token.at)
     return value
 
 
-def _name(token: Token) -> Expression:
-    return Name(token.text, token.start, token.end)
+def _signed(signs: list[Token], value: Expression) -> Expression:
+    for token in reversed(signs):
+        value = Unary(token.kind, value, _over(token, value))
+    return value
+
+
+def _over(first: Expression | Token, last: Expression | Token) -> Range:
+    return first.at[0], last.at[1]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Any
 
 from mjcompose.base.dataclass import dataclass
@@ -134,12 +134,13 @@ class ParserStop:
         return Span(self.file, line, column, end_line=line, end_column=column + length)
 
     def fault(
-        self, message: str, span: Span, help: str | None = None, code: str = "yaml-syntax", *notes: Note
-    ) -> SyntaxFault:
+        self, message: str, span: Span, help: str | None = None, *, notes: Iterable[Note] = (),
+        code: str = "yaml-syntax",
+    ) -> SyntaxFault:  # fmt: skip
         """Return a fault after which nothing can be read."""
-        return SyntaxFault(Diagnostic(code, message, span, notes=notes, help=help))
+        return SyntaxFault(Diagnostic(code, message, span, notes=tuple(notes), help=help))
 
-    def unquoted(self, code: str, start: int, end: int, message: str) -> SyntaxFault:
+    def unquoted(self, start: int, end: int, message: str, code: str = "yaml-syntax") -> SyntaxFault:
         """Return the fault for a text that only lacks its quotes."""
         text = quoted(self.text[start:end])
         found = Diagnostic(code, message, self.span(start, end), help=f"quote it: {text}", fix=Fix(text))
@@ -244,7 +245,10 @@ def _template(it: ParserStop) -> SyntaxFault | None:
     end = unquoted_end(it.text, start, True)
     shown = it.text[start:end]
     return it.unquoted(
-        "yaml-template-unquoted", start, end, message=f"`{shown}` inside `[ ]` or `{{ }}` must be in quotes"
+        start,
+        end,
+        f"`{shown}` inside `[ ]` or `{{ }}` must be in quotes",
+        code="yaml-template-unquoted",
     )
 
 
@@ -256,10 +260,8 @@ def _alias(it: ParserStop) -> SyntaxFault | None:
     shown = it.text[it.since : end]
     if sign == "*":
         message = f"`{shown}` begins with `*`, which is an alias in YAML"
-        return it.unquoted("yaml-alias", it.since, end, message=message)
-    return it.unquoted(
-        "yaml-syntax", it.since, end, message=f"`{shown}` begins with `&`, which is an anchor in YAML"
-    )
+        return it.unquoted(it.since, end, message, code="yaml-alias")
+    return it.unquoted(it.since, end, f"`{shown}` begins with `&`, which is an anchor in YAML")
 
 
 def _tab(it: ParserStop) -> SyntaxFault | None:
@@ -276,8 +278,7 @@ def _tab(it: ParserStop) -> SyntaxFault | None:
         "a tab cannot indent YAML",
         it.span(it.at, end),
         "indent with spaces, two for each level",
-        "yaml-syntax",
-        *notes,
+        notes=notes,
     )
 
 
@@ -288,7 +289,7 @@ def _reserved_start(it: ParserStop) -> SyntaxFault | None:
     end = max(unquoted_end(it.text, it.at, it.flow), it.at + 1)
     sign = it.text[it.at]
     message = f"an unquoted value cannot begin with {'a backquote' if sign == '`' else f'`{sign}`'}"
-    return it.unquoted("yaml-syntax", it.at, end, message=message)
+    return it.unquoted(it.at, end, message)
 
 
 def _colon_in_flow(it: ParserStop) -> SyntaxFault | None:
@@ -306,7 +307,7 @@ def _colon_in_flow(it: ParserStop) -> SyntaxFault | None:
             f"write `{key}: {value}`",
         )
     message = f"`{it.text[start:end]}` has a colon, and inside `[ ]` or `{{ }}` must be in quotes"
-    return it.unquoted("yaml-syntax", start, end, message=message)
+    return it.unquoted(start, end, message)
 
 
 def _glob_choice(it: ParserStop) -> SyntaxFault | None:
@@ -323,7 +324,7 @@ def _glob_choice(it: ParserStop) -> SyntaxFault | None:
     message = (
         f"`{shown}` begins with `{opening}`, which is a {'list' if opening == '[' else 'mapping'} in YAML"
     )
-    return it.unquoted("yaml-syntax", start, end, message=message)
+    return it.unquoted(start, end, message)
 
 
 def _mapping_not_allowed(it: ParserStop) -> SyntaxFault | None:
@@ -368,15 +369,13 @@ def _below_value(it: ParserStop, lead: str, above_begin: int, above: str) -> Syn
             f"`{key}` is indented as if it belonged to `{holder.group(1)}`, which already has a value",
             span,
             f"put `{key}` in the column of `{holder.group(1)}`, or remove that value",
-            "yaml-syntax",
-            place,
+            notes=(place,),
         )
     return it.fault(
         f"`{key}` cannot be a key here, because the line above is neither a key nor complete",
         span,
         "a line of a mapping has the form `key: value`",
-        "yaml-syntax",
-        place,
+        notes=(place,),
     )
 
 
@@ -449,15 +448,13 @@ def _flow(it: ParserStop) -> SyntaxFault | None:
             f"this `{opening}` has no `{closing}`",
             it.span(it.since),
             f"add the `{closing}`, or a comma where one is missing",
-            "yaml-syntax",
-            *([place] if place else []),
+            notes=(place,) if place else (),
         )
     return it.fault(
         f"expected `,` or `{closing}` before {it.shown}",
         it.span(it.at),
         "if both are one text, quote it as a whole",
-        "yaml-syntax",
-        Note(f"the `{opening}` is here", it.span(it.since)),
+        notes=(Note(f"the `{opening}` is here", it.span(it.since)),),
     )
 
 
@@ -474,8 +471,7 @@ def _block(it: ParserStop) -> SyntaxFault | None:
                 "this quote is not closed on its line",
                 it.span(opening),
                 f"close it with another `{quote}`",
-                "yaml-syntax",
-                Note("it ends here, at the next one", it.span(begin + lead.rindex(quote))),
+                notes=(Note("it ends here, at the next one", it.span(begin + lead.rindex(quote))),),
             )
         if quote in ("'", '"'):
             return it.fault(
@@ -502,7 +498,7 @@ def _block(it: ParserStop) -> SyntaxFault | None:
     else:
         message = "a line without `-` stands among the items of a list"
         help = "begin it with `- `, or indent it so that it belongs to the item above"
-    return it.fault(message, it.span(it.at), help, "yaml-syntax", opened)
+    return it.fault(message, it.span(it.at), help, notes=(opened,))
 
 
 def _no_content(it: ParserStop) -> SyntaxFault | None:
@@ -527,7 +523,7 @@ def _tag(it: ParserStop) -> SyntaxFault | None:
         f"`{it.text[start:end]}` begins with `!`, which is a tag in YAML",
         it.span(start, end),
         "the language has no tags; if it is text, quote it",
-        "yaml-tag",
+        code="yaml-tag",
     )
 
 

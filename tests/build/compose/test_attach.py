@@ -197,13 +197,13 @@ def test_siblings_stand_in_the_order_of_the_file(tmp_path: Path) -> None:
     ours = composed(
         tmp_path,
         "base: ./base.xml\nattach:\n"
+        "  first: {model: ./part.xml}\n"
+        "  third: {model: ./part.xml}\n"
         "  one: {model: ./part.xml, body: late/b, joint: free}\n"
         "  two: {model: ./part.xml, site: late/s}\n"
         "  three: {model: ./part.xml}\n"
         "  late: {model: ./part.xml}\n"
         "  four: {model: ./part.xml, site: late/s}\n"
-        "  first: {model: ./part.xml, before: one}\n"
-        "  third: {model: ./part.xml, after: first}\n"
         "add: [{to: world, body: {name: added, geom: {size: [1]}}}]\n",
         part__xml=part,
     )
@@ -363,8 +363,13 @@ def test_ten_tools_on_each_of_ten_arms_weigh_what_they_weigh(tmp_path: Path, arm
     for number, tool in enumerate(TOOLS):
         pose = f"pos: {rng.normal(size=3).tolist()}, quat: {rng.normal(size=4).tolist()}"
         parts += f"  t{number}: {{model: {folder / tool}.xml, {ARMS[arm]}, {pose}, joint: none, {SENSE}}}\n"
-    recipe = tmp_path / "recipe.yaml"
-    recipe.write_text(f"recipe: 1\nconflict: base\nbase: {folder / arm}.xml\nattach:\n{parts}")
+    cell, recipe = tmp_path / "cell.yaml", tmp_path / "recipe.yaml"
+    cell.write_text(f"recipe: 1\nconflict: base\nbase: {folder / arm}.xml\nattach:\n{parts}")
+    pose = f"pos: {rng.normal(size=3).tolist()}, quat: {rng.normal(size=4).tolist()}"
+    inner = (
+        f"  cell: {{model: ./cell.yaml, {pose}, joint: {{type: hinge, axis: [0, 1, 1]}}, sense: [force]}}\n"
+    )
+    recipe.write_text(f"recipe: 1\nconflict: base\nbase: ./cell.yaml\nattach:\n{inner}")
     context = Context(environment={}, folder=tmp_path)
     made = build(Request(recipe), context)
     assert made is not None, [each.message for each in context.sink.errors]
@@ -372,9 +377,10 @@ def test_ten_tools_on_each_of_ten_arms_weigh_what_they_weigh(tmp_path: Path, arm
     model = mujoco.MjModel.from_xml_path(str(tmp_path / "out" / "model.xml"))
     for number, tool in enumerate(TOOLS):
         alone = mujoco.MjModel.from_xml_path(f"{folder / tool}.xml")
-        force = reads_what_hangs_below(model, f"t{number}/sense", f"t{number}/", seed=number)
         weight = alone.body_mass.sum() * np.linalg.norm(model.opt.gravity)
-        assert np.linalg.norm(force) == pytest.approx(weight, abs=1e-6), tool
+        for part in (f"t{number}/", f"cell/t{number}/"):
+            force = reads_what_hangs_below(model, f"{part}sense", part, seed=number)
+            assert np.linalg.norm(force) == pytest.approx(weight, abs=1e-6), part
 
 
 MEMBERS_PART = """<mujoco><worldbody><site name="origin"/>
@@ -428,12 +434,13 @@ def test_the_pose_of_a_part_is_where_its_world_is(tmp_path: Path, place: str) ->
 
 
 @pytest.mark.parametrize(
-    ("policy", "keys"), [("merge", ["", "tool/"]), ("prefix", ["a/", "a/tool/"]), ("none", [None, None])]
+    ("policy", "keys"),
+    [("keys: merge", ["", "tool/"]), ("keys: prefix", ["a/", "a/tool/"]), ("drop: [key]", [None, None])],
 )
 def test_keys_begin_as_all_recipes_around_them_say(
     tmp_path: Path, policy: str, keys: list[str | None]
 ) -> None:
-    found, _ = made(tmp_path, f"attach: {{a: {{model: ./inner.yaml, keyframes: {policy}}}}}\n")
+    found, _ = made(tmp_path, f"attach: {{a: {{model: ./inner.yaml, {policy}}}}}\n")
     assert [found[part].keys for part in ("a/base", "a/tool")] == keys
 
 

@@ -36,7 +36,7 @@ def test_defaults(tmp_path: Path) -> None:
         "error",
         AngleSettings(None, "xyz"),
     )
-    assert plan.base.model is None and plan.parts == () and plan.steps == () and plan.settled == frozenset()
+    assert plan.base is None and plan.parts == () and plan.steps == () and plan.settled == frozenset()
 
 
 def test_steps_in_the_order_of_work(tmp_path: Path) -> None:
@@ -73,8 +73,10 @@ def test_recipes_in_recipes(tmp_path: Path) -> None:
         "recipe: 1\nbase: ./inner.yaml\nattach: {a: {model: ./inner.yaml}}\n",
         inner__yaml="recipe: 1\nbase: ./robot.xml\n",
     )
-    assert isinstance(plan.base.model, Plan) and isinstance(plan.parts[0].model, Plan)
-    assert plan.base.model.name == "inner" and plan.base.model.base.model is not None
+    assert (
+        plan.base is not None and isinstance(plan.base.model, Plan) and isinstance(plan.parts[0].model, Plan)
+    )
+    assert plan.base.model.name == "inner" and plan.base.model.base is not None
 
 
 def test_the_same_recipe_twice_is_no_ring(tmp_path: Path) -> None:
@@ -135,6 +137,7 @@ URDF = "recipe: 1\nbase: {model: ./arm.urdf, packages: {arm: ./meshes}}\nattach:
 def test_packages_of_urdf(tmp_path: Path) -> None:
     (tmp_path / "meshes").mkdir()
     plan = planned(tmp_path, URDF, arm__urdf="<robot/>")
+    assert plan.base is not None
     base, part = plan.base.model, plan.parts[0].model
     assert isinstance(base, Source) and isinstance(part, Source)
     assert base.packages == (("arm", tmp_path / "meshes"),) and part.packages == ()

@@ -88,8 +88,8 @@ def compositions(draw: st.DrawFn) -> tuple[str, str, str] | None:
 recipe: 1
 base: ./base.xml
 attach:
-  t: {{model: ./part.xml, {at}, keyframes: {policy}, edit: [{own}]}}
-  u: {{model: ./part.xml, pos: [0, 0, 9], drop: [key]}}
+  t: {{model: ./part.xml, {at}, keys: {policy}, edit: [{own}]}}
+  u: {{model: ./part.xml, pos: [0, 0, 9], drop: [{{key: "**", optional: true}}]}}
 edit: [{whole}]
 {added}
 keyframe: {{mine: {{from: {{base: k, t: k}}}}}}

@@ -241,11 +241,11 @@ def test_what_the_recipe_edits_is_no_change(folder: Path, check: Check, edits: s
     assert all(part.ok for part in stored.parts)
 
 
-@pytest.mark.parametrize("keyframes", ["merge", "prefix"])
-def test_a_key_that_a_nested_recipe_writes_is_no_change(folder: Path, check: Check, keyframes: str) -> None:
+@pytest.mark.parametrize("keys", ["merge", "prefix"])
+def test_a_key_that_a_nested_recipe_writes_is_no_change(folder: Path, check: Check, keys: str) -> None:
     inner = "recipe: 1\nbase: ./parts/part.xml\nkeyframe: {home: {qpos: {j: 0.1rad}}}\n"
     (folder / "inner.yaml").write_text(inner)
-    _again(folder, f"recipe: 1\nattach: {{in: {{model: ./inner.yaml, keyframes: {keyframes}}}}}\n")
+    _again(folder, f"recipe: 1\nattach: {{in: {{model: ./inner.yaml, keys: {keys}}}}}\n")
     stored, told = check()
     assert told == []
     assert stored is not None

@@ -307,5 +307,5 @@ class Condition:
     def _fault(self, error: ExpressionError) -> ListingError:
         assert not isinstance(error, UnknownName)  # missing names are counted
         return ListingError(
-            "expression", f"`{self.text}`, character {error.start + 1}: {error.message}", error.help
+            "expression", f"`{self.text}`, character {error.at[0] + 1}: {error.message}", error.help
         )

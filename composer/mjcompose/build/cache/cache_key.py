@@ -297,7 +297,7 @@ def plan_content(plan: Plan) -> list[object]:
         read = [
             [file, settings.angle, settings.eulerseq] for file, settings in each.angle_context.others.items()
         ]
-        sources = [_source(each.base.model), *(_source(part.model) for part in each.parts)]
+        sources = [_source(part.model) for part in each.members]
         found.append([each.name, str(each.path), scope, values, read, sources])
     return found
 

@@ -211,8 +211,9 @@ class Job:
     def of(cls, making: CellMaker) -> Job:
         maker, context = making.maker, context_for_worker(making.maker.context)
         return cls(
-            maker.recipe, maker.options, None if maker.cache is None else maker.cache.store, maker.form, maker.place,
-            making.given, making.finish, context, in_force(), files.current().noted(),
+            maker.recipe, maker.options, None if maker.cache is None else maker.cache.store,
+            form=maker.form, place=maker.place,
+            given=making.given, finish=making.finish, context=context, limits=in_force(), noted=files.current().noted(),
         )  # fmt: skip
 
     @contextmanager

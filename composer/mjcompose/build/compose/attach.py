@@ -18,14 +18,12 @@ from mjcompose.build.compose.checks import check_class
 from mjcompose.build.compose.elements import ElementBuilder, in_radians, joint_attributes, pose_number
 from mjcompose.build.compose.load import PartRequest
 from mjcompose.build.plan.plan import (
-    BASE,
     IN_PLACE,
     AttachPart,
     PartRecord,
     Plan,
     arrays_of_draw,
     of_part,
-    part_name,
 )
 from mjcompose.build.plan.steps import DrawValues, SetDefault, SetSingleton
 from mjcompose.language.form import Element, Single
@@ -79,12 +77,11 @@ def unplaced_records(
 ) -> list[UnplacedRecord]:
     """Return the records of a plan: those of its own sources and of nested recipes, in the manifest's order.
 
-    `wanted` and `inner`, the records of each request that is a nested recipe, have the base first and then the parts.
+    `wanted`, `parts` and `inner`, the records of each request that is a nested recipe, begin with the base.
     """
-    base, *others = wanted
-    found = [_with_own_changes(each, base) for each in _of_base(plan, base, inner[0])]
-    for step, each, part, below in zip(plan.parts, others, parts, inner[1:], strict=True):
-        name = part_name(step, plan.separator)
+    found: list[UnplacedRecord] = []
+    for each, part, below in zip(wanted, parts, inner, strict=True):
+        name = part.path(plan.separator)
         if isinstance(each.model, Plan):
             moved = [
                 _in_outer_recipe(member, name, part, separator=plan.separator, cut=_cut(each))
@@ -124,31 +121,6 @@ def placed_records(found: Iterable[UnplacedRecord], root: Node) -> tuple[PartRec
     settings = read_settings(root)
     degrees, sequence = settings.angle == "degree", settings.eulerseq
     return tuple(_place_members(each, degrees, sequence) for each in found)
-
-
-def _of_base(plan: Plan, base: PartRequest, inner: list[UnplacedRecord]) -> Iterator[UnplacedRecord]:
-    without_keys = base.keyframes == "none"
-    if isinstance(base.model, Plan):
-        for each in inner:
-            member = replace(
-                each.member,
-                part=f"{BASE}{plan.separator}{each.member.part}",
-                keys=None if without_keys else each.member.keys,
-                obscure=each.member.obscure or _cut(base),
-            )
-            yield UnplacedRecord(member, each.content)
-    elif base.model is not None:
-        keys = None if without_keys else ""
-        member = PartRecord(
-            BASE,
-            "",
-            base.model,
-            keys=keys,
-            is_fixed_in_world=base.is_fixed_in_world,
-            obscure=_cut_urdf(base),
-            subtree=base.body,
-        )
-        yield UnplacedRecord(member, None)
 
 
 def _in_outer_recipe(

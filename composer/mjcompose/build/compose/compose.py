@@ -75,7 +75,7 @@ from mjcompose.link.angles import model_angle
 from mjcompose.link.files import add_file
 from mjcompose.link.key_layout import joint_type
 from mjcompose.link.link import finish, link
-from mjcompose.link.linking import FileUse, Linking, Measure, Request
+from mjcompose.link.linking import FileUse, Linking, Measure, Part, Request
 from mjcompose.link.measure import measure_with
 from mjcompose.link.replicates import spare_added
 from mjcompose.link.source_check import INVALID_SOURCE, check_source, repair
@@ -287,7 +287,7 @@ class Composer:
         """Attach the parts to the base, add the recipe's own elements, and return the result."""
         before = self.context.sink.error_count
         base.root.set("model", plan.name)
-        if plan.base.keyframes == "none" and BASE not in plan.key_sources:
+        if plan.base_keys == "none" and BASE not in plan.key_sources:
             remove_keys(base)
         self.watch([base, *units], plan)
         making = ElementBuilder.of(plan, base, self.context, model_angle="radian")
@@ -318,7 +318,7 @@ class Composer:
         self.unplaced[base.root] = unplaced_records(
             plan,
             part_requests(plan, is_fixed),
-            linking.parts,
+            [Part(base, "", keyframes=plan.base_keys, key=BASE), *linking.parts],
             inner=[self.unplaced.get(root, []) for root in roots],
         )
         if self.context.sink.error_count > before:
@@ -467,7 +467,7 @@ def _empty(plan: Plan) -> Unit:
 
 def _request(plan: Plan) -> Request:
     return Request(
-        plan.separator, plan.conflict, plan.settled, base_keyframes=plan.base.keyframes,
+        plan.separator, plan.conflict, plan.settled, base_keyframes=plan.base_keys,
         requested_keys=plan.key_sources if plan.keyframes else None,
         isolated_tags=frozenset(_top_tags(plan)),
         adds_mass=_adds_mass(plan),

@@ -183,30 +183,21 @@ def part_requests(plan: Plan, is_fixed: bool) -> Iterator[PartRequest]:
 
     `is_fixed` says whether the model of the plan is fixed in the world.
     """
-    base, document = plan.base, plan.document
-    span = locate(document, ("base", "subtree"))
-    key_sources = plan.key_sources
-    keyframes: KeyPolicy = "merge" if BASE in key_sources else base.keyframes
-    yield PartRequest(
-        base.model,
-        base.subtree,
-        (BASE,),
-        keyframes=keyframes,
-        span=span,
-        is_fixed_in_world=is_fixed,
-        drop=base.drop,
-        edit=base.edit,
-    )
-    for step in plan.parts:
+    document = plan.document
+    if plan.base is None:
+        yield PartRequest(
+            None, None, (BASE,), keyframes="merge", span=locate(document, ()), is_fixed_in_world=is_fixed
+        )
+    for step in plan.members:
         part = step.attachment
         span = locate(document, (*step.at, "subtree"))
-        keyframes = "merge" if part_name(step, plan.separator) in key_sources else part.key_policy
+        is_read = part_name(step, plan.separator) in plan.key_sources
         inside = is_fixed and is_fixed_in_world(part)
         yield PartRequest(
             step.model,
             part.subtree,
             step.at,
-            keyframes=keyframes,
+            keyframes="merge" if is_read else part.key_policy,
             span=span,
             is_fixed_in_world=inside,
             drop=part.drop,

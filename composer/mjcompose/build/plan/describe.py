@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Diagnostic, Path, Severity, Span
 from mjcompose.base.sink import Sink
-from mjcompose.build.plan.plan import AttachPart, EditOutcome, Gains, LoadBase, Plan, PlanPreview
+from mjcompose.build.plan.plan import BASE, AttachPart, EditOutcome, Gains, Plan, PlanPreview
 from mjcompose.build.plan.steps import EditElements, Step, steps_adding
 from mjcompose.language.attach import Attachment
 from mjcompose.language.used_model import ALLOW, Edit
@@ -83,8 +83,7 @@ def _allowances(plan: Plan, shown: Shown) -> Iterator[Allowance]:
             yield Allowance(code, span, everywhere, files=files)
         for edit in inner.edits:
             yield from _of_item(inner, edit.edit.at)
-        yield from _of_model(inner, ("base",), inner.base.model, shown=shown)
-        for part in inner.parts:
+        for part in inner.members:
             yield from _of_model(inner, part.at, part.model, shown=shown)
 
 
@@ -157,11 +156,11 @@ def _gain_lines(found: Iterable[Gains]) -> Iterator[str]:
 def _lines(plan: Plan, preview: PlanPreview, indent: str = "") -> Iterator[str]:
     yield f"{indent}{plan.name}: {'written in' if plan.at else 'the model of'} {plan.file}"
     inner = indent + "  "
-    if plan.base.model is None:
+    if plan.base is None:
         yield f"{inner}start from an empty model"
     else:
-        yield f"{inner}start from {_model(plan.base.model)}{_body(plan.base.subtree)}"
-        yield from _own_lines(plan, plan.base, ("base",), preview=preview, indent=inner + "  ")
+        yield f"{inner}start from {_model(plan.base.model)}{_body(plan.base.attachment.subtree)}"
+        yield from _own_lines(plan, plan.base, preview=preview, indent=inner + "  ")
         if isinstance(plan.base.model, Plan):
             yield from _lines(plan.base.model, preview, inner + "  ")
     early: list[Step] = []
@@ -192,7 +191,7 @@ def _part_lines(plan: Plan, preview: PlanPreview, indent: str, early: list[Step]
                 yield indent + maker.words
         model = f"{_model(part.model)}{_body(part.attachment.subtree)}"
         yield f"{indent}attach {_called(part, last[part.at])}: {model}, {_place_words(part)}"
-        yield from _own_lines(plan, part.attachment, part.at, preview=preview, indent=indent + "  ")
+        yield from _own_lines(plan, part, preview=preview, indent=indent + "  ")
         if isinstance(part.model, Plan):
             yield from _lines(part.model, preview, indent + "  ")
 
@@ -217,13 +216,12 @@ def _body(name: str | None) -> str:
     return "" if name is None else f", its body {name} alone"
 
 
-def _own_lines(
-    plan: Plan, wanted: LoadBase | Attachment, at: Path, preview: PlanPreview, indent: str
-) -> Iterator[str]:
+def _own_lines(plan: Plan, part: AttachPart, preview: PlanPreview, indent: str) -> Iterator[str]:
     """Yield what is done to a base or a part by itself."""
+    wanted = part.attachment
     if wanted.drop:
         yield f"{indent}drop {', '.join(map(str, wanted.drop))}"
-    yield from _dropped_lines(preview.subtrees.get(plan.place_of(at)), indent)
+    yield from _dropped_lines(preview.subtrees.get(plan.place_of(part.at)), indent)
     for each in wanted.edit:
         yield from _edit_lines(each, preview.edits.get(plan.place_of(each.at)), indent)
 
@@ -294,9 +292,9 @@ def as_data(plan: Plan, preview: PlanPreview | None = None) -> dict[str, Any]:
     return {
         "name": plan.name,
         "recipe": plan.file,
-        "base": _model_data(plan.base.model, found),
-        **_own_data(plan, plan.base, found),
-        **_subtree_data(found.subtrees.get(plan.place_of(("base",)))),
+        "base": _model_data(plan.base.model if plan.base else None, found),
+        **(_own_data(plan, plan.base.attachment, found) if plan.base else {}),
+        **_subtree_data(found.subtrees.get(plan.place_of((BASE,)))),
         "parts": [
             {
                 "prefix": part.prefix,
@@ -343,7 +341,7 @@ def _draws_data(plan: Plan) -> dict[str, Any]:
     return {"randomize": {"seed": wanted.seed, "samples": wanted.samples, "fields": fields}}
 
 
-def _own_data(plan: Plan, wanted: LoadBase | Attachment, preview: PlanPreview) -> dict[str, Any]:
+def _own_data(plan: Plan, wanted: Attachment, preview: PlanPreview) -> dict[str, Any]:
     edits = [each.words for each in wanted.edit]
     return {"edits": edits, **_edits_data(plan, wanted.edit, preview)} if edits else {}
 

@@ -26,7 +26,7 @@ from mjcompose.language.checks.form import Check
 from mjcompose.language.distribution import Operation
 from mjcompose.language.motors import Motor
 from mjcompose.language.randomize import DrawField, Randomize
-from mjcompose.language.used_model import Drop, Edit
+from mjcompose.language.used_model import Drop, KeyPolicy
 from mjcompose.language.value import attribute_and_index
 from mjcompose.language.verbs.collision import in_words
 from mjcompose.model.grammar import number_text
@@ -243,8 +243,6 @@ def of_part(members: Iterable[PartRecord], part: str | None, separator: str) -> 
     ]
 
 
-KeyPolicy = Literal["merge", "prefix", "none"]
-
 MESH_VERBS = frozenset({"collision", "simplify"})
 """The verbs of `edit` that make something of meshes."""
 BASE = "base"
@@ -252,22 +250,10 @@ BASE = "base"
 
 
 @dataclass(frozen=True, slots=True)
-class LoadBase:
-    """Start from a model, or (None) from an empty one."""
-
-    model: Source | Plan | None
-    keyframes: KeyPolicy
-    span: Span | None
-    subtree: str | None = None
-    drop: tuple[Drop, ...] = ()
-    edit: tuple[Edit, ...] = ()
-
-
-@dataclass(frozen=True, slots=True)
 class AttachPart:
     """Attach a model to a place, with its names under `prefix` (separator included).
 
-    `copy` has its number on each axis of `replicate`, from 0.
+    The base is one without a prefix, at the world. `copy` has its number on each axis of `replicate`, from 0.
     """
 
     prefix: str
@@ -303,7 +289,7 @@ class Plan:
     separator: str
     conflict: Literal["error", "base", "mujoco"]
     angle_context: AngleContext
-    base: LoadBase
+    base: AttachPart | None
     parts: tuple[AttachPart, ...]
     steps: tuple[Step, ...]
     settled: frozenset[str]
@@ -337,10 +323,19 @@ class Plan:
         return self.file, (*self.at, *at)
 
     @property
+    def members(self) -> tuple[AttachPart, ...]:
+        """The base, if there is one, and the parts."""
+        return self.parts if self.base is None else (self.base, *self.parts)
+
+    @property
+    def base_keys(self) -> KeyPolicy:
+        """What becomes of the keys of the base."""
+        return "merge" if self.base is None else self.base.attachment.key_policy
+
+    @property
     def span(self) -> Span:
         """The place for messages about the whole model: where its only source is named, or the recipe."""
-        named = [self.base.span, *(part.span for part in self.parts)]
-        places = [span for span in named if span is not None]
+        places = [each.span for each in self.members]
         return places[0] if len(places) == 1 else Span(self.file, 1, 1)
 
     @property
@@ -447,7 +442,7 @@ class PlacedModel:
 
     model: Source | Plan | None
     outer: Plan | None = None
-    step: LoadBase | AttachPart | None = None
+    step: AttachPart | None = None
     part: str = ""
     prefix: str = ""
     others: tuple[str, ...] = ()
@@ -456,9 +451,9 @@ class PlacedModel:
     span: Span | None = None
 
     @property
-    def request(self) -> LoadBase | Attachment | None:
-        """The entry of the recipe around it that takes or attaches it."""
-        return self.step.attachment if isinstance(self.step, AttachPart) else self.step
+    def request(self) -> Attachment | None:
+        """The entry of the recipe around it that attaches it."""
+        return None if self.step is None else self.step.attachment
 
 
 def _walk(placed: PlacedModel) -> Iterator[PlacedModel]:
@@ -467,20 +462,8 @@ def _walk(placed: PlacedModel) -> Iterator[PlacedModel]:
     if not isinstance(plan, Plan):
         return
     above = f"{placed.part}{plan.separator}" if placed.part else ""
-    yield from _walk(
-        PlacedModel(
-            plan.base.model,
-            plan,
-            plan.base,
-            part=above + BASE,
-            prefix=placed.prefix,
-            others=(*placed.others, *(placed.prefix + part.prefix for part in plan.parts if part.prefix)),
-            keys=None if plan.base.keyframes == "none" else placed.keys,
-            is_fixed_in_world=placed.is_fixed_in_world,
-            span=placed.span or plan.base.span,
-        )
-    )
-    for part in plan.parts:
+    prefixed = tuple(placed.prefix + part.prefix for part in plan.parts if part.prefix)
+    for part in plan.members:
         policy = part.attachment.key_policy
         keys = None if policy == "none" or placed.keys is None else placed.keys
         yield from _walk(
@@ -490,7 +473,7 @@ def _walk(placed: PlacedModel) -> Iterator[PlacedModel]:
                 part,
                 part=above + part_name(part, plan.separator),
                 prefix=placed.prefix + part.prefix,
-                others=placed.others,
+                others=placed.others if part is not plan.base else (*placed.others, *prefixed),
                 keys=keys + part.prefix if keys is not None and policy == "prefix" else keys,
                 is_fixed_in_world=placed.is_fixed_in_world and is_fixed_in_world(part.attachment),
                 span=placed.span or part.span,

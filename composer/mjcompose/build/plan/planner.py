@@ -16,7 +16,7 @@ from mjcompose.base.limits import advice, in_force
 from mjcompose.build.plan.locked import use_lock
 from mjcompose.build.plan.matrix import draw_parameters, read_matrix
 from mjcompose.build.plan.parts import check_part_names, check_pieces, copies, without_rings
-from mjcompose.build.plan.plan import AttachPart, Drawn, LoadBase, Plan
+from mjcompose.build.plan.plan import BASE, AttachPart, Drawn, Plan
 from mjcompose.build.plan.read import Given, folder_of, validated_recipe
 from mjcompose.build.plan.step_table import steps_of
 from mjcompose.build.plan.steps import (
@@ -32,7 +32,6 @@ from mjcompose.language.expand import Concrete
 from mjcompose.language.placing import with_inherited
 from mjcompose.language.randomize import Randomize
 from mjcompose.language.recipe import Recipe
-from mjcompose.language.used_model import Base, key_policy
 from mjcompose.language.validate import validate_what_remains
 from mjcompose.sources import ros
 from mjcompose.sources.context import Context, as_text
@@ -181,9 +180,12 @@ class _Planner:
         """Return the plan of a recipe that was read, with its base and parts planned; `at` is its path in the file."""
         recipe, document, concrete = found.recipe, found.document, found.concrete
         base = self._base(found, inside)
-        parts = without_rings(tuple(self._parts(found, inside)), recipe.separator, self.sink)
-        if base is None:
+        members = tuple(self._parts(found, inside))
+        if recipe.base is not None and base is None:
             return None
+        if base is not None and base.attachment.is_placed:
+            members, base = (base, *members), None
+        parts = without_rings(members, recipe.separator, self.sink)
         steps = tuple(steps_of(StepInput(recipe, document, randomize, sample=sample, worlds=self.worlds)))
         plan = Plan(
             name=name,
@@ -230,12 +232,12 @@ class _Planner:
     def _may_have(self, plan: Plan) -> bool:
         """Return whether a plan is within the limit of parts, including copies and parts of nested recipes."""
         inner = [1 + self._size_of(part.model) for part in plan.parts]
-        size = sum(inner) + self._size_of(plan.base.model)
+        size = sum(inner) + (self._size_of(plan.base.model) if plan.base else 0)
         self.sizes[id(plan)] = plan, size
         most = in_force().parts
         if size <= most:
             return True
-        at = plan.parts[inner.index(max(inner))].span if inner else locate(plan.document, ("base", "model"))
+        at = plan.parts[inner.index(max(inner))].span if inner else locate(plan.document, (BASE, "model"))
         message = f"the recipe has {size} parts; {most} are allowed"
         self.sink.error("limit-exceeded", message, at, help=advice("parts", size))
         return False
@@ -277,23 +279,13 @@ class _Planner:
         check_bare_angles(angle_context, self.sink)
         return angle_context
 
-    def _base(self, found: _LoadedRecipe, inside: Outer) -> LoadBase | None:
-        recipe, document = found.recipe, found.document
-        if recipe.base is None:
-            return LoadBase(None, "merge", None)
-        span = locate(document, ("base", "model"))
-        model = self._model(recipe.base, ("base",), found, inside=inside)
-        if model is None:
+    def _base(self, found: _LoadedRecipe, inside: Outer) -> AttachPart | None:
+        """Return the base; None without one, and after a reported error."""
+        asked = found.recipe.base
+        model = None if asked is None else self._model(asked, (BASE,), found, inside=inside)
+        if asked is None or model is None:
             return None
-        base = recipe.base
-        return LoadBase(
-            model,
-            key_policy(base.drop, base.keys),
-            span,
-            subtree=base.subtree,
-            drop=base.drop,
-            edit=base.edit,
-        )
+        return AttachPart("", model, asked, at=(BASE,), span=locate(found.document, (BASE, "model")))
 
     def _parts(self, found: _LoadedRecipe, inside: Outer) -> Iterator[AttachPart]:
         recipe, document = found.recipe, found.document
@@ -336,7 +328,7 @@ class _Planner:
 
     def _model(
         self,
-        asked: Base | Attachment,
+        asked: Attachment,
         at: KeyPath,
         around: _LoadedRecipe,
         inside: Outer,

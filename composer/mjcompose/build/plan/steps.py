@@ -256,7 +256,14 @@ class DrawValues(Step):
         for field in randomize.fields if randomize is not None else ():
             if randomize is not None and field.select is not None:
                 span = given.span(field.drawn_at)
-                yield cls(field, randomize.seed, given.sample, randomize.samples, span, given.worlds)
+                yield cls(
+                    field,
+                    randomize.seed,
+                    given.sample,
+                    samples=randomize.samples,
+                    span=span,
+                    tabled=given.worlds,
+                )
 
     @property
     def words(self) -> str:
@@ -333,7 +340,7 @@ class SetDefault(Step):
     @classmethod
     def of(cls, given: StepInput) -> Iterator[Step]:
         for each in given.recipe.default:
-            yield cls(each.name, each.parent, each.element, given.span(each.element.at, key=True))
+            yield cls(each.name, each.parent, each.element, span=given.span(each.element.at, key=True))
 
     @property
     def words(self) -> str:

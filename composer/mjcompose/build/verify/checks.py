@@ -68,7 +68,7 @@ class NestedRecipe:
         if not self.part:
             return {"body": None, "pos": ORIGIN, "quat": IDENTITY_QUAT}
         end, name, plan = self.plan.separator, f"{self.part}{BASE}", self.plan
-        while isinstance(plan.base.model, Plan):
+        while plan.base is not None and isinstance(plan.base.model, Plan):
             plan, name = plan.base.model, f"{name}{end}{BASE}"
         for member in members:
             if member.part == name and member.pose is not None:

@@ -97,7 +97,7 @@ class Recipes:
         self.plans.append(plan)
         for step in plan.parts:
             self.attached[step.span] = plan, step
-        for at in (("base", "with"), *((*step.at, "with") for step in plan.parts)):
+        for at in [(*step.at, "with") for step in plan.members]:
             given = find(plan.document, at)
             if isinstance(given, Mapping):
                 for name, (_, node) in given.entries.items():
