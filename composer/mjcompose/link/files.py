@@ -312,23 +312,34 @@ def path_in_assets(settings: Settings, written: str) -> str:
     return written
 
 
-def add_file(
-    linking: Linking, folder: Path, element: Node, attribute: str, name: str, door: Door, span: Span
-) -> None:
-    """Add a file from the recipe. Its path is relative to the recipe, and it is stored below `assets/` as for parts.
+@dataclass(frozen=True, slots=True)
+class NamedFile:
+    """A file that a recipe names by an attribute of an element, relative to `folder`.
 
     `door` is that of the recipe, `span` where it names the file.
     """
+
+    element: Node
+    attribute: str
+    name: str
+    folder: Path
+    door: Door
+    span: Span
+
+
+def add_file(linking: Linking, file: NamedFile) -> None:
+    """Add a file from the recipe. It is stored below `assets/`, as for parts."""
     try:
-        source = door.admit(join(str(folder), name))
+        source = file.door.admit(join(str(file.folder), file.name))
     except Refused as refused:
-        refused.report(linking.sink, span)
+        refused.report(linking.sink, file.span)
         return
-    inside = "/".join(step for step in name.replace("\\", "/").split("/") if step not in ("..", ".", ""))
+    steps = file.name.replace("\\", "/").split("/")
+    inside = "/".join(step for step in steps if step not in ("..", ".", ""))
     path, number = f"{ASSETS}/{inside}", 1
     taken = {use.path.lower(): use.source for use in linking.files}
     while taken.get(path.lower(), source) != source:
         number += 1
         path = f"{ASSETS}/{number}/{inside}"
-    element.set(attribute, path)
-    linking.files.append(FileUse(element, attribute, path, source=source, content=None))
+    file.element.set(file.attribute, path)
+    linking.files.append(FileUse(file.element, file.attribute, path, source=source, content=None))

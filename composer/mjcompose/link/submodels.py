@@ -21,12 +21,12 @@ from pathlib import Path
 from lxml.etree import _Element as Node
 
 from mjcompose.base.access import Door, Passed, held
-from mjcompose.base.diagnostic import Span
+from mjcompose.base.dataclass import dataclass
 from mjcompose.base.files import Refused, read_regular
 from mjcompose.base.limits import advice, in_force
 from mjcompose.base.sink import Sink
 from mjcompose.link.agreement import default_of, merge_values, set_value, written_settings
-from mjcompose.link.files import ASSETS, add_file, path_in_assets
+from mjcompose.link.files import ASSETS, NamedFile, add_file, path_in_assets
 from mjcompose.link.linking import FileUse, Linking
 from mjcompose.link.settings import FOLDERS
 from mjcompose.model.cost import NOTHING, Weight, expanded
@@ -160,108 +160,172 @@ def submodels(linking: Linking) -> None:
         for element in unit.root.iter("model"):
             file = element.get("file")
             if file:
+                bundler = _Bundler(linking, keyed=policy != "none")
                 with suppress(_TooManyError):
-                    _bundle(
-                        linking,
-                        unit,
-                        element,
-                        file=str(file),
-                        folder=f"{ASSETS}/{unit.label}/models",
-                        keyed=policy != "none",
-                    )
+                    bundler.bundle(unit, element, str(file), folder=f"{ASSETS}/{unit.label}/models")
 
 
-def add_named_file(
-    linking: Linking, folder: Path, element: Node, attribute: str, name: str, door: Door, span: Span
-) -> None:
+def add_named_file(linking: Linking, file: NamedFile) -> None:
     """Add a file that a recipe names, and for a `<model>` also the files it needs. See `add_file`."""
-    if element.tag != "model":
-        add_file(linking, folder, element, attribute=attribute, name=name, door=door, span=span)
+    if file.element.tag != "model":
+        add_file(linking, file)
         return
     base = linking.base
-    recipe = Unit(base.root, span.file, folder, label="", origins=base.origins, door=door)
+    recipe = Unit(base.root, file.span.file, file.folder, label="", origins=base.origins, door=file.door)
+    bundler = _Bundler(linking, keyed=linking.request.base_keyframes != "none")
     with suppress(_TooManyError):
-        _bundle(
-            linking,
-            recipe,
-            element,
-            file=name,
-            folder=f"{ASSETS}/models",
-            keyed=linking.request.base_keyframes != "none",
-        )
-
-
-def _bundle(
-    linking: Linking,
-    unit: Unit,
-    element: Node,
-    file: str,
-    folder: str,
-    keyed: bool,
-    above: tuple[str, ...] = (),
-) -> None:
-    """Bundle a model that another one refers to. `above` are the models that lead to it."""
-    known = unit.contents.get(file)
-    source = held(known if isinstance(known, Path) else join(str(unit.directory), file))
-    if isinstance(known, bytes):
-        if _is_bundled(file):
-            _bundled_before(linking, unit, element, file=file, model=known)
-            return
-        source = held(f"{source}#{hashlib.sha256(known).hexdigest()}")  # two may have one path
-    if source in above:
-        linking.sink.error(
-            "source-cycle",
-            f"the model `{file}` is made of itself",
-            linking.span(unit, element, "file"),
-            help="MuJoCo attaches a copy of what is named here: take this `<model>` out, or name another file",
-        )
-        return
-    _count(linking, unit, element, depth=len(above))
-    before = linking.sink.error_count
-    if isinstance(known, bytes):
-        shown, sub = file, parse_held(unit, file, known, sink=linking.sink)
-    else:
-        shown = _shown(unit, source) if known is None else source
-        at = linking.span(unit, element, "file")
-        door = door_of_submodel(unit, Path(source), known)
-        sub = parse_file(Path(source), linking.sink, file=shown, span=at, door=door)
-    if sub is None or linking.sink.error_count > before:
-        return
-    # MuJoCo calls a `<model>` without a name after the `model` attribute in its file. Written here, the name stays
-    # where the file is read as another one of the bundle.
-    if not element.get("name"):
-        element.set("name", sub.model)
-    path = _free(linking, f"{folder}/{sub.label}" + ("" if keyed else "-without-keys"), source)
-    for section in list(sub.root.iterchildren("keyframe")) if not keyed else ():
-        sub.root.remove(section)
-    _own_files(linking, sub, path, keyed=keyed, above=(*above, source))
-    linking.notes.attached[element] = sub.root
-    sub.origins.own(sub.root, shown)
-    unit.origins.adopt(sub.origins)  # a file that it lacks is reported where it names it
-    element.set("file", f"{path}.xml")
-    linking.files.append(
-        FileUse(element, "file", f"{path}.xml", source=source, content=write(sub.root), shared=False)
-    )
+        bundler.bundle(recipe, file.element, file.name, folder=f"{ASSETS}/models")
 
 
 class _TooManyError(Exception):
     """Too many sub-models, or too deeply nested ones. It has been reported; the rest of the model is skipped."""
 
 
-def _count(linking: Linking, unit: Unit, element: Node, depth: int) -> None:
-    """Count one more sub-model, because models that each refer to two others would grow without end."""
-    limits = in_force()
-    linking.submodels += 1
-    if depth >= limits.nesting:
-        message = f"models name one another too deep; {limits.nesting} in one another are allowed"
-        limit = "nesting"
-    elif linking.submodels > limits.submodels:
-        message = f"there are more than {limits.submodels} models that models attach"
-        limit = "submodels"
-    else:
-        return
-    linking.sink.error("limit-exceeded", message, linking.span(unit, element, "file"), help=advice(limit))
-    raise _TooManyError
+@dataclass(frozen=True, slots=True)
+class _Bundler:
+    """Bundles models that other models refer to, with their keys if they are `keyed`."""
+
+    linking: Linking
+    keyed: bool
+
+    def bundle(
+        self, unit: Unit, element: Node, file: str, *, folder: str, above: tuple[str, ...] = ()
+    ) -> None:
+        """Bundle a model that another one refers to. `above` are the models that lead to it."""
+        known = unit.contents.get(file)
+        source = held(known if isinstance(known, Path) else join(str(unit.directory), file))
+        if isinstance(known, bytes):
+            steps = file.split("/")
+            if len(steps) == 4 and steps[0] == ASSETS and steps[2] == "models":  # where this pass puts them
+                self._bundled_before(unit, element, file=file, model=known)
+                return
+            source = held(f"{source}#{hashlib.sha256(known).hexdigest()}")  # two may have one path
+        if source in above:
+            self.linking.sink.error(
+                "source-cycle",
+                f"the model `{file}` is made of itself",
+                self.linking.span(unit, element, "file"),
+                help="MuJoCo attaches a copy of what is named here: take this `<model>` out, or name another file",
+            )
+            return
+        self._count(unit, element, depth=len(above))
+        before = self.linking.sink.error_count
+        if isinstance(known, bytes):
+            shown, sub = file, parse_held(unit, file, known, sink=self.linking.sink)
+        else:
+            shown = _shown(unit, source) if known is None else source
+            at = self.linking.span(unit, element, "file")
+            door = door_of_submodel(unit, Path(source), known)
+            sub = parse_file(Path(source), self.linking.sink, file=shown, span=at, door=door)
+        if sub is None or self.linking.sink.error_count > before:
+            return
+        # MuJoCo calls a `<model>` without a name after the `model` attribute in its file. Written here, the name stays
+        # where the file is read as another one of the bundle.
+        if not element.get("name"):
+            element.set("name", sub.model)
+        path = self._free(f"{folder}/{sub.label}" + ("" if self.keyed else "-without-keys"), source)
+        for section in list(sub.root.iterchildren("keyframe")) if not self.keyed else ():
+            sub.root.remove(section)
+        self._own_files(sub, path, above=(*above, source))
+        self.linking.notes.attached[element] = sub.root
+        sub.origins.own(sub.root, shown)
+        unit.origins.adopt(sub.origins)  # a file that it lacks is reported where it names it
+        element.set("file", f"{path}.xml")
+        self.linking.files.append(
+            FileUse(element, "file", f"{path}.xml", source=source, content=write(sub.root), shared=False)
+        )
+
+    def _count(self, unit: Unit, element: Node, depth: int) -> None:
+        """Count one more sub-model, because models that each refer to two others would grow without end."""
+        limits = in_force()
+        self.linking.submodels += 1
+        if depth >= limits.nesting:
+            message = f"models name one another too deep; {limits.nesting} in one another are allowed"
+            limit = "nesting"
+        elif self.linking.submodels > limits.submodels:
+            message = f"there are more than {limits.submodels} models that models attach"
+            limit = "submodels"
+        else:
+            return
+        self.linking.sink.error(
+            "limit-exceeded", message, self.linking.span(unit, element, "file"), help=advice(limit)
+        )
+        raise _TooManyError
+
+    def _bundled_before(self, unit: Unit, element: Node, file: str, model: bytes) -> None:
+        """Bundle the sub-model of a composition, whose files are next to it in a folder with its name."""
+        taken = {
+            use.path: use.content if use.content is not None else Path(use.source)
+            for use in self.linking.files
+        }
+        folder = file.rsplit("/", 1)[0]
+        start = file.removesuffix(".xml") + "/"
+        files = {path: content for path, content in unit.contents.items() if path.startswith(start)}
+        files = {path.removeprefix(folder): content for path, content in {file: model, **files}.items()}
+        number, free = 1, folder
+        while any(
+            not _same_bytes(taken.get(free + path, content), content) for path, content in files.items()
+        ):
+            number += 1
+            free = f"{folder}-{number}"
+        element.set("file", free + file.removeprefix(folder))
+        if (again := parse_held(unit, file, model, sink=Sink())) is not None:
+            self.linking.notes.attached[element] = again.root
+        for path, content in files.items():
+            data = content if isinstance(content, bytes) else None
+            source = held(folder + path if isinstance(content, bytes) else content)
+            self.linking.files.append(
+                FileUse(element, "file", free + path, source=source, content=data, shared=False)
+            )
+
+    def _free(self, path: str, source: str) -> str:
+        taken = {use.path: use.source for use in self.linking.files}
+        number, free = 1, path
+        while taken.get(f"{free}.xml", source) != source:
+            number += 1
+            free = f"{path}-{number}"
+        return free
+
+    def _readable_file(self, sub: Unit, element: Node, attribute: str, *, written: str) -> Passed | None:
+        try:
+            return sub.door.admit(join(str(sub.directory), written))
+        except Refused as refused:
+            refused.report(self.linking.sink, self.linking.span(sub, element, attribute))
+            return None
+
+    def _own_files(self, sub: Unit, path: str, *, above: tuple[str, ...]) -> None:
+        """Bundle the files of a sub-model in a folder next to it. Its paths to them are relative to its own folder."""
+        beside = path.rsplit("/", 1)[1]
+        taken: dict[str, str] = {}
+        for element, attribute, file in file_attributes(sub.root):
+            written = written_path(sub.settings, element, file)
+            known = sub.contents.get(written)
+            if known is None:
+                source = self._readable_file(sub, element, attribute, written=written)
+            else:
+                source = held(known if isinstance(known, Path) else join(str(sub.directory), written))
+            if source is None:
+                continue
+            below = name = path_in_assets(sub.settings, written)
+            number = 1
+            while taken.setdefault(name.lower(), source) != source:
+                number += 1
+                name = f"{number}/{below}"
+            element.set(attribute, f"{beside}/{name}")
+            content = known if isinstance(known, bytes) else None
+            self.linking.files.append(
+                FileUse(element, attribute, f"{path}/{name}", source=source, content=content, shared=False)
+            )
+        for nested in sub.root.findall("asset/model"):
+            model_file = nested.get("file")
+            if model_file:
+                self.bundle(sub, nested, model_file, folder=f"{path}/models", above=above)
+                nested.set("file", f"{beside}/models/" + str(nested.get("file")).rsplit("/", 1)[-1])
+        # Its files are named from where it stands now: MuJoCo would put the folders in front of that once more.
+        for compiler in sub.root.iterchildren("compiler"):
+            for name in FOLDERS:
+                if name in compiler.attrib:
+                    del compiler.attrib[name]
 
 
 def parse_held(unit: Unit, file: str, data: bytes, sink: Sink) -> Unit | None:
@@ -283,36 +347,10 @@ def door_of_submodel(unit: Unit, path: Path, known: bytes | Path | None) -> Door
     return unit.door if known is None else unit.door.wider((path.parent,))
 
 
-def _is_bundled(file: str) -> bool:
-    """Return whether a sub-model is in the place where this pass puts sub-models."""
-    steps = file.split("/")
-    return len(steps) == 4 and steps[0] == ASSETS and steps[2] == "models"
-
-
 def _shown(unit: Unit, source: str) -> str:
     """Return the path of the sub-model for messages, next to the file of the unit."""
     inside = os.path.relpath(source, unit.directory)
     return os.path.normpath(os.path.join(os.path.dirname(unit.file), inside))
-
-
-def _bundled_before(linking: Linking, unit: Unit, element: Node, file: str, model: bytes) -> None:
-    """Bundle the sub-model of a composition, whose files are next to it in a folder with its name."""
-    taken = {use.path: use.content if use.content is not None else Path(use.source) for use in linking.files}
-    folder = file.rsplit("/", 1)[0]
-    start = file.removesuffix(".xml") + "/"
-    files = {path: content for path, content in unit.contents.items() if path.startswith(start)}
-    files = {path.removeprefix(folder): content for path, content in {file: model, **files}.items()}
-    number, free = 1, folder
-    while any(not _same_bytes(taken.get(free + path, content), content) for path, content in files.items()):
-        number += 1
-        free = f"{folder}-{number}"
-    element.set("file", free + file.removeprefix(folder))
-    if (again := parse_held(unit, file, model, sink=Sink())) is not None:
-        linking.notes.attached[element] = again.root
-    for path, content in files.items():
-        data = content if isinstance(content, bytes) else None
-        source = held(folder + path if isinstance(content, bytes) else content)
-        linking.files.append(FileUse(element, "file", free + path, source=source, content=data, shared=False))
 
 
 def _same_bytes(one: bytes | Path, other: bytes | Path) -> bool:
@@ -327,56 +365,3 @@ def _same_bytes(one: bytes | Path, other: bytes | Path) -> bool:
 
 def _data(file: bytes | Path) -> bytes:
     return file if isinstance(file, bytes) else read_regular(file)
-
-
-def _free(linking: Linking, path: str, source: str) -> str:
-    taken = {use.path: use.source for use in linking.files}
-    number, free = 1, path
-    while taken.get(f"{free}.xml", source) != source:
-        number += 1
-        free = f"{path}-{number}"
-    return free
-
-
-def _readable_file(linking: Linking, sub: Unit, element: Node, attribute: str, written: str) -> Passed | None:
-    try:
-        return sub.door.admit(join(str(sub.directory), written))
-    except Refused as refused:
-        refused.report(linking.sink, linking.span(sub, element, attribute))
-        return None
-
-
-def _own_files(linking: Linking, sub: Unit, path: str, keyed: bool, above: tuple[str, ...]) -> None:
-    """Bundle the files of a sub-model in a folder next to it. Its paths to them are relative to its own folder."""
-    beside = path.rsplit("/", 1)[1]
-    taken: dict[str, str] = {}
-    for element, attribute, file in file_attributes(sub.root):
-        written = written_path(sub.settings, element, file)
-        known = sub.contents.get(written)
-        if known is None:
-            source = _readable_file(linking, sub, element, attribute=attribute, written=written)
-        else:
-            source = held(known if isinstance(known, Path) else join(str(sub.directory), written))
-        if source is None:
-            continue
-        below = name = path_in_assets(sub.settings, written)
-        number = 1
-        while taken.setdefault(name.lower(), source) != source:
-            number += 1
-            name = f"{number}/{below}"
-        element.set(attribute, f"{beside}/{name}")
-        content = known if isinstance(known, bytes) else None
-        linking.files.append(
-            FileUse(element, attribute, f"{path}/{name}", source=source, content=content, shared=False)
-        )
-    for nested in sub.root.findall("asset/model"):
-        model_file = nested.get("file")
-        if model_file:
-            inner = f"{path}/models"
-            _bundle(linking, sub, nested, file=model_file, folder=inner, keyed=keyed, above=above)
-            nested.set("file", f"{beside}/models/" + str(nested.get("file")).rsplit("/", 1)[-1])
-    # Its files are named from where it stands now: MuJoCo would put the folders in front of that once more.
-    for compiler in sub.root.iterchildren("compiler"):
-        for name in FOLDERS:
-            if name in compiler.attrib:
-                del compiler.attrib[name]

@@ -14,7 +14,7 @@ from lxml.etree import _Element as Node
 from mjcompose.base.diagnostic import Note, Span
 from mjcompose.base.sink import Sink
 from mjcompose.build.compose.editing import is_angular
-from mjcompose.build.compose.elements import ElementBuilder
+from mjcompose.build.compose.elements import ElementBuilder, Reference
 from mjcompose.build.plan.plan import AttachPart
 from mjcompose.language.form import Element
 from mjcompose.link import numbers
@@ -184,27 +184,28 @@ def check_names(linking: Linking, making: ElementBuilder) -> None:
 
     Those to keys wait for `check_names_of_keys`.
     """
-    references: list[tuple[Node, str, str, str, str]] = []
+    references: list[Reference] = []
     for top, section in making.registered:
         for node in top.iter("*"):
             written = making.written(node)
             for name, (kind, namespace) in naming_table(section).get(str(node.tag), {}).items():
                 if kind == DECLARES and name in written and (value := node.get(name)):
                     _declare(linking, making, node, name=name, namespace=namespace, value=str(value))
-            references += [(node, *each) for each in own_references(node, section) if each[0] in written]
-    for node, name, namespace, value, typed_by in references:
-        if namespace == "key":
-            making.of_keys.append((node, name, value, typed_by))
+            own = own_references(node, section)
+            references += [Reference(node, *each) for each in own if each[0] in written]
+    for each in references:
+        if each.namespace == "key":
+            making.of_keys.append(each)
         else:
-            _look_up(linking, making, node, name=name, namespace=namespace, value=value, typed_by=typed_by)
+            _look_up(linking, making, each)
 
 
 def check_names_of_keys(linking: Linking, making: ElementBuilder) -> None:
     """Look up the references to keys, when these are laid out."""
     if making.of_keys:
         linking.names.declared["key"] = {str(key.get("name") or ""): key for key in keys_of(linking.base)}
-    for node, name, value, typed_by in making.of_keys:
-        _look_up(linking, making, node, name=name, namespace="key", value=value, typed_by=typed_by)
+    for each in making.of_keys:
+        _look_up(linking, making, each)
 
 
 def check_class(linking: Linking, sink: Sink, name: str, span: Span) -> None:
@@ -238,13 +239,11 @@ def _declare(
         )
 
 
-def _look_up(
-    linking: Linking, making: ElementBuilder, node: Node, name: str, namespace: str, value: str, typed_by: str
-) -> None:
-    if namespace == "default" and refer_to_top_class(linking, node, name):
+def _look_up(linking: Linking, making: ElementBuilder, reference: Reference) -> None:
+    node, attribute, namespace, name, typed_by = reference
+    if namespace == "default" and refer_to_top_class(linking, node, attribute):
         return
-    if not resolves(linking, namespace, value):
-        span = making.span_of(node, name)
-        making.sink.add(
-            unresolved(linking, namespace, value, span=span, written=f"{name}: {{}}", typed_by=typed_by)
-        )
+    if not resolves(linking, namespace, name):
+        span = making.span_of(node, attribute)
+        written = f"{attribute}: {{}}"
+        making.sink.add(unresolved(linking, namespace, name, span=span, written=written, typed_by=typed_by))

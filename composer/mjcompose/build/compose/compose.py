@@ -505,16 +505,7 @@ def _carry_out(plan: Plan, linking: Linking, making: ElementBuilder, early: Earl
     for part in plan.parts:
         check_joints(part, linking, making)
     for node, attribute, name in making.files:
-        folder, door = making.folder_of(node, attribute), making.door_of(node, attribute)
-        add_named_file(
-            linking,
-            folder,
-            node,
-            attribute=attribute,
-            name=name,
-            door=door,
-            span=making.span_of(node, attribute),
-        )
+        add_named_file(linking, making.named_file(node, attribute, name))
     if making.files:
         linking.watch(linking.units, add_file)
     making.files.clear()

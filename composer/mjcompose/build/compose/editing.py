@@ -12,7 +12,6 @@ from typing import Any
 
 from lxml.etree import _Element as Node
 
-from mjcompose.base.access import Door
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Path, Span
 from mjcompose.base.files import Refused
@@ -20,6 +19,7 @@ from mjcompose.base.limits import advice, in_force
 from mjcompose.base.sink import Sink
 from mjcompose.build.compose.elements import ElementBuilder
 from mjcompose.language.motors import Motor
+from mjcompose.link.files import NamedFile
 from mjcompose.link.key_layout import JOINTS
 from mjcompose.link.linking import Linking
 from mjcompose.link.submodels import add_named_file
@@ -251,35 +251,25 @@ def take_files(editing: Editing) -> None:
     """Resolve the files that edits name relative to the recipe. They replace those that the elements named before."""
     making, linking = editing.making, editing.linking
     for node, attribute, name in making.files:
-        folder, door, span = (
-            making.folder_of(node, attribute), making.door_of(node, attribute), making.span_of(node, attribute),
-        )  # fmt: skip
+        file = making.named_file(node, attribute, name)
         linking.files = [
             use for use in linking.files if use.element is not node or use.attribute != attribute
         ]
         if editing.own:
-            _take_own_file(
-                editing,
-                node,
-                attribute,
-                file=PathlibPath(os.path.realpath(folder / name)),
-                door=door,
-                span=span,
-            )
+            _take_own_file(editing, file)
         else:
-            add_named_file(linking, folder, node, attribute=attribute, name=name, door=door, span=span)
+            add_named_file(linking, file)
     making.files.clear()
 
 
-def _take_own_file(
-    editing: Editing, node: Node, attribute: str, file: PathlibPath, door: Door, span: Span
-) -> None:
+def _take_own_file(editing: Editing, file: NamedFile) -> None:
     """Add a file to the part. The part's own access rules do not apply, because the recipe names the file."""
+    path = PathlibPath(os.path.realpath(file.folder / file.name))
     try:
-        door.admit(file)
+        file.door.admit(path)
     except Refused as refused:
-        refused.report(editing.sink, span)
+        refused.report(editing.sink, file.span)
         return
-    unit = editing.linking.base
-    node.set(attribute, file.as_posix())
-    unit.contents = {**unit.contents, written_path(unit.settings, node, file.as_posix()): file}
+    unit, node = editing.linking.base, file.element
+    node.set(file.attribute, path.as_posix())
+    unit.contents = {**unit.contents, written_path(unit.settings, node, path.as_posix()): path}

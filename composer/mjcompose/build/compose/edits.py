@@ -18,7 +18,7 @@ from mjcompose.build.compose.editing import EditCost, Editing, count_values
 from mjcompose.build.compose.elements import ElementBuilder
 from mjcompose.build.compose.load import PartRequest
 from mjcompose.build.compose.randomize import draw_values
-from mjcompose.build.compose.select import select_counted
+from mjcompose.build.compose.select import Count, select_counted
 from mjcompose.build.compose.values import Masses, UnusableValue
 from mjcompose.build.plan.plan import Drawn, DropElements, EditOutcome, ElementDraws, Plan, RecipePath
 from mjcompose.build.plan.steps import DrawValues, EditElements
@@ -50,9 +50,8 @@ def drop_elements(entries: Iterable[Drop], editing: Editing, at: Path) -> list[D
     for entry in entries:
         path = (*at, entry.index)
         if entry.select is not None:
-            found = select_counted(
-                editing, entry.select, path, expect=entry.expect, optional=entry.optional, counted_at=path
-            )
+            count = Count(entry.expect, entry.optional, at=path)
+            found = select_counted(editing, entry.select, path, count)
         else:
             found = _section_drop(editing, str(entry.section), path)
         if found:
@@ -84,15 +83,9 @@ def edit_elements(step: EditElements, editing: Editing, workshop: MeshWorkshop) 
     Return what was changed, or None after an error.
     """
     entry = step.edit
-    found = select_counted(
-        editing,
-        entry.select,
-        (*entry.at, "select"),
-        expect=entry.expect,
-        optional=entry.optional,
-        counted_at=(*entry.at, "expect"),
-        values=count_values(entry.verbs),
-    )
+    count = Count(entry.expect, entry.optional, at=(*entry.at, "expect"))
+    values = count_values(entry.verbs)
+    found = select_counted(editing, entry.select, (*entry.at, "select"), count, values=values)
     if not found:
         is_right = entry.expect == 0 or entry.optional
         return EditOutcome({}) if is_right and not editing.cost.ended else None

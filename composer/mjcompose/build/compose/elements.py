@@ -6,6 +6,7 @@ from collections.abc import Callable, Collection
 from dataclasses import field
 from functools import partial
 from pathlib import Path
+from typing import NamedTuple
 
 from lxml import etree
 from lxml.etree import _Element as Node
@@ -21,6 +22,7 @@ from mjcompose.language.element import CONFIG
 from mjcompose.language.form import Element, Single, Value
 from mjcompose.link import numbers
 from mjcompose.link.angles import in_sequence
+from mjcompose.link.files import NamedFile
 from mjcompose.link.linking import Linking
 from mjcompose.model.classes import MAIN
 from mjcompose.model.edit import unresolved
@@ -31,6 +33,16 @@ from mjcompose.sources.context import Context
 from mjcompose.text.expression_values import Angle
 from mjcompose.text.node import Mapping as Located
 from mjcompose.text.node import Scalar, find, locate
+
+
+class Reference(NamedTuple):
+    """A name in a node that the recipe wrote. `typed_by` is the attribute that says of what kind it is, if any."""
+
+    node: Node
+    attribute: str
+    namespace: str
+    name: str
+    typed_by: str
 
 
 @dataclass(slots=True)
@@ -62,7 +74,7 @@ class ElementBuilder:
     fragments: dict[Node, int] = field(default_factory=dict)
     registered: list[tuple[Node, str]] = field(default_factory=list)
     pending: list[tuple[Node, Element, str]] = field(default_factory=list)
-    of_keys: list[tuple[Node, str, str, str]] = field(default_factory=list)
+    of_keys: list[Reference] = field(default_factory=list)
     of_classes: list[tuple[Node, Element, str, bool]] = field(default_factory=list)
     files: list[tuple[Node, str, str]] = field(default_factory=list)
     intervals: dict[tuple[Node, str], Span] = field(default_factory=dict)
@@ -132,9 +144,11 @@ class ElementBuilder:
         """Return the folder of the recipe that writes the value of an attribute. Files are relative to it."""
         return (self.folder / self.span_of(node, attribute).file).parent
 
-    def door_of(self, node: Node, attribute: str) -> Door:
-        """Return what the recipe that writes the value of an attribute may read."""
-        return self.door_of_text(self.folder_of(node, attribute))
+    def named_file(self, node: Node, attribute: str, name: str) -> NamedFile:
+        """Return the file that the recipe names by an attribute of a node."""
+        folder = self.folder_of(node, attribute)
+        span = self.span_of(node, attribute)
+        return NamedFile(node, attribute, name, folder=folder, door=self.door_of_text(folder), span=span)
 
     def written(self, node: Node) -> Collection[str]:
         """Return the attributes of a node that the recipe wrote."""

@@ -15,7 +15,7 @@ from mjcompose.base.diagnostic import Note
 from mjcompose.base.draw_stream import bits
 from mjcompose.build.compose.editing import Editing, cost_of_draws
 from mjcompose.build.compose.keys import report_only_zeros, zero_attributes
-from mjcompose.build.compose.select import select_counted
+from mjcompose.build.compose.select import Count, select_counted
 from mjcompose.build.compose.values import Masses, UnusableValue, Values
 from mjcompose.build.plan.plan import BASE, Drawn, ElementDraws
 from mjcompose.build.plan.steps import AngleSettings, DrawValues
@@ -37,17 +37,9 @@ def draw_values(step: DrawValues, editing: Editing) -> tuple[list[Drawn], list[E
     """
     entry = step.field
     assert entry.select is not None
-    at = (*entry.at, "expect")
+    count = Count(entry.expect, entry.optional, at=(*entry.at, "expect"))
     cost = cost_of_draws(0 if step.sample else step.samples, step.tabled)
-    found = select_counted(
-        editing,
-        entry.select,
-        (*entry.at, "select"),
-        expect=entry.expect,
-        optional=entry.optional,
-        counted_at=at,
-        values=cost,
-    )
+    found = select_counted(editing, entry.select, (*entry.at, "select"), count, values=cost)
     draws = _FieldDraws(step, editing, Masses(editing, found))
     drawn: list[Drawn] = []
     by: set[tuple[Any, ...]] = set()

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from functools import cache, lru_cache
-from typing import Any
+from typing import Any, NamedTuple
 
 from lxml.etree import _Element as Node
 
@@ -44,19 +44,27 @@ def select(editing: Editing, selector: Selector, path: Path) -> list[Node] | Non
     return None
 
 
+class Count(NamedTuple):
+    """How many elements a selector may select: `expect` if it says so, none if it is `optional`; `at` says it."""
+
+    expect: int | None
+    optional: bool
+    at: Path
+
+
 def select_counted(
     editing: Editing,
     selector: Selector,
     path: Path,
-    expect: int | None,
-    optional: bool,
-    counted_at: Path,
+    count: Count,
+    *,
     values: float = 1,
 ) -> list[Node]:
     """Return the selected elements. Report if their number is wrong; the result is empty then.
 
     `values` is how many values are written on each element, which counts towards the limit on edits.
     """
+    expect = count.expect
     found = select(editing, selector, path)
     if found is None:
         return []
@@ -65,12 +73,12 @@ def select_counted(
         editing.sink.error(
             "selector",
             f"`{selector}` selects {_count(len(found))}, expected {expect}",
-            editing.span(counted_at),
+            editing.span(count.at),
             notes=notes,
             help=None if not found else f"write `expect: {len(found)}` if that is right",
         )
         return []
-    if not found and not optional and expect is None:
+    if not found and not count.optional and expect is None:
         _report_nothing(editing, selector, path)
     return found if editing.cost.allows(len(found) * values, editing.sink, editing.span(path)) else []
 

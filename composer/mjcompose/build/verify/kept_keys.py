@@ -83,19 +83,13 @@ def check_kept_keys(model: Unit, notes: KeyNotes, session: engine.Session, sink:
         model, notes, {key: (each, described[each.text]) for each in sources for key in each.rows}
     )
     controls = {at: each["ctrl"] for (at, _), each in zip(held, answer.value["held"], strict=True)}
+    comparison = _Comparison(final, answer.value, notes)
     for at, key in enumerate(keys):
         meant = meaning.of(key)
         if meant is not None:
             row = answer.value["keys"][at]
-            wrong = _differences(
-                final,
-                answer.value,
-                meant,
-                row=row,
-                settled=_computed_controls(key, model, notes),
-                controls=controls.get(at),
-                notes=notes,
-            )
+            computed = _computed_controls(key, model, notes)
+            wrong = comparison.differences(meant, row, computed, controls=controls.get(at))
             _report(key, list(wrong), model, sink=sink)
 
 
@@ -188,36 +182,53 @@ class _Difference(NamedTuple):
     meant: Value
 
 
-def _differences(
-    final: BareModel, answer: Mapping[str, Any], meant: Meant, row: Mapping[str, list[float]],
-    settled: Mapping[Any, Span], controls: Sequence[float | None] | None, notes: KeyNotes,
-) -> Iterator[_Difference]:  # fmt: skip
-    for vector in VECTORS:
-        values = meant.get(vector, {})
-        for name, body, number, start, stop in answer["bare"][-1]["holders"][vector]:
-            found = row[vector][start:stop]
-            holder = final.holder(_KINDS[vector], name, body)
-            if holder is None or start == stop:
-                continue
-            node, within = notes.origin(holder[0], holder[1])
-            if node in settled:
-                if vector == "ctrl" and controls is not None:
-                    expected = [each or 0.0 for each in controls[start:stop]]
-                    value = Value(expected, within, settled[node])
+@dataclass(frozen=True, slots=True)
+class _Comparison:
+    """Compares the keys of the `final` model with what is meant; `answer` is MuJoCo's about the bare models."""
+
+    final: BareModel
+    answer: Mapping[str, Any]
+    notes: KeyNotes
+
+    def differences(
+        self,
+        meant: Meant,
+        row: Mapping[str, list[float]],
+        computed: Mapping[Any, Span],
+        *,
+        controls: Sequence[float | None] | None,
+    ) -> Iterator[_Difference]:
+        """Yield the numbers of a key that are not what is meant. `controls` are those that MuJoCo has `computed`."""
+        for vector in VECTORS:
+            values = meant.get(vector, {})
+            for name, body, number, start, stop in self.answer["bare"][-1]["holders"][vector]:
+                found = row[vector][start:stop]
+                holder = self.final.holder(_KINDS[vector], name, body)
+                if holder is None or start == stop:
+                    continue
+                node, within = self.notes.origin(holder[0], holder[1])
+                value: Value | None
+                if node not in computed:
+                    copies = values.get((node, holder[2], number if holder[2] else 0), [])
+                    default = self.answer["reference"][vector][start:stop]
+                    value = _value_of(copies, within, default)
+                elif vector == "ctrl" and controls is not None:
+                    value = Value([each or 0.0 for each in controls[start:stop]], within, computed[node])
                 else:
                     continue  # the activation of a filter or an integrator holds, too
-            else:
-                copies = values.get((node, holder[2], number if holder[2] else 0), [])
-                inside = dict(within)
-                alike = [each for each in copies if all(inside.get(r, n) == n for r, n in each.within)]
-                if any(not each.numbers for each in alike):
-                    continue
-                fitting = [each for each in alike if len(each.numbers) == stop - start]
-                value = (
-                    fitting[0] if fitting else Value(answer["reference"][vector][start:stop], within, None)
-                )
-            if not _same(vector, found, value.numbers):
-                yield _Difference(vector, body if name.startswith(MARK) else name or body, found, meant=value)
+                if value is not None and not _same(vector, found, value.numbers):
+                    called = body if name.startswith(MARK) else name or body
+                    yield _Difference(vector, called, found, meant=value)
+
+
+def _value_of(copies: Sequence[Value], within: Within, default: Sequence[float]) -> Value | None:
+    """Return what is meant for one copy of an element, or None if that is not known."""
+    inside = dict(within)
+    alike = [each for each in copies if all(inside.get(r, n) == n for r, n in each.within)]
+    if any(not each.numbers for each in alike):
+        return None
+    fitting = (each for each in alike if len(each.numbers) == len(default))
+    return next(fitting, Value(default, within, None))
 
 
 def _same(vector: str, one: Sequence[float], other: Sequence[float]) -> bool:

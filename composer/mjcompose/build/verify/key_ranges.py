@@ -7,7 +7,8 @@ from collections.abc import Iterator, Sequence
 from itertools import chain
 from typing import TYPE_CHECKING, NamedTuple
 
-from mjcompose.base.diagnostic import Note, Path, Span
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.diagnostic import Note, Span
 from mjcompose.base.sink import Sink
 from mjcompose.build.plan.plan import Plan
 from mjcompose.language.keyframe import CTRL, HOLD
@@ -45,15 +46,16 @@ def check_key_ranges(plan: Plan, model: Unit, index: Index, sink: Sink) -> None:
     if not plan.keyframes:
         return
     written = {str(key.get("name")): key for key in model.root.iterfind("keyframe/key")}
+    ranges = _RangeCheck(plan, model, sink)
     for step in plan.keyframes:
         element = written.get(step.key.name)
         if element is None:
             continue
-        for vector, kind in _KINDS.items():
+        for vector in _KINDS:
             row = [float(each) for each in str(element.get(vector) or "").split()]
             for name in _written_names(step.key, vector, index):
                 for bound in _bounds(index, vector, name, row=row):
-                    _check(plan, model, step.key, entry=(vector, name), kind=kind, bound=bound, sink=sink)
+                    ranges.check(step.key, (vector, name), bound)
 
 
 def check_stiffness(model: Unit, index: Index, at: Span, sink: Sink) -> None:
@@ -130,36 +132,35 @@ def _joint(index: Index, name: str) -> Joint | None:
     return next(chain(named, (each for each in index.joints if not each.name and each.body == name)), None)
 
 
-def _check(
-    plan: Plan, model: Unit, key: Keyframe, entry: tuple[str, str], kind: str, bound: _Bound, sink: Sink
-) -> None:
-    low, high = bound.range
-    if _down(low) <= bound.value <= -_down(-high):
-        return
-    vector, name = entry
-    holder, unit = _element(model.root, kind, name), bound.unit or ""
-    if vector == "act" and holder is not None and _integrates(holder, model):
-        unit = unit.removesuffix("/s")
-    in_degrees = unit.startswith("rad") and _in_degrees(plan, key, (*key.at, *entry), entry=entry)
+@dataclass(frozen=True, slots=True)
+class _RangeCheck:
+    plan: Plan
+    model: Unit
+    sink: Sink
 
-    def said(number: float) -> str:
-        shown = f"{math.degrees(number) if in_degrees else number:.6g}"
-        return (
-            f"{shown} {unit.replace('rad', 'deg') if in_degrees else unit}"
-            if unit not in ("", "1")
-            else shown
+    def check(self, key: Keyframe, entry: tuple[str, str], bound: _Bound) -> None:
+        """Warn of a number of a key that is out of its range. `entry` is the vector and the name."""
+        low, high = bound.range
+        if _down(low) <= bound.value <= -_down(-high):
+            return
+        (vector, name), model = entry, self.model
+        kind = _KINDS[vector]
+        holder, unit = _element(model.root, kind, name), bound.unit or ""
+        if vector == "act" and holder is not None and _integrates(holder, model):
+            unit = unit.removesuffix("/s")
+        in_degrees = unit.startswith("rad") and _in_degrees(self.plan, key, entry)
+        named = (unit.replace("rad", "deg") if in_degrees else unit) if unit != "1" else ""
+        value, least, most = (
+            f"{math.degrees(number) if in_degrees else number:.6g} {named}".rstrip()
+            for number in (bound.value, low, high)
         )
-
-    notes = []
-    if holder is not None:
-        notes.append(Note(f"the {kind}", model.origins.span(holder, model.file)))
-    sink.warning(
-        "out-of-range",
-        f"`{vector}` of `{name}` is {said(bound.value)}, outside of its range from {said(low)} to {said(high)}",
-        locate(plan.document, (*key.at, *entry)),
-        notes=notes,
-        help=_instead(key, entry, bound),
-    )
+        self.sink.warning(
+            "out-of-range",
+            f"`{vector}` of `{name}` is {value}, outside of its range from {least} to {most}",
+            locate(self.plan.document, (*key.at, *entry)),
+            notes=() if holder is None else (Note(f"the {kind}", model.origins.span(holder, model.file)),),
+            help=_instead(key, entry, bound),
+        )
 
 
 def _instead(key: Keyframe, entry: tuple[str, str], bound: _Bound) -> str | None:
@@ -178,9 +179,10 @@ def _down(bound: float) -> float:
     return bound - _ROUNDING * max(1.0, abs(bound))
 
 
-def _in_degrees(plan: Plan, key: Keyframe, at: Path, entry: tuple[str, str]) -> bool:
+def _in_degrees(plan: Plan, key: Keyframe, entry: tuple[str, str]) -> bool:
     """Return whether the recipe gives this entry in degrees."""
     vector, name = entry
+    at = (*key.at, *entry)
     angles = [each for each in key.values.get(vector, {}).get(name, ()) if isinstance(each, Angle)]
     return angles[0].unit == "deg" if angles else plan.angle_context.at(at).angle == "degree"
 
