@@ -27,7 +27,7 @@ from mjcompose.base.dataclass import dataclass
 from mjcompose.base.log import log
 from mjcompose.build.bundle.assemble import ManifestInput, add_manifest, assemble, renamed_in
 from mjcompose.build.bundle.bundle import Bundle
-from mjcompose.build.compose.compose import Composed, Composer
+from mjcompose.build.compose.compose import Composed, ComposeOptions, Composer
 from mjcompose.build.compose.load import Library
 from mjcompose.build.plan.describe import acknowledge
 from mjcompose.build.plan.locked import check_lock, plan_with_intact_store
@@ -175,7 +175,7 @@ class Build:
             measure_with(context, session=self.session),
             self.session,
             library=self.library,
-            checks_sources=request.verified,
+            options=ComposeOptions(checks_sources=request.verified),
         )
         draft = self._draft(self.plan, composer)
         if draft is None:

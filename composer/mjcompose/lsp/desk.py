@@ -17,7 +17,7 @@ from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Diagnostic, Note, Severity, Span
 from mjcompose.base.files import read_regular, unsaved
 from mjcompose.base.sink import Sink, TooManyFaults
-from mjcompose.build.compose.compose import Composer
+from mjcompose.build.compose.compose import ComposeOptions, Composer
 from mjcompose.build.plan.describe import acknowledge
 from mjcompose.build.plan.planner import plan_what_remains
 from mjcompose.build.stages import Request, build
@@ -241,7 +241,7 @@ class Workspace:
         """Return the model of a plan and the part of each element, or None if it has faults."""
         composer = Composer(
             context, measure_with(context, session=self._session), self._session, watch=watch, library=library,
-            checks_sources=True, notes_parts=True, makes_shapes=False,
+            options=ComposeOptions(checks_sources=True, notes_parts=True, makes_shapes=False),
         )  # fmt: skip
         composed = composer.compose(plan)
         return None if composed is None else (composed.model, composer.parts)

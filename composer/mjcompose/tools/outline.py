@@ -16,7 +16,7 @@ from mjcompose.base.rotation import Pose
 from mjcompose.build.bundle.bundle import MANIFEST
 from mjcompose.build.bundle.manifest import from_json
 from mjcompose.build.bundle.read import ReadError, read
-from mjcompose.build.compose.compose import Composer
+from mjcompose.build.compose.compose import ComposeOptions, Composer
 from mjcompose.build.compose.load import Loader
 from mjcompose.build.plan.matrix import check_sample
 from mjcompose.build.plan.plan import BASE
@@ -387,7 +387,7 @@ def _of_recipe(path: Path, text: str, context: Context, given: Given | None, sam
     plan = make_plan(path, context, given, sample=sample)
     if plan is None or not check_sample(plan, sample, context.sink):
         return None
-    composer = Composer(context, measure_with(context), notes_parts=True)
+    composer = Composer(context, measure_with(context), options=ComposeOptions(notes_parts=True))
     composed = composer.compose(plan)
     if composed is None:
         return None

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from mjcompose.base.diagnostic import Span
 from mjcompose.base.limits import allow
-from mjcompose.build.compose.compose import Composer
+from mjcompose.build.compose.compose import ComposeOptions, Composer
 from mjcompose.build.plan.planner import make_plan
 from mjcompose.build.stages import Built, Request, build
 from mjcompose.language.parameters import node_of
@@ -88,7 +88,7 @@ def test_an_editor_makes_nothing(tmp_path: Path) -> None:
     context = Context(environment={"MJCOMPOSE_CACHE": str(tmp_path / "cache")}, folder=tmp_path)
     plan = make_plan(recipe, context)
     assert plan is not None
-    composed = Composer(context, None, makes_shapes=False).compose(plan)
+    composed = Composer(context, None, options=ComposeOptions(makes_shapes=False)).compose(plan)
     assert composed is not None and composed.shapes == ()
     assert not context.sink.diagnostics
 

@@ -133,14 +133,26 @@ class Composed:
     tables: Tables = field(default_factory=dict)
 
 
+@dataclass(frozen=True, slots=True)
+class ComposeOptions:
+    """Options of composing.
+
+    With `checks_sources`, all of a source has to be MJCF, and not only what is looked at. With `notes_parts`, the
+    composer notes the part of each element. Without `makes_shapes`, only stored results of work on meshes are used,
+    because the work may take minutes.
+    """
+
+    checks_sources: bool = False
+    notes_parts: bool = False
+    makes_shapes: bool = True
+
+
 class Composer:
     """Composes plans.
 
-    `checks_sources` says whether all of a source has to be MJCF, or only what is looked at. `subtrees` has what became
-    of the models of which only one body is taken, by recipe and path. `parts` says of an element what the recipe calls
-    the part that it came from, where `notes_parts` asks for that or the plan needs it. `edits` has what each
-    entry of `edit` did, by recipe and path. `makes_shapes` says whether meshes are worked on, which may take minutes;
-    otherwise only what is kept of them is used.
+    `subtrees` has the result for each model of which only one body is taken, by recipe and path. `parts` has the
+    recipe's name for the part of an element, if the options or the plan ask for it. `edits` has what each entry of
+    `edit` did, by recipe and path.
     """
 
     def __init__(
@@ -148,17 +160,17 @@ class Composer:
         context: Context,
         measure: Measure | None,
         session: Session | None = None,
+        *,
         watch: Watch = nobody,
         library: Library | None = None,
-        checks_sources: bool = False,
-        notes_parts: bool = False,
-        makes_shapes: bool = True,
+        options: ComposeOptions | None = None,
     ) -> None:
         self.context, self.measure, self.watch = context, measure, watch
-        self.notes_parts, self.makes_shapes = notes_parts, makes_shapes
+        self.options = options or ComposeOptions()
+        self.notes_parts = self.options.notes_parts
         self.workshop: MeshWorkshop | None = None
         self.needless: list[tuple[Node, str]] = []
-        self.loader = Loader(context, session, watch, library=library, checks=checks_sources)
+        self.loader = Loader(context, session, watch, library=library, checks=self.options.checks_sources)
         self.subtrees: dict[tuple[str, KeyPath], Subtree] = {}
         self.edits: dict[tuple[str, KeyPath], EditOutcome] = {}
         self.cost = EditCost()
@@ -232,10 +244,8 @@ class Composer:
         """Repeat the work with the faults of the sources corrected. An exception that still occurs is a bug."""
         for unit in library.values():
             repair(unit)
-        again = Composer(
-            replace(self.context, sink=Sink()), self.measure, self.loader.session, library=library
-        )
-        again.notes_parts = self.notes_parts
+        context, options = replace(self.context, sink=Sink()), ComposeOptions(notes_parts=self.notes_parts)
+        again = Composer(context, self.measure, self.loader.session, library=library, options=options)
         again.expect(plan, is_fixed)
         with suppress(RecursionError):
             work(again)
@@ -308,7 +318,7 @@ class Composer:
         linking.watch(linking.units, hold_poses)
         session = self.loader.session
         self.needless += set_collisions(
-            plan, linking, making, context=self.context, session=session, samples=self.makes_shapes
+            plan, linking, making, context=self.context, session=session, samples=self.options.makes_shapes
         )
         check_names_of_keys(linking, making)
         if changes:
@@ -384,7 +394,7 @@ class Composer:
         if self.workshop is None:
             from mjcompose.build.compose.mesh_jobs import MeshWorkshop  # few recipes need it
 
-            self.workshop = MeshWorkshop(self.context, self.makes_shapes)
+            self.workshop = MeshWorkshop(self.context, self.options.makes_shapes)
         return self.workshop
 
     def _note_parts(self, plan: Plan, units: list[Unit]) -> None:

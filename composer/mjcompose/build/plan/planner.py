@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from collections.abc import Mapping as Map
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Note, Span
@@ -74,7 +74,7 @@ def plan_what_remains(
         return None
     path = context.folder / recipe
     try:
-        plan = _Planner(context, worlds).plan(path, (), given=given or {}, name=name, sample=sample)
+        plan = _Planner(context, name=name, sample=sample, worlds=worlds).plan(path, (), given=given or {})
     except RecursionError:  # if the limit `nesting` was raised
         context.sink.error(
             "not-supported", f"recipes that `{recipe}` leads to stand too deep inside one another"
@@ -91,19 +91,35 @@ def plan_what_remains(
 
 @dataclass(frozen=True, slots=True)
 class _LoadedRecipe:
-    """A recipe that was read from a file, or from the path `at` in a file."""
+    """A recipe that was read from a file, or from the path `at` in a file.
 
+    `source` is the reference to the file if another recipe names it, `extended` are the recipes that it extends.
+    """
+
+    name: str
     path: Path
     recipe: Recipe
     document: Mapping
     concrete: Concrete | None
     angle_context: AngleContext
     at: KeyPath = ()
+    source: Source | None = None
+    extended: tuple[tuple[Source, Span], ...] = ()
+
+
+class _Draws(NamedTuple):
+    """What a recipe draws, for which sample, and the values of its parameters that were drawn."""
+
+    randomize: Randomize | None = None
+    sample: int = 0
+    drawn: tuple[Drawn, ...] = ()
 
 
 class _Planner:
-    def __init__(self, context: Context, worlds: bool = False) -> None:
-        self.context, self.worlds = context, worlds
+    """Plans a recipe and those nested in it. `name` and `sample` are of the outermost one."""
+
+    def __init__(self, context: Context, *, name: str | None, sample: int, worlds: bool) -> None:
+        self.context, self.name, self.sample, self.worlds = context, name, sample, worlds
         self.sink = context.sink
         self.nested = 0
         self.sources: dict[tuple[str, Path], Source] = {}
@@ -117,8 +133,6 @@ class _Planner:
         span: Span | None = None,
         *,
         given: Given,
-        name: str | None = None,
-        sample: int = 0,
         source: Source | None = None,
     ) -> Plan | None:
         """Return the plan of one recipe; `outer` are the recipes around it, outermost first."""
@@ -144,40 +158,30 @@ class _Planner:
         if self.worlds and not outer:
             self._check_worlds(path, recipe, document)
         elif randomize is not None and randomize.of_parameters and concrete is not None:
-            values, drawn = draw_parameters(randomize, sample, concrete, document=document, sink=self.sink)
+            values, drawn = draw_parameters(
+                randomize, self.sample, concrete, document=document, sink=self.sink
+            )
             if values:
                 read = self._read(path, {**given, **values})
                 if read is None:
                     return None
                 recipe, document, concrete = read
                 randomize = recipe.randomize
+        name, sample = (None, 0) if outer else (self.name, self.sample)
         found = _LoadedRecipe(
+            name or recipe.name or as_text(path.stem),
             path,
             recipe,
-            document,
+            document=document,
             concrete=concrete,
             angle_context=self._angle_context(path, recipe, document, concrete=concrete),
-        )
-        return self._assembled(
-            found, (*outer, (key, span)), name or recipe.name or as_text(path.stem),
-            randomize=randomize, sample=sample, drawn=drawn, source=source,
+            source=source,
             extended=self.context.recipes[path].extended,
-        )  # fmt: skip
+        )
+        return self._assembled(found, (*outer, (key, span)), _Draws(randomize, sample, drawn))
 
-    def _assembled(
-        self,
-        found: _LoadedRecipe,
-        inside: Outer,
-        name: str,
-        *,
-        at: KeyPath = (),
-        randomize: Randomize | None = None,
-        sample: int = 0,
-        drawn: tuple[Drawn, ...] = (),
-        source: Source | None = None,
-        extended: tuple[tuple[Source, Span], ...] = (),
-    ) -> Plan | None:
-        """Return the plan of a recipe that was read, with its base and parts planned; `at` is its path in the file."""
+    def _assembled(self, found: _LoadedRecipe, inside: Outer, draws: _Draws) -> Plan | None:
+        """Return the plan of a recipe that was read, with its base and parts planned."""
         recipe, document, concrete = found.recipe, found.document, found.concrete
         base = self._base(found, inside)
         members = tuple(self._parts(found, inside))
@@ -186,9 +190,11 @@ class _Planner:
         if base is not None and base.attachment.is_placed:
             members, base = (base, *members), None
         parts = without_rings(members, recipe.separator, self.sink)
-        steps = tuple(steps_of(StepInput(recipe, document, randomize, sample=sample, worlds=self.worlds)))
+        steps = tuple(
+            steps_of(StepInput(recipe, document, draws.randomize, sample=draws.sample, worlds=self.worlds))
+        )
         plan = Plan(
-            name=name,
+            name=found.name,
             description=recipe.description,
             path=found.path,
             file=self.context.shown(found.path),
@@ -206,13 +212,11 @@ class _Planner:
             variants=concrete.variants if concrete else {},
             checks=recipe.check,
             motors=recipe.motors,
-            randomize=randomize,
-            sample=sample,
+            **draws._asdict(),
             worlds=self.worlds,
-            drawn=drawn,
-            source=source,
-            extended=extended,
-            at=at,
+            source=found.source,
+            extended=found.extended,
+            at=found.at,
         )
         check_part_names(plan, self.sink)
         return plan if self._may_have(plan) else None
@@ -388,14 +392,15 @@ class _Planner:
         others = {} if own else around.angle_context.others
         angle_context = AngleContext(read.document, AngleSettings(recipe.angle, recipe.eulerseq), others)
         found = _LoadedRecipe(
+            recipe.name or str(at[-1]),
             around.path,
             recipe,
-            read.document,
+            document=read.document,
             concrete=around.concrete,
             angle_context=angle_context,
             at=(*around.at, *at, "model"),
         )
-        return self._assembled(found, inside, recipe.name or str(at[-1]), at=found.at)
+        return self._assembled(found, inside, _Draws())
 
     def _separators(self, model: str, inner: Recipe | Plan, outer: Recipe, span: Span) -> None:
         self.sink.error(

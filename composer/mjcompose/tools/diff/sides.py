@@ -29,7 +29,7 @@ from mjcompose.build.bundle.collect import collect
 from mjcompose.build.bundle.read import ReadError, read
 from mjcompose.build.cache.builder import source_files
 from mjcompose.build.cache.cells import cells_of, check_axes_are_free, select_cell
-from mjcompose.build.compose.compose import Composer
+from mjcompose.build.compose.compose import ComposeOptions, Composer
 from mjcompose.build.plan.describe import acknowledge
 from mjcompose.build.plan.matrix import check_sample, read_matrix
 from mjcompose.build.plan.plan import Excluded, Plan
@@ -420,7 +420,8 @@ def load_cell(
     if plan is None or context.sink.has_errors:
         return None
     measure = measure_with(context, session=session)
-    composer = Composer(context, measure, session, watch=watch, library=library, checks_sources=True)
+    options = ComposeOptions(checks_sources=True)
+    composer = Composer(context, measure, session, watch=watch, library=library, options=options)
     if (composed := composer.compose(plan)) is None:
         return None
     if (bundle := assemble(plan, composed.model, composed.files, context=context)) is None:
