@@ -12,7 +12,7 @@ from mjcompose.base.access import own_door
 from mjcompose.base.diagnostic import Span
 from mjcompose.base.sink import Sink
 from mjcompose.build.bundle.collect import collect
-from mjcompose.link.files import KINDS, Merged, add_file, dedup, files, path_in_assets
+from mjcompose.link.files import KINDS, Merged, NamedFile, add_file, dedup, files, path_in_assets
 from mjcompose.link.link import link as link_link_link
 from mjcompose.link.linking import FileUse, Linking, Part
 from mjcompose.model.files import Settings
@@ -296,7 +296,8 @@ def test_files_of_the_recipe_itself_do_not_meet_those_of_parts(workshop: Worksho
     elements = [root.makeelement("mesh") for _ in range(4)]
     door = own_door(tmp_path / "recipe.yaml")
     for element, name in zip(elements, ["my/a.obj", "../my/a.obj", "my/a.obj", r"x\.\y.obj"], strict=True):
-        add_file(linking, tmp_path / "in", element, "file", name, door, Span("recipe.yaml", 1, 1))
+        span = Span("recipe.yaml", 1, 1)
+        add_file(linking, NamedFile(element, "file", name, folder=tmp_path / "in", door=door, span=span))
     assert [element.get("file") for element in elements] == [
         "assets/2/my/a.obj",
         "assets/3/my/a.obj",

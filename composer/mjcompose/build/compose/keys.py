@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from typing import TYPE_CHECKING, Any
 
 from lxml.etree import _Element as Node
 
-from mjcompose.base.diagnostic import Note, Path
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.diagnostic import Note, Path, Span
 from mjcompose.build.compose.editing import Editing
 from mjcompose.build.compose.elements import ElementBuilder
 from mjcompose.build.compose.load import FINISHED, keep_finished
@@ -84,78 +85,93 @@ def hold_poses(
         session = session or stack.enter_context(engine.Session())
         if keep_finished(linking, context, session):
             for step in steps:
-                _hold_pose(step, layout, linking, making=making, session=session)
+                _PoseHolder(step, layout, linking, making=making).hold(session)
 
 
-def _hold_pose(
-    step: WriteKeyframe, layout: Layout, linking: Linking, making: ElementBuilder, session: engine.Session
-) -> None:
-    from mjcompose.mujoco.controls import hold  # needs numpy, and few keys hold
+@dataclass(frozen=True, slots=True)
+class _PoseHolder:
+    """Writes the controls that hold the pose of one key."""
 
-    keys = list(keys_of(linking.base))
-    index = next(at for at, key in enumerate(keys) if key.get("name") == step.key.name)
-    controls, path = step.key.controls, (*step.key.at, CTRL)
-    question = {"key": index, "forces": controls.hold == "forces"}
-    answer = engine.call(session, hold, [FINISHED], argument=question)
-    if not answer.ok:
-        making.sink.error("mujoco-crash", f"MuJoCo stumbles over the key `{step.key.name}`: {answer.error}",
-                          locate(making.document, path))  # fmt: skip
-        return
-    found: dict[str, Any] = answer.value
-    if found["left"]:
-        making.sink.warning(
+    step: WriteKeyframe
+    layout: Layout
+    linking: Linking
+    making: ElementBuilder
+
+    def span(self, *path: str) -> Span:
+        """Return the place of a control of the key in the recipe."""
+        return locate(self.making.document, (*self.step.key.at, CTRL, *path))
+
+    def hold(self, session: engine.Session) -> None:
+        from mjcompose.mujoco.controls import hold  # needs numpy, and few keys hold
+
+        name, sink = self.step.key.name, self.making.sink
+        keys = list(keys_of(self.linking.base))
+        index = next(at for at, key in enumerate(keys) if key.get("name") == name)
+        question = {"key": index, "forces": self.step.key.controls.hold == "forces"}
+        answer = engine.call(session, hold, [FINISHED], argument=question)
+        if not answer.ok:
+            message = f"MuJoCo stumbles over the key `{name}`: {answer.error}"
+            sink.error("mujoco-crash", message, self.span())
+            return
+        if left := answer.value["left"]:
+            message = f"the actuators cannot hold the key `{name}`: {left:.4g} N or N m are left"
+            sink.warning("not-held", message, self.span())
+        for vector in ("ctrl", "act"):
+            self._write(vector, answer.value, keys[index])
+
+    def _write(self, vector: str, found: Mapping[str, Any], key: Node) -> None:
+        """Write the values of the holding actuators into the row of a key."""
+        values: list[float | None] = found[vector]
+        own = self.step.key
+        record = self.linking.base.origins.keys.get(key)
+        row = numbers_of(record, key, vector) or [
+            Number("0", KeySource("zero", vector), at) for at in range(len(values))
+        ]
+        singles = {self.span(*path): path for path in own.controls.held}
+        hold = self.span("hold")
+        given = set(own.values.get(vector, {}))
+        controls = dict(enumerate(numbers_of(record, key, "ctrl")))
+        changed, unknown = False, []
+        for actuator, at, width, control in _addresses(self.layout, vector):
+            source = controls[control].source if control in controls else None
+            span = None if source is None else source.span
+            if span is None or source is None or source.kind != "entry" or span not in (hold, *singles):
+                continue
+            kind = found["unlike"].get(str(control)) if vector == "ctrl" else None
+            if kind and span != hold:
+                self._report_no_control(singles[span], kind)
+            name = (
+                "" if isinstance(actuator, str) else str(getattr(actuator, "get", lambda _: "")("name") or "")
+            )
+            if kind and span == hold and control in found["unknown"]:
+                unknown.append(f"`{name}` ({kind})" if name else f"{kind} without a name")
+            if vector == "act" and name in given:  # the recipe's own activation counts
+                continue
+            for place in range(at, at + width):
+                value = values[place]
+                if value is not None:
+                    text = numbers.text([value + 0.0])
+                    row[place] = Number(text, KeySource("entry", vector, span=span), place - at)
+                    changed = True
+        if changed:
+            key.set(vector, " ".join(texts(row)))
+            if record is not None:
+                record.numbers[vector] = row
+        if unknown:
+            self.making.sink.warning(
+                "not-held",
+                f"nothing says which control of {', '.join(unknown)} holds the key `{own.name}`: it is 0 there",
+                self.span(),
+                help="write the control beside `hold`: `ctrl: {hold: positions, ACTUATOR: 0.3}`",
+            )
+
+    def _report_no_control(self, path: tuple[str, ...], kind: str) -> None:
+        self.making.sink.error(
             "not-held",
-            f"the actuators cannot hold the key `{step.key.name}`: {found['left']:.4g} N or N m are left",
-            locate(making.document, path),
-        )
-    for vector, rows in (("ctrl", found["ctrl"]), ("act", found["act"])):
-        _write_held(
-            vector, rows, found, step=step, key=keys[index], layout=layout, linking=linking, making=making
-        )
-
-
-def _write_held(
-    vector: str, values: list[float | None], found: dict[str, Any], step: WriteKeyframe, key: Node,
-    layout: Layout, linking: Linking, making: ElementBuilder,
-) -> None:  # fmt: skip
-    """Write the values of the holding actuators into the row of a key."""
-    record = linking.base.origins.keys.get(key)
-    row = numbers_of(record, key, vector) or [
-        Number("0", KeySource("zero", vector), at) for at in range(len(values))
-    ]
-    singles = {locate(making.document, (*step.key.at, CTRL, *path)): path for path in step.key.controls.held}
-    given = set(step.key.values.get(vector, {}))
-    controls = dict(enumerate(numbers_of(record, key, "ctrl")))
-    changed, unknown = False, []
-    for actuator, at, width, control in _addresses(layout, vector):
-        source = controls[control].source if control in controls else None
-        span = None if source is None else source.span
-        whole = span == locate(making.document, (*step.key.at, CTRL, "hold"))
-        if source is None or source.kind != "entry" or not (whole or span in singles):
-            continue
-        kind = found["unlike"].get(str(control))
-        if kind and not whole and vector == "ctrl":
-            _report_no_control(step, singles[span], kind, making=making)  # type: ignore[index]
-        name = "" if isinstance(actuator, str) else str(getattr(actuator, "get", lambda _: "")("name") or "")
-        if kind and whole and vector == "ctrl" and control in found["unknown"]:
-            unknown.append(f"`{name}` ({kind})" if name else f"{kind} without a name")
-        for place in range(at, at + width):
-            value = values[place]
-            # What the recipe says of an activation itself stands.
-            if value is not None and not (vector == "act" and name in given):
-                text = numbers.text([value + 0.0])
-                row[place] = Number(text, KeySource("entry", vector, span=span), place - at)
-                changed = True
-    if changed:
-        key.set(vector, " ".join(texts(row)))
-        if record is not None:
-            record.numbers[vector] = row
-    if unknown:
-        making.sink.warning(
-            "not-held",
-            f"nothing says which control of {', '.join(unknown)} holds the key `{step.key.name}`: it is 0 there",
-            locate(making.document, (*step.key.at, CTRL)),
-            help="write the control beside `hold`: `ctrl: {hold: positions, ACTUATOR: 0.3}`",
+            f"no control of `{path[-1]}` holds the pose of the key `{self.step.key.name}`: it is {kind}",
+            self.span(*path),
+            help="write its control, or `ctrl: {hold: forces}`, which balances what acts on the model in that pose",
+            subjects=(path[-1],),
         )
 
 
@@ -167,13 +183,3 @@ def _addresses(layout: Layout, vector: str) -> Iterator[tuple[Any, int, int, int
         yield actuator, at, width, control
         at += width
         control += slot.widths[0]
-
-
-def _report_no_control(step: WriteKeyframe, path: tuple[str, ...], kind: str, making: ElementBuilder) -> None:
-    making.sink.error(
-        "not-held",
-        f"no control of `{path[-1]}` holds the pose of the key `{step.key.name}`: it is {kind}",
-        locate(making.document, (*step.key.at, CTRL, *path)),
-        help="write its control, or `ctrl: {hold: forces}`, which balances what acts on the model in that pose",
-        subjects=(path[-1],),
-    )
