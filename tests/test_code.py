@@ -18,10 +18,9 @@ Function = ast.FunctionDef | ast.AsyncFunctionDef
 
 FUNCTIONS_LEFT = Counter(
     """
-    Comparison Composer Correspondence Workshop _Recovery _assembled _bundle _check _differences _flag _give
-    _given _look_up _of_use _recipe _take _write_held add_file add_named_file between check_fragment compare
-    compile convert_urdf diff element error load load_cell make parse_text plan render render_sheet
-    select_counted unknown unknown_attribute unknown_name unresolved warning write
+    Comparison Correspondence Workshop _Recovery _flag _give _given _of_use _recipe _take between
+    check_fragment compare compile convert_urdf diff element error load load_cell make parse_text render
+    render_sheet unknown unknown_attribute unknown_name unresolved warning write
     """.split()
 )
 # fmt: off

@@ -51,7 +51,7 @@ def drop_elements(entries: Iterable[Drop], editing: Editing, at: Path) -> list[D
         path = (*at, entry.index)
         if entry.select is not None:
             count = Count(entry.expect, entry.optional, at=path)
-            found = select_counted(editing, entry.select, path, count)
+            found = select_counted(editing, entry.select, path, count=count)
         else:
             found = _section_drop(editing, str(entry.section), path)
         if found:
@@ -85,7 +85,7 @@ def edit_elements(step: EditElements, editing: Editing, workshop: MeshWorkshop) 
     entry = step.edit
     count = Count(entry.expect, entry.optional, at=(*entry.at, "expect"))
     values = count_values(entry.verbs)
-    found = select_counted(editing, entry.select, (*entry.at, "select"), count, values=values)
+    found = select_counted(editing, entry.select, (*entry.at, "select"), count=count, values=values)
     if not found:
         is_right = entry.expect == 0 or entry.optional
         return EditOutcome({}) if is_right and not editing.cost.ended else None

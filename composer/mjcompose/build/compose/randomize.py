@@ -39,7 +39,7 @@ def draw_values(step: DrawValues, editing: Editing) -> tuple[list[Drawn], list[E
     assert entry.select is not None
     count = Count(entry.expect, entry.optional, at=(*entry.at, "expect"))
     cost = cost_of_draws(0 if step.sample else step.samples, step.tabled)
-    found = select_counted(editing, entry.select, (*entry.at, "select"), count, values=cost)
+    found = select_counted(editing, entry.select, (*entry.at, "select"), count=count, values=cost)
     draws = _FieldDraws(step, editing, Masses(editing, found))
     drawn: list[Drawn] = []
     by: set[tuple[Any, ...]] = set()
