@@ -1,7 +1,5 @@
 """Which folders the author of a path may see.
 
-The door limits which folders a reader may see.
-
 Code that follows a path from a model or a recipe asks the door of that model or recipe. A path is judged by its
 real target: symbolic links are resolved first.
 """

@@ -1,8 +1,9 @@
 """`dataclass` of the standard library, made cheap to define: a class gets its `__init__` when it is first called.
 
-The standard library compiles six functions for each frozen dataclass, about 0.5 ms with Python 3.11 to 3.13. A
-command imports some 300 of them and creates objects of less than half. Here one function is compiled, and only for a
-class that is called; the other methods are shared. `dataclasses.fields`, `replace` and `asdict` work on these classes.
+The standard library compiles six functions for each frozen dataclass, and a command that plans or builds imports some
+300 of them: 0.15 of the 1.0 s of processor time of `mjcompose plan` (Python 3.11, two cores). Here one function is
+compiled, and only for a class that is called; the other methods are shared. `dataclasses.fields`, `replace` and
+`asdict` work on these classes.
 
     >>> @dataclass(frozen=True, slots=True)
     ... class Pair:

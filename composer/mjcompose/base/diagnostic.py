@@ -1,9 +1,4 @@
-"""A finding about the user's input, as data: its place, its notes, its fix, and the exceptions that carry it.
-
-A fault in a value of a recipe, or a finding of a check, by its path.
-
-It becomes a diagnostic once its place is known.
-"""
+"""A finding about the user's input, as data: its place, its notes, its fix, and the exceptions that carry it."""
 
 from __future__ import annotations
 

@@ -19,7 +19,7 @@ Support = tuple[float, float]
 
 
 class Arithmetic(Protocol):
-    """The operations of distributions: the functions of `one.py` on numbers, or those of `many.py` on arrays."""
+    """The operations of distributions: those of `float_math.py` on numbers, or of `array_math.py` on arrays."""
 
     def fraction(self, bits: Any, /) -> Any: ...
     def below(self, bits: Any, count: int, /) -> Any: ...

@@ -1,4 +1,4 @@
-"""The arithmetic of distributions for single numbers; `many.py` has it for arrays, with the same bits."""
+"""The arithmetic of distributions for single numbers; `array_math.py` has it for arrays, with the same bits."""
 
 from __future__ import annotations
 

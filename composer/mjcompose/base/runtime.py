@@ -1,9 +1,6 @@
-"""How this process runs: signals wait for a whole output, and garbage is collected rarely.
+"""How this process runs: signals wait until an output is complete and counted, and garbage is collected rarely.
 
-Defer signals that end a process until its current output is complete and counted: `with deferring()`.
-
-Inside of it, long work that leaves nothing behind is `interruptible`, such as building a model; writing and noting
-it is not.
+Inside `with deferring()`, long work that leaves nothing behind, such as building a model, is `interruptible`.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
-"""A helper process: `python worker.py LIFE PARENT`, run by its path by `helper.py`.
+"""A helper process: `python worker.py LIFE PARENT`, run by its path by `processes.py`.
 
-It reads pickled objects from standard input, which only `helper.py` writes: the module path with the modules to
+It reads pickled objects from standard input, which only its parent writes: the module path with the modules to
 import, the opening, and tasks. It answers each task with whether it could be done, and with the result. Output of
 `print` goes to standard error.
 """

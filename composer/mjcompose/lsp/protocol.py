@@ -1,9 +1,7 @@
 """Messages of an editor, and the answers of providers as messages.
 
-The messages of an editor, read from its bytes: what is no message is answered with an error.
-
 pygls 2.1 ignores a frame without a valid length, and everything behind it, and never answers a request whose parameters
-it cannot read. From here it gets only messages that it can handle.
+it cannot read. From here it gets only messages that it can handle; others are answered with an error.
 """
 
 from __future__ import annotations

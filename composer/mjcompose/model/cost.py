@@ -187,7 +187,7 @@ def check_size(
     """Report a model that is larger than the limits allow, at the element that makes it so. Nothing is expanded.
 
     `attached` says what an `<attach>` brings. Without `opens_files` the points of mesh files are not counted:
-    `tree/admitted.py` does so before MuJoCo opens them.
+    `all_admitted` does so before MuJoCo opens them.
     """
     limits = in_force()
     elements = written(unit.root)

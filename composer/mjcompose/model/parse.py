@@ -1,9 +1,7 @@
 """MJCF text becomes a unit, as leniently as in MuJoCo's own reader.
 
-Refuse XML that MuJoCo parses differently from an XML parser, so that both see the same model.
-
-MuJoCo 4.0 reads bytes as UTF-8 whatever the declaration says, and ends a `<!DOCTYPE` at the first `>`: a comment in
-a DTD can be a model for MuJoCo.
+XML that MuJoCo parses differently from an XML parser is refused. MuJoCo 4.0 reads bytes as UTF-8 whatever the
+declaration says, and ends a `<!DOCTYPE` at the first `>`: a comment in a DTD can be a model for MuJoCo.
 """
 
 from __future__ import annotations

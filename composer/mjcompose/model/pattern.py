@@ -1,14 +1,8 @@
 """Names, globs and regular expressions.
 
-Globs over names: `*` and `?` stop at the separator, `**` does not, `{a,b}` is a choice.
-
-Matching tracks the set of reachable positions in the name while it goes through the glob once. It never backtracks,
-so that no glob takes long for any name. The sets are bits of integers.
-
-Patterns over names: a name, a glob, or a regular expression.
-
-A regular expression may take time exponential in the length of a name, and Python's `re` cannot be interrupted. The
-package `regex` can. It is imported for a recipe with a regular expression only.
+In a glob, `*` and `?` stop at the separator, `**` does not, and `{a,b}` is a choice. Matching tracks the set of
+reachable positions in the name, as bits of an integer, and never backtracks, so no glob takes long for any name. A
+regular expression may take exponential time, and Python's `re` cannot be interrupted; the package `regex` can.
 """
 
 from __future__ import annotations

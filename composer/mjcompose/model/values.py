@@ -1,14 +1,7 @@
-"""Whether a value fits an attribute, from XML, Python or YAML.
+"""Whether a value fits an attribute, from XML, Python or YAML: the answer is a `Refusal`, or None if it fits.
 
-Parse numbers as MuJoCo does in XML.
-
-It accepts anything that C's `strtod` does: a sign, decimals, exponents, hexadecimals, `inf`, `nan`. Integers are
-decimal digits only and fit in 32 bits. Items are separated by ASCII white space; a comma is never a separator.
-
-Check whether a value fits an attribute: text as in XML, and values as in Python and YAML.
-
-The answer is a `Refusal`, or `None` if the value fits. Names are not looked up, and sibling attributes are not
-considered.
+In XML, numbers are what C's `strtod` accepts, as in MuJoCo. Integers are decimal digits only and fit in 32 bits. Items
+are separated by ASCII white space; a comma is never a separator. Names and sibling attributes are not considered.
 """
 
 from __future__ import annotations

@@ -1,10 +1,8 @@
 """Malformed XML, and XML that MuJoCo ignores, explained to its author.
 
-Find what MuJoCo's reader ignores without a warning below a `<frame>` or a `<replicate>`.
-
-These are attributes that MJCF or this version of MuJoCo does not have, and elements in a place where their tag is
-not allowed. MuJoCo (3.2 to 4.0) refuses them everywhere else, but has no schema for the contents of a frame.
-Because parts are joined by frames, a typo that MuJoCo reports for the source alone would be lost in a composition.
+MuJoCo (3.2 to 4.0) has no schema for the contents of a `<frame>` or a `<replicate>`: it ignores unknown attributes and
+misplaced elements there, and refuses them everywhere else. Parts are joined by frames, so a typo that MuJoCo reports
+for the source alone would be lost in a composition.
 """
 
 from __future__ import annotations

@@ -1,9 +1,4 @@
-"""Start tags found in a text, and trees written as text.
-
-Find the start tag of an element in the text by the line that lxml keeps for it.
-
-lxml keeps the line on which a start tag ends. The text is searched only when a fault is reported.
-"""
+"""Start tags found in a text by the line that lxml keeps, the line on which they end; and trees written as text."""
 
 from __future__ import annotations
 

@@ -1,10 +1,7 @@
 """All that is known of each array of `mjModel`: one table, which every comparison reads.
 
-A new array of MuJoCo is one row of it.
-
-The types of joint: the sizes of their state, and units.
-
-MuJoCo uses radians and metres. A quaternion has no unit; its numbers have the word for one.
+A new array of MuJoCo is one row of it. MuJoCo uses radians and metres; a quaternion has no unit, and its numbers have
+the word for one.
 """
 
 from __future__ import annotations

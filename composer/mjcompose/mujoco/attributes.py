@@ -1,6 +1,4 @@
-"""From an attribute of MJCF to its array of `mjModel`, and to all arrays that follow from it.
-
-The kinds of element in `mjModel`, and the names of each kind's elements.
+"""From an attribute of MJCF to its array of `mjModel`, and the kinds of element with their names.
 
 Everything is read from the arrays of the model object, so MuJoCo itself is never imported here.
 """

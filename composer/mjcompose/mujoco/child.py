@@ -1,6 +1,6 @@
 """The child process: MuJoCo with limits, separate from the user's process and folder.
 
-Run as a script by `session.py`. It reads one JSON object on each line of standard input, first its settings, then
+Run as a script by `engine.py`. It reads one JSON object on each line of standard input, first its settings, then
 requests, and answers each with one line on its original standard output. MuJoCo's own prints cannot interfere: file
 descriptor 1 is redirected to the log before MuJoCo is imported. The working directory is a new folder that the
 parent removes.

@@ -1,25 +1,11 @@
-"""Controls of a compiled model: their units and gains, and those that hold a pose.
-
-The gains of motors and servos, and their place in `mjModel`.
+"""Controls of a compiled model: their units and gains, and those that hold a pose. Imports no MuJoCo.
 
 MuJoCo computes force = gainprm[0] * input + biasprm[0] + biasprm[1] * length + biasprm[2] * velocity if the gain is
-fixed and the bias affine. The tags `motor`, `position` and `velocity` are special cases of that.
+fixed and the bias affine. The tags `motor`, `position` and `velocity` are special cases of that. The controls of servos
+that hold a pose produce no force there; those that balance gravity and contacts come from `mj_inverse`.
 
-The units of the controls and sensors of a compiled model. Runs in the child process; imports no MuJoCo.
-
-As in MuJoCo, angles are in radians and lengths in metres. The unit of a quaternion is the word itself; `1` is a
-plain number; None means that the unit depends on the model's author.
-
-Simulate for a while, whatever the model does.
-
-MuJoCo sets a simulation that diverges back to its beginning, with the time 0, and only counts a warning. So a loop that
-waits for a time may never end; this one counts its steps, and says which joint diverged.
-
-The controls that hold a pose, computed in MuJoCo's child process.
-
-The force of an actuator is `gain · control + bias`, where the bias of a servo is a spring to a position. The
-controls of servos that hold a pose produce no force there; those that balance gravity and contacts come from
-`mj_inverse`.
+As in MuJoCo, angles are in radians and lengths in metres. The unit of a quaternion is the word itself; `1` is a plain
+number; None means that the unit depends on the model's author.
 """
 
 from __future__ import annotations

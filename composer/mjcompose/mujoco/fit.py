@@ -1,7 +1,5 @@
 """Shapes that stand for a mesh: made, simplified and measured, in the child process.
 
-How far shapes are from the mesh that they stand for.
-
 `beyond` is how far the shapes reach out of the mesh at most, `short` how far the mesh reaches out of the shapes; the
 greater of the two is the Hausdorff distance of the two solids. `uncovered` is the share of the mesh's surface that is
 outside of all shapes, `volume` that of all shapes together by that of the mesh. All of it is measured at points that a

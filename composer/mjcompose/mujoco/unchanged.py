@@ -1,9 +1,5 @@
 """Compare a part inside a composed model numerically with the part alone.
 
-The elements at a part's root, which the mount moves all in the same way; rows of arrays, and the data that elements
-point to, by the rules in the table of arrays; stiffness and damping that MuJoCo computes from the inertia of the whole
-model.
-
 A part with a damping ratio gets another damping if something heavy is attached to it; it is unchanged as long as
 the ratio is. The compiled model does not store the ratio, but it follows from the gain and the inertia in the same
 model.

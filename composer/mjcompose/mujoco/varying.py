@@ -1,9 +1,6 @@
 """Numbers and settings in which compiled models differ, and whose they are.
 
-Compare the settings that a composition has once for all its parts: `option` and `visual`.
-
-A part is not changed if these differ, but its author wrote them for a reason. Statistics are separate: the compiled
-model does not distinguish a written `extent` from a computed one.
+A part is not changed if the `option` and `visual` of its model differ, but its author wrote them for a reason.
 """
 
 from __future__ import annotations

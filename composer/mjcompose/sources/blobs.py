@@ -1,23 +1,15 @@
-"""Single files of the store, leases on its entries, and hashes.
-
-Track which entries of a store are in use: a process that reads entries holds a lease on them until it ends.
-
-A lease is a file in `leases/` that its process keeps locked and that lists the keys. The system unlocks it when the
-process ends for any reason. Looking up or removing an entry happens inside the gate, so that no entry is removed
-between the look-up and the lease.
-
-Single-file entries of the store, such as compressed assets: written in one step, verified when read.
+"""Single files of the store, leases on its entries, and the MuJoCos of other versions.
 
     asked/, built/, raw/, packed/     what the build cache keeps (`composer/mjcompose/build/cache/cache.py`)
     shapes/                           what was made of meshes (`composer/mjcompose/build/compose/shape_store.py`)
     writing/                          files being written; they move to their place in one step
+    leases/                           one file for each process, which keeps it locked and lists the entries in use
+    mujoco/VERSION/                   an environment, complete if it has the file `.ready`, with its size
 
-No lock is needed: all writers of a key write the same content, or content that is as good.
-
-The MuJoCos of other versions in the store: each in an environment of its own, in `mujoco/VERSION`.
-
-One is complete if it has the file `.ready`, with its size. An environment cannot be moved, so that it is made in its
-place, under a lock; what a killed process left of one is made anew, or pruned.
+Files need no lock: all writers of a key write the same content, or content that is as good. The system unlocks a lease
+when its process ends for any reason. Looking up or removing an entry happens inside the gate, so no entry is removed
+between the look-up and the lease. An environment cannot be moved, so it is made in its place, under a lock; if a
+killed process left one incomplete, it is made anew, or pruned.
 """
 
 from __future__ import annotations

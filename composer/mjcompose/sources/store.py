@@ -3,7 +3,7 @@
     git/COMMIT/, archive/SHA256/      content/ and entry.json: what it is, its size, the hash of every file
     asked/, built/, raw/, packed/     what the build cache keeps, one file each (`blobs.py`)
     shapes/                           what was made of meshes, one file each
-    mujoco/VERSION/                   MuJoCos of other versions (`mujocos.py`)
+    mujoco/VERSION/                   MuJoCos of other versions (`blobs.py`)
     seen/                             what a branch, tag or URL stood for when it was last asked for
     partial/                          downloads to be resumed
     staging/                          entries being made; they move to their place in one step

@@ -1,9 +1,7 @@
 """The plainest MJCF of a model, pass by pass.
 
-Pass: write every mesh as an OBJ file with the vertices of MuJoCo's compiled mesh, in its own frame.
-
-MuJoCo's compiler moves each mesh into a frame of its own, and its geoms accordingly. With these vertices and geoms,
-a program that uses files unchanged sees the same surface.
+MuJoCo's compiler moves each mesh into a frame of its own, and its geoms accordingly. Every mesh is written with these
+vertices, so a program that uses files unchanged sees the same surface.
 """
 
 from __future__ import annotations

@@ -1,9 +1,4 @@
-"""Limits of targets: trees, actuators, and what is not read.
-
-Limits about the tree of bodies: one body in the world, one joint in each body, no joint references.
-
-The model moves as before.
-"""
+"""Limits of targets: trees of bodies, actuators, and what is not read."""
 
 from __future__ import annotations
 

@@ -1,6 +1,4 @@
-"""Limits about MuJoCo's solver and the compiled model.
-
-Limits for MuJoCo's own solver: options, the softness of contacts and limits, gravity compensation.
+"""Limits about MuJoCo's solver: options, the softness of contacts and limits, gravity compensation.
 
 Only values that differ from MuJoCo's defaults are reported, since nobody has chosen the others.
 """

@@ -1,15 +1,12 @@
-"""A worker's side: messages, journal, and the processes that make models.
+"""A worker's side: messages, the journal, and the processes that make models.
 
-What workers with disks of their own have written, beside the models, until the client has it in its cache.
+Each worker has a station for a run. Dask's process itself reads no models and unpickles no jobs: it passes cells to
+processes of mjcompose, one for each of its threads, which are replaced when they die, and which have the limits of the
+run. `client.py` calls functions without a leading underscore through Dask.
 
-A client that is killed has not heard of its last models. The next run finds them here, compares inputs and output, and
+The journal has the models that workers with disks of their own have written, until the client has them in its cache. A
+client that is killed has not heard of its last models; the next run finds them here, compares inputs and output, and
 builds none of them again. Entries are signed with a key in the store of the client, so others cannot write any.
-
-The worker's side: each worker has a station for a run, whose own processes make the models.
-
-Dask's process itself reads no models and unpickles no jobs. It passes cells to processes of mjcompose, one for each
-of its threads, which are replaced when they die, and which have the limits of the run. `crew.py` calls functions
-without a leading underscore through Dask.
 """
 
 from __future__ import annotations
@@ -135,13 +132,12 @@ class Canary:
 class Order:
     """What a worker needs to know before it makes cells of a run.
 
-    `job` is a pickled `Job`, `folder` its working folder. `files` are the input files with their state
-    (`cache/files.py`). `seen` are files of this run that a worker sees only if it shares the disk: in the store,
-    and where the models go, which may be an `address`. A worker that sees them works like a process of this
-    machine. Others get the files in `layout`, and `away`, another Job; `canary` checks that this gives the same
-    model, and `is_tried` says that a canary was looked for. It notes in `journal` what it
-    has written. `memory` limits each process that makes models, in
-    bytes.
+    `job` is a pickled `Job`, `folder` its working folder, `files` the input files with their state. `store` and
+    `out` are files of this run that a worker sees only if it shares the disk: in the store, and where the models
+    go, which may be an `address`. A worker that sees them works like a process of this machine. Others get the
+    files in `layout`, and `away`, another Job; `canary` checks that this gives the same model, and `is_tried` says
+    that a canary was looked for. They note in `journal` what they have written. `memory` limits each process that
+    makes models, in bytes.
     """
 
     run: str

@@ -1,8 +1,7 @@
 """What a pass or step did to an element, in words, with the place that is the reason.
 
-Attributes that `edit`, `randomize` and `check` know and MJCF writes elsewhere, and what determines them.
-
-The mass of a body is that of its `<inertial>` or of its geoms; the `gainprm` of a `<position>` comes from its `kp`.
+Also what determines an attribute that MJCF writes elsewhere: the mass of a body is that of its `<inertial>` or of its
+geoms, the `gainprm` of a `<position>` comes from its `kp`.
 """
 
 from __future__ import annotations

@@ -1,7 +1,5 @@
 """The elements of a model by kind and name, and which of them mean the same.
 
-Find which elements of a part are unchanged in the merged model, as MuJoCo compiles them.
-
 A merged model may write the same thing differently: in radians, with six digits, with `pos` and `quat` for
 `fromto`, with a class in place of an attribute. Comparing compiled models limits edits to differences in meaning.
 """

@@ -35,10 +35,7 @@ Model: TypeAlias = Any
 
 
 class Loaded(NamedTuple):
-    """A model, its manifest, and the index of its names.
-
-    `model` is a `mujoco.MjModel`.
-    """
+    """A model, its manifest, and the index of its names. `model` is a `mujoco.MjModel`."""
 
     model: Model
     manifest: Manifest
