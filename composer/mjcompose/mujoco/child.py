@@ -21,6 +21,7 @@ import sys
 import traceback
 import warnings
 from collections.abc import Iterator
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any, TextIO
 
@@ -125,7 +126,7 @@ def _described(request: dict[str, Any], mujoco: Any, model: Any) -> dict[str, An
     wants = request["wants"]
     answer: dict[str, Any] = {"sizes": facts.sizes(model)}
     if "index" in wants:
-        answer["index"] = json.dumps(index(model, mujoco))
+        answer["index"] = json.dumps(asdict(index(model, mujoco)))
     if "names" in wants:
         answer["names"] = facts.all_names(model)
     if request["mjb"]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any, TypeAlias
 
 from mjcompose.base.dataclass import dataclass
@@ -98,104 +98,62 @@ class Index:
 
     @staticmethod
     def from_data(data: Mapping[str, Any]) -> Index:
-        """Return the index for the JSON data from the child process."""
-        return Index(
-            joints=tuple(
-                Joint(
-                    name=entry["name"], type=entry["type"], qpos_address=entry["qpos"][0],
-                    qpos_size=entry["qpos"][1], dof_address=entry["dof"][0], dof_size=entry["dof"][1],
-                    limited=entry["limited"], range=(entry["range"][0], entry["range"][1]),
-                    body=entry["body"],
-                )
-                for entry in data["joints"]
-            ),
-            actuators=tuple(
-                Actuator(
-                    name=entry["name"], ctrl_address=entry["ctrl"][0], ctrl_size=entry["ctrl"][1],
-                    act_address=entry["act"][0], act_size=entry["act"][1], unit=entry["unit"],
-                    ctrl_ranges=tuple(map(_range, entry["ctrl_ranges"])),
-                    act_range=_range(entry["act_range"]), force_range=_range(entry["force_range"]),
-                    stiffness=entry["stiffness"],
-                )
-                for entry in data["actuators"]
-            ),
-            sensors=tuple(
-                Sensor(
-                    name=entry["name"], type=entry["type"], address=entry["data"][0], size=entry["data"][1],
-                    unit=entry["unit"], cutoff=entry["cutoff"],
-                )
-                for entry in data["sensors"]
-            ),
-            keyframes=tuple(Keyframe(entry["name"], entry["time"]) for entry in data["keyframes"]),
-            cameras=tuple(
-                Camera(
-                    entry["name"], entry["body"], entry["fovy"], unit=entry["unit"],
-                    resolution=(entry["resolution"][0], entry["resolution"][1]),
-                )
-                for entry in data["cameras"]
-            ),
-            bodies=tuple(data["bodies"]),
+        """Return the index for the JSON data of one, `asdict(index)`."""
+        kinds = {
+            "joints": Joint,
+            "actuators": Actuator,
+            "sensors": Sensor,
+            "keyframes": Keyframe,
+            "cameras": Camera,
+        }
+        rows: dict[str, Any] = {
+            name: tuple(kind(**{key: _frozen(value) for key, value in row.items()}) for row in data[name])
+            for name, kind in kinds.items()
+        }
+        return Index(**rows, bodies=tuple(data["bodies"]))
+
+
+def _frozen(value: Any) -> Any:
+    return tuple(map(_frozen, value)) if isinstance(value, list) else value
+
+
+def index(model: Model, mujoco: Any) -> Index:
+    """Return the index of a compiled model. Runs in the child process, too, and imports no MuJoCo."""
+    bodies = names(model, "body")
+    keys = (Keyframe(name, float(model.key_time[row])) for row, name in enumerate(names(model, "key")))
+    return Index(
+        tuple(_joints(model, bodies)),
+        tuple(_actuators(model, mujoco)),
+        tuple(_sensors(model, mujoco)),
+        keyframes=tuple(keys),
+        cameras=tuple(_cameras(model, mujoco, bodies)),
+        bodies=tuple(bodies),
+    )
+
+
+def _joints(model: Model, bodies: list[str]) -> Iterator[Joint]:
+    for row, name in enumerate(names(model, "joint")):
+        qpos, dofs = span(model, "qpos", row), span(model, "qvel", row)
+        yield Joint(
+            name, JOINT_TYPES[int(model.jnt_type[row])].word, qpos.start, qpos_size=len(qpos),
+            dof_address=dofs.start, dof_size=len(dofs), limited=bool(model.jnt_limited[row]),
+            range=_bounds(model.jnt_range[row]), body=bodies[holder(model, "joint", row)],
         )  # fmt: skip
 
 
-def _range(bounds: list[float] | None) -> Range | None:
-    return None if bounds is None else (bounds[0], bounds[1])
-
-
-def index(model: Model, mujoco: Any) -> dict[str, Any]:
-    """Return the index of a compiled model as JSON data; addresses are [start, count]. Runs in the child process."""
-    bodies = names(model, "body")
-    return {
-        "joints": _joints(model, bodies),
-        "actuators": _actuators(model, mujoco),
-        "sensors": _sensors(model, mujoco),
-        "keyframes": [
-            {"name": name, "time": float(model.key_time[row])} for row, name in enumerate(names(model, "key"))
-        ],
-        "cameras": _cameras(model, mujoco, bodies),
-        "bodies": bodies,
-    }
-
-
-def _joints(model: Model, bodies: list[str]) -> list[dict[str, Any]]:
-    rows = []
-    for row, name in enumerate(names(model, "joint")):
-        rows.append(
-            {
-                "name": name,
-                "type": JOINT_TYPES[int(model.jnt_type[row])].word,
-                "qpos": _span(span(model, "qpos", row)),
-                "dof": _span(span(model, "qvel", row)),
-                "limited": bool(model.jnt_limited[row]),
-                "range": _bounds(model.jnt_range[row]),
-                "body": bodies[holder(model, "joint", row)],
-            }
-        )
-    return rows
-
-
-def _actuators(model: Model, mujoco: Any) -> list[dict[str, Any]]:
-    rows = []
+def _actuators(model: Model, mujoco: Any) -> Iterator[Actuator]:
+    limited, bounds = model.actuator_ctrllimited, model.actuator_ctrlrange
     for row, name in enumerate(names(model, "actuator")):
-        controls = span(model, "ctrl", row)
-        limited, bounds = model.actuator_ctrllimited, model.actuator_ctrlrange
-        rows.append(
-            {
-                "name": name,
-                "ctrl": _span(controls),
-                "act": _span(span(model, "act", row), -1),
-                "unit": units.of_control(model, mujoco, row) if len(controls) == 1 else None,
-                "ctrl_ranges": [_bounds(bounds[each]) if limited[each] else None for each in controls],
-                "stiffness": _stiffness(model, row),
-                "act_range": _bounds(model.actuator_actrange[row])
-                if model.actuator_actlimited[row]
-                else None,
-                "force_range": _bounds(model.actuator_forcerange[row])
-                if model.actuator_forcelimited[row]
-                else None,
-            }
-        )
-    return rows
+        controls, activations = span(model, "ctrl", row), span(model, "act", row)
+        yield Actuator(
+            name, controls.start if controls else 0, len(controls),
+            act_address=activations.start if activations else -1, act_size=len(activations),
+            unit=units.of_control(model, mujoco, row) if len(controls) == 1 else None,
+            ctrl_ranges=tuple(_bounds(bounds[each]) if limited[each] else None for each in controls),
+            act_range=_bounds(model.actuator_actrange[row]) if model.actuator_actlimited[row] else None,
+            force_range=_bounds(model.actuator_forcerange[row]) if model.actuator_forcelimited[row] else None,
+            stiffness=_stiffness(model, row),
+        )  # fmt: skip
 
 
 def _stiffness(model: Model, row: int) -> float:
@@ -209,31 +167,18 @@ def _stiffness(model: Model, row: int) -> float:
     return -float(model.actuator_biasprm[row, 1]) * gear**2
 
 
-def _span(rows: range, nowhere: int = 0) -> list[int]:
-    """Return the first address and the count, which is 0 for `<dcmotor input="none">` and `<user dim="0">`."""
-    return [rows.start if rows else nowhere, len(rows)]
+def _bounds(pair: Any) -> Range:
+    return float(pair[0]), float(pair[1])
 
 
-def _bounds(pair: Any) -> list[float]:
-    return [float(bound) for bound in pair]
-
-
-def _sensors(model: Model, mujoco: Any) -> list[dict[str, Any]]:
+def _sensors(model: Model, mujoco: Any) -> Iterator[Sensor]:
     tags = words(mujoco, "sensor_type")
-    rows = []
     for row, name in enumerate(names(model, "sensor")):
         tag, size = tags.get(int(model.sensor_type[row]), "unknown"), int(model.sensor_dim[row])
-        cutoff = float(model.sensor_cutoff[row])
-        rows.append(
-            {
-                "name": name,
-                "type": tag,
-                "data": _span(span(model, "sensordata", row)),
-                "unit": units.of_sensor(tag, size, _coordinate(model, tag, int(model.sensor_objid[row]))),
-                "cutoff": cutoff if cutoff > 0 else None,
-            }
-        )
-    return rows
+        data, cutoff = span(model, "sensordata", row), float(model.sensor_cutoff[row])
+        unit = units.of_sensor(tag, size, _coordinate(model, tag, int(model.sensor_objid[row])))
+        address = data.start if data else 0  # of `<user dim="0">`, which has none
+        yield Sensor(name, tag, address, size=len(data), unit=unit, cutoff=cutoff if cutoff > 0 else None)
 
 
 def _coordinate(model: Model, tag: str, row: int) -> str | None:
@@ -245,17 +190,12 @@ def _coordinate(model: Model, tag: str, row: int) -> str | None:
     return None
 
 
-def _cameras(model: Model, mujoco: Any, bodies: list[str]) -> list[dict[str, Any]]:
-    return [
-        {
-            "name": name,
-            "body": bodies[holder(model, "camera", row)],
-            "fovy": float(model.cam_fovy[row]),
-            "unit": LENGTH if _is_orthographic(model, mujoco, row) else "deg",
-            "resolution": [int(each) for each in model.cam_resolution[row]],
-        }
-        for row, name in enumerate(names(model, "camera"))
-    ]
+def _cameras(model: Model, mujoco: Any, bodies: list[str]) -> Iterator[Camera]:
+    for row, name in enumerate(names(model, "camera")):
+        width, height = (int(each) for each in model.cam_resolution[row])
+        unit = LENGTH if _is_orthographic(model, mujoco, row) else "deg"
+        body = bodies[holder(model, "camera", row)]
+        yield Camera(name, body, float(model.cam_fovy[row]), unit=unit, resolution=(width, height))
 
 
 def _is_orthographic(model: Model, mujoco: Any, row: int) -> bool:

@@ -71,7 +71,7 @@ def export(mujoco: Any, argument: dict[str, str]) -> dict[str, Any]:
     made = out / draft.output
     found |= {"losses": [asdict(each) for each in draft.losses], "model": draft.output, "index": None}
     if made.suffix == MJCF and draft.mujoco_reads:
-        found["index"] = index(mujoco.MjModel.from_xml_path(str(made)), mujoco)
+        found["index"] = asdict(index(mujoco.MjModel.from_xml_path(str(made)), mujoco))
     return found
 
 

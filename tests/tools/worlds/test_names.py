@@ -5,8 +5,7 @@ import numpy as np
 import pytest
 from mjcompose.build.bundle.manifest import index_of
 from mjcompose.mujoco.attributes import names
-from mjcompose.mujoco.index import Index
-from mjcompose.mujoco.index import index as index_data
+from mjcompose.mujoco.index import index as compiled_index
 from mjcompose.tools.worlds.names import UNLIMITED, Entry, Lookup, Numbers, UnknownNameError, Vector
 from mjcompose.tools.worlds.names import Index as LoadingIndex
 
@@ -34,7 +33,7 @@ MODEL = """<mujoco>
 
 def index(text: str = MODEL) -> LoadingIndex:
     model = mujoco.MjModel.from_xml_string(text)
-    listed = index_of(Index.from_data(index_data(model, mujoco)))
+    listed = index_of(compiled_index(model, mujoco))
     return LoadingIndex(listed, lambda kind: names(model, kind))
 
 

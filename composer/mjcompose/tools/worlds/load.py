@@ -26,8 +26,8 @@ from mjcompose.build.bundle.integrity import check_files, check_index, manifest_
 from mjcompose.build.bundle.manifest import Manifest, index_of
 from mjcompose.build.bundle.read import ReadError, ReadLimits, named_model, outside, read
 from mjcompose.build.bundle.staging import manifest_beside, write_files
-from mjcompose.mujoco import index as compiled_index
 from mjcompose.mujoco.attributes import names
+from mjcompose.mujoco.index import index as compiled_index
 from mjcompose.tools.worlds.names import BundleWarning, Index, LoadError, failure
 
 Model: TypeAlias = Any
@@ -83,7 +83,7 @@ def _load(path: Path, shown: str, *, allow_changes: bool) -> Loaded:
     with _on_disk(checked, shown, allow_changes) as file:
         _check_version(manifest, mujoco.__version__, shown, is_binary=is_binary)
         model = _compiled(mujoco, file, shown)
-    listed = _listed(mujoco, model)
+    listed: Any = index_of(compiled_index(model, mujoco))
     if manifest.index is not None:
         check_index(manifest.index, listed, shown, sink=(sink := Sink()))
         _raise_or_warn(sink.errors, allow_changes)
@@ -264,10 +264,6 @@ def _check_version(manifest: Manifest, running: str, shown: str, is_binary: bool
     said = "was verified by no MuJoCo" if made_with is None else f"was verified by MuJoCo {made_with}"
     message = f"`{shown}` {said}, and this is {running}"
     warn(message, BundleWarning)
-
-
-def _listed(mujoco: Any, model: Model) -> Any:
-    return index_of(compiled_index.Index.from_data(compiled_index.index(model, mujoco)))
 
 
 def _with_places(listed: Any, manifest: Manifest) -> Any:

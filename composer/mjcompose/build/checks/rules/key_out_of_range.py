@@ -66,7 +66,7 @@ def _values(scope: Scope, data: Any) -> Iterator[tuple[str, int, str, float, Ran
 
     Each with the kind and id of its element, its vector, its range and their unit.
     """
-    from mjcompose.mujoco.index import Index, index
+    from mjcompose.mujoco.index import index
 
     model = scope.model
     for joint in scope.own("joint"):
@@ -81,7 +81,7 @@ def _values(scope: Scope, data: Any) -> Iterator[tuple[str, int, str, float, Ran
         else:
             unit = " rad" if kind == int(scope.mujoco.mjtJoint.mjJNT_HINGE) else " m"
             yield "joint", joint, "qpos", float(data.qpos[at]), (low, high), unit
-    for place, actuator in enumerate(Index.from_data(index(model, scope.mujoco)).actuators):
+    for place, actuator in enumerate(index(model, scope.mujoco).actuators):
         if not scope.owns("actuator", place):
             continue
         controls = data.ctrl[actuator.ctrl_address : actuator.ctrl_address + actuator.ctrl_size]
