@@ -296,7 +296,7 @@ def test_names_that_are_not_ascii_come_back_as_written(tmp_path: Path, session: 
     assert measured.names["body"] == ("world", "größe/🦾 %s")
 
 
-def test_run_many_answers_in_order_and_a_crash_takes_no_other_with_it(tmp_path: Path) -> None:
+def test_a_crash_takes_no_other_model_with_it(tmp_path: Path) -> None:
     good = '<mujoco><worldbody><body name="{}"/></worldbody></mujoco>'
     circle = """<mujoco><asset><model name="m" file="model.xml"/></asset>
 <worldbody><attach model="m"/></worldbody></mujoco>"""
@@ -304,7 +304,8 @@ def test_run_many_answers_in_order_and_a_crash_takes_no_other_with_it(tmp_path: 
     for name, text in (("a", good.format("a")), ("b", circle), ("c", good.format("c"))):
         (tmp_path / name).mkdir()
         folders.append(put(tmp_path / name, text))
-    answers = engine.run_many(engine.Request(folder, wants=("names",)) for folder in folders)
+    with engine.Session() as session:
+        answers = [engine.measure(folder, session=session) for folder in folders]
     assert [answer.compiled.ok for answer in answers] == [True, False, True]
     assert answers[0].names["body"] == ("world", "a")
     assert answers[2].names["body"] == ("world", "c")

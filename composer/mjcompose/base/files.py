@@ -71,6 +71,19 @@ class Memory(Generic[T]):
         return found
 
 
+Mark = tuple[int, int, int] | None
+"""What changes with a file: its time, its size and its inode; None if it does not exist."""
+
+
+def mark_of(path: str | os.PathLike[str]) -> Mark:
+    """Return the mark of a file; None if it does not exist."""
+    try:
+        found = os.stat(path)
+    except OSError:
+        return None
+    return found.st_mtime_ns, found.st_size, found.st_ino
+
+
 _FEW, _LISTED = 4, 16
 """The least number of files for which a folder is listed, and how many entries are looked at for each of them."""
 _real = Memory(os.path.realpath, os.path.realpath)

@@ -35,9 +35,9 @@ from mjcompose.cli.reporting import (
 from mjcompose.sources.context import Context
 
 if TYPE_CHECKING:
+    from mjcompose.base.files import Mark
     from mjcompose.base.report import Suite
     from mjcompose.mujoco.engine import Session
-    from mjcompose.tools.view.builder import Mark
 
 Options = TypeVar("Options")
 Value = TypeVar("Value")

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Diagnostic, Span
-from mjcompose.base.files import read_regular
+from mjcompose.base.files import Mark, mark_of, read_regular
 from mjcompose.base.sink import Sink
 from mjcompose.build.compose.load import Key, Library, source_key
 from mjcompose.build.plan.plan import BASE, PlacedModel, Plan
@@ -30,23 +30,13 @@ if TYPE_CHECKING:
 
     from mjcompose.tools.explain.explain import Traced
 
-Mark = tuple[int, int, int] | int | None
-"""What changes with a file: its time, its size and which file it is; of an open one its text, as a hash."""
 
-
-def marks(files: Iterable[PathlibPath], texts: Entries[str, bytes]) -> dict[PathlibPath, Mark]:
+def marks(files: Iterable[PathlibPath], texts: Entries[str, bytes]) -> dict[PathlibPath, Mark | int]:
     """Return a mark for each file, which changes with its content. `texts` are unsaved texts by real path."""
-    return {file: _mark(file, texts) for file in files}
-
-
-def _mark(file: PathlibPath, texts: Entries[str, bytes]) -> Mark:
-    if texts and (text := texts.get(os.path.realpath(file))) is not None:
-        return hash(text)
-    try:
-        found = os.stat(file)
-    except OSError:
-        return None
-    return found.st_mtime_ns, found.st_size, found.st_ino
+    return {
+        file: mark_of(file) if (text := texts.get(os.path.realpath(file))) is None else hash(text)
+        for file in files
+    }
 
 
 def is_saved(path: str, text: bytes) -> bool:
@@ -66,7 +56,7 @@ class Shelf:
 
     def __init__(self) -> None:
         self.library: Library = {}
-        self._marks: dict[Key, dict[PathlibPath, Mark]] = {}
+        self._marks: dict[Key, dict[PathlibPath, Mark | int]] = {}
 
     def refresh(self, texts: Entries[str, bytes]) -> None:
         """Drop the units of which a file has changed. `texts` are the unsaved texts of editors."""

@@ -453,7 +453,7 @@ def compile(
         keep=keep,
         folder_is_reused=folder_is_reused,
     )
-    return _run([request], limits, session)[0].compiled
+    return _run(request, limits, session).compiled
 
 
 def measure(
@@ -465,12 +465,7 @@ def measure(
     Units and shapes are MuJoCo's own: radians, metres, one row per object.
     """
     request = Request(folder, model, wants=("names",), arrays=arrays, text=text)
-    return _run([request], limits, session)[0]
-
-
-def run_many(requests: Iterable[Request], *, limits: Limits | None = None) -> list[Measured]:
-    """Answer several requests with one start of MuJoCo; a crash does not affect the others."""
-    return _run(requests, limits, None)
+    return _run(request, limits, session)
 
 
 def call(session: Session, function: Callable[..., Any], models: Sequence[str], argument: Any) -> Called:
@@ -482,14 +477,10 @@ def call(session: Session, function: Callable[..., Any], models: Sequence[str], 
     )  # fmt: skip
 
 
-def _run(requests: Iterable[Request], limits: Limits | None, session: Session | None) -> list[Measured]:
-    if session is not None:
-        return [_ask(session, request) for request in requests]
-    with Session(limits) as own:
-        return [_ask(own, request) for request in requests]
-
-
-def _ask(session: Session, request: Request) -> Measured:
+def _run(request: Request, limits: Limits | None, session: Session | None) -> Measured:
+    if session is None:
+        with Session(limits) as own:
+            return _run(request, None, own)
     answer, arrays_file = session.ask(request)
     arrays = _load_arrays(arrays_file) if answer.get("arrays") else {}
     return Measured(_compiled(answer, request, session.mujoco_version), arrays)

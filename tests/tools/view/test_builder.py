@@ -10,8 +10,9 @@ from pathlib import Path
 from threading import Event
 
 import pytest
+from mjcompose.base.files import Mark
 from mjcompose.tools.view import builder
-from mjcompose.tools.view.builder import Mark, Watch, marks
+from mjcompose.tools.view.builder import Watch, marks
 
 
 @pytest.fixture(params=["watchfiles", "polling"])

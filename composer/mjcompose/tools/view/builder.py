@@ -14,6 +14,7 @@ from threading import Event, Lock, RLock, Thread
 from typing import TYPE_CHECKING, Any
 
 from mjcompose.base.dataclass import dataclass
+from mjcompose.base.files import Mark, mark_of
 from mjcompose.mujoco import engine
 from mjcompose.mujoco.controls import advance as simulate
 from mjcompose.sources.context import Context
@@ -28,20 +29,9 @@ if TYPE_CHECKING:
 POLL_SECONDS = 0.15
 _SETTLE_SECONDS = 0.02
 
-Mark = tuple[int, int, int] | None
-"""Data that changes with a file: its time, its size and its inode. None if it does not exist."""
-
 
 def marks(files: Iterable[Path]) -> dict[Path, Mark]:
-    return {file: _mark(file) for file in files}
-
-
-def _mark(file: Path) -> Mark:
-    try:
-        found = os.stat(file)
-    except OSError:
-        return None
-    return found.st_mtime_ns, found.st_size, found.st_ino
+    return {file: mark_of(file) for file in files}
 
 
 def hopes(context: Context) -> Iterator[Path]:

@@ -12,9 +12,10 @@ from pathlib import Path
 from threading import Event, Thread
 
 from mjcompose.base.dataclass import dataclass
+from mjcompose.base.files import Mark
 from mjcompose.base.scratch import scratch
 from mjcompose.sources.context import Context
-from mjcompose.tools.view.builder import Mark, Shown, Watch, Workshop, marks
+from mjcompose.tools.view.builder import Shown, Watch, Workshop, marks
 from mjcompose.tools.view.server import Server
 
 _PATIENCE = 0.5
