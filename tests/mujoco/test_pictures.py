@@ -118,7 +118,7 @@ def test_without_a_lamp_the_headlight_is_on(lamp: str, headlight: str, lit: bool
     asked = model.vis.headlight
     before = asked.active, asked.ambient.tolist(), asked.diffuse.tolist(), model.vis.map.zfar
     assert is_lit(model) is lit
-    with prepared(mujoco, model, distance=1e4):
+    with prepared(model, distance=1e4):
         assert asked.active == (before[0] or 1)
         assert asked.diffuse.tolist() == pytest.approx([diffuse] * 3)
         assert model.vis.map.zfar * model.stat.extent > 1e4

@@ -34,7 +34,9 @@ if TYPE_CHECKING:
 def marks(files: Iterable[PathlibPath], texts: Entries[str, bytes]) -> dict[PathlibPath, Mark | int]:
     """Return a mark for each file, which changes with its content. `texts` are unsaved texts by real path."""
     return {
-        file: mark_of(file) if (text := texts.get(os.path.realpath(file))) is None else hash(text)
+        file: hash(text)
+        if texts and (text := texts.get(os.path.realpath(file))) is not None
+        else mark_of(file)
         for file in files
     }
 

@@ -123,7 +123,7 @@ def _fovy(model: Any) -> float:
 
 
 @contextmanager
-def prepared(mujoco: Any, model: Any, distance: float = 0.0) -> Iterator[None]:
+def prepared(model: Any, distance: float = 0.0) -> Iterator[None]:
     """Make a model visible from that distance for the block, and restore it afterwards."""
     headlight, limits, clip = model.vis.headlight, model.vis.global_, model.vis.map
     kept = (
@@ -227,7 +227,7 @@ class Stage:
         """
         mujoco, look = self.mujoco, self.look
         self._window.make_current()
-        with prepared(mujoco, self.model, self._distance(view)):
+        with prepared(self.model, self._distance(view)):
             mujoco.mjv_updateScene(
                 self.model, self.data, mujoco.MjvOption(), None, self._camera(view),
                 mujoco.mjtCatBit.mjCAT_ALL.value, self._scene,

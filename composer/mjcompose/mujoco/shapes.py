@@ -98,9 +98,9 @@ def with_faces(solid: Any, count: int, seed: int = 0) -> tuple[numpy.ndarray, nu
     return numpy.asarray(first + one * (corners[:, 1] - first) + other * (corners[:, 2] - first)), faces
 
 
-def in_solid(shape: Any, count: int, seed: int = 0) -> numpy.ndarray:
+def in_solid(shape: Any, count: int) -> numpy.ndarray:
     """Points in the box around a shape, as many as it takes for so many to be inside, or nearly; those inside."""
-    random = numpy.random.Generator(numpy.random.PCG64(seed))
+    random = numpy.random.Generator(numpy.random.PCG64(0))
     low, high = shape.solid.bounds
     share = max(shape.volume / float(numpy.prod(high - low)), 0.05)
     points = low + random.random((int(count / share), 3)) * (high - low)

@@ -112,11 +112,9 @@ def _medium(mujoco: Any, model: Any) -> Iterator[tuple[int, str]]:
 
 
 MJX_OPTIONS = refused_options(
-    "options",
     "MJX",
     (("integrator", "mjtIntegrator", ("mjINT_IMPLICIT",)), ("solver", "mjtSolver", ("mjSOL_PGS",))),
     flags=("override", "energy", "fwdinv", "diagexact", "speculative"),
-    help="write another one in the section `option` of the recipe",
     together=_medium,
 )
 
@@ -241,10 +239,11 @@ def _is_elastic(model: Any, flex: int) -> bool:
 
 
 WARP_OPTIONS = refused_options(
-    "options", "MuJoCo Warp", (("solver", "mjtSolver", ("mjSOL_PGS",)),),
+    "MuJoCo Warp",
+    (("solver", "mjtSolver", ("mjSOL_PGS",)),),
     flags=("override", "fwdinv", "diagexact", "ipc", "speculative"),
-    help="write another one in the section `option` of the recipe", together=_options,
-)  # fmt: skip
+    together=_options,
+)
 
 
 WARP_PLUGINS = refused_elements("plugins", "body", with_plugins("body"), help=_OUT)

@@ -37,15 +37,15 @@ def refused_elements(
 
 
 def refused_options(
-    feature: str, name: str, enums: Sequence[tuple[str, str, Collection[str]]], flags: Collection[str],
-    help: str, together: Flagged | None = None,
-) -> Limit:  # fmt: skip
+    name: str, enums: Sequence[tuple[str, str, Collection[str]]], flags: Collection[str], together: Flagged
+) -> Limit:
     """Return a limit that refuses a model with one of these values of an option, or one of these flags enabled.
 
     `together` finds what is refused only in combination with something else; its numbers mean nothing.
     """
     flagged = partial(_options_compiled, name, tuple(enums), tuple(flags), together)
-    return refused_elements(feature, OPTION, flagged, help=help)
+    help = "write another one in the section `option` of the recipe"
+    return refused_elements("options", OPTION, flagged, help=help)
 
 
 def _refuse(feature: str, refuses: Refuses, draft: Draft) -> None:

@@ -55,9 +55,6 @@ class Change:
     since: str = "3.0.0"
 
 
-Test = Callable[[Editing], bool]
-
-
 def rename(places: str, old: str, new: str, words: dict[str, str] | None = None) -> tuple[Act, Act]:
     """An attribute that has another name, and perhaps other words; both directions."""
 
@@ -82,14 +79,12 @@ def rename(places: str, old: str, new: str, words: dict[str, str] | None = None)
     return act(old, new, words), act(new, old, back)
 
 
-def keep_default(path: str, attribute: str, was: str, now: str, where: Test | None = None) -> tuple[Act, Act]:
+def keep_default(path: str, attribute: str, was: str, now: str) -> tuple[Act, Act]:
     """A setting of the whole model with another default: what was meant is written out; both directions."""
 
     def act(value: str) -> Act:
         def carry_out(editing: Editing) -> None:
             if any(node.get(attribute) is not None for node in editing.at(path)):
-                return
-            if where is not None and not where(editing):
                 return
             if editing.stage_reads(path, attribute):
                 editing.set(editing.within(path), attribute, value)
@@ -101,21 +96,19 @@ def keep_default(path: str, attribute: str, was: str, now: str, where: Test | No
     return act(was), act(now)
 
 
-def keep_of_each(
-    places: str, attribute: str, was: str, now: str, of: Callable[[Editing, Node], bool]
-) -> tuple[Act, Act]:
-    """An attribute of elements with another default: it is written on those that say nothing; both directions."""
+def _keep_colors() -> tuple[Act, Act]:
+    """The color space of textures with a file has another default: it is written on those that say nothing."""
 
     def act(value: str) -> Act:
         def carry_out(editing: Editing) -> None:
-            for node in editing.at(*places.split()):
-                is_meant = editing.value(node, attribute) is None and of(editing, node)
-                if is_meant and editing.stage_reads(places.split()[0], attribute):
-                    editing.set(node, attribute, value)
+            for node in editing.at("asset/texture"):
+                is_meant = editing.value(node, "colorspace") is None and _has_file(node)
+                if is_meant and editing.stage_reads("asset/texture", "colorspace"):
+                    editing.set(node, "colorspace", value)
 
         return carry_out
 
-    return act(was), act(now)
+    return act("linear"), act("auto")
 
 
 def drop(places: str, attribute: str, harmless: tuple[str, ...], lost: str | None = None) -> Act:
@@ -253,7 +246,7 @@ def _dampratio(editing: Editing) -> None:
             )
 
 
-def _weighs(editing: Editing, node: Node) -> bool:
+def _weighs(node: Node) -> bool:
     body = node.getparent()
     while body is not None and body.tag in ("frame", "replicate"):
         body = body.getparent()
@@ -284,7 +277,7 @@ TABLE: tuple[Change, ...] = (
                "the mass of {called} is that of its volume since MuJoCo 3.0.1, and was another one before",
                "write the mass as `mass`, or the inertia of the body as `<inertial>`",
                lambda editing, node: editing.value(node, "type") == "mesh" and editing.value(node, "mass") is None
-               and _weighs(editing, node))),
+               and _weighs(node))),
         arrays=("body_mass", "body_inertia", "body_ipos"),
     ),
     Change(
@@ -344,8 +337,7 @@ TABLE: tuple[Change, ...] = (
     Change(
         "texture-colors", "3.3.3", DEFAULT, "`colorspace` of a `<texture>` with a file", "linear",
         "what the file says",
-        "`colorspace=\"linear\"` is written where nothing is", *keep_of_each(
-            "asset/texture", "colorspace", "linear", "auto", lambda editing, node: _has_file(node)),
+        "`colorspace=\"linear\"` is written where nothing is", *_keep_colors(),
         arrays=("tex_colorspace",),
     ),
     Change(

@@ -222,7 +222,7 @@ def _leave_out(editing: Editing) -> None:
             editing.refuse(
                 node, lacks, help if is_new and node.tag in ("frame", "replicate", "attach") else None
             )
-        elif found.value is None and _says_nothing(editing, node, name):
+        elif found.value is None and _says_nothing(node, name):
             editing.unset(node, name)
         elif f"{place(node)}@{name}" in _OF_THE_ENGINE:
             words = editing.lacking(place(node), name, str(node.get(name)))
@@ -254,7 +254,7 @@ _OF_THE_ENGINE = frozenset(
 """Ways to simulate that an earlier version has not: the model is the same without."""
 
 
-def _says_nothing(editing: Editing, node: Node, name: str) -> bool:
+def _says_nothing(node: Node, name: str) -> bool:
     path = place(node)
     key = f"{path}@{name}"
     if key in _HARMLESS:

@@ -87,7 +87,7 @@ def warp(worlds: Worlds) -> Any:
     simulator = Simulator("warp", mujoco_warp.put_model)
     model = simulator.take(worlds, worlds.nominal)
     names = per_world(model, worlds)
-    check_nothing_is_shared(worlds, simulator, [*names, *unread(worlds)], instead=_INSTEAD)
+    check_nothing_is_shared(worlds, simulator, [*names, *unread(worlds)])
     for name in names:
         put_worlds(model, name, worlds)
     return model
@@ -200,7 +200,7 @@ def mjx(worlds: Worlds, model: Any = None) -> tuple[Any, Any]:
                 help,
             )
         replaced[name] = jax.numpy.asarray(worlds.values(name).reshape(worlds.count, *leaf.shape), leaf.dtype)
-    check_nothing_is_shared(worlds, simulator, replaced, instead=_INSTEAD)
+    check_nothing_is_shared(worlds, simulator, replaced)
     axes = jax.tree_util.tree_map(lambda _: None, base).tree_replace(dict.fromkeys(replaced, 0))
     return base.tree_replace(replaced), axes
 
@@ -241,7 +241,7 @@ def mjlab(worlds: Worlds, entity: str | None = None) -> dict[str, Any]:
     names = [name for name in per_world(model, worlds) if is_stepped(name)]
     if dotted := [name for name in names if "." in name]:
         raise failure("not-per-world", f"mjlab has `{dotted[0]}` once for all worlds", _INSTEAD)
-    check_nothing_is_shared(worlds, simulator, [*names, *unread(worlds)], instead=_INSTEAD)
+    check_nothing_is_shared(worlds, simulator, [*names, *unread(worlds)])
 
     def set_worlds(env: Any, env_ids: Any = None) -> None:
         _set(worlds, names, entity, sim=env.sim, env_ids=env_ids)
@@ -397,9 +397,7 @@ def is_stepped(name: str) -> bool:
     return not name.startswith(NOT_STEPPED)
 
 
-def check_nothing_is_shared(
-    worlds: Worlds, simulator: Simulator, varied: Collection[str], instead: str
-) -> None:
+def check_nothing_is_shared(worlds: Worlds, simulator: Simulator, varied: Collection[str]) -> None:
     """Compare a simulator's conversions of the nominal model and of one in which every varying number differs.
 
     Every difference must be among the `varied` arrays. MuJoCo Warp, for instance, leaves springs of tendons out of
@@ -417,7 +415,10 @@ def check_nothing_is_shared(
     if shared:
         message = f"{simulator.name} has {_listed(shared)} once for all worlds, computed from what differs"
         raise failure(
-            "not-per-world", message, instead, notes=[f"between these worlds differ {_listed(worlds.arrays)}"]
+            "not-per-world",
+            message,
+            _INSTEAD,
+            notes=[f"between these worlds differ {_listed(worlds.arrays)}"],
         )
 
 
