@@ -32,8 +32,7 @@ CALLS_LEFT = Counter(
     _fits=1, _flag=6, _in_recipe=2, _insert=4, _is_excepted=1, _is_sound=2, _line=1, _of_use=1, _pair=2,
     _pattern=1, _quantities=1, _rename_parameter=1, _rename_part=1, _selected=1, _span=1, _text=1, _unknown=1,
     _up_to_the_next=1, _values=1, _walk=6, _where=2, _word=1, add=3, advise=6, carried=1, check=1, drop=4,
-    element=11, failed=11, fetch=2, finish=1, in_brackets=2, items=1, keep_default=3, keep_of_each=1,
-    listed=1, names_of=1, of_key=1, open=1, pack=4, packed=1, read_selector=2, refuse=4, refused=1, rename=3,
+    element=11, failed=11, fetch=2, finish=1, in_brackets=2, items=1, keep_default=3,     listed=1, names_of=1, of_key=1, open=1, pack=4, packed=1, read_selector=2, refuse=4, refused=1, rename=3,
     renamed=2, row=1, run=4, same=1, step=1, syscall=3, told=1, unknown=4, unknown_attribute=1, unmet=4,
     unread_in=1, with_item=1, with_key=2, word=4, write_facts=2, write_whole=1
 )
