@@ -5,7 +5,7 @@ from collections.abc import Callable
 import pytest
 from mjcompose.base.diagnostic import Diagnostic
 from mjcompose.base.limits import Limits
-from mjcompose.language.attach import Attachment, Axis
+from mjcompose.language.attach import Attachment
 from mjcompose.language.form import Element
 from mjcompose.language.recipe import Recipe
 from mjcompose.text.expression_values import Angle
@@ -131,7 +131,8 @@ def test_read() -> None:
             "replicate": [{"count": 2, "offset": [1, 0, 0]}, {"count": 3, "euler": [0, "9deg", 0]}],
         }
     )
-    assert attachment.replicate == (Axis(2, (1, 0, 0)), Axis(3, (0, 0, 0), (0, Angle(9.0, "deg"), 0)))
+    axes = [(axis.count, axis.offset, axis.euler) for axis in attachment.replicate]
+    assert axes == [(2, (1, 0, 0), (0, 0, 0)), (3, (0, 0, 0), (0, Angle(9.0, "deg"), 0))]
 
 
 @pytest.mark.parametrize(("count", "allowed"), [(MAX_COPIES, True), (MAX_COPIES + 1, False)])

@@ -1,142 +1,44 @@
-"""The section `attach`: the parts of a recipe, by prefix, and rows of copies."""
+"""The section `attach`: the parts of a recipe, by prefix, and rows of copies; and `base`, a part without a prefix."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from typing import Annotated, Any, Literal
+from collections.abc import Iterator, Mapping
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import (
-    ConfigDict,
+    Discriminator,
     Field,
     GetCoreSchemaHandler,
     GetJsonSchemaHandler,
+    Tag,
     ValidationInfo,
     ValidatorFunctionWrapHandler,
-    model_validator,
 )
 from pydantic_core import CoreSchema, core_schema
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Fault, Path
 from mjcompose.base.limits import advice, in_force
-from mjcompose.base.suggest import advised, unknown_attribute
-from mjcompose.language.element import Reader, path_of
-from mjcompose.language.element_schema import at_most_one, attribute_schema, mapping
+from mjcompose.base.suggest import closest
 from mjcompose.language.form import (
-    Choice,
     Element,
     Form,
     Schema,
     Settings,
     Single,
-    Text,
-    Value,
-    fault_at,
     is_unprintable,
     kind_of,
     settings,
     unprintable,
     validated_with,
-    validation_error,
 )
-from mjcompose.language.fragment import missing_key, report_exclusive
-from mjcompose.language.placing import (
-    ORIENTATIONS,
-    JointField,
-    JointWord,
-    ModelField,
-    Offset,
-    Sense,
-    SenseField,
-    fault_of_inline_recipe,
-)
-from mjcompose.language.used_model import (
-    Allowed,
-    Drop,
-    Drops,
-    Edit,
-    Edits,
-    Given,
-    KeyPolicy,
-    Model,
-    UrdfKeys,
-)
-from mjcompose.language.value import bare_angle, read_value
-from mjcompose.model.grammar import GRAMMAR
-
-COUNT = "count"
-ATTRIBUTES = (COUNT, "offset", "euler")
-"""What an axis has of MJCF's `<replicate>`."""
-_STILL: tuple[Single, ...] = (0, 0, 0)
-
-
-@dataclass(frozen=True, slots=True)
-class Axis:
-    """A row of copies. Each is `offset` (metres) from the one before and turned by `euler`."""
-
-    count: int
-    offset: tuple[Single, ...] = _STILL
-    euler: tuple[Single, ...] = _STILL
-
-
-@dataclass(frozen=True, slots=True)
-class Axes(Form):
-    """Form of the field `replicate`: a list of axes, each of which copies what the ones after it make."""
-
-    def schema(self) -> Schema:
-        kind = GRAMMAR.element("replicate")
-        axis = mapping({name: attribute_schema(kind.attributes[name]) for name in ATTRIBUTES})
-        return {"type": "array", "minItems": 1, "items": {**axis, "required": [COUNT]}}
-
-    def read(self, value: Any, faults: list[Fault], settings: Settings) -> tuple[Axis, ...]:
-        reader = Reader(settings, faults)
-        axes: list[Axis] = []
-        if not isinstance(value, list) or not value:
-            got = "an empty list" if value == [] else kind_of(value)
-            message = f"`replicate` expects a list of axes, got {got}"
-            faults.append(
-                Fault("wrong-type", message, help="write `replicate: [{count: 3, offset: [0.1, 0, 0]}]`")
-            )
-        else:
-            axes = [each for at, item in enumerate(value) if (each := _axis(reader, item, (at,)))]
-        if not faults and (total := math.prod(axis.count for axis in axes)) > in_force().copies:
-            message = f"`replicate` makes {total} copies, and at most {in_force().copies} are allowed"
-            faults.append(Fault("limit-exceeded", message, help=advice("copies", total)))
-        return tuple(axes)
-
-
-def _axis(reader: Reader, value: Any, at: Path) -> Axis | None:
-    owner = "an axis of `replicate`"
-    if not isinstance(value, dict):
-        message = f"{owner} is a mapping, got {kind_of(value)}"
-        reader.faults.append(Fault("wrong-type", message, at, help="write `{count: 3, offset: [0.1, 0, 0]}`"))
-        return None
-    kind = GRAMMAR.element("replicate")
-    read: dict[str, Value] = {}
-    for name, item in value.items():
-        path = (*at, name)
-        if name not in ATTRIBUTES:
-            help, fix = advised(name, ATTRIBUTES)
-            unknown = unknown_attribute(name, owner, ATTRIBUTES)
-            reader.faults.append(fault_at(unknown, path, key=True, help=help, fix=fix))
-            continue
-        found = read_value(kind.attributes[name], item, path, owner=owner, faults=reader.faults)
-        if found is not None:
-            read[name] = found
-            if not reader.settings.bare_angles:
-                bare = bare_angle(kind.attributes[name], found, None, at=path, owner=owner)
-                reader.faults += [bare] if bare is not None else []
-    if COUNT not in value:
-        reader.faults.append(missing_key(owner, COUNT, at))
-    count, offset, euler = read.get(COUNT, 1), read.get("offset", _STILL), read.get("euler", _STILL)
-    if not isinstance(count, int | float) or not isinstance(offset, tuple) or not isinstance(euler, tuple):
-        return None
-    if count < 1:
-        message = f"`{COUNT}` of {owner} is at least 1, got {count}"
-        reader.faults.append(Fault("out-of-range", message, (*at, COUNT)))
-    return Axis(int(count), offset, euler)
-
+from mjcompose.language.forms.attribute import Attribute
+from mjcompose.language.forms.model import IT, Model
+from mjcompose.language.forms.rules import Exclusive
+from mjcompose.language.forms.scalars import AtLeastOne, Checked, Expects, Items, Name, NotNegative, Text
+from mjcompose.language.placing import ORIENTATIONS, Inline, JointField, JointWord, ModelField, Offset
+from mjcompose.language.used_model import Allowed, Drop, Drops, Edit, Edits, Given, KeyPolicy, UrdfKeys
 
 RESERVED = "base"
 PATH_LIKE = ("/", ":")
@@ -146,8 +48,80 @@ PLACES = ("site", "body", "frame")
 Vector = tuple[Single, ...]
 
 
-def _restrict(schema: dict[str, Any]) -> None:
-    schema["allOf"] = [*at_most_one(PLACES), *at_most_one(ORIENTATIONS)]
+class Axis(Model):
+    """A row of copies, each moved and turned from the one before."""
+
+    example: ClassVar = "{count: 3, offset: [0.1, 0, 0]}"
+
+    count: AtLeastOne = Field(examples=["3"])
+    """how many"""
+    offset: Annotated[Vector, Attribute("replicate", "offset")] = (0, 0, 0)
+    """from each to the next, in the frame of the first"""
+    euler: Annotated[Vector, Attribute("replicate", "euler")] = (0, 0, 0)
+    """how each is turned from the one before"""
+
+    @classmethod
+    def subject(cls, at: Path) -> str:
+        return "an axis of `replicate`"
+
+
+def _too_many(axes: tuple[Axis, ...]) -> Fault | None:
+    total, most = math.prod(axis.count for axis in axes), in_force().copies
+    if total <= most:
+        return None
+    message = f"{IT} makes {total} copies, and at most {most} are allowed"
+    return Fault("limit-exceeded", message, help=advice("copies", total))
+
+
+_QUANTITIES = ("force", "torque")
+
+
+class _Something:
+    """The rule that `sense` measures something."""
+
+    help = "write `force: true`, `torque: true` or both"
+
+    def faults(self, value: Mapping[str, Any], model: type[Model], context: Settings) -> Iterator[Fault]:
+        """Yield the fault of a mapping without a quantity, unless one is misspelt."""
+        unknown = [key for key in value if key not in model.key_names()]
+        is_open = not any(value.get(each, False) is not False for each in _QUANTITIES)
+        if is_open and not any(closest(key, _QUANTITIES) for key in unknown):
+            yield Fault("missing-key", f"{IT} measures nothing", key=True, help=self.help)
+
+    def schema(self) -> Iterator[Schema]:
+        """Yield the condition for editors."""
+        none: Schema = {"properties": {each: {"const": False} for each in _QUANTITIES}}
+        first = {"required": ["force"], "maxProperties": 0, "errorMessage": self.help}  # which nothing is
+        yield {"if": none, "then": first}
+
+
+class Sense(Model):
+    """Sensors between the place and the part, in the axes of the place: they measure what hangs below."""
+
+    rules: ClassVar = (_Something(),)
+    example: ClassVar = "[force, torque]"
+
+    name: Text | None = None
+    """the body and its site are PREFIX/NAME, the sensors PREFIX/NAME_force and _torque"""
+    force: bool = False
+    """the force between the place and the part"""
+    torque: bool = False
+    """the torque between the place and the part"""
+    cutoff: NotNegative = 0.0
+    """the largest value of the sensors; 0 for none"""
+
+    @property
+    def quantities(self) -> tuple[str, ...]:
+        """What is measured."""
+        return tuple(each for each in _QUANTITIES if getattr(self, each))
+
+
+_Sense = Annotated[
+    Annotated[tuple[Literal["force", "torque"], ...], Items(1, unique=True), Tag("<list>")]
+    | Annotated[Sense, Tag("<mapping>")],
+    Discriminator(lambda value: "<mapping>" if isinstance(value, dict | Sense) else "<list>"),
+    Expects("a list of `force` and `torque`, or a mapping", "[force, torque]"),
+]
 
 
 @dataclass(frozen=True, slots=True)
@@ -166,37 +140,56 @@ class Prefix(Form):
         return str(value)
 
 
+class _Nameless:
+    """The rule that copies have a prefix, which tells them apart."""
+
+    def faults(self, value: Mapping[str, Any], model: type[Model], context: Settings) -> Iterator[Fault]:
+        """Yield the fault of a part without a prefix that has copies."""
+        if value.get("prefix") == "" and value.get("replicate"):
+            message = f"the copies of {IT} would have the same names: it has no prefix"
+            yield Fault("name-clash", message, ("prefix",), help="leave `prefix` out, or write one")
+
+    def schema(self) -> Iterator[Schema]:
+        """Yield the condition for editors."""
+        message = "copies need a prefix"
+        without = {"properties": {"prefix": {"const": ""}}, "required": ["prefix"]}
+        yield {"if": without, "then": {"properties": {"replicate": False}, "errorMessage": message}}
+
+
 class Attachment(Model):
-    """A part: the model, where it hangs, how it is turned, and what stands between.
+    """A part: the model, where it hangs, how it is turned, and what stands between."""
 
-    `joint` is None, a word, an `Element` for one joint that is called after the prefix, or a tuple of
-    `Element` for joints with names of their own.
-    """
+    rules: ClassVar = (Inline(), Exclusive(*PLACES), Exclusive(*ORIENTATIONS), _Nameless())
+    example: ClassVar = "{model: …}"
+    instead: ClassVar = {
+        "keyframes": "write `keys: prefix` to keep them apart, or `drop: [key]` to leave them out",
+        **dict.fromkeys(
+            ("before", "after"), "put the part there in the file: its order is that of the parts"
+        ),
+    }
 
-    model_config = ConfigDict(json_schema_extra=_restrict)
-
-    model: Annotated[str | Mapping[str, Any], ModelField()]
+    model: Annotated[str | Mapping[str, Any], ModelField()] = Field(examples=["./FILE.xml"])
     """A model reference (a file relative to the recipe, `package:…`, `menagerie:…`), or a recipe written in place."""
-    packages: dict[str, Annotated[str, Text("packages")]] = Field(default_factory=dict)
+    packages: dict[str, Text] = Field(default_factory=dict)
     """The folders that `package://NAME` stands for in URDF: a mapping from NAME to a path relative to the recipe; `"*"`
     is a ROS workspace, all of whose packages are meant."""
     urdf: UrdfKeys = Field(default_factory=UrdfKeys)
     """How a URDF is read: visuals, fixed links, actuators."""
     given: Annotated[dict[str, Any], Given()] = Field(default_factory=dict, alias="with")
     """Values of the parameters and variants of a nested recipe, or of the arguments of a xacro template, by name."""
-    subtree: Annotated[str | None, Text("subtree")] = None
+    subtree: Annotated[str, Name("body", inside="model")] | None = None
     """The one body of the model to take, with exactly what it needs; without it, the whole model."""
     drop: Annotated[tuple[Drop, ...], Drops()] = ()
     """What to leave out, with all that refers to it: sections, tags and selectors, in the part's own names."""
     edit: Annotated[tuple[Edit, ...], Edits()] = ()
     """Ordered changes to the part, in its own names, before it is attached."""
-    site: Annotated[str | None, Text("site")] = None
+    site: Annotated[str, Name("site")] | None = None
     """The site that the part is attached to."""
-    body: Annotated[str | None, Text("body")] = None
+    body: Annotated[str, Name("body")] | None = None
     """The body that the part is attached to."""
-    frame: Annotated[str | None, Text("frame")] = None
+    frame: Annotated[str, Name("frame")] | None = None
     """The frame that the part is attached to."""
-    mate: Annotated[str | None, Text("mate")] = None
+    mate: Annotated[str, Name("site", "body", "frame", inside="model")] | None = None
     """A site, body or frame of the part that is to coincide with that place; without it, the part's own origin."""
     pos: Annotated[Vector | None, Offset("pos")] = None
     """Offset in the frame of that place."""
@@ -213,13 +206,18 @@ class Attachment(Model):
     joint: Annotated[JointWord | Element | tuple[Element, ...] | None, JointField()] = None
     """What stands between the place and the part. Without it nothing is added, and a free joint of the part's
     root is kept where it may be; `none` removes it."""
-    sense: Annotated[Sense | None, SenseField()] = None
+    sense: _Sense | None = None
     """What the place carries is measured there: force and torque between the place and the part, by sensors."""
     prefix: Annotated[str | None, Prefix()] = None
     """What stands before the part's names in place of the key; empty for no prefix and no separator."""
-    replicate: Annotated[tuple[Axis, ...], Axes()] = ()
+    replicate: Annotated[
+        tuple[Axis, ...],
+        Items(1),
+        Checked(_too_many),
+        Expects("a list of axes", "[{count: 3, offset: [0.1, 0, 0]}]"),
+    ] = ()
     """Copies in rows, one axis an entry: `PREFIX0/`, `PREFIX1/`, … or `PREFIX0_0/`, …"""
-    keys: Annotated[Literal["merge", "prefix"], Choice("keys")] = "merge"
+    keys: Literal["merge", "prefix"] = "merge"
     """How the part's keyframes are called: merged by name, or kept apart as `PREFIX/NAME`. `drop: [key]` leaves them
     out."""
     allow: Annotated[tuple[str, ...], Allowed()] = ()
@@ -229,6 +227,13 @@ class Attachment(Model):
     def key_policy(self) -> KeyPolicy:
         """What becomes of the part's keyframes."""
         return "none" if any(each.leaves_keys for each in self.drop) else self.keys
+
+    @property
+    def sensors(self) -> Sense | None:
+        """What is measured at the place."""
+        if not isinstance(self.sense, tuple):
+            return self.sense
+        return Sense(force="force" in self.sense, torque="torque" in self.sense)
 
     @property
     def is_placed(self) -> bool:
@@ -241,29 +246,18 @@ class Attachment(Model):
         named = ((kind, getattr(self, kind)) for kind in PLACES)
         return next(((kind, name) for kind, name in named if name is not None), ("world", ""))
 
-    @model_validator(mode="wrap")
     @classmethod
-    def _alternatives(cls, value: Any, handler: ValidatorFunctionWrapHandler) -> Any:
-        faults: list[Fault] = []
-        if isinstance(value, Mapping):
-            path = path_of(value)
-            owner = f"part `{path[-1]}`" if path[:1] == ("attach",) else f"`{RESERVED}`"
-            in_place = fault_of_inline_recipe(value, owner, cls.model_fields)
-            if in_place is not None:
-                raise validation_error([in_place], value)
-            report_exclusive(PLACES, list(value), owner, at=(), faults=faults)
-            report_exclusive(ORIENTATIONS, list(value), owner, at=(), faults=faults)
-            if value.get("prefix") == "" and value.get("replicate"):
-                faults.append(_nameless_copies(owner))
-        attachment: Attachment = validated_with(handler, value, faults)
-        return attachment
+    def subject(cls, at: Path) -> str:
+        return f"part `{at[-1]}`" if len(at) > 1 else f"`{RESERVED}`"
+
+    @classmethod
+    def listed(cls) -> list[str]:
+        names = cls.key_names()
+        return sorted(names, key=lambda name: name in _OF_A_MODEL)
 
 
-def _nameless_copies(owner: str) -> Fault:
-    message = f"the copies of {owner} would have the same names: it has no prefix"
-    return Fault("name-clash", message, ("prefix",), help="leave `prefix` out, or write one")
-
-
+_OF_A_MODEL = ("packages", "urdf", "with", "subtree", "drop", "edit", "keys", "allow")
+"""What is about the model itself, which an unknown key seldom means."""
 _OF_A_PLACE = frozenset({*ORIENTATIONS, "pos", "mate", "joint", "sense"})
 _NOT_OF_A_BASE = (*PLACES, "prefix", "replicate")
 

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, Literal
+
+from pydantic import ValidationInfo
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Fault, Path
 from mjcompose.base.rotation import cross
-from mjcompose.base.suggest import closest, did_you_mean, exists_note, renaming
+from mjcompose.base.suggest import closest, exists_note, renaming
 from mjcompose.language.element import Reader, label
-from mjcompose.language.element_schema import attribute_schema
 from mjcompose.language.form import (
     Element,
     Form,
@@ -20,13 +21,14 @@ from mjcompose.language.form import (
     Settings,
     Single,
     Text,
-    Value,
     definition,
     kind_of,
     reference,
+    validation_error,
 )
+from mjcompose.language.forms.attribute import Attribute
+from mjcompose.language.forms.model import IT, Model
 from mjcompose.language.fragment import missing_key
-from mjcompose.language.value import bare_angle, read_value
 from mjcompose.model.grammar import GRAMMAR
 from mjcompose.text.expression_values import Angle
 from mjcompose.text.key_order import WHOLE
@@ -75,15 +77,24 @@ def advice_to_choose(models: Sequence[str]) -> str:
     )
 
 
-def fault_of_inline_recipe(value: Mapping[str, Any], owner: str, own: Iterable[str]) -> Fault | None:
-    """Return the fault of a base or part that is a recipe without `model` above it. `own` are its allowed keys."""
-    strange = [key for key in value if key in WHOLE[()] and key not in own]
-    if "model" in value or not strange:
-        return None
-    keys = ", ".join(f"`{key}`" for key in strange)
-    message = f"{keys} of {owner} {'stands' if len(strange) == 1 else 'stand'} where a `model` is expected"
-    help = f"a model that is written in place stands below `model`: `model: {{{strange[0]}: …}}`"
-    return Fault("missing-key", message, (strange[0],), key=True, help=help)
+class Inline:
+    """The rule that a recipe in the place of a part has `model` above it."""
+
+    alone = True
+
+    def faults(self, value: Mapping[str, Any], model: type[Model], context: Settings) -> Iterator[Fault]:
+        """Yield the fault of a mapping with keys that only a recipe has."""
+        strange = [key for key in value if key in WHOLE[()] and key not in model.key_names()]
+        if "model" in value or not strange:
+            return
+        keys = ", ".join(f"`{key}`" for key in strange)
+        message = f"{keys} of {IT} {'stands' if len(strange) == 1 else 'stand'} where a `model` is expected"
+        help = f"a model that is written in place stands below `model`: `model: {{{strange[0]}: …}}`"
+        yield Fault("missing-key", message, (strange[0],), key=True, help=help)
+
+    def schema(self) -> Iterator[Schema]:
+        """Yield nothing: a part has no such keys anyway."""
+        return iter(())
 
 
 @definition("in")
@@ -141,7 +152,6 @@ def _models(node: Located) -> Iterator[tuple[Path, Located]]:
             yield at, model
 
 
-OWNER = "an attached part"
 ORIENTATIONS = ("quat", "euler", "axisangle", "xyaxes", "zaxis")
 WORDS = ("none", "free", "ball", "mocap")
 JointWord = Literal["none", "free", "ball", "mocap"]
@@ -156,30 +166,21 @@ _NEUTRAL = {
 }
 
 
-@dataclass(frozen=True, slots=True)
-class Offset(Form):
-    """Form of a field that is an attribute of a frame: `pos`, or one of the orientations.
+class Offset(Attribute):
+    """Form of an attribute of the frame of a place: `pos`, or one of the orientations, as a tuple.
 
-    It is read as a tuple. It contains `Angle`s only if the attribute is an angle.
+    It contains `Angle`s only if the attribute is an angle.
     """
 
-    name: str
+    def __init__(self, name: str) -> None:
+        super().__init__("frame", name)
 
-    def schema(self) -> Schema:
-        return attribute_schema(GRAMMAR.element("frame").attributes[self.name])
-
-    def read(self, value: Any, faults: list[Fault], settings: Settings) -> Value | None:
-        attribute = GRAMMAR.element("frame").attributes[self.name]
-        read = read_value(attribute, value, (), owner=OWNER, faults=faults)
-        if isinstance(read, tuple) and attribute.angle is None:
+    def _read(self, value: Any, info: ValidationInfo) -> Any:
+        read = super()._read(value, info)
+        if self.declared.angle is None:
             read = tuple(item.radians if isinstance(item, Angle) else item for item in read)
-        elif read is not None and not settings.bare_angles:
-            bare = bare_angle(attribute, read, None, at=(), owner=OWNER)
-            faults += [bare] if bare is not None else []
-        if not faults and isinstance(read, tuple):
-            fault = _no_pose(self.name, read)
-            faults += [fault] if fault is not None else []
-        assert faults or isinstance(read, tuple), "an offset has several numbers"
+        if (fault := _no_pose(self.name, read)) is not None:
+            raise validation_error([fault], value)
         return read
 
 
@@ -191,9 +192,7 @@ def _no_pose(name: str, read: tuple[Single, ...]) -> Fault | None:
     numbers = [float(item.value if isinstance(item, Angle) else item) for item in read]
     if not all(math.isfinite(number) for number in numbers):
         wrong = next(index for index, number in enumerate(numbers) if not math.isfinite(number))
-        return Fault(
-            "out-of-range", f"`{name}` of {OWNER} expects finite numbers", (wrong,), help="write a number"
-        )
+        return Fault("out-of-range", f"{IT} expects finite numbers", (wrong,), help="write a number")
     axes = {
         "quat": [numbers],
         "axisangle": [numbers[:3]],
@@ -202,10 +201,10 @@ def _no_pose(name: str, read: tuple[Single, ...]) -> Fault | None:
     }
     for axis in axes.get(name, ()):
         if math.hypot(*axis) < TINY:
-            message = f"`{name}` of {OWNER} is not an orientation: all its numbers are zero"
+            message = f"{IT} is not an orientation: all its numbers are zero"
             return Fault("out-of-range", message, help=f"leave `{name}` out, or write {_NEUTRAL[name]}")
     if name == "xyaxes" and math.hypot(*cross(numbers[:3], numbers[3:])) < TINY:
-        message = f"`xyaxes` of {OWNER} is not an orientation: its two axes have the same direction"
+        message = f"{IT} is not an orientation: its two axes have the same direction"
         return Fault(
             "out-of-range", message, help="write axes at a right angle, such as `[1, 0, 0, 0, 1, 0]`"
         )
@@ -294,96 +293,3 @@ def _no_joint(value: Any) -> Fault:
         help, fix = f"write `joint: {near[0]}`", renaming(value, WORDS)
     note = exists_note("word", WORDS, value)
     return Fault("wrong-keyword", f"`joint` cannot be `{value}`", notes=(note,), help=help, fix=fix)
-
-
-QUANTITIES = ("force", "torque")
-
-
-@dataclass(frozen=True, slots=True)
-class Sense:
-    """What a place carries is measured: which of `force` and `torque`, the name of the site, and where both are cut."""
-
-    quantities: tuple[str, ...]
-    name: str = ""
-    cutoff: float = 0.0
-
-
-@dataclass(frozen=True, slots=True)
-class SenseField(Form):
-    """Form of the field `sense`: a list of quantities, or a mapping with a name and a cutoff."""
-
-    def schema(self) -> Schema:
-        doc = "the {} between the place and the part, in the axes of the place"
-        one = {each: {"type": "boolean", "description": doc.format(each)} for each in QUANTITIES}
-        several: Schema = {
-            "type": "object",
-            "properties": {
-                "name": {
-                    "type": "string",
-                    "minLength": 1,
-                    "description": "the body and its site are PREFIX/NAME, the sensors PREFIX/NAME_force and _torque",
-                },
-                **one,
-                "cutoff": {
-                    "type": "number",
-                    "minimum": 0,
-                    "description": "the largest value of the sensors; 0 for none",
-                },
-            },
-            "additionalProperties": False,
-            "anyOf": [{"required": [each]} for each in QUANTITIES],
-        }
-        words = {"type": "array", "minItems": 1, "uniqueItems": True, "items": {"enum": [*QUANTITIES]}}
-        return {"anyOf": [words, several]}
-
-    def read(self, value: Any, faults: list[Fault], settings: Settings) -> Sense | None:
-        if isinstance(value, Mapping):
-            return _sense(value, faults)
-        if not isinstance(value, list):
-            help = "write `sense: [force, torque]`"
-            faults.append(Fault("wrong-type", f"`sense` expects a list, got {kind_of(value)}", help=help))
-            return None
-        for index, item in enumerate(value):
-            if item not in QUANTITIES:
-                note, fix = exists_note("quantity", QUANTITIES, str(item)), renaming(str(item), QUANTITIES)
-                meant = did_you_mean(str(item), QUANTITIES)
-                message = f"`sense` cannot measure {kind_of(item)}"
-                faults.append(Fault("wrong-keyword", message, (index,), notes=(note,), help=meant, fix=fix))
-            elif item in value[:index]:
-                faults.append(
-                    Fault("wrong-keyword", f"`{item}` is in `sense` twice", (index,), help="leave one out")
-                )
-        if not value:
-            faults.append(Fault("wrong-length", "`sense` is an empty list", help="leave `sense` out"))
-        return Sense(tuple(each for each in QUANTITIES if each in value))
-
-
-def _sense(value: Mapping[str, Any], faults: list[Fault]) -> Sense:
-    known = ("name", *QUANTITIES, "cutoff")
-    for key, item in value.items():
-        wanted = ""
-        if key not in known:
-            note, fix = exists_note("key", known, str(key)), renaming(str(key), known)
-            help, message = did_you_mean(str(key), known), f"`sense` has no `{key}`"
-            faults.append(Fault("unknown-key", message, (key,), key=True, notes=(note,), help=help, fix=fix))
-        elif key in QUANTITIES and not isinstance(item, bool):
-            wanted = "`true` or `false`"
-        elif key == "cutoff" and (isinstance(item, bool) or not isinstance(item, int | float)):
-            wanted = "a number"
-        elif key == "cutoff" and not 0 <= item < math.inf:
-            faults.append(Fault("out-of-range", "`cutoff` is at least 0, and finite", (key,)))
-        elif key == "name" and (fault := Text("name").fault(item)) is not None:
-            faults.append(replace(fault, at=(key,)))
-        if wanted:
-            faults.append(Fault("wrong-type", f"`{key}` expects {wanted}, got {kind_of(item)}", (key,)))
-    quantities = tuple(each for each in QUANTITIES if value.get(each) is True)
-    if not quantities and not faults:
-        faults.append(
-            Fault(
-                "missing-key",
-                "`sense` measures nothing",
-                key=True,
-                help="write `force: true`, `torque: true` or both",
-            )
-        )
-    return Sense(quantities, str(value.get("name") or ""), 0.0 if faults else float(value.get("cutoff", 0)))

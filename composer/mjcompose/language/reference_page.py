@@ -57,8 +57,8 @@ def key_order() -> dict[str, dict[str, list[str]]]:
     edit = list(EDIT)
     whole = {
         "": _top(),
-        "base": [*key_names(Attachment), _WHEN],
-        "attach.*": [*key_names(Attachment), _WHEN],
+        "base": [*Attachment.key_names(), _WHEN],
+        "attach.*": [*Attachment.key_names(), _WHEN],
         "edit.*": edit,
         "base.edit.*": edit,
         "attach.*.edit.*": edit,

@@ -25,7 +25,7 @@ from mjcompose.language.parameters import NO_PIECE, TYPES
 from mjcompose.language.placing import OF_A_FILE
 from mjcompose.language.recipe import Recipe, sections_of
 from mjcompose.language.sections import Singleton
-from mjcompose.language.used_model import Model, UrdfKeys
+from mjcompose.language.used_model import Model
 
 _DEFS = "#/$defs/"
 _PIECE = "piece."
@@ -315,7 +315,7 @@ def _into(schema: Any, key: str, value: Schema) -> None:
 
 
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
-MODELS: tuple[type[Model], ...] = (Recipe, Attachment, UrdfKeys)
+MODELS: tuple[type[Model], ...] = (Recipe,)
 WIDTH = 110
 
 _ORDER = (

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import field, replace
-from typing import Annotated, Any, Literal
+from typing import Any, Literal
 
 from pydantic import (
     BaseModel,
@@ -19,7 +19,6 @@ from mjcompose.language.element import path_of
 from mjcompose.language.form import (
     COUNT,
     EXCLUSIVE,
-    Choice,
     Form,
     Schema,
     Settings,
@@ -31,6 +30,7 @@ from mjcompose.language.form import (
     unknown_key,
 )
 from mjcompose.language.form import SCHEMAS as COUNTS
+from mjcompose.language.forms.model import Model as FormModel
 from mjcompose.language.select import GLOB, NARROWING, advice_on_narrowing, read_selector
 from mjcompose.language.verbs.table import VERBS
 from mjcompose.language.verbs.values import TAGS, Checker, Selected
@@ -56,19 +56,19 @@ def key_names(model: type[Model]) -> list[str]:
     return [field.alias or name for name, field in model.model_fields.items()]
 
 
-class UrdfKeys(Model):
+class UrdfKeys(FormModel):
     """What becomes of what MuJoCo leaves out, or leaves to others; without it, it is as the file or MuJoCo says."""
 
-    visuals: Annotated[Literal["keep", "drop"] | None, Choice("visuals")] = None
+    visuals: Literal["keep", "drop"] | None = None
     """Whether visuals become geoms that touch nothing; what collides is then in group 3, which viewers hide. By default
     as `discardvisual` in the file says, which MuJoCo takes for `true`."""
-    fixed: Annotated[Literal["keep", "fuse"] | None, Choice("fixed")] = None
+    fixed: Literal["keep", "fuse"] | None = None
     """Whether links without a joint of their own stay bodies, or become frames of the one above. By default as
     `fusestatic` in the file says, which MuJoCo takes for `true`."""
-    actuators: Annotated[Literal["declared", "all", "none"], Choice("actuators")] = "declared"
+    actuators: Literal["declared", "all", "none"] = "declared"
     """Which joints get an actuator: those that `<ros2_control>` and `<transmission>` command, every joint that moves by
     itself, or none."""
-    inertia: Annotated[Literal["mend", "keep"] | None, Choice("inertia")] = None
+    inertia: Literal["mend", "keep"] | None = None
     """Whether inertias that no body can have, which MuJoCo refuses, are changed as little as possible; each is a
     warning."""
 

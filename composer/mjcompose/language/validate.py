@@ -24,7 +24,7 @@ from mjcompose.language.forms.walk import is_model, spot
 from mjcompose.language.placing import faults_in_place
 from mjcompose.language.recipe import VERSION, Recipe, sections_of
 from mjcompose.language.sections import ByTag, Lists, Typed
-from mjcompose.language.used_model import Model, key_names
+from mjcompose.language.used_model import key_names
 from mjcompose.language.value import without_space
 from mjcompose.model.grammar import GRAMMAR
 from mjcompose.text.node import Key, Mapping, Node, Scalar, find, locate, texts, to_python
@@ -37,8 +37,6 @@ _MAKING = ("subtree", "joint", "sense", "drop", "edit", "prefix", "replicate", "
 # Sections in which parts may disagree, as `conflict` allows.
 _AGREED = ("option", "size", "statistic", "visual")
 _ROUNDS = 8
-# These are about the model itself, and seldom what an unknown key of a part means.
-_OF_A_MODEL = ("packages", "urdf", "with", "subtree", "drop", "edit", "keys", "allow")
 
 Judge = Callable[[Mapping], tuple[Recipe | None, list[Fault]]]
 
@@ -238,18 +236,20 @@ def _moved(fault: Fault, loc: Path, raw: Path, data: Any) -> Fault:
 
 def _extra(loc: Path, meant: Any | None, data: Any, parts: AbcMapping[str, Any]) -> Fault:
     name = str(loc[-1])
-    model, owner = _owner(loc[:-1])
-    known = key_names(model)
-    if model is Attachment:  # a note lists the first few: what places a part is most often meant
-        known.sort(key=lambda name: name in _OF_A_MODEL)
-    known += SETTLED if model is Recipe else ()
+    owner = _called(loc[:-1])
+    known = [*key_names(Recipe), *SETTLED]
     help, fix = advised(name, known if meant is None else [str(meant["loc"][-1])])
-    if model is Recipe and len(loc) == 1 and (elsewhere := advice_at_top(name, data[name], parts)):
+    if len(loc) == 1 and (elsewhere := advice_at_top(name, data[name], parts)):
         help, fix = elsewhere, None
     note = exists_note("key", known, name)
     return Fault(
         "unknown-key", f"{owner} has no key `{name}`", loc, key=True, notes=(note,), help=help, fix=fix
     )
+
+
+def _called(path: Path) -> str:
+    """Return how messages call a mapping of the recipe itself."""
+    return f"`{path[-1]}`" if path else "the recipe"
 
 
 def _missing(loc: Path) -> Fault:
@@ -258,25 +258,21 @@ def _missing(loc: Path) -> Fault:
         help = f"write `recipe: {VERSION}` as its first line"
         return Fault("missing-key", message, help=help, fix=Fix(f"recipe: {VERSION}\n"))
     name = str(loc[-1])
-    _, owner = _owner(loc[:-1])
-    example = "./FILE.xml" if name == "model" else "…"
+    owner = _called(loc[:-1])
     return Fault(
         "missing-key",
         f"{owner} lacks `{name}`",
         loc[:-1],
         key=True,
-        help=f"write `{name}: {example}`",
+        help=f"write `{name}: …`",
         lacks=name,
     )
 
 
 def _other(error: Any, loc: Path) -> Fault:
     """Return the fault for any other error, such as a value that is not a mapping or not an allowed word."""
-    _, owner = _owner(loc)
+    owner = _called(loc)
     value = error["input"]
-    if loc == ("base",):
-        message = f"`base` expects a model reference, or a mapping with `model`, got {kind_of(value)}"
-        return Fault("wrong-type", message, loc)
     if loc == ("attach",):
         help = None
         if isinstance(value, list):
@@ -291,17 +287,6 @@ def _other(error: Any, loc: Path) -> Fault:
             help = f"write `{{model: {value}}}`"
         return Fault("wrong-type", f"{owner} expects a mapping, got {kind_of(value)}", loc, help=help)
     return Fault("wrong-type", f"{owner}: {error['msg'][:1].lower()}{error['msg'][1:]}", loc)
-
-
-def _owner(path: Path) -> tuple[type[Model], str]:
-    """Return the model that validates a mapping, and its name in messages."""
-    if not path:
-        return Recipe, "the recipe"
-    if path[0] == "attach" and len(path) == 2:
-        return Attachment, f"part `{path[1]}`"
-    if path == ("base",):
-        return Attachment, "`base`"
-    return Recipe, f"`{path[-1]}`"
 
 
 _PART_KEYS = frozenset(

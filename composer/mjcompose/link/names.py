@@ -166,7 +166,7 @@ class _UnitRenaming:
         other = "give the part another prefix"
         linking.sink.error(
             first.code,
-            f"`{part.called}` brings the {word(first.namespace)} `{first.name}`, and `drop: [key]` has one of that "
+            f"`{part.called}` brings the {word(first.namespace)} `{first.name}`, and the model has one of that "
             f"name{more}",
             part.span or here,
             notes=notes,

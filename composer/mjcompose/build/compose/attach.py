@@ -271,7 +271,7 @@ def add_joints(step: AttachPart, part: Part, linking: Linking, making: ElementBu
 
 def _sense(step: AttachPart, making: ElementBuilder) -> Sense | None:
     """Return the body, the site and the sensors of `sense`, by their names in the recipe."""
-    wanted = step.attachment.sense
+    wanted = step.attachment.sensors
     if wanted is None:
         return None
     start = f"{wanted.name}_" if wanted.name else ""

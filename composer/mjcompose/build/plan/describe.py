@@ -273,10 +273,9 @@ def _place_words(part: AttachPart) -> str:
             break
     else:
         place = "in the world"
-    if attachment.sense is not None:
-        place += f", where {' and '.join(attachment.sense.quantities)} are measured".replace(
-            *("are", "is") if len(attachment.sense.quantities) == 1 else ("", "")
-        )
+    if attachment.sensors is not None:
+        quantities = attachment.sensors.quantities
+        place += f", where {' and '.join(quantities)} {'is' if len(quantities) == 1 else 'are'} measured"
     joint = attachment.joint
     if joint is None:
         return place

@@ -26,7 +26,7 @@ Copy = tuple[int, ...]
 def copies(axes: AbcSequence[Axis]) -> Iterator[tuple[str, Copy]]:
     """Yield the suffix of each copy after the part's prefix, and its numbers; the last axis runs first.
 
-    >>> [suffix for suffix, _ in copies([Axis(2), Axis(11)])][9:12]
+    >>> [suffix for suffix, _ in copies([Axis(count=2), Axis(count=11)])][9:12]
     ['0_09', '0_10', '1_00']
     """
     widths = [len(str(axis.count - 1)) for axis in axes]

@@ -146,13 +146,14 @@ def _keyword(place: Spot, value: Any) -> Fault:
         listed = f"write one of {', '.join(f'`{each}`' for each in words)}"
         return Fault("wrong-type", f"{name} expects a keyword, got {kind_of(value)}", place.at, help=listed)
     near = closest(value, words) or [each for each in words if len(value) > 1 and each.startswith(value)]
-    help: str | None = f"write `{place.key}: {near[0]}`" if near else None
+    key = "" if isinstance(place.at[-1], int) else f"{place.key}: "
+    help: str | None = f"write `{key}{near[0]}`" if near else None
     fix = renaming(value, words)
     elsewhere = place.marked(Keywords)
     if elsewhere is not None and value in elsewhere.elsewhere:
         help, fix = elsewhere.elsewhere[value], None
         if help in words:
-            help, fix = f"write `{place.key}: {help}`", Fix(help, value)
+            help, fix = f"write `{key}{help}`", Fix(help, value)
     note = exists_note("keyword", words, value)
     return Fault("wrong-keyword", f"{name} cannot be `{value}`", place.at, notes=(note,), help=help, fix=fix)
 
