@@ -139,12 +139,12 @@ def _parts() -> Iterator[Row]:
             f"recipe: 1\nname: parts\nbase: {_MODELS}/scenes/floor.xml\n"
             f"attach: {{post: {{model: {post}, replicate: [{{count: {count}, offset: [0.1, 0, 0]}}]}}}}\n"
         )
-        took[count] = _processor(lambda: _command("build", "parts.yaml", "--no-verify", "-o", "parts.xml"))
+        took[count] = _processor(lambda: _command("build", "parts.yaml", "--no-compile", "-o", "parts.xml"))
     start, few, many = took[_PARTS[0]], took[_PARTS[-2]] - took[_PARTS[0]], took[_PARTS[-1]] - took[_PARTS[0]]
     each = many / (_PARTS[-1] - _PARTS[0]) / (few / (_PARTS[-2] - _PARTS[0]))
     note = f"{took[_PARTS[-1]]:.1f} s, {start:.2f} s of it for the first {_PARTS[0]}; bodies with a geom and a class"
     yield Row(f"a part of {_PARTS[-1]:,} / a part of {_PARTS[-2]:,}", each, _LINEAR, note)
-    series: dict[str, Mapping[int, float]] = {"mjcompose build --no-verify": took}
+    series: dict[str, Mapping[int, float]] = {"mjcompose build --no-compile": took}
     if (mujoco := peers.mjspec()) is not None:
         with peers.quiet():
             series["MjSpec: attach, saved as written"] = {

@@ -29,7 +29,9 @@ def test_build_says_it_when_it_builds_and_when_it_does_not(folder: Path) -> None
         lines = run("build", "r.yaml", "-o", "r.zip").stdout.splitlines()
         assert lines[0].startswith(begins)
         assert [line for line in lines if "adopted" in line] == [f"  adopted {words}" for words in SAID]
-    told = json.loads(run("build", "r.yaml", "-o", "r.zip", "--json").stdout.splitlines()[-1])
+    told = json.loads(
+        run("build", "r.yaml", "-o", "r.zip", "--output-format", "json").stdout.splitlines()[-1]
+    )
     assert told["adopted"][0] == {"setting": "option.cone", "value": "elliptic", "parts": ["one/", "in/two/"]}
     with ZipFile(folder / "r.zip") as archive:
         manifest = json.loads(archive.read("manifest.json"))
@@ -41,7 +43,7 @@ def test_plan_says_it_without_building(folder: Path) -> None:
     _recipe(folder)
     lines = run("plan", "r.yaml").stdout.splitlines()
     assert [line for line in lines if "adopt" in line] == [f"  adopt {words}" for words in SAID]
-    assert [each["value"] for each in json.loads(run("plan", "r.yaml", "--json").stdout)["adopted"]] == [
+    assert [each["value"] for each in json.loads(run("plan", "r.yaml", "--output-format", "json").stdout)["adopted"]] == [
         "elliptic", "10",
     ]  # fmt: skip
 
@@ -78,5 +80,8 @@ def test_build_says_how_many_pairs_do_not_collide(folder: Path) -> None:
         assert lines[0].startswith(begins)
         assert "  excluded 1 pair of bodies from colliding: `mjcompose plan` names them" in lines
     assert (
-        json.loads(run("build", "r.yaml", "-o", "r.zip", "--json").stdout.splitlines()[-1])["excluded"] == 1
+        json.loads(run("build", "r.yaml", "-o", "r.zip", "--output-format", "json").stdout.splitlines()[-1])[
+            "excluded"
+        ]
+        == 1
     )

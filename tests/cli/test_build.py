@@ -29,7 +29,7 @@ def names_in(file: Path) -> set[str]:
 
 
 def test_default_output_is_named_after_the_model(folder: Path) -> None:
-    result = run("build", "cell.yaml", "--no-verify")
+    result = run("build", "cell.yaml", "--no-compile")
     assert result.exit_code == 0
     assert names_in(folder / "build" / "cell.zip") == MODEL_FILES
     assert "wrote build/cell.zip" in result.stdout
@@ -39,7 +39,7 @@ def test_default_output_is_named_after_the_model(folder: Path) -> None:
 @pytest.mark.parametrize("name", ["../outside", "a/b", "..", "a b", "é"])
 def test_default_output_stays_in_its_folder(folder: Path, name: str) -> None:
     (folder / "odd.yaml").write_text(RECIPE.replace("name: cell", f'name: "{name}"'), encoding="utf-8")
-    assert run("build", "odd.yaml", "--no-verify").exit_code == 0
+    assert run("build", "odd.yaml", "--no-compile").exit_code == 0
     (written,) = (folder / "build").iterdir()
     assert written.suffix == ".zip" and names_in(written) == MODEL_FILES
     assert not (folder.parent / "outside.zip").exists()
@@ -47,7 +47,7 @@ def test_default_output_stays_in_its_folder(folder: Path, name: str) -> None:
 
 @pytest.mark.parametrize("out", ["out/", "out", "deep/er/out/"])
 def test_folder(folder: Path, out: str) -> None:
-    assert run("build", "cell.yaml", "--no-verify", "-o", out).exit_code == 0
+    assert run("build", "cell.yaml", "--no-compile", "-o", out).exit_code == 0
     written = {name for name, content in snapshot(folder / out).items() if content is not None}
     assert written == MODEL_FILES
 
@@ -64,7 +64,7 @@ def test_archive_opens_in_mujoco(folder: Path, out: str) -> None:
 
 
 def test_text_names_the_files_where_they_are(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    assert run("build", "cell.yaml", "--no-verify", "-o", "out/cell.xml").exit_code == 0
+    assert run("build", "cell.yaml", "--no-compile", "-o", "out/cell.xml").exit_code == 0
     assert set(snapshot(folder / "out")) == {"cell.xml"}
     monkeypatch.chdir("/")
     model = mujoco.MjModel.from_xml_path(str(folder / "out" / "cell.xml"))
@@ -73,7 +73,7 @@ def test_text_names_the_files_where_they_are(folder: Path, monkeypatch: pytest.M
 
 def test_text_on_standard_output(folder: Path) -> None:
     before = snapshot(folder)
-    result = run("build", "cell.yaml", "--no-verify", "-o", "-")
+    result = run("build", "cell.yaml", "--no-compile", "-o", "-")
     assert result.exit_code == 0 and result.stderr == ""
     assert result.stdout.startswith('<mujoco model="cell">') and result.stdout.endswith("</mujoco>\n")
     model = mujoco.MjModel.from_xml_string(result.stdout)  # from the folder that the text is printed in
@@ -90,14 +90,14 @@ def test_warnings_stay_out_of_the_text(folder: Path) -> None:
         )
     (folder / "cell.yaml").write_text(text)
     for form in ("text", "json", "github"):
-        result = run("build", "cell.yaml", "--no-verify", "-o", "-", "--format", form)
+        result = run("build", "cell.yaml", "--no-compile", "-o", "-", "--output-format", form)
         assert result.exit_code == 0
         assert result.stdout.startswith("<mujoco") and result.stdout.endswith("</mujoco>\n")
         assert "option-conflict" in result.stderr
 
 
 def test_mjb(folder: Path) -> None:
-    result = run("build", "cell.yaml", "--no-verify", "-o", "cell.mjb")
+    result = run("build", "cell.yaml", "--no-compile", "-o", "cell.mjb")
     assert result.exit_code == 0 and result.stdout.startswith("wrote cell.mjb and cell.manifest.json\n")
     compiled = folder / "cell.mjb"  # exactly what was named, for make and its like
     assert mujoco.MjModel.from_binary_path(str(compiled)).nmesh == 1
@@ -106,7 +106,7 @@ def test_mjb(folder: Path) -> None:
 
 
 def test_the_name_of_an_mjb_says_where_the_version_goes(folder: Path) -> None:
-    assert run("build", "cell.yaml", "--no-verify", "-o", "v{mujoco}/cell.mjb").exit_code == 0
+    assert run("build", "cell.yaml", "--no-compile", "-o", "v{mujoco}/cell.mjb").exit_code == 0
     assert (folder / f"v{mujoco.__version__}" / "cell.mjb").is_file()
 
 
@@ -145,8 +145,8 @@ def test_recipe_and_output_anywhere(folder: Path, tmp_path: Path, monkeypatch: p
     elsewhere = tmp_path / "elsewhere"
     elsewhere.mkdir()
     monkeypatch.chdir(elsewhere)
-    assert run("build", "../cell/cell.yaml", "--no-verify", "-o", str(tmp_path / "a.zip")).exit_code == 0
-    assert run("build", str(folder / "cell.yaml"), "--no-verify", "-o", "../b.zip").exit_code == 0
+    assert run("build", "../cell/cell.yaml", "--no-compile", "-o", str(tmp_path / "a.zip")).exit_code == 0
+    assert run("build", str(folder / "cell.yaml"), "--no-compile", "-o", "../b.zip").exit_code == 0
     assert (tmp_path / "a.zip").read_bytes() == (tmp_path / "b.zip").read_bytes()
     assert list(elsewhere.iterdir()) == []
 
@@ -157,17 +157,17 @@ def test_recipe_and_output_anywhere(folder: Path, tmp_path: Path, monkeypatch: p
 def test_an_output_is_never_one_of_the_sources(folder: Path, out: str) -> None:
     (folder / "linked.xml").symlink_to("models/tool.xml")
     before = snapshot(folder)
-    result = run("build", "cell.yaml", "--no-verify", "-o", out)
+    result = run("build", "cell.yaml", "--no-compile", "-o", out)
     assert result.exit_code == 1
     assert "error[output-unwritable]" in result.stderr and "= help: " in result.stderr
     assert snapshot(folder) == before
 
 
 def test_a_folder_that_the_recipe_itself_uses_is_not_replaced(folder: Path) -> None:
-    assert run("build", "cell.yaml", "--no-verify", "-o", "out/").exit_code == 0
+    assert run("build", "cell.yaml", "--no-compile", "-o", "out/").exit_code == 0
     (folder / "again.yaml").write_text("recipe: 1\nbase: ./out/model.xml\n")
     before = snapshot(folder)
-    result = run("build", "again.yaml", "--no-verify", "-o", "out/")
+    result = run("build", "again.yaml", "--no-compile", "-o", "out/")
     assert result.exit_code == 1 and "such as `model.xml`" in result.stderr
     assert snapshot(folder) == before
 
@@ -191,18 +191,18 @@ def test_a_path_that_is_not_text(folder: Path) -> None:
     (folder / "models").rename(folder / odd)
     (folder / "models").mkdir()
     (folder / odd / "cell.yaml").write_text(RECIPE.replace("./models/", "./"))
-    assert run("build", f"{odd}/cell.yaml", "--no-verify", "-o", "cell.zip").exit_code == 0
-    result = run("build", f"{odd}/cell.yaml", "--no-verify", "-o", "cell.xml")
+    assert run("build", f"{odd}/cell.yaml", "--no-compile", "-o", "cell.zip").exit_code == 0
+    result = run("build", f"{odd}/cell.yaml", "--no-compile", "-o", "cell.xml")
     assert result.exit_code == 1 and "error[output-kind]" in result.stderr
     assert run("new", f"{odd}.yaml").exit_code == 0
-    assert run("build", f"{odd}.yaml", "--no-verify", "-o", "new.zip").exit_code == 0
+    assert run("build", f"{odd}.yaml", "--no-compile", "-o", "new.zip").exit_code == 0
 
 
 # -- exit codes and what is told -----------------------------------------------------------------------------
 
 
 def test_what_was_built_as_json(folder: Path) -> None:
-    result = run("build", "cell.yaml", "-o", "cell.zip", "--json")
+    result = run("build", "cell.yaml", "-o", "cell.zip", "--output-format", "json")
     assert result.exit_code == 0
     (line,) = result.stdout.splitlines()
     told = json.loads(line)
@@ -223,7 +223,7 @@ def test_findings(folder: Path, recipe: str, code: int) -> None:
 def test_a_rejected_model_is_told_at_its_line(folder: Path) -> None:
     result = run("build", "rejected.yaml", "-o", "out.zip")
     assert result.stderr.startswith("rejected.yaml:9:40: error[mujoco-rejects]: ")
-    assert run("build", "rejected.yaml", "-o", "out.zip", "--no-verify").exit_code == 0
+    assert run("build", "rejected.yaml", "-o", "out.zip", "--no-compile").exit_code == 0
 
 
 def test_usage(folder: Path) -> None:
@@ -232,7 +232,7 @@ def test_usage(folder: Path) -> None:
     assert result.exit_code == 2 and "error[output-kind]" in result.stderr
     assert run("build").exit_code == 2
     assert run("build", "cell.yaml", "--timeout", "0").exit_code == 2
-    assert run("build", "cell.yaml", "--format", "xml").exit_code == 2
+    assert run("build", "cell.yaml", "--output-format", "xml").exit_code == 2
     assert snapshot(folder) == before
 
 
@@ -252,7 +252,7 @@ def test_unwritable_output(folder: Path, out: str) -> None:
     (folder / "models.zip").mkdir()
     (folder / "models.zip" / "mine").write_text("mine")
     before = snapshot(folder)
-    result = run("build", "cell.yaml", "--no-verify", "-o", out)
+    result = run("build", "cell.yaml", "--no-compile", "-o", out)
     assert result.exit_code == 1
     assert "error[output-unwritable]" in result.stderr
     assert snapshot(folder) == before
@@ -262,13 +262,13 @@ def test_read_only_folder(folder: Path) -> None:
     (folder / "closed").mkdir(mode=0o500)
     if os.access(folder / "closed", os.W_OK):
         pytest.skip("who runs this may write everywhere")
-    result = run("build", "cell.yaml", "--no-verify", "-o", "closed/out.zip")
+    result = run("build", "cell.yaml", "--no-compile", "-o", "closed/out.zip")
     assert result.exit_code == 1 and "permission denied" in result.stderr
 
 
 @pytest.mark.parametrize("out", ["out.zip", "out/", "out.xml"])
 def test_an_output_stays_as_it_was_when_a_build_fails(folder: Path, out: str) -> None:
-    assert run("build", "cell.yaml", "--no-verify", "-o", out).exit_code == 0
+    assert run("build", "cell.yaml", "--no-compile", "-o", out).exit_code == 0
     before = snapshot(folder)
     assert run("build", "wrong.yaml", "-o", out).exit_code == 1
     assert run("build", "rejected.yaml", "-o", out).exit_code == 1
@@ -276,10 +276,10 @@ def test_an_output_stays_as_it_was_when_a_build_fails(folder: Path, out: str) ->
 
 
 def test_a_folder_with_other_files_is_not_replaced(folder: Path) -> None:
-    assert run("build", "cell.yaml", "--no-verify", "-o", "out/").exit_code == 0
+    assert run("build", "cell.yaml", "--no-compile", "-o", "out/").exit_code == 0
     (folder / "out" / "notes.txt").write_text("mine")
     before = snapshot(folder)
-    result = run("build", "cell.yaml", "--no-verify", "-o", "out/")
+    result = run("build", "cell.yaml", "--no-compile", "-o", "out/")
     assert result.exit_code == 1 and "notes.txt" in result.stderr
     assert snapshot(folder) == before
 
@@ -290,7 +290,7 @@ def test_a_folder_with_other_files_is_not_replaced(folder: Path) -> None:
 def test_a_disk_that_is_full(folder: Path, out: str) -> None:
     import resource
 
-    assert run("build", "cell.yaml", "--no-verify", "-o", out).exit_code == 0
+    assert run("build", "cell.yaml", "--no-compile", "-o", out).exit_code == 0
     before = snapshot(folder)
 
     def small() -> None:
@@ -298,21 +298,21 @@ def test_a_disk_that_is_full(folder: Path, out: str) -> None:
 
     (folder / "cell.yaml").write_text(RECIPE.replace("cell", "other"))
     before["cell.yaml"] = RECIPE.replace("cell", "other").encode()
-    result = process("build", "cell.yaml", "--no-verify", "-o", out, preexec_fn=small)
+    result = process("build", "cell.yaml", "--no-compile", "-o", out, preexec_fn=small)
     assert result.returncode == 1
     assert b"error[output-unwritable]: cannot write" in result.stderr
     assert snapshot(folder) == before
 
 
 def test_an_interruption_while_writing(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    assert run("build", "cell.yaml", "--no-verify", "--no-cache", "-o", "out.zip").exit_code == 0
+    assert run("build", "cell.yaml", "--no-compile", "--no-cache", "-o", "out.zip").exit_code == 0
     before = snapshot(folder)
 
     def interrupt(*_: object) -> None:
         raise KeyboardInterrupt
 
     monkeypatch.setattr(write, "_copy", interrupt)
-    result = run("build", "cell.yaml", "--no-verify", "--no-cache", "-o", "out.zip")
+    result = run("build", "cell.yaml", "--no-compile", "--no-cache", "-o", "out.zip")
     assert result.exit_code == 130
     assert "interrupted" in result.stderr
     assert snapshot(folder) == before
@@ -343,7 +343,7 @@ def test_same_bytes_everywhere(folder: Path, tmp_path: Path) -> None:
 
 def test_source_date_epoch(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("SOURCE_DATE_EPOCH", "1700000000")
-    assert run("build", "cell.yaml", "--no-verify", "-o", "out.zip").exit_code == 0
+    assert run("build", "cell.yaml", "--no-compile", "-o", "out.zip").exit_code == 0
     with zipfile.ZipFile(folder / "out.zip") as bundle:
         assert {info.date_time[:3] for info in bundle.infolist()} == {(2023, 11, 14)}
 
@@ -413,9 +413,9 @@ def test_equal_assets_of_several_parts_become_one(folder: Path) -> None:
     assert "merged 1 mesh into" in result.stdout
     assert json.loads((folder / "out" / "manifest.json").read_text())["merged"] == merged
     assert mujoco.MjModel.from_xml_path(str(folder / "out" / "model.xml")).nmesh == 1
-    told = run("build", "two.yaml", "--dedup", "--json", "-o", "two.mjb")
+    told = run("build", "two.yaml", "--dedup", "--output-format", "json", "-o", "two.mjb")
     assert json.loads(told.stdout)["merged"] == merged
-    alone = run("build", "two.yaml", "--dedup", "--no-verify", "-o", "-")
+    alone = run("build", "two.yaml", "--dedup", "--no-compile", "-o", "-")
     assert alone.stdout.count("<mesh ") == 1 and "merged 1 mesh" in alone.stderr
 
 
@@ -423,11 +423,11 @@ def test_nothing_is_merged_unasked(folder: Path) -> None:
     (folder / "two.yaml").write_text(
         "recipe: 1\nattach:\n  left: {model: ./models/arm.xml}\n  right: {model: ./models/arm.xml}\n"
     )
-    told = run("build", "two.yaml", "--json", "--no-verify", "-o", "out/")
+    told = run("build", "two.yaml", "--output-format", "json", "--no-compile", "-o", "out/")
     assert "merged" not in json.loads(told.stdout)
     assert json.loads((folder / "out" / "manifest.json").read_text())["merged"] == {}
     assert (folder / "out" / "model.xml").read_text().count("<mesh ") == 2
-    alone = run("build", "cell.yaml", "--dedup", "--json", "--no-verify", "-o", "out/")
+    alone = run("build", "cell.yaml", "--dedup", "--output-format", "json", "--no-compile", "-o", "out/")
     assert "merged" not in json.loads(alone.stdout)
 
 
@@ -437,18 +437,18 @@ def test_a_model_of_other_values_is_replaced_and_that_is_said(folder: Path) -> N
         recipe.read_text() + "params: {mass: 1}\nedit: [{select: {geom: rod}, set: {mass: '${mass}'}}]\n"
     )
     line = "  replaced the model with mass = 1\n"
-    first, again = (run("build", "cell.yaml", "--no-verify") for _ in range(2))
+    first, again = (run("build", "cell.yaml", "--no-compile") for _ in range(2))
     assert "replaced" not in first.stdout + again.stdout
-    assert line in run("build", "cell.yaml", "--no-verify", "--set", "mass=2").stdout
-    told = json.loads(run("build", "cell.yaml", "--no-verify", "--json").stdout)
+    assert line in run("build", "cell.yaml", "--no-compile", "--set", "mass=2").stdout
+    told = json.loads(run("build", "cell.yaml", "--no-compile", "--output-format", "json").stdout)
     assert told["replaced"] == {"mass": 2}
     for out in ("a/", "a.mjb"):
-        assert "replaced" not in run("build", "cell.yaml", "--no-verify", "-o", out).stdout
-        assert line in run("build", "cell.yaml", "--no-verify", "-o", out, "--set", "mass=2").stdout
+        assert "replaced" not in run("build", "cell.yaml", "--no-compile", "-o", out).stdout
+        assert line in run("build", "cell.yaml", "--no-compile", "-o", out, "--set", "mass=2").stdout
     (folder / "other.yaml").write_text(recipe.read_text())
-    assert "  replaced the model of cell.yaml\n" in run("build", "other.yaml", "--no-verify").stdout
+    assert "  replaced the model of cell.yaml\n" in run("build", "other.yaml", "--no-compile").stdout
     # What changes in the recipe itself is what one builds again for.
     recipe.write_text(recipe.read_text().replace("rod", "palm").replace("geom: palm", "geom: tool/palm"))
-    run("build", "cell.yaml", "--no-verify")
+    run("build", "cell.yaml", "--no-compile")
     recipe.write_text(recipe.read_text().replace("name: cell", "name: cell\ndescription: new"))
-    assert "replaced" not in run("build", "cell.yaml", "--no-verify").stdout
+    assert "replaced" not in run("build", "cell.yaml", "--no-compile").stdout

@@ -81,7 +81,7 @@ def test_one_alone_is_what_it_is_among_all(folder: Path) -> None:
 
 def test_cells_share_their_draws(folder: Path) -> None:
     (folder / "r.yaml").write_text(HEAD + MATRIX + DRAWS)
-    assert run("build", "r.yaml", "--all", "--no-verify").exit_code == 0
+    assert run("build", "r.yaml", "--all", "--no-compile").exit_code == 0
     rows = {row.pop("model"): row for row in table(folder / "build" / "samples.csv")}
     assert len(rows) == 8
     assert rows["ball-1-s0002"] == rows["ball-2-s0002"] != rows["ball-1-s0001"]
@@ -89,13 +89,14 @@ def test_cells_share_their_draws(folder: Path) -> None:
 
 def test_where_the_table_goes(folder: Path) -> None:
     assert (
-        run("build", "r.yaml", "--pick", "ball-s0001", "-o", "one/", "--samples", "t/one.csv").exit_code == 0
+        run("build", "r.yaml", "--pick", "ball-s0001", "-o", "one/", "--sample-table", "t/one.csv").exit_code
+        == 0
     )
     assert [row["sample"] for row in table(folder / "t" / "one.csv")] == ["1"]
 
 
 def test_parquet(folder: Path) -> None:
-    result = run("build", "r.yaml", "--all", "--no-verify", "--samples", "t.parquet")
+    result = run("build", "r.yaml", "--all", "--no-compile", "--sample-table", "t.parquet")
     if importlib.util.find_spec("pyarrow") is None:
         assert result.exit_code == 1 and "needs the package `pyarrow`" in result.stderr
         assert not (folder / "t.parquet").exists()
@@ -143,7 +144,7 @@ def test_the_plan_tells_the_samples(folder: Path) -> None:
     assert (
         "4 models, built by --all or --pick:\n  ball-s0000 … ball-s0003, ball-s0000 without a draw\n" in text
     )
-    data = json.loads(run("plan", "r.yaml", "--json").stdout)
+    data = json.loads(run("plan", "r.yaml", "--output-format", "json").stdout)
     assert data["randomize"]["samples"] == 3
     assert [cell["sample"] for cell in data["cells"]] == [0, 1, 2, 3]
 
@@ -164,7 +165,7 @@ def test_worlds_are_one_model(folder: Path) -> None:
     assert not (folder / "ball" / "worlds.npz").exists()
     result = run("build", "r.yaml", "--as", "worlds", "-o", "ball.xml")
     assert result.exit_code == 1 and "`ball.xml` has no room for the worlds" in result.stderr
-    result = run("build", "r.yaml", "--as", "worlds", "-o", "other/", "--no-verify")
+    result = run("build", "r.yaml", "--as", "worlds", "-o", "other/", "--no-compile")
     assert result.exit_code == 1 and "only MuJoCo knows" in result.stderr
 
 
@@ -187,7 +188,7 @@ def test_known_worlds_are_not_lost_in_a_form_without_room(folder: Path) -> None:
 
 def test_the_name_of_a_cell_means_all_its_samples(folder: Path) -> None:
     (folder / "r.yaml").write_text(HEAD + MATRIX + DRAWS)
-    told = run("plan", "r.yaml", "--json").stdout
+    told = run("plan", "r.yaml", "--output-format", "json").stdout
     cells = sorted({each["name"].rpartition("-s")[0] for each in json.loads(told)["cells"]})
     assert len(cells) == 2
     result = run("build", "r.yaml", "--pick", cells[0], "-o", "one/{name}.zip")
@@ -201,7 +202,9 @@ def test_faults_name_the_cell_and_the_sample(folder: Path) -> None:
     check = "check: {light: {expect: {attr: mass, range: [0, 1]}}}\n"
     (folder / "r.yaml").write_text(HEAD + MATRIX + DRAWS + check)
     for form in ("build", "check"):
-        lines = run(form, "r.yaml", "--pick", "ball-2", "--sample", "1", "--json").stdout.splitlines()
+        lines = run(
+            form, "r.yaml", "--pick", "ball-2", "--sample", "1", "--output-format", "json"
+        ).stdout.splitlines()
         fault, summary = map(json.loads, lines)
         cell = {"name": "ball-2-s0001", "cell": "ball-2", "sample": 1}
         assert fault["code"] == "check-failed" and fault["cells"] == [cell]
@@ -210,7 +213,7 @@ def test_faults_name_the_cell_and_the_sample(folder: Path) -> None:
 
 def test_one_sample_of_all_cells(folder: Path) -> None:
     (folder / "r.yaml").write_text(HEAD + MATRIX + DRAWS)
-    result = run("build", "r.yaml", "--sample", "2", "--no-verify", "-o", "x/{name}.zip")
+    result = run("build", "r.yaml", "--sample", "2", "--no-compile", "-o", "x/{name}.zip")
     assert result.exit_code == 0, result.output
     assert list(digests(folder / "x")) == ["ball-1-s0002.zip", "ball-2-s0002.zip"]
     gone = run("build", "r.yaml", "--sample", "9")
@@ -221,15 +224,15 @@ def test_one_sample_of_all_cells(folder: Path) -> None:
 
 def test_one_model_needs_no_name_in_its_output(folder: Path) -> None:
     (folder / "one.yaml").write_text(HEAD)
-    result = run("build", "one.yaml", "--all", "--no-verify", "-o", "x/")
+    result = run("build", "one.yaml", "--all", "--no-compile", "-o", "x/")
     assert result.exit_code == 0 and (folder / "x" / "model.xml").is_file(), result.output
-    several = run("build", "r.yaml", "--all", "--no-verify", "-o", "y/")
+    several = run("build", "r.yaml", "--all", "--no-compile", "-o", "y/")
     assert several.exit_code == 2 and "several models cannot all be `y/`" in several.stderr
 
 
 @pytest.mark.parametrize("given", ["3", "drawn", "drawn.txt"])
 def test_a_table_of_samples_that_is_none(folder: Path, given: str) -> None:
-    result = run("build", "r.yaml", "--samples", given)
+    result = run("build", "r.yaml", "--sample-table", given)
     assert result.exit_code == 2 and f"`{given}` is none: `--sample NUMBER` builds one" in result.stderr
     assert not (folder / "build").exists()
 
@@ -239,4 +242,4 @@ def test_the_last_line_counts_the_models(folder: Path) -> None:
     again = run("build", "r.yaml", "--all").stdout.splitlines()[-1]
     assert again in ("r.yaml: 4 models built, 4 from the cache", "r.yaml: 4 models built")
     assert "models built" not in run("build", "r.yaml", "--all", "-q").stdout
-    assert "models built" not in run("build", "r.yaml", "--all", "--json").stdout
+    assert "models built" not in run("build", "r.yaml", "--all", "--output-format", "json").stdout

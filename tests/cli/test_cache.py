@@ -36,7 +36,7 @@ def test_info(store: Store) -> None:
         f"{store.folder}: 2.0 KiB of at most 10.0 GiB, 1 entry\n"
         "    2.0 KiB  git aaaaaaaaaaaa  git+https://host/robots@v1\n"
     )
-    told = json.loads(run("cache", "info", "--json").stdout)
+    told = json.loads(run("cache", "info", "--output-format", "json").stdout)
     assert (told["size"], told["entries"][0]["files"]) == (2000, 1)
 
 
@@ -64,10 +64,10 @@ def test_info_has_the_mujocos_of_migrate(store: Store, mujoco: Path) -> None:
         "    2.9 KiB  MuJoCo 3.1.6, for `migrate`\n"
         "    2.0 KiB  git aaaaaaaaaaaa  git+https://host/robots@v1\n"
     )
-    told = json.loads(run("cache", "info", "--json").stdout)
+    told = json.loads(run("cache", "info", "--output-format", "json").stdout)
     assert told["mujocos"] == [{"version": "3.1.6", "size": 3000}] and told["size"] == 5000
     (mujoco / ".ready").write_text("")  # as the first version of `migrate` wrote it
-    assert json.loads(run("cache", "info", "--json").stdout)["mujocos"][0]["size"] == 3000
+    assert json.loads(run("cache", "info", "--output-format", "json").stdout)["mujocos"][0]["size"] == 3000
 
 
 def test_prune_removes_a_mujoco_that_was_used_longest_ago(store: Store, mujoco: Path) -> None:

@@ -16,7 +16,7 @@ def test_a_right_recipe(folder: Path) -> None:
 
 
 def test_several_recipes(folder: Path) -> None:
-    result = run("check", "wrong.yaml", "cell.yaml", "nowhere.yaml", "--no-verify")
+    result = run("check", "wrong.yaml", "cell.yaml", "nowhere.yaml", "--no-compile")
     assert result.exit_code == 2  # a recipe that does not exist
     assert result.stdout == "cell.yaml: ok\n"
     assert "error[attach-place]" in result.stderr and "error[file-not-found]" in result.stderr
@@ -24,11 +24,11 @@ def test_several_recipes(folder: Path) -> None:
 
 def test_mujoco_is_asked(folder: Path) -> None:
     assert run("check", "rejected.yaml").exit_code == 1
-    assert run("check", "rejected.yaml", "--no-verify").exit_code == 0
+    assert run("check", "rejected.yaml", "--no-compile").exit_code == 0
 
 
 def test_json_of_a_right_recipe_is_empty(folder: Path) -> None:
-    result = run("check", "cell.yaml", "--no-verify", "--json")
+    result = run("check", "cell.yaml", "--no-compile", "--output-format", "json")
     assert result.exit_code == 0 and result.stdout == "" and result.stderr == ""
 
 
@@ -47,9 +47,9 @@ def test_checks_are_counted_and_one_that_fails_is_told(folder: Path) -> None:
     result = run("check", "cell.yaml")
     assert result.exit_code == 1
     assert "error[check-failed]: check `nq`: `nq` of the model is 1, not 2" in result.stderr
-    annotated = run("check", "cell.yaml", "--format", "github").stdout
+    annotated = run("check", "cell.yaml", "--output-format", "github").stdout
     assert annotated.startswith("::error file=cell.yaml,line=10,col=35,")
-    assert run("check", "cell.yaml", "--no-verify").exit_code == 0
+    assert run("check", "cell.yaml", "--no-compile").exit_code == 0
 
 
 def cases(text: str) -> dict[str, str | None]:
@@ -115,10 +115,12 @@ def test_all_cells_are_checked_and_named(folder: Path) -> None:
     assert "study-3kg: check `light`: `mass` of the model is 3 kg, not 0 to 1.5 kg\n" in result.stderr
     assert "1 of 2 recipes failed: study.yaml\n" in result.stderr
     assert "2 of 3 cells failed: study-2kg, study-3kg\n" in result.stderr
-    told = list(map(json.loads, run("check", "study.yaml", "--all", "--json").stdout.splitlines()))
+    told = list(
+        map(json.loads, run("check", "study.yaml", "--all", "--output-format", "json").stdout.splitlines())
+    )
     assert [each.get("cells") for each in told] == [HEAVY, 3]
     assert told[-1] == {"recipe": "study.yaml", "cells": 3, "failed": HEAVY}
-    marks = run("check", "study.yaml", "--all", "--format", "github").stdout.splitlines()
+    marks = run("check", "study.yaml", "--all", "--output-format", "github").stdout.splitlines()
     assert "title=check-failed in 2 cells::" in marks[0]
     assert marks[-1] == "::error title=study.yaml::2 of 3 cells failed: study-2kg, study-3kg"
     assert cases(run("check", "study.yaml", "--all", "--junit", "-").stdout) == {
@@ -134,7 +136,7 @@ def test_all_cells_are_checked_and_named(folder: Path) -> None:
 def test_a_study_that_is_right(folder: Path) -> None:
     (folder / "study.yaml").write_text(STUDY.replace("1.5", "9"))
     assert run("check", "study.yaml", "--all").stdout == "study.yaml: ok, 3 models, 3 checks hold\n"
-    told = run("check", "study.yaml", "--all", "--json").stdout
+    told = run("check", "study.yaml", "--all", "--output-format", "json").stdout
     assert json.loads(told) == {"recipe": "study.yaml", "cells": 3, "failed": []}
 
 
@@ -161,7 +163,10 @@ def test_cells_that_were_not_checked_are_reported(folder: Path) -> None:
         result = run("check", "study.yaml")
         assert (result.exit_code, result.stdout) == (0, "study.yaml: ok, 1 check holds\n")
         assert "note[cells-not-checked]: one model was checked, and the matrix has 3 cells" in result.stderr
-    assert json.loads(run("check", "study.yaml", "--json").stdout)["code"] == "cells-not-checked"
+    assert (
+        json.loads(run("check", "study.yaml", "--output-format", "json").stdout)["code"]
+        == "cells-not-checked"
+    )
     assert "cells-not-checked" not in run("build", "study.yaml").stderr
 
 
@@ -236,10 +241,12 @@ def test_several_recipes_at_once(folder: Path) -> None:
         assert result.stderr.count("error[unknown-attribute]") == 1
         assert "  = recipes: one.yaml, two.yaml\n" in result.stderr
         assert result.stderr.endswith("2 of 3 recipes failed: one.yaml, two.yaml\n")
-        told = list(map(json.loads, run("check", *names, "--json", "-j", jobs).stdout.splitlines()))
+        told = list(
+            map(json.loads, run("check", *names, "--output-format", "json", "-j", jobs).stdout.splitlines())
+        )
         assert told[0]["recipes"] == ["one.yaml", "two.yaml"]
         assert told[1:] == [{"recipe": each, "ok": each == "cell.yaml"} for each in names]
-        marks = run("check", *names, "--format", "github", "-j", jobs).stdout
+        marks = run("check", *names, "--output-format", "github", "-j", jobs).stdout
         assert "%0Arecipes: one.yaml, two.yaml" in marks
         assert "::notice title=cell.yaml::cell.yaml: ok" in marks
     assert run("check", "cell.yaml", "--jobs", "2").exit_code == 2

@@ -46,7 +46,7 @@ def test_what_the_recipe_has(study: Path) -> None:
     assert offered("explain", "study.yaml", "world", "--pick", "study-2-f") == cells[3:]
     assert offered("diff", "study.yaml", "cell.yaml", "--pick", "study-2-f") == cells[3:]
     assert offered("build", "study.yaml", "--set", "") == ["mass=", "reach=", "speed=slow", "speed=fast"]
-    assert offered("build", "study.yaml", "--variant", "speed=f") == ["speed=fast"]
+    assert offered("build", "study.yaml", "--set", "speed=f") == ["speed=fast"]
     assert offered("explain", "study.yaml", "sh") == ["shoulder"]
     assert offered("build", "study.yaml", "--qui") == ["--quiet"]
 
@@ -103,8 +103,8 @@ def test_the_line_for_the_start_file() -> None:
 @pytest.mark.parametrize(
     ("line", "told"),
     [
-        ("mjcompose build study.yaml --variant speed=f", ["fast"]),
-        ("mjcompose build study.yaml --variant spe", ["speed=slow", "speed=fast"]),
+        ("mjcompose build study.yaml --set speed=f", ["fast"]),
+        ("mjcompose build study.yaml --set spe", ["speed=slow", "speed=fast"]),
         ("mjcompose build study.yaml --set m", ["mass="]),
         ("mjcompose pl", ["plan"]),
     ],

@@ -153,7 +153,7 @@ def test_source_date_epoch_changes_times_alone(
     for epoch in (None, "1700000000", "0", "99999999999", "soon"):
         if epoch is not None:
             monkeypatch.setenv("SOURCE_DATE_EPOCH", epoch)
-        result = run("build", "--no-cache", "cell.yaml", "-o", out, "--no-verify")
+        result = run("build", "--no-cache", "cell.yaml", "-o", out, "--no-compile")
         assert result.exit_code in (0, 1), epoch
         if result.exit_code:
             assert "SOURCE_DATE_EPOCH" in result.stderr and epoch == "soon"

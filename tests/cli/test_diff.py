@@ -46,10 +46,12 @@ def test_what_is_no_amount_is_a_usage_error(folder: Path, option: str, value: st
 
 def test_formats(folder: Path) -> None:
     _changed(folder)
-    told = json.loads(run("diff", "cell.yaml", "new.yaml", "--json").stdout)
+    told = json.loads(run("diff", "cell.yaml", "new.yaml", "--output-format", "json").stdout)
     assert told["groups"][0]["changes"][0]["field"] == "timestep"
-    assert run("diff", "cell.yaml", "new.yaml", "--format", "markdown").stdout.startswith("### `cell.yaml`")
-    told = json.loads(run("diff", "cell.yaml", "wrong.yaml", "--json").stdout)
+    assert run("diff", "cell.yaml", "new.yaml", "--output-format", "markdown").stdout.startswith(
+        "### `cell.yaml`"
+    )
+    told = json.loads(run("diff", "cell.yaml", "wrong.yaml", "--output-format", "json").stdout)
     assert told["code"] == "attach-place"
 
 
@@ -62,12 +64,12 @@ def test_a_cell_of_the_matrix(folder: Path) -> None:
     narrow = "compared at its defaults: of the 2 cells of the matrix, `--pick CELL` compares one"
     result = run("diff", "a.yaml", "b.yaml")
     assert (result.exit_code, result.stdout.splitlines()[3]) == (0, narrow)
-    markdown = run("diff", "a.yaml", "b.yaml", "--format", "markdown").stdout
+    markdown = run("diff", "a.yaml", "b.yaml", "--output-format", "markdown").stdout
     assert f"<sub>C{narrow[1:]}</sub>" in markdown
     result = run("diff", "a.yaml", "b.yaml", "--pick", "cell-2")
     assert result.exit_code == 1
     assert result.stdout.startswith("A a.yaml: cell-2\nB b.yaml: cell-2\ndifferent: ")
-    told = json.loads(run("diff", "a.yaml", "b.yaml", "--pick", "cell-1", "--json").stdout)
+    told = json.loads(run("diff", "a.yaml", "b.yaml", "--pick", "cell-1", "--output-format", "json").stdout)
     assert (told["same"], told["a"]["cell"]) == (True, "cell-1")
     result = run("diff", "a.yaml", "b.yaml", "--pick", "cell-3")
     assert result.exit_code == 2

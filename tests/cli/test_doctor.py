@@ -27,7 +27,7 @@ def test_another_package_of_the_same_name_is_told(monkeypatch: pytest.MonkeyPatc
 
 def test_what_not_everybody_needs_is_no_fault(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("PATH", "")
-    result = run("doctor", "--json")
+    result = run("doctor", "--output-format", "json")
     found = {each["what"]: each for each in json.loads(result.stdout)}
     assert result.exit_code == 0
     assert found["git"]["fine"] is None and "need it" in found["git"]["found"]
@@ -35,7 +35,7 @@ def test_what_not_everybody_needs_is_no_fault(monkeypatch: pytest.MonkeyPatch) -
 
 def test_mujoco_works_where_pictures_cannot_be_made(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("MUJOCO_GL", "nonsense")
-    result = run("doctor", "--json")
+    result = run("doctor", "--output-format", "json")
     found = {each["what"]: each for each in json.loads(result.stdout)}
     assert result.exit_code == 0
     assert found["mujoco"]["fine"] and found["OpenGL"]["fine"] is None

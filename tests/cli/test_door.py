@@ -135,7 +135,7 @@ def test_what_is_fetched_reads_only_what_was_fetched(
         if way == "extends" and not name.endswith(".yaml"):
             continue
         (work / "cell.yaml").write_text(recipe.format(f"git+file://{robots}@main#{name}"))
-        result = run("build", "cell.yaml", "--no-verify", "-o", "out.zip")
+        result = run("build", "cell.yaml", "--no-compile", "-o", "out.zip")
         assert result.exit_code == 1, (way, result.stderr)
         assert f"error[{NOT_OUTSIDE.get(name, 'source-outside')}]" in result.stderr, (way, result.stderr)
         assert SECRET not in result.stderr and not (work / "out.zip").exists(), way
@@ -147,7 +147,7 @@ def test_the_error_is_at_the_place_that_names_the_file(
     secret, robots, work = places
     monkeypatch.chdir(work)
     (work / "cell.yaml").write_text(f"recipe: 1\nbase: 'git+file://{robots}@main#edit.yaml'\n")
-    result = run("build", "cell.yaml", "--no-verify", "-o", "out.zip")
+    result = run("build", "cell.yaml", "--no-compile", "-o", "out.zip")
     first = result.stderr.splitlines()[0]
     assert first.partition("/content/")[2].startswith(
         f"edit.yaml:4:37: error[source-outside]: the file `{secret}/s.obj`"
@@ -163,7 +163,7 @@ def test_what_the_own_recipe_trusts_is_read(
     for name in ("mesh.xml", "edit.yaml", "part.yaml", "mesh.urdf", "absolute.yaml"):
         recipe = f"recipe: 1\ntrust: {{references: [{secret}]}}\nbase: 'git+file://{robots}@main#{name}'\n"
         (work / "cell.yaml").write_text(recipe)
-        result = run("build", "cell.yaml", "--no-verify", "-o", f"{name}.zip")
+        result = run("build", "cell.yaml", "--no-compile", "-o", f"{name}.zip")
         assert result.exit_code == 0, (name, result.stderr)
     for reference, name in (
         ("http://localhost:9", "loopback.yaml"),
@@ -173,7 +173,7 @@ def test_what_the_own_recipe_trusts_is_read(
             f"recipe: 1\ntrust: {{references: ['{reference}']}}\nbase: 'git+file://{robots}@main#{name}'\n"
         )
         (work / "cell.yaml").write_text(recipe)
-        result = run("build", "cell.yaml", "--no-verify", "--offline", "-o", "out.zip")
+        result = run("build", "cell.yaml", "--no-compile", "--offline", "-o", "out.zip")
         assert "source-outside" not in result.stderr, (name, result.stderr)
 
 
@@ -190,7 +190,7 @@ def test_a_model_of_ones_own_reads_its_project(tmp_path: Path, monkeypatch: pyte
 
     def built(model: str, more: str = "") -> str:
         Path("cell.yaml").write_text(f"recipe: 1\n{more}base: ../robot/mjcf/{model}\n")
-        return run("build", "cell.yaml", "--no-verify", "-o", "out.zip").stderr
+        return run("build", "cell.yaml", "--no-compile", "-o", "out.zip").stderr
 
     assert "error" not in built("near.xml")
     refused = built("far.xml")
@@ -207,7 +207,7 @@ def test_ones_own_recipe_names_any_file(tmp_path: Path, monkeypatch: pytest.Monk
     (tmp_path / "far" / "k.obj").write_text(COVER)
     monkeypatch.chdir(tmp_path / "work")
     Path("cell.yaml").write_text("recipe: 1\nasset: {mesh: {m: {file: ../far/k.obj}}}\n")
-    assert run("build", "cell.yaml", "--no-verify", "-o", "out.zip").exit_code == 0
+    assert run("build", "cell.yaml", "--no-compile", "-o", "out.zip").exit_code == 0
 
 
 def _bundle(path: Path, model: str) -> Path:
@@ -283,7 +283,7 @@ def test_a_bundle_that_is_loaded_reads_only_itself(
     secret, robots, _ = places
     monkeypatch.chdir(tmp_path)
     Path("cell.yaml").write_text(f"recipe: 1\nbase: {robots}/arm.xml\n")
-    assert run("build", "cell.yaml", "--no-verify", "-o", "out").exit_code == 0
+    assert run("build", "cell.yaml", "--no-compile", "-o", "out").exit_code == 0
     model = Path("out", "model.xml")
     text = model.read_text()
     with pytest.warns(mjcompose.BundleWarning):

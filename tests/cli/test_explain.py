@@ -24,16 +24,16 @@ def test_one_attribute_either_way(folder: Path) -> None:
 
 
 def test_as_json(folder: Path) -> None:
-    result = run("explain", "cell.yaml", "geom tool/palm", "--json")
+    result = run("explain", "cell.yaml", "geom tool/palm", "--output-format", "json")
     told = json.loads(result.stdout)
     assert (told["explains"], told["label"]) == ("element", "geom tool/palm")
     assert told["written"][0]["span"] == {
         "file": "models/tool.xml", "line": 4, "column": 7, "end_line": 4, "end_column": 12,
     }  # fmt: skip
     assert [each["attribute"] for each in told["changes"]] == ["name"]
-    told = json.loads(run("explain", "cell.yaml", "geom tool/palm size", "--format", "json").stdout)
+    told = json.loads(run("explain", "cell.yaml", "geom tool/palm size", "--output-format", "json").stdout)
     assert (told["explains"], told["value"]) == ("attribute", "0.03 0.03 0.01")
-    told = json.loads(run("explain", "cell.yaml", "geom", "--json").stdout)
+    told = json.loads(run("explain", "cell.yaml", "geom", "--output-format", "json").stdout)
     assert [each["label"] for each in told["found"]] == ["geom#0", "geom rod", "geom tool/palm"]
 
 
@@ -55,8 +55,8 @@ def test_a_missing_file_hinders_no_answer(folder: Path) -> None:
 
 
 def test_a_bundle_names_its_recipe(folder: Path) -> None:
-    assert run("build", "cell.yaml", "--no-verify", "-o", "out/").exit_code == 0
-    assert run("build", "cell.yaml", "--no-verify", "-o", "cell.zip").exit_code == 0
+    assert run("build", "cell.yaml", "--no-compile", "-o", "out/").exit_code == 0
+    assert run("build", "cell.yaml", "--no-compile", "-o", "cell.zip").exit_code == 0
     for bundle in ("out", "cell.zip"):
         result = run("explain", bundle, "joint shoulder")
         assert result.exit_code == 1
@@ -73,7 +73,7 @@ def test_of_a_build_with_values(folder: Path) -> None:
     )
     assert run("explain", "study.yaml", "site s pos").exit_code == 1
     assert "3 0 0" in run("explain", "study.yaml", "site s pos", "--set", "x=3").stdout
-    told = run("explain", "study.yaml", "option timestep", "--set", "x=3", "--variant", "speed=fast")
+    told = run("explain", "study.yaml", "option timestep", "--set", "x=3", "--set", "speed=fast")
     assert told.exit_code == 0 and "study.yaml:3" in told.stdout
     result = run("explain", "models/arm.xml", "joint", "--set", "x=3")
     assert result.exit_code == 1 and "`models/arm.xml` is not a recipe and has no parameters" in result.stderr
@@ -101,12 +101,15 @@ def test_a_code(folder: Path) -> None:
     told = run("explain", "bare-angle").stdout
     assert told.startswith("bare-angle\n\nMJCF expects an angle here") and "How to fix it" in told
     assert run("explain", "error[bare-angle]").stdout == told
-    data = json.loads(run("explain", "bare-angle", "--json").stdout)
+    data = json.loads(run("explain", "bare-angle", "--output-format", "json").stdout)
     assert (data["explains"], data["code"]) == ("code", "bare-angle")
     assert data["page"].startswith("# bare-angle\n")
     assert data["url"] is None and "https://" not in told
     listed = run("explain", "--codes").stdout
-    assert "\nbare-angle " in listed and json.loads(run("explain", "--codes", "--json").stdout)["bare-angle"]
+    assert (
+        "\nbare-angle " in listed
+        and json.loads(run("explain", "--codes", "--output-format", "json").stdout)["bare-angle"]
+    )
 
 
 def test_a_code_with_its_address_once_the_package_has_one(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -115,7 +118,7 @@ def test_a_code_with_its_address_once_the_package_has_one(monkeypatch: pytest.Mo
     )
     url = "https://b.org/latest/errors/bare-angle.html"
     assert run("explain", "bare-angle").stdout.endswith(f"\n\n{url}\n")
-    assert json.loads(run("explain", "bare-angle", "--json").stdout)["url"] == url
+    assert json.loads(run("explain", "bare-angle", "--output-format", "json").stdout)["url"] == url
 
 
 @pytest.mark.parametrize(

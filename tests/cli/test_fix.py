@@ -61,7 +61,9 @@ def test_what_is_left_is_told_for_the_file_as_it_would_be(broken: Path) -> None:
 
 
 def test_as_json(broken: Path) -> None:
-    change, summary = map(json.loads, run("fix", "broken.yaml", "--json").stdout.splitlines())
+    change, summary = map(
+        json.loads, run("fix", "broken.yaml", "--output-format", "json").stdout.splitlines()
+    )
     assert (change["file"], change["written"]) == ("broken.yaml", False) and "+  tool:" in change["diff"]
     assert summary == {
         "fixed": [
@@ -72,12 +74,17 @@ def test_as_json(broken: Path) -> None:
 
 
 def test_check_hands_the_fix_to_programs(broken: Path) -> None:
-    told = json.loads(run("check", "broken.yaml", "--json", "--no-verify").stdout.splitlines()[0])
+    told = json.loads(
+        run("check", "broken.yaml", "--output-format", "json", "--no-compile").stdout.splitlines()[0]
+    )
     assert told["fix"] == {
         "replacement": "flange",
         "span": {"file": "broken.yaml", "line": 5, "column": 42, "end_line": 5, "end_column": 47},
     }
-    assert json.loads(run("check", "rejected.yaml", "--json").stdout.splitlines()[0])["fix"] is None
+    assert (
+        json.loads(run("check", "rejected.yaml", "--output-format", "json").stdout.splitlines()[0])["fix"]
+        is None
+    )
 
 
 def test_bad_input(folder: Path) -> None:

@@ -126,7 +126,7 @@ def test_parts_are_looked_for(folder: Path, monkeypatch: pytest.MonkeyPatch) -> 
     )
     assert (folder / "alone.yaml").read_text() == "recipe: 1\nname: alone\nbase: ./whole.xml\n"
     assert run("check", "alone.yaml").exit_code == 0
-    told = json.loads(run("import", "whole.xml", "-o", "data.yaml", "--json").stdout)
+    told = json.loads(run("import", "whole.xml", "-o", "data.yaml", "--output-format", "json").stdout)
     assert (told["output"], told["parts"]) == ("data.yaml", 0)
 
 

@@ -1,4 +1,4 @@
-"""`lock`, `update`, and builds that hold to a lock, with a repository and files beside the recipe."""
+"""`lock`, and builds that hold to a lock, with a repository and files beside the recipe."""
 
 from __future__ import annotations
 
@@ -91,8 +91,8 @@ def test_update_follows_a_branch_and_says_what_changed(work: Path) -> None:
     run("lock", "cell.yaml")
     new = commit(work.parent / "robots", **{"arm/arm.xml": ARM.replace("0.02", "0.03")})
     assert "up to date" in run("lock", "cell.yaml").stdout
-    assert "up to date" in run("update", "cell.yaml", "tool").stdout
-    result = run("update", "cell.yaml", "base")
+    assert "up to date" in run("lock", "cell.yaml", "--upgrade-source", "tool").stdout
+    result = run("lock", "cell.yaml", "--upgrade-source", "base")
     assert f"is now {new[:12]}" in result.stdout
     assert "`arm/arm.xml` changed" in result.stdout
     assert run("build", "cell.yaml", "-o", "out/", "--locked").exit_code == 0
@@ -101,7 +101,7 @@ def test_update_follows_a_branch_and_says_what_changed(work: Path) -> None:
 def test_update_of_a_name_that_is_none(work: Path) -> None:
     run("lock", "cell.yaml")
     before = (work / "cell.lock").read_bytes()
-    result = run("update", "cell.yaml", "tol")
+    result = run("lock", "cell.yaml", "--upgrade-source", "tol")
     assert result.exit_code == 2
     assert "did you mean `tool`?" in result.stderr
     assert (work / "cell.lock").read_bytes() == before
@@ -134,15 +134,15 @@ def test_what_nothing_uses_any_more_makes_a_lock_stale(work: Path) -> None:
     whole = (work / "cell.yaml").read_text()
     lines = [line for line in whole.splitlines(keepends=True) if "./tool.xml" not in line]
     (work / "cell.yaml").write_text("".join(lines))
-    assert run("build", "cell.yaml", "--no-verify").exit_code == 0
-    for command in (("build", "--no-verify"), ("check",), ("build", "--frozen", "--all")):
+    assert run("build", "cell.yaml", "--no-compile").exit_code == 0
+    for command in (("build", "--no-compile"), ("check",), ("build", "--frozen", "--all")):
         result = run(*command, "cell.yaml", "--locked")
         assert result.exit_code == 1
         assert (
             "error[lock-stale]: `./tool.xml` is in the lock `cell.lock`, and nothing uses it" in result.stderr
         )
     run("lock", "cell.yaml")
-    assert run("build", "cell.yaml", "--no-verify", "--locked").exit_code == 0
+    assert run("build", "cell.yaml", "--no-compile", "--locked").exit_code == 0
 
 
 @pytest.mark.parametrize(
@@ -159,7 +159,7 @@ def test_what_another_choice_may_use_does_not_make_a_lock_stale(work: Path, choi
         line for line in (work / "cell.yaml").read_text().splitlines(keepends=True) if "tool" not in line
     ]
     (work / "cell.yaml").write_text("".join(lines) + choice)
-    assert run("build", "cell.yaml", "--no-verify", "--locked").exit_code == 0
+    assert run("build", "cell.yaml", "--no-compile", "--locked").exit_code == 0
 
 
 def test_own_files_that_changed_are_a_warning_and_locked_an_error(work: Path) -> None:
@@ -221,7 +221,7 @@ def test_a_broken_lock_is_one_error_and_stays(work: Path) -> None:
     run("lock", "cell.yaml")
     text = (work / "cell.lock").read_text().replace('"lock": 1', '"lock": 7')
     (work / "cell.lock").write_text(text)
-    for command in ("build", "check", "plan", "lock", "update"):
+    for command in ("build", "check", "plan", "lock"):
         result = run(command, "cell.yaml")
         assert result.exit_code == 1
         assert "cell.lock:2:11: error[lock-invalid]" in result.stderr
@@ -260,7 +260,7 @@ def test_what_a_merge_pins_in_two_ways_is_for_a_person_to_settle(work: Path) -> 
     run("lock", "cell.yaml")
     ours = (work / "cell.lock").read_text()
     new = commit(work.parent / "robots", **{"tool.xml": TOOL.replace("0.01", "0.02")})
-    run("update", "cell.yaml")
+    run("lock", "cell.yaml", "--upgrade")
     theirs = (work / "cell.lock").read_text()
     text = f"<<<<<<< HEAD\n{ours}=======\n{theirs}>>>>>>> theirs\n"
     (work / "cell.lock").write_text(text)
@@ -269,7 +269,7 @@ def test_what_a_merge_pins_in_two_ways_is_for_a_person_to_settle(work: Path) -> 
     assert result.stderr.count("error[lock-invalid]: the two sides of the merge in `cell.lock` pin") == 1
     assert f"theirs: {new}" in result.stderr
     assert (work / "cell.lock").read_text() == text
-    assert run("update", "cell.yaml", "base").exit_code == 0
+    assert run("lock", "cell.yaml", "--upgrade-source", "base").exit_code == 0
     assert (work / "cell.lock").read_text() == theirs
 
 
@@ -304,7 +304,7 @@ def test_what_is_fetched_to_be_extended_is_locked(work: Path) -> None:
     new = commit(robots, **{"dark.yaml": "recipe: 1\noption: {gravity: [0, 0, 0]}\n"})
     assert run("build", "cell.yaml", "-o", "two/", "--locked").exit_code == 0
     assert snapshot(work / "one") == snapshot(work / "two")
-    assert f"is now {new[:12]}" in run("update", "cell.yaml", "extends").stdout
+    assert f"is now {new[:12]}" in run("lock", "cell.yaml", "--upgrade-source", "extends").stdout
     assert run("build", "cell.yaml", "-o", "two/", "--locked").exit_code == 0
     assert snapshot(work / "one") != snapshot(work / "two")
     read = {each["path"] for each in json.loads((work / "two" / "manifest.json").read_text())["read"]}
@@ -371,7 +371,7 @@ def test_a_lock_has_what_variants_and_cells_choose(work: Path) -> None:
     assert result.exit_code == 0
     assert set(told(work)) == {"./tool.xml", "./a.xml", "./b.xml", "./c.xml", "./d.xml"}
     assert result.stderr.count("warning[source-not-found]") == 1  # no build that anyone asked for
-    chosen = ("--variant", "tool=b", "--variant", "both=yes", "--locked")
+    chosen = ("--set", "tool=b", "--set", "both=yes", "--locked")
     assert run("build", "cell.yaml", "-o", "out/", *chosen).exit_code == 0
     assert run("build", "cell.yaml", "--all", "--locked").exit_code == 0
 
@@ -385,8 +385,10 @@ def test_update_of_a_part_of_a_nested_recipe(work: Path) -> None:
     )
     run("lock", "cell.yaml")
     new = commit(work.parent / "robots", **{"arm/arm.xml": ARM.replace("0.02", "0.03")})
-    assert "up to date" in run("update", "cell.yaml", "left").stdout  # the recipe itself, which is the same
-    result = run("update", "cell.yaml", "left/arm")
+    assert (
+        "up to date" in run("lock", "cell.yaml", "--upgrade-source", "left").stdout
+    )  # the recipe itself, which is the same
+    result = run("lock", "cell.yaml", "--upgrade-source", "left/arm")
     assert f"{old[:12]} is now {new[:12]}" in result.stdout
     assert run("build", "cell.yaml", "-o", "out/", "--locked").exit_code == 0
     assert not (work / "inner.lock").exists()
@@ -441,7 +443,7 @@ def test_a_matrix_hashes_every_file_once(work: Path, monkeypatch: pytest.MonkeyP
     hashed: list[Path] = []
     real = fetching.sha256_of
     monkeypatch.setattr(fetching, "sha256_of", lambda path: (hashed.append(path), real(path))[1])
-    result = run("build", "cell.yaml", "--all", "--locked", "--no-verify", "-o", "out/{name}.zip")
+    result = run("build", "cell.yaml", "--all", "--locked", "--no-compile", "-o", "out/{name}.zip")
     assert result.exit_code == 0 and len(list((work / "out").glob("*.zip"))) == 3
     assert hashed and len(hashed) == len(set(hashed))
 
@@ -456,7 +458,7 @@ def test_a_lock_that_contradicts_itself_is_an_error(work: Path, key: str, value:
     source[key] = value
     (work / "cell.lock").write_text(json.dumps(lock))
     for more in ((), ("--locked",)):
-        result = run("build", "cell.yaml", "--no-verify", *more)
+        result = run("build", "cell.yaml", "--no-compile", *more)
         assert result.exit_code == 1
         assert "cell.yaml:2:7: error[lock-invalid]: what `cell.lock` says of `git+file:" in result.stderr
         assert f"  = note: its {key} is `" in result.stderr
@@ -474,7 +476,7 @@ def test_a_file_of_ones_own_has_no_pin(work: Path, what: str) -> None:
     assert f"  = note: a source of kind `path` has no {what}\n" in result.stderr
 
 
-@pytest.mark.parametrize("command", [("build", "--no-verify"), ("build", "--all"), ("plan",), ("check",)])
+@pytest.mark.parametrize("command", [("build", "--no-compile"), ("build", "--all"), ("plan",), ("check",)])
 def test_a_lock_of_other_versions_is_told_to_who_asks_for_it(work: Path, command: tuple[str, ...]) -> None:
     run("lock", "cell.yaml")
     lock = json.loads((work / "cell.lock").read_text())
@@ -504,8 +506,8 @@ def test_another_version_of_a_package_with_the_same_bytes(
     lock = (work / "cell.lock").read_text()
     assert '"version": "1.0"' in lock
     (work / "cell.lock").write_text(lock.replace('"version": "1.0"', '"version": "0.9"'))
-    assert "lock-stale" not in run("build", "cell.yaml", "--no-verify").stderr
-    result = run("build", "cell.yaml", "--no-verify", "--locked")
+    assert "lock-stale" not in run("build", "cell.yaml", "--no-compile").stderr
+    result = run("build", "cell.yaml", "--no-compile", "--locked")
     assert result.exit_code == 0
     assert "cell.yaml:2:7: warning[lock-stale]: `package:arms` has the bytes" in result.stderr
     assert "  = note: version 0.9 was locked, 1.0 is there" in result.stderr
@@ -532,7 +534,7 @@ def test_what_is_fetched_reaches_no_file_of_this_machine(work: Path, locked: boo
         (work / "evil.yaml").write_text(
             f"recipe: 1\nattach: {{x: {{model: git+file://{robots}@main#arm/{name}}}}}\n"
         )
-        result = run("build", "evil.yaml", "--no-verify", "-o", "out.zip")
+        result = run("build", "evil.yaml", "--no-compile", "-o", "out.zip")
         assert result.exit_code == 1, name
         assert "error[source-outside]: " in result.stderr, (name, result.stderr)
         assert not (work / "out.zip").exists()

@@ -77,7 +77,7 @@ def test_it_runs_as_a_module(folder: Path) -> None:
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a device that is always full")
 @pytest.mark.parametrize(
-    "arguments", [["plan", "cell.yaml"], ["build", "cell.yaml", "--no-verify", "-o", "-"]]
+    "arguments", [["plan", "cell.yaml"], ["build", "cell.yaml", "--no-compile", "-o", "-"]]
 )
 def test_an_output_that_takes_nothing(folder: Path, arguments: list[str]) -> None:
     with open("/dev/full", "wb") as full:
@@ -93,8 +93,8 @@ def test_outputs_that_are_closed(folder: Path) -> None:
     for line, code in (
         (f"{command} check wrong.yaml 2>&-", 1),
         (f"{command} plan cell.yaml >&-", 0),
-        (f"{command} build cell.yaml --no-verify -o - >&- 2>&-", 1),
-        (f"{command} build cell.yaml --no-verify -o - | true", 0),
+        (f"{command} build cell.yaml --no-compile -o - >&- 2>&-", 1),
+        (f"{command} build cell.yaml --no-compile -o - | true", 0),
     ):
         result = subprocess.run(
             line, shell=True, env=environment(), capture_output=True, timeout=60, check=False
@@ -152,9 +152,9 @@ def test_an_unknown_option(folder: Path) -> None:
 
 # What may be said to every command that does such a thing.
 SAME = {
-    "--json": {"ls", "build", "check", "verify", "plan", "explain", "lock", "update", "diff", "new", "fmt", "import", "doctor",
+    "--output-format": {"list", "build", "check", "verify", "plan", "explain", "lock", "diff", "new", "fmt", "import", "doctor",
                "render", "view", "tree", "fix", "migrate"},
-    "--quiet": {"ls", "build", "check", "verify", "plan", "explain", "lock", "update", "diff", "new", "fmt", "import",
+    "--quiet": {"list", "build", "check", "verify", "plan", "explain", "lock", "diff", "new", "fmt", "import",
                 "render", "view", "tree", "fix", "migrate"},
     "--output": {"build", "import", "render", "migrate"},
     "--pick": {"build", "check", "plan", "explain", "diff", "render", "view", "tree"},
@@ -163,9 +163,9 @@ SAME = {
     "--strict": {"build", "check", "verify", "migrate"},
     "--verbose": {"build", "check"},
     "--timeout": {"build", "check", "verify", "diff", "import", "render", "view", "migrate"},
-    "--limit": {"build", "check", "verify", "plan", "explain", "lock", "update", "diff", "import", "render", "view",
+    "--limit": {"build", "check", "verify", "plan", "explain", "lock", "diff", "import", "render", "view",
                 "tree", "fix", "migrate"},
-    "--set": {"build", "check", "plan", "explain", "lock", "update", "diff", "render", "view", "tree", "fix"},
+    "--set": {"build", "check", "plan", "explain", "lock", "diff", "render", "view", "tree", "fix"},
 }  # fmt: skip
 
 
@@ -191,7 +191,6 @@ def test_options_are_the_same_everywhere(option: str) -> None:
         ("explain", "gone.yaml", "world"),
         ("explain", "gone.xml", "world"),
         ("lock", "gone.yaml"),
-        ("update", "gone.yaml"),
         ("verify", "gone.zip"),
         ("fmt", "gone.yaml"),
         ("import", "gone.xml", "models/tool.xml"),
@@ -209,7 +208,7 @@ def test_quiet(folder: Path) -> None:
         result = run(*words, "-q")
         assert (result.exit_code, result.stdout, result.stderr) == (0, "", ""), words
     assert "error[attach-place]" in run("check", "wrong.yaml", "--quiet").stderr
-    assert run("build", "cell.yaml", "-q", "--json").stdout.startswith("{")
+    assert run("build", "cell.yaml", "-q", "--output-format", "json").stdout.startswith("{")
 
 
 def test_too_little_memory_is_reported_where_the_process_begins(

@@ -223,7 +223,7 @@ def test_what_is_new_may_be_wanted(folder: Path) -> None:
 @pytest.mark.slow
 def test_json_has_each_step(folder: Path) -> None:
     (folder / "old.xml").write_text(OLD)
-    result = run("migrate", "old.xml", "--from", "3.2.2", "--json")
+    result = run("migrate", "old.xml", "--from", "3.2.2", "--output-format", "json")
     answer = json.loads(result.stdout.splitlines()[0])
     assert (answer["from"], answer["to"], answer["output"], answer["proof"]) == (
         "3.2.2",

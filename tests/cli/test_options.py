@@ -32,7 +32,7 @@ def run(*arguments: str) -> tuple[int, str]:
 @pytest.mark.parametrize(
     "command",
     [
-        ("build", "r.yaml", "--no-verify", "-o", "out/"), ("check", "r.yaml", "--no-verify"),
+        ("build", "r.yaml", "--no-compile", "-o", "out/"), ("check", "r.yaml", "--no-compile"),
         ("explain", "r.yaml", "option"), ("import", "m.xml", "m.xml", "-o", "new.yaml"), ("diff", "m.xml", "m.xml"),
     ],
 )  # fmt: skip
@@ -70,7 +70,7 @@ def test_the_time_of_mujoco_has_two_names(
             seen.append(self.limits.seconds)
 
     monkeypatch.setattr("mjcompose.mujoco.engine.Session", Seeing, raising=False)
-    assert run("check", recipe, "--no-verify", *option)[0] == 0
+    assert run("check", recipe, "--no-compile", *option)[0] == 0
     assert seen == [7]
 
 
@@ -81,7 +81,7 @@ def test_more_faults_than_are_looked_for(recipe: str, tmp_path: Path) -> None:
     assert code == 1 and "there are more than 5 errors" in said and "`m5`" in said and "`m6`" not in said, (
         said
     )
-    code, said = run("check", recipe, "--limit", "faults=5", "--json")
+    code, said = run("check", recipe, "--limit", "faults=5", "--output-format", "json")
     assert code == 1 and said.count('"code": "unknown-name"') == 6, said
 
 
@@ -90,7 +90,7 @@ def test_more_models_than_one_command_builds(recipe: str, tmp_path: Path) -> Non
         "recipe: 1\nbase: ./m.xml\nparams: {a: {default: 1}}\n"
         "randomize: {seed: 1, samples: 9, fields: {a: {param: a, uniform: [0, 1]}}}\n"
     )
-    code, said = run("build", recipe, "--all", "--no-verify", "-o", "out/{name}.zip", "--limit", "models=9")
+    code, said = run("build", recipe, "--all", "--no-compile", "-o", "out/{name}.zip", "--limit", "models=9")
     assert code and "there are more than 9 models in all" in said, said
     assert not (tmp_path / "out").exists()
 
@@ -142,8 +142,8 @@ def test_an_output_of_one_file_has_no_room(out: str, folder: Path) -> None:
 
 
 def test_what_is_not_verified_has_no_target(folder: Path) -> None:
-    result = run_shell("build", "cell.yaml", "--target", "plain", "--no-verify", "-o", "out/")
-    assert result.exit_code == 2 and "leave `--no-verify` out" in result.stderr
+    result = run_shell("build", "cell.yaml", "--target", "plain", "--no-compile", "-o", "out/")
+    assert result.exit_code == 2 and "leave `--no-compile` out" in result.stderr
 
 
 def test_an_unknown_target(folder: Path) -> None:

@@ -108,12 +108,12 @@ def test_no_report_or_page_takes_the_place_of_a_source(table: Path) -> None:
         for each in ("table.xml", "second.xml", "here/wood.png", "hard.xml")
     ]
     asked.append(
-        ("build", "table.yaml", "--all", "--jobs", "1", "-o", "{name}.xml", "--samples", "values.yaml")
+        ("build", "table.yaml", "--all", "--jobs", "1", "-o", "{name}.xml", "--sample-table", "values.yaml")
     )
     for arguments in asked:
         result = run(*arguments)
         option, name = arguments[-2:]
-        if option != "--samples":
+        if option != "--sample-table":
             assert result.exit_code == (1 if arguments[0] != "diff" else 2) or arguments[0] == "diff", (
                 arguments
             )

@@ -60,11 +60,11 @@ def test_checks_in_words(folder: Path) -> None:
     )
     told = ["check sizes: expect {attr: nq, equals: 1}", "check sites: expect {select: {site: *}, count: 2}"]
     assert [line.strip() for line in run("plan", "all.yaml").stdout.splitlines()[-2:]] == told
-    assert json.loads(run("plan", "all.yaml", "--json").stdout)["checks"] == told
+    assert json.loads(run("plan", "all.yaml", "--output-format", "json").stdout)["checks"] == told
 
 
 def test_as_json(folder: Path) -> None:
-    result = run("plan", "cell.yaml", "--json")
+    result = run("plan", "cell.yaml", "--output-format", "json")
     told = json.loads(result.stdout)
     assert told["name"] == "cell" and told["recipe"] == "cell.yaml"
     assert told["base"]["reference"] == "./models/arm.xml" and told["base"]["licenses"] == ["LICENSE"]
@@ -104,7 +104,7 @@ def test_a_subtree_and_what_it_leaves(folder: Path) -> None:
         "      attach tool/: ./models/tool.xml, on the site flange\n"
         "      add jointpos angle to sensor\n"
     )
-    told = json.loads(run("plan", "pair.yaml", "--json").stdout)
+    told = json.loads(run("plan", "pair.yaml", "--output-format", "json").stdout)
     assert told["subtree"]["body"] == "link"
     assert told["parts"][0]["subtree"]["left"][0] == {"kind": "body", "name": "base", "lacks": None}
 
@@ -141,8 +141,8 @@ def test_an_axis_may_be_a_parameter_without_a_default(folder: Path) -> None:
     assert (
         "`mass` as in the cell m2-l5: without a default" in told.stdout and "m3-l5  mass = 3" in told.stdout
     )
-    assert json.loads(run("plan", "study.yaml", "--json").stdout)["as_cell"] == "m2-l1"
-    built = run("build", "study.yaml", "--all", "--set", "load=5", "--no-verify")
+    assert json.loads(run("plan", "study.yaml", "--output-format", "json").stdout)["as_cell"] == "m2-l1"
+    built = run("build", "study.yaml", "--all", "--set", "load=5", "--no-compile")
     assert built.exit_code == 0 and "wrote build/m2-l5.zip" in built.stdout
     alone = run("build", "study.yaml")
     assert alone.exit_code == 1 and "with `--all` the cells of the matrix, which set it" in alone.stderr
@@ -153,7 +153,7 @@ def test_what_must_be_given_can_be_given(folder: Path) -> None:
     (folder / "study.yaml").write_text(
         REQUIRED.replace("load: {type: float, default: 1}", "load: {type: float}")
     )
-    for command in (("plan",), ("lock",), ("update",), ("build", "--all", "--no-verify")):
+    for command in (("plan",), ("lock",), ("lock", "--upgrade"), ("build", "--all", "--no-compile")):
         assert run(*command, "study.yaml").exit_code == 1
         assert run(*command, "study.yaml", "--set", "load=5").exit_code == 0
 
@@ -163,10 +163,10 @@ def test_a_variant_without_such_a_value(folder: Path) -> None:
         "recipe: 1\nvariants: {tool: {none: {}, hand: {params: {width: 1}}}}\nmatrix: {axes: {tool: [none, hand]}}\n"
     )
     for command in ("plan", "build", "check"):
-        result = run(command, "study.yaml", "--variant", "tool=hnd")
+        result = run(command, "study.yaml", "--set", "tool=hnd")
         assert result.exit_code == 1 and "variant `tool` has no value `hnd`" in result.stderr
         assert "1 error\n" in result.stderr
-    result = run("plan", "study.yaml", "--variant", "tol=hand")
+    result = run("plan", "study.yaml", "--set", "tol=hand")
     assert result.exit_code == 1 and "1 error\n" in result.stderr
 
 
@@ -209,7 +209,7 @@ def test_edits_are_counted_and_removals_listed(folder: Path) -> None:
         "    removes 1 joint: shoulder",
         "    removes 1 sensor: angle",
     ]
-    told = json.loads(run("plan", "e.yaml", "--json").stdout)
+    told = json.loads(run("plan", "e.yaml", "--output-format", "json").stdout)
     assert told["parts"][0]["edited"] == [
         {"words": "edit {geom: palm}: set condim = 4", "selected": {"geom": 1}, "removed": []}
     ]

@@ -28,9 +28,8 @@ def test_text(folder: Path) -> None:
 
 
 @pytest.mark.parametrize("verb", ["build", "check"])
-@pytest.mark.parametrize("option", [["--json"], ["--format", "json"]])
-def test_json(folder: Path, verb: str, option: list[str]) -> None:
-    result = run(verb, "wrong.yaml", *option)
+def test_json(folder: Path, verb: str) -> None:
+    result = run(verb, "wrong.yaml", "--output-format", "json")
     assert result.exit_code == 1 and result.stderr == ""
     (told,) = map(json.loads, result.stdout.splitlines())
     assert (told["severity"], told["code"]) == ("error", "attach-place")
@@ -38,7 +37,7 @@ def test_json(folder: Path, verb: str, option: list[str]) -> None:
 
 
 def test_github(folder: Path) -> None:
-    result = run("check", "wrong.yaml", "--format", "github")
+    result = run("check", "wrong.yaml", "--output-format", "github")
     assert result.exit_code == 1 and result.stderr == ""
     (line,) = result.stdout.splitlines()
     assert line.startswith(
@@ -56,7 +55,7 @@ def test_paths_are_those_of_the_users_folder(folder: Path, monkeypatch: pytest.M
 
 def test_nothing_but_text_where_there_is_no_terminal(folder: Path) -> None:
     for recipe in ("cell.yaml", "wrong.yaml"):
-        result = run("check", recipe, "--no-verify")
+        result = run("check", recipe, "--no-compile")
         assert ESCAPE not in result.stderr + result.stdout
         assert "checking" not in result.stderr
 

@@ -27,7 +27,7 @@ def test_a_recipe(folder: Path) -> None:
 
 def test_places_and_json(folder: Path) -> None:
     assert "site: flange" in run("tree", "cell.yaml", "--places").stdout
-    told = json.loads(run("tree", "cell.yaml", "--json").stdout)
+    told = json.loads(run("tree", "cell.yaml", "--output-format", "json").stdout)
     link = next(each for each in told["bodies"] if each["name"] == "link")
     assert link["parent"] == "base" and link["places"][1]["site"] == "flange"
     assert link["places"][1]["world_pos"] == [0, 0, 1.3] and link["places"][1]["pos"] == [0, 0, 0.3]
@@ -36,7 +36,7 @@ def test_places_and_json(folder: Path) -> None:
 
 def test_a_model_and_a_bundle(folder: Path) -> None:
     assert "└ palm" in run("tree", "models/tool.xml").stdout
-    assert run("build", "cell.yaml", "--no-verify", "-o", "cell.zip").exit_code == 0
+    assert run("build", "cell.yaml", "--no-compile", "-o", "cell.zip").exit_code == 0
     assert run("tree", "cell.zip").stdout.splitlines()[3:] == run("tree", "cell.yaml").stdout.splitlines()[3:]
 
 
@@ -58,7 +58,7 @@ def test_bad_input(folder: Path, arguments: tuple[str, ...], code: int, said: st
 
 
 def test_a_broken_manifest_is_told(folder: Path) -> None:
-    assert run("build", "cell.yaml", "--no-verify", "-o", "out/").exit_code == 0
+    assert run("build", "cell.yaml", "--no-compile", "-o", "out/").exit_code == 0
     (folder / "out" / "manifest.json").write_text("{}")
     result = run("tree", "out")
     assert (

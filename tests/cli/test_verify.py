@@ -27,7 +27,7 @@ def test_a_good_bundle(runner: CliRunner) -> None:
 
 
 def test_as_json(runner: CliRunner) -> None:
-    result = runner.invoke(main, ["verify", "out", "--json"])
+    result = runner.invoke(main, ["verify", "out", "--output-format", "json"])
     told = json.loads(result.stdout)
     assert told["ok"] is True
     assert told["parts"] == [{"part": "base", "unchanged": True}]
@@ -35,7 +35,7 @@ def test_as_json(runner: CliRunner) -> None:
 
 def test_a_harmed_one_for_github(runner: CliRunner) -> None:
     Path("out/model.xml").write_text(Path("out/model.xml").read_text() + "<!-- -->")
-    result = runner.invoke(main, ["verify", "out", "--format", "github"])
+    result = runner.invoke(main, ["verify", "out", "--output-format", "github"])
     assert result.exit_code == 1
     assert result.stdout.startswith("::error")
 

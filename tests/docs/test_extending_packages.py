@@ -105,7 +105,7 @@ def test_one_of_each_is_used(run: Run, tmp_path: Path) -> None:
         model, manifest = bundle.read("model.xml").decode(), json.loads(bundle.read("manifest.json"))
     assert 'group="5"' in model and "armature" in model
     assert manifest["extensions"] == {"mjcompose-lab": "0.4.0"}
-    counted = run("-m", "mjcompose", "count", "cell.yaml", "--only", "geom", "--json")
+    counted = run("-m", "mjcompose", "count", "cell.yaml", "--only", "geom", "--output-format", "json")
     assert json.loads(counted.stdout) == {"geom": 1}, counted.stderr
     assert "count " in run("-m", "mjcompose", "--help").stdout
     locked = run("-m", "mjcompose", "lock", "cell.yaml")

@@ -156,7 +156,9 @@ def test_a_command_counts_and_reports(package: Path) -> None:
     assert "Count the elements of a model." in run(package, "--help").stdout
     assert "--only KIND" in run(package, "count", "--help").stdout
     assert "\ngeom 1\n" in run(package, "count", "recipe.yaml").stdout
-    assert json.loads(run(package, "count", "recipe.yaml", "--only", "geom", "--json").stdout) == {"geom": 1}
+    assert json.loads(
+        run(package, "count", "recipe.yaml", "--only", "geom", "--output-format", "json").stdout
+    ) == {"geom": 1}
     failed = run(package, "count", "none.yaml")
     assert failed.returncode == 2 and "error[file-not-found]" in failed.stderr and not failed.stdout
 

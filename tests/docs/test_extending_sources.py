@@ -65,7 +65,7 @@ def command(package: Path, tmp_path: Path) -> Command:
 
 
 def test_every_command_knows_the_kind(command: Command) -> None:
-    planned = command("plan", "cell.yaml", "--format", "json")
+    planned = command("plan", "cell.yaml", "--output-format", "json")
     assert planned.returncode == 0, planned.stderr
     assert json.loads(planned.stdout)["base"]["kind"] == "shared"
     for words in (("check", "cell.yaml"), ("fmt", "cell.yaml")):
@@ -82,7 +82,7 @@ def test_a_lock_pins_it(command: Command, tmp_path: Path) -> None:
     assert locked.returncode == 0, locked.stderr
     source = json.loads((tmp_path / "cell.lock").read_text(encoding="utf-8"))["sources"]["shared:arm"]
     assert source["kind"] == "shared" and [*source["files"]] == ["arm.xml"]
-    build = ("build", "cell.yaml", "--locked", "--no-verify", "-o", "cell/")
+    build = ("build", "cell.yaml", "--locked", "--no-compile", "-o", "cell/")
     assert command(*build).returncode == 0
     manifest = json.loads((tmp_path / "cell" / "manifest.json").read_text(encoding="utf-8"))
     assert manifest["inputs"][0]["kind"] == "shared"

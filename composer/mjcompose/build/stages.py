@@ -271,7 +271,7 @@ class Build:
 
         plan, context = self.plan, self.context
         if compiled is None:
-            help = "build without `--no-verify`, or without `--as worlds`"
+            help = "build without `--no-compile`, or without `--as worlds`"
             span = locate(plan.document, ("randomize",), key=True)
             message = "only MuJoCo knows where in the model the draws of worlds go"
             context.sink.error(CODE, message, span, help=help)

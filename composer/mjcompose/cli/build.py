@@ -62,14 +62,14 @@ class Options:
     out: str | None = output(
         "Where to write the model: DIR/, FILE.zip, FILE.mjz, FILE.xml (text without assets; '-' is standard output),"
         " FILE.mjb or FILE.usdz (also .usd, .usda, .usdc). {name} is replaced by the name of the model, {hash} by two"
-        " digits of a hash of it, for very many models. In the name of an MJB, {mujoco} is replaced by the version of"
-        " MuJoCo; no other version can read the file. Default: build/{name}.zip."
+        " digits of its hash, which spreads many models over folders. In the name of an MJB, {mujoco} is replaced by"
+        " the version of MuJoCo; no other version can read the file. Default: build/{name}.zip."
     )
     choices: Choices = group(Choices)
     cells: CellsOptions = group(CellsOptions)
     workers: WorkerOptions = group(WorkerOptions)
     samples: str | None = option(
-        "--samples", metavar="FILE",
+        "--sample-table", metavar="FILE",
         help="Write drawn values to this table, *.csv or *.parquet. Default with --all: samples.csv next to the"
         " models.",
     )  # fmt: skip
@@ -90,7 +90,7 @@ class Options:
         "--shared-assets",
         help="Write the assets of all cells to one folder: DIR/assets/ for -o 'DIR/{name}/'.",
     )
-    no_verify: bool = flag("--no-verify", help="Do not compile the result in MuJoCo.")
+    no_compile: bool = flag("--no-compile", help="Do not compile the result in MuJoCo.")
     dedup: bool = flag("--dedup", help="Merge identical meshes, textures, materials and height fields of several"
                        " parts; the manifest lists the merged names.")  # fmt: skip
     picture: bool = flag(
@@ -98,7 +98,7 @@ class Options:
     )
     target: str | None = option(
         "--target", type=_Target(TARGETS_NAMES), callback=lambda context, option, value: _not_mujoco(value),
-        help="The program to write the model for. What it does not support is reported. Default: mujoco.",
+        help="The program to write the model for. Features that it lacks are reported. Default: mujoco.",
     )  # fmt: skip
     licenses: bool = flag("--licenses", help="Print the license of every part.")
     limits: TimeOptions = group(TimeOptions)
@@ -165,7 +165,7 @@ def _check_usage(options: Options) -> None:
     workers, table, samples = options.workers, options.table, options.samples
     check_several(options.one, jobs=workers.jobs, shard=workers.shard, cluster=workers.cluster)
     if table is not None and (left := next((name for name, given in {
-        "--shard": workers.shard, "--cluster": workers.cluster, "--samples": samples, "--parquet": options.parquet,
+        "--shard": workers.shard, "--cluster": workers.cluster, "--sample-table": samples, "--parquet": options.parquet,
         "--shared-assets": options.shared_assets, "--picture": options.picture,
     }.items() if given), None)):  # fmt: skip
         raise click.UsageError(f"{left} is not for --worlds, which gives one bundle and one table.")
@@ -176,8 +176,10 @@ def _check_usage(options: Options) -> None:
     if samples is not None and not samples.lower().endswith((".csv", ".parquet")):
         help = "`--sample NUMBER` builds one, and `randomize: {samples: NUMBER}` in the recipe says how many there are"
         raise click.UsageError(
-            f"--samples names a table, FILE.csv or FILE.parquet, and `{samples}` is none: {help}."
+            f"--sample-table names a table, FILE.csv or FILE.parquet, and `{samples}` is none: {help}."
         )
+    if samples is not None and options.one:
+        raise click.UsageError("--sample-table is for --all, --pick and --sample: here is one model.")
 
 
 def _output_spec(options: Options, run: Run) -> OutputSpec:
@@ -201,7 +203,7 @@ def _output_spec(options: Options, run: Run) -> OutputSpec:
         run.context.sink.add(error.diagnostic)
         raise Stop(USAGE) from None
     return OutputSpec(
-        "build/{name}.zip" if out is None else out, kind, verified=not options.no_verify, form=run.form,
+        "build/{name}.zip" if out is None else out, kind, verified=not options.no_compile, form=run.form,
         why=options.why, licenses=options.licenses,
     )  # fmt: skip
 
@@ -263,6 +265,6 @@ def _check_target(options: Options, kind: str) -> None:
         raise OutputError(
             "output-kind", f"a model for `{target}` is several files, and the output is one", help
         )
-    if options.no_verify:
-        help = "leave `--no-verify` out"
+    if options.no_compile:
+        help = "leave `--no-compile` out"
         raise OutputError("output-kind", "`--target` is made of the compiled model", help)

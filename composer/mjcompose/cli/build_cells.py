@@ -177,7 +177,7 @@ class _Results:
             self.samples,
             [table] if table else drawn,
             "what was drawn for",
-            option="--samples" if table else None,
+            option="--sample-table" if table else None,
         )
         self._put_table(self.index, all_of_them, "the index of")
 

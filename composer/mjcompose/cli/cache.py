@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import click
 
 from mjcompose.base.dataclass import dataclass
-from mjcompose.cli.options import JSON, ReportOptions, formats
+from mjcompose.cli.options import ReportOptions, formats
 from mjcompose.cli.reporting import FINDINGS, USAGE, say
 from mjcompose.cli.run import Answer, Run, Stop, command, flag, group, option
 
@@ -34,7 +34,6 @@ class InfoOptions:
     """The options of `cache info`."""
 
     form: str = formats("text", "json")
-    json: bool = JSON
 
 
 @command(InfoOptions, within=cache)

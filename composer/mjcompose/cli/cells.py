@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict, field
 from pathlib import Path, PurePosixPath
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, ClassVar, TypeVar
 
 import click
 from click.core import ParameterSource
@@ -36,11 +36,12 @@ Item = TypeVar("Item")
 class CellOptions:
     """The choice of one cell or sample."""
 
+    heading: ClassVar[str] = "Model"
     pick: str | None = option("--pick", metavar="CELL", shell_complete=completion.cells,
                               help="Select this cell of the matrix, this sample, or AXIS=VALUE[,...].")  # fmt: skip
     sample: int | None = option(
         "--sample", type=click.IntRange(min=0), metavar="NUMBER", shell_complete=completion.samples,
-        help="Select this sample of the recipe's draws. 0, the default, has no draws.",
+        help="Select this sample of the recipe's draws. Sample 0, the default, has no draws.",
     )  # fmt: skip
 
     def check(self, model: str | Path, *, is_recipe: bool) -> None:
@@ -75,15 +76,16 @@ class CellOptions:
 class CellsOptions:
     """The choice of several cells and samples; without any, a command is about one model."""
 
+    heading: ClassVar[str] = "Model"
     every: bool = flag("--all", help="Select every cell of the recipe's matrix, and every sample.")
     picks: tuple[str, ...] = option(
         "--pick", multiple=True, metavar="CELL", shell_complete=completion.cells,
-        help="Select this cell of the matrix or this sample, or with AXIS=VALUE[,AXIS=VALUE...] all cells that have"
-        " these values.",
+        help="Select this cell of the matrix or this sample. AXIS=VALUE[,AXIS=VALUE...] selects all cells with these"
+        " values.",
     )  # fmt: skip
     only_samples: tuple[int, ...] = option(
         "--sample", multiple=True, type=click.IntRange(min=0), metavar="NUMBER", shell_complete=completion.samples,
-        help="Select only this sample, of all cells or of those of --pick. 0 is the model without draws.",
+        help="Select only this sample, in all cells or in the cells of --pick. Sample 0 is the model without draws.",
     )  # fmt: skip
 
     @property
@@ -160,6 +162,7 @@ JOBS = option(
 class WorkerOptions:
     """The processes and machines that make the cells."""
 
+    heading: ClassVar[str] = "Workers"
     jobs: int | None = JOBS
     cluster: str | None = option(
         "--cluster", metavar="ADDRESS|FILE|local",

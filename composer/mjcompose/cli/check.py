@@ -47,8 +47,8 @@ class Options:
     choices: Choices = group(Choices)
     cells: CellsOptions = group(CellsOptions)
     workers: WorkerOptions = group(WorkerOptions)
-    no_verify: bool = flag(
-        "--no-verify", help="Do not compile the models in MuJoCo, and do not run their checks."
+    no_compile: bool = flag(
+        "--no-compile", help="Do not compile the models in MuJoCo, and do not run their checks."
     )
     limits: TimeOptions = group(TimeOptions)
     junit: str | None = option("--junit", metavar="FILE", help="Write the result of each check as JUnit XML ('-' is"
@@ -104,7 +104,7 @@ class _Checking:
         how = run.context.fetching
         assert how is not None
         named = options.choices.named(run.context)
-        verifies = not options.no_verify
+        verifies = not options.no_compile
         self.order = BuildOptions(verifies, choices=named, locked=how.locked, offline=how.offline)
         self.results: list[_Result] = []
 

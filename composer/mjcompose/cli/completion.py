@@ -198,8 +198,8 @@ def limits(ctx: click.Context, parameter: click.Parameter, incomplete: str) -> l
 
 
 cells = _completing(_cells, listed=True)
-samples, parameters, variants, elements, keys, cameras = map(
-    _completing, (_samples, _parameters, _variants, _elements, _named("key"), _named("camera"))
+samples, parameters, elements, keys, cameras = map(
+    _completing, (_samples, _parameters, _elements, _named("key"), _named("camera"))
 )
 
 

@@ -9,7 +9,7 @@ import click
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.cli.cells import CellOptions
-from mjcompose.cli.options import JSON, QUIET, Amount, Choices, TimeOptions, formats
+from mjcompose.cli.options import QUIET, Amount, Choices, TimeOptions, formats
 from mjcompose.cli.reporting import USAGE, progress
 from mjcompose.cli.run import Answer, Run, Stop, argument, command, flag, group, option
 
@@ -56,7 +56,6 @@ class Options:
                                " color.")  # fmt: skip
     limits: TimeOptions = group(TimeOptions)
     form: str = formats("text", "json", "markdown")
-    json: bool = JSON
     quiet: bool = QUIET
 
 

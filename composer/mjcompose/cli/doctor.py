@@ -13,7 +13,7 @@ from importlib import metadata
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.scratch import scratch
-from mjcompose.cli.options import JSON, formats
+from mjcompose.cli.options import formats
 from mjcompose.cli.reporting import FINDINGS
 from mjcompose.cli.run import Answer, Run, command
 
@@ -35,7 +35,6 @@ class Options:
     """The options of `doctor`."""
 
     form: str = formats("text", "json")
-    json: bool = JSON
 
 
 @command(Options)

@@ -32,7 +32,7 @@ class Options:
         "--among", multiple=True, metavar="FOLDER", type=click.Path(path_type=Path, exists=True, file_okay=False),
         help="If no PARTS are given, also search for them in this folder.",
     )  # fmt: skip
-    out: str | None = output("Where the recipe goes; default: MERGED with .yaml, here.")
+    out: str | None = output("Where to write the recipe. Default: MERGED.yaml in this folder.")
     limits: TimeOptions = group(TimeOptions)
     reporting: ReportOptions = group(ReportOptions)
 
@@ -44,10 +44,10 @@ def import_(options: Options, run: Run) -> Answer | int:
     Without PARTS, they are searched for in the folders of --among, in the Menagerie models on this machine, and in
     installed packages. If none are found, the recipe starts from MERGED itself.
 
-    From a URDF or a xacro template, write a recipe that starts from it, and print what of it is read and what is not.
+    From a URDF or a xacro template, write a recipe that starts from it, and print which elements are read and why.
 
-    Parts are recognized by the names of their bodies, with or without a prefix. What a recipe cannot express is written
-    as a comment. Exit codes: 0 the recipe builds the same model, 1 something differs or cannot be read or built, 2
+    Parts are recognized by the names of their bodies, with or without a prefix. Anything that a recipe cannot express
+    becomes a comment. Exit codes: 0 the recipe builds the same model, 1 something differs or cannot be read or built, 2
     wrong usage.
     """
     from mjcompose.tools.importing.recover import amount, recover

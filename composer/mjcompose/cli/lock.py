@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from mjcompose.base.dataclass import dataclass
 from mjcompose.cli.options import RECIPE, Choices, FetchOptions, LimitOptions, ReportOptions
 from mjcompose.cli.reporting import USAGE
-from mjcompose.cli.run import Answer, Run, Stop, command, group
+from mjcompose.cli.run import Answer, Run, Stop, command, flag, group, option
 
 if TYPE_CHECKING:
     from mjcompose.build.plan.plan import Plan
@@ -26,6 +26,12 @@ class Options:
     """The options of `lock`."""
 
     recipe: Path = RECIPE
+    upgrade: bool = flag("--upgrade", help="Lock all sources as they are now: the newest commits of branches, and"
+                         " archives as served now.")  # fmt: skip
+    upgrade_sources: tuple[str, ...] = option(
+        "--upgrade-source", multiple=True, metavar="NAME",
+        help="Lock this source as it is now: the prefix of a part, `base`, or a source as named in the lock.",
+    )  # fmt: skip
     choices: Choices = group(Choices)
     fetching: FetchOptions = group(FetchOptions)
     limits: LimitOptions = group(LimitOptions)
@@ -36,18 +42,14 @@ class Options:
 def lock(options: Options, run: Run) -> Answer:
     """Lock the sources of RECIPE: write their commits, hashes and licenses to a file next to it.
 
-    The lock of ARM.yaml is ARM.lock. Sources that are already locked keep their entries. New sources are added, your
-    own files are hashed again, and sources that are no longer used are removed.
+    The lock of ARM.yaml is ARM.lock. Sources that are already locked keep their entries, unless you upgrade them. New
+    sources are added, your own files are hashed again, and sources that are no longer used are removed.
     """
-    return write_lock(options.recipe, None, choices=options.choices, run=run)
-
-
-def write_lock(recipe: Path, names: tuple[str, ...] | None, choices: Choices, run: Run) -> Answer:
-    """Write a new lock; `names` are the sources to update: nothing for None, everything for `()`."""
-    made = made_lock(recipe, names, run.context, given=choices.given(run))
+    names = () if options.upgrade else options.upgrade_sources or None
+    made = made_lock(options.recipe, names, run.context, given=options.choices.given(run))
     if made is None and any(each.code == "unknown-name" for each in run.context.sink.errors):
         raise Stop(USAGE)
-    path, changes = run.need(made, recipe)
+    path, changes = run.need(made, options.recipe)
     done = f"wrote {path}" if changes else f"{path} is up to date"
     words = "\n".join([*(f"  {line}" for line in changes), done])
     return Answer(words, {"lock": path, "changes": changes}, is_outcome=True)
@@ -152,7 +154,7 @@ def _plans_of_cells(recipe: Path, context: Context, given: Given) -> Iterator[Pl
 
 
 def _plans_of_variants(recipe: Path, context: Context, given: Given) -> Iterator[Plan]:
-    """Yield the plans of all choices of `--variant`, and warn about sources that are out of reach."""
+    """Yield the plans of all choices of variants, and warn about sources that are out of reach."""
     from mjcompose.base.codes import OF_FILES
     from mjcompose.base.diagnostic import Severity
     from mjcompose.base.sink import Sink
@@ -203,7 +205,8 @@ def _report_disputes(disputes: Disputed, how: Fetching, context: Context) -> Non
             "lock-invalid",
             f"the two sides of the merge in `{shown}` pin `{id}` otherwise",
             notes=[Note(f"{side}: {pin}") for side, pin in zip(("ours", "theirs"), pins, strict=True)],
-            help=f"run `mjcompose update {how.recipe} {id}` to lock it as it is now, or take one side of the merge",
+            help=f"run `mjcompose lock {how.recipe} --upgrade-source {id}` to lock it as it is now, or take one side of"
+            " the merge",
         )
 
 
@@ -224,5 +227,5 @@ def _report_changes(before: Lock, after: Lock, fresh: frozenset[str], recipe: Pa
                 "source-changed",
                 f"`{id}` is not what the lock pins",
                 notes=[Note(change) for change in changes[:8]],
-                help=f"if that is meant, run `mjcompose update {recipe} {now.used_by[0]}`",
+                help=f"if that is meant, run `mjcompose lock {recipe} --upgrade-source {now.used_by[0]}`",
             )

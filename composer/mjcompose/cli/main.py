@@ -16,32 +16,42 @@ from mjcompose.base import files
 from mjcompose.base.version import __version__
 from mjcompose.cli.entry import exit_code_asked, ran_out
 
-_VERBS = {
-    "build": "Build the model of a recipe: one MJCF file and its assets.",
-    "check": "Check recipes, their models and the checks in them. Write nothing.",
-    "fix": "Apply the exact fixes that error messages suggest.",
-    "verify": "Compare a bundle with its manifest, and its parts with their sources.",
-    "plan": "Print the steps of a build.",
-    "ls": "List the models that `build --all` wrote, or those that match an expression.",
-    "tree": "Show the parts, bodies and joints of a model, and what a part may be attached to.",
-    "explain": "Show where an element or attribute came from and what changed it, or explain an error code.",
-    "lock": "Pin every source of a recipe in a lock file.",
-    "update": "Pin the current state of sources in the lock file.",
-    "cache": "Inspect, prune or verify the store of fetched sources and built models.",
-    "diff": "Show what differs between two models, in physics terms.",
-    "view": "Show a model in the browser, or write it as a page.",
-    "render": "Make a picture or a film of a model.",
-    "new": "Write a commented starter recipe that builds.",
-    "fmt": "Format recipes in the canonical layout, and keep comments.",
-    "import": "Propose a recipe that builds a merged model from its parts.",
-    "migrate": "Rewrite a model for another version of MuJoCo.",
-    "doctor": "Check this installation, and show what it can do.",
-    "lsp": "Run the language server for editors, with completion, errors and origins.",
-    "schema": "Print the JSON Schema of recipes, for editors.",
-    "completion": "Print the line that enables completion in a shell.",
-    "help": "Print the help of a command.",
-    "version": "Print the version.",
+_GROUPS = {
+    "Build": {
+        "build": "Build the model of a recipe: one MJCF file and its assets.",
+        "check": "Check recipes, their models and the checks in them. Write nothing.",
+        "plan": "Print the steps of a build.",
+        "list": "List the models that `build --all` wrote, or those that match an expression.",
+        "verify": "Compare a bundle with its manifest, and its parts with their sources.",
+    },
+    "Look": {
+        "tree": "Show the parts, bodies and joints of a model, and where you can attach a part.",
+        "explain": "Show where an element or attribute came from and what changed it, or explain an error code.",
+        "diff": "Show the differences between two models, in physics terms.",
+        "view": "Show a model in the browser, or write it as a page.",
+        "render": "Make a picture or a film of a model.",
+    },
+    "Change": {
+        "new": "Write a commented starter recipe that builds.",
+        "fix": "Apply the exact fixes that error messages suggest.",
+        "fmt": "Format recipes in the canonical layout, and keep comments.",
+        "import": "Propose a recipe that builds a merged model from its parts.",
+        "migrate": "Rewrite a model for another version of MuJoCo.",
+    },
+    "Sources": {
+        "lock": "Pin every source of a recipe in a lock file, or upgrade the sources in it.",
+        "cache": "Inspect, prune or verify the store of fetched sources and built models.",
+    },
+    "Set up": {
+        "doctor": "Check this installation, and show what it can do.",
+        "lsp": "Run the language server for editors, with completion, errors and origins.",
+        "schema": "Print the JSON Schema of recipes, for editors.",
+        "completion": "Print the line that enables completion in a shell.",
+        "help": "Print the help of a command.",
+        "version": "Print the version.",
+    },
 }
+_VERBS = {name: words for group in _GROUPS.values() for name, words in group.items()}
 
 # Names of verbs in other tools, and the corresponding command here.
 _CALLED = {
@@ -49,16 +59,29 @@ _CALLED = {
     **dict.fromkeys(("validate", "lint", "test"), "mjcompose check"),
     "format": "mjcompose fmt",
     **dict.fromkeys(("compile", "make", "compose", "generate"), "mjcompose build"),
-    **dict.fromkeys(("show", "describe", "list", "bodies", "info"), "mjcompose tree"),
+    **dict.fromkeys(("merge", "attach", "combine"), "mjcompose build RECIPE"),
+    "export": "mjcompose build --target NAME",
+    **dict.fromkeys(("show", "describe", "bodies", "info"), "mjcompose tree"),
+    "ls": "mjcompose list",
     **dict.fromkeys(("inspect", "where", "why"), "mjcompose explain RECIPE NAME"),
     **dict.fromkeys(("compare",), "mjcompose diff"),
     **dict.fromkeys(("picture", "image", "screenshot", "video"), "mjcompose render"),
     **dict.fromkeys(("language-server", "server"), "mjcompose lsp"),
-    **dict.fromkeys(("open", "viewer", "preview", "serve"), "mjcompose view"),
+    **dict.fromkeys(("open", "viewer", "preview", "serve", "run"), "mjcompose view"),
+    "convert": "mjcompose import",
     "clean": "mjcompose cache prune",
-    "upgrade": "mjcompose update",
+    **dict.fromkeys(("update", "upgrade"), "mjcompose lock --upgrade"),
     "port": "mjcompose migrate",
 }  # fmt: skip
+
+# Options of other tools, and the corresponding option here.
+_OPTIONS_CALLED = {
+    **dict.fromkeys(("--json", "--markdown", "--github", "--format"), "--output-format"),
+    "--no-verify": "--no-compile",
+    "--samples": "--sample-table",
+    "--variant": "--set",
+    "--param": "--set",
+}
 
 
 # Pydantic would look for plugins in every installed package, which takes longer than a small build.
@@ -120,8 +143,7 @@ class _Verbs(click.Group):
             _say_aside("interrupted: nothing was written")
             ctx.exit(_INTERRUPTED)
         except click.NoSuchOption as error:
-            near = _near_options(error)
-            raise click.NoSuchOption(error.option_name, possibilities=near, ctx=error.ctx) from None
+            raise _with_hint(error) from None
         except (click.ClickException, click.exceptions.Exit, click.Abort):
             raise
         except MemoryError:
@@ -159,8 +181,10 @@ class _Verbs(click.Group):
         ctx.exit(_BUG)
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        with formatter.section("Commands"):
-            formatter.write_dl(list(_VERBS.items()))
+        width = max(map(len, _VERBS))
+        for heading, verbs in _GROUPS.items():
+            with formatter.section(heading):
+                formatter.write_dl([(f"{name:{width}}", words) for name, words in verbs.items()])
         from mjcompose.base.extensions import names
 
         if more := [
@@ -216,14 +240,18 @@ def _say_aside(words: str) -> None:
     click.echo(words, err=True)
 
 
-def _near_options(error: click.NoSuchOption) -> list[str]:
-    """Return the options that were probably meant; click itself only suggests common prefixes."""
+def _with_hint(error: click.NoSuchOption) -> click.NoSuchOption:
+    """Return the error with the options that were probably meant; Click itself only suggests similar spellings."""
     from mjcompose.base.suggest import closest
 
     if error.ctx is None:
-        return []
-    known = {name for each in error.ctx.command.get_params(error.ctx) for name in each.opts}
-    return closest(error.option_name, known)
+        return error
+    name = error.option_name
+    known = {each for option in error.ctx.command.get_params(error.ctx) for each in option.opts}
+    if (called := _OPTIONS_CALLED.get(name)) in known:
+        message = f"No such option '{name}'. Did you mean '{called}'?"
+        return click.NoSuchOption(name, message, ctx=error.ctx)
+    return click.NoSuchOption(name, possibilities=closest(name, known), ctx=error.ctx)
 
 
 def _print_any_name() -> None:

@@ -61,7 +61,7 @@ def migrate(options: Options, run: Run) -> Answer | int:
     """Rewrite MODEL, an MJCF file for one version of MuJoCo, for another version.
 
     Without -o and --in-place, the changes are only shown. The model keeps its meaning: attributes get their new names,
-    and defaults that changed are written out. What cannot be kept is reported.
+    and defaults that changed are written out. Anything that cannot be kept is reported.
 
     Exit codes: 0 success, 1 changes are not written, something cannot be kept, or the model differs, 2 wrong usage.
     """

@@ -7,7 +7,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import click
 
@@ -34,8 +34,8 @@ class Amount(click.FloatRange):
 
 
 def formats(*names: str) -> Any:
-    """Declare `--format` with these values."""
-    return option("--format", type=click.Choice(names), default="text", show_default=True,
+    """Declare `--output-format` with these values."""
+    return option("--output-format", type=click.Choice(names), default="text", show_default=True,
                   help="How the output is printed.")  # fmt: skip
 
 
@@ -44,7 +44,6 @@ def output(help: str) -> Any:
     return option("-o", "--output", metavar="OUT", help=help)
 
 
-JSON = flag("--json", help="The same as --format json.")
 QUIET = flag("-q", "--quiet", help="Print only errors and warnings.")
 VERBOSE = flag("-v", "--verbose", help="Also print how long each stage took, and which files were read.")
 STRICT = flag("--strict", help="Treat warnings as errors, except those that the recipe allows.")
@@ -57,8 +56,8 @@ RECIPE = argument(type=PATH)
 class ReportOptions:
     """How the output is printed; `Run.form` has the format, and `reporting.is_quiet` the last."""
 
+    heading: ClassVar[str] = "Output"
     form: str = formats("text", "json", "github")
-    json: bool = JSON
     quiet: bool = QUIET
 
 
@@ -66,6 +65,7 @@ class ReportOptions:
 class FetchOptions:
     """How models are fetched; `Run.context` has it."""
 
+    heading: ClassVar[str] = "Sources"
     locked: bool = flag("--locked", help="Fail if the lock file is missing or outdated.")
     offline: bool = flag(
         "--offline", help="Fetch nothing. Use the locked or last fetched sources in the store."
@@ -98,16 +98,15 @@ def _cache(context: Context) -> Cache | None:
 
 @dataclass(frozen=True, slots=True)
 class Choices:
-    """The values of `--set`, `--set-file` and `--variant`."""
+    """The values of `--set` and `--set-file`: parameters and variants."""
 
-    sets: tuple[str, ...] = option("--set", multiple=True, metavar="NAME=VALUE", help="Set the value of a parameter.",
-                                   shell_complete=completion.parameters)  # fmt: skip
+    heading: ClassVar[str] = "Model"
+    sets: tuple[str, ...] = option("--set", multiple=True, metavar="NAME=VALUE", help="Set the value of a parameter or"
+                                   " variant.", shell_complete=completion.parameters)  # fmt: skip
     set_files: tuple[Path, ...] = option(
         "--set-file", multiple=True, type=PATH, metavar="FILE",
         help="Read the values of parameters and variants from this YAML file.",
     )  # fmt: skip
-    variants: tuple[str, ...] = option("--variant", multiple=True, metavar="AXIS=VALUE", help="Select the value of a"
-                                       " variant.", shell_complete=completion.variants)  # fmt: skip
     _read: dict[Path, bytes] = field(default_factory=dict, compare=False, repr=False)
 
     def given(self, run: Run) -> dict[str, Node]:
@@ -119,7 +118,7 @@ class Choices:
     def values(self, context: Context) -> dict[str, Node]:
         """Return the values by name, with options overriding files; errors go to the context's sink."""
         found: dict[str, Node] = {}
-        if not (self.sets or self.set_files or self.variants):
+        if not (self.sets or self.set_files):
             return found  # without importing anything
         from mjcompose.base.diagnostic import Span
         from mjcompose.text.load import load
@@ -140,16 +139,14 @@ class Choices:
                 context.sink.error(
                     "wrong-type", "a file of values is a mapping from names to values", node.span
                 )
-        for name_of_option, written in [("--set", each) for each in self.sets] + [
-            ("--variant", each) for each in self.variants
-        ]:
+        for written in self.sets:
             name, equals, text_of_value = written.partition("=")
             if not equals or not name:
-                context.sink.error("wrong-type", f"`{name_of_option} {written}` is not NAME=VALUE",
-                                   help=f"write for instance `{name_of_option} {name or 'reach'}=0.5`")  # fmt: skip
+                context.sink.error("wrong-type", f"`--set {written}` is not NAME=VALUE",
+                                   help=f"write for instance `--set {name or 'reach'}=0.5`")  # fmt: skip
                 continue
-            span = Span(f"{name_of_option} {name}", 1, 1)
-            if name_of_option == "--variant" or not text_of_value:
+            span = Span(f"--set {name}", 1, 1)
+            if not text_of_value:
                 found[name] = Scalar(text_of_value, span, text_of_value, plain=False)
             elif (value := load(text_of_value, span.file, context.sink)) is not None:
                 found[name] = value
@@ -179,12 +176,9 @@ class Choices:
             found[name_of(file)] = content
         if len(self.set_files) > 1:  # a value of a later file counts
             found["the order of `--set-file`"] = ", ".join(map(str, self.set_files))
-        for what, written in [
-            *(("", each) for each in self.sets),
-            *(("variant ", each) for each in self.variants),
-        ]:
+        for written in self.sets:
             name, equals, value = written.partition("=")
-            found[f"{what}`{name}`"] = value if equals else "nothing"
+            found[f"`{name}`"] = value if equals else "nothing"
         return found
 
 
@@ -222,6 +216,7 @@ def _time(ctx: click.Context, parameter: click.Parameter, given: float | None) -
 class LimitOptions:
     """Limits of a run, which are in force as soon as they are read: see `mjcompose.base.limits.in_force`."""
 
+    heading: ClassVar[str] = "Limits"
     limit: None = option("--limit", multiple=True, metavar="NAME=VALUE", callback=_limits,
                          shell_complete=completion.limits,
                          help="Change a limit, for example expansion=50000.")  # fmt: skip
@@ -231,6 +226,7 @@ class LimitOptions:
 class TimeOptions:
     """The limits of a command that runs MuJoCo: `--timeout` is short for `--limit time=`."""
 
+    heading: ClassVar[str] = "Limits"
     limits: LimitOptions = group(LimitOptions)
     timeout: None = option("--timeout", type=Amount(min=0, min_open=True), callback=_time, metavar="SECONDS",
                            help="The most time that MuJoCo may take for a model; the same as --limit time=SECONDS."

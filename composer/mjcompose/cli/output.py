@@ -229,7 +229,7 @@ def _merging(result: BuildResult) -> str:
     counts = ", ".join(
         f"{len(names)} {kind if len(names) == 1 else plural[kind]}" for kind, names in result.merged.items()
     )
-    return f"  merged {counts} into equal ones: the manifest and --json say which name stands for which"
+    return f"  merged {counts} into equal ones: the manifest and `--output-format json` say which name stands for which"
 
 
 def _count(number: int, noun: str, plural: str | None = None) -> str:

@@ -70,18 +70,17 @@ def flag(*flags: str, help: str) -> Any:
 
 
 def group(options: type) -> Any:
-    """Declare a field as a group of options: an object of this class."""
+    """Declare a field as a group of options: an object of this class, whose `heading` is that of the group."""
     return _Declared(options)
 
 
 def command(
-    options: type[Options], *, within: click.Group | None = None, fetches: bool = False
+    options: type[Options], *, within: click.Group | None = None
 ) -> Callable[[Callable[[Options, Run], Answer | int | None]], click.Command]:
     """Return a decorator that makes a function a command, with its docstring as the help text.
 
     The function gets its options and a `Run`, and returns what is printed after the report, or the exit code, or
-    None: the exit code is then 1 if there are errors. It may raise `Stop`. With `fetches`, the command may fetch
-    models even though it has no `--offline`.
+    None: the exit code is then 1 if there are errors. It may raise `Stop`.
     """
 
     def decorate(function: Callable[[Options, Run], Answer | int | None]) -> click.Command:
@@ -90,24 +89,42 @@ def command(
             chosen = _object(options, given)
 
             def once() -> int:
-                return _ended(function, chosen, Run(context, fetches))
+                return _ended(function, chosen, Run(context))
 
             sys.exit(_again_and_again(once, _recipes(given)) if given.get("watch") else once())
 
         name = function.__name__.rstrip("_")
         callback.__doc__ = function.__doc__
         make = click.command if within is None else within.command
-        return make(name, params=list(_parameters(options)))(callback)
+        return make(name, cls=_Command, params=list(_parameters(options)))(callback)
 
     return decorate
 
 
-def _parameters(options: type) -> Iterator[click.Parameter]:
+class _Command(click.Command):
+    """A command whose help lists its own options first, and then each group below the `heading` of its class."""
+
+    def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        sections: dict[str, list[tuple[str, str]]] = {"Options": []}
+        for parameter in self.get_params(ctx):
+            record = parameter.get_help_record(ctx) if isinstance(parameter, click.Option) else None
+            if record is not None:
+                sections.setdefault(getattr(parameter, "heading", "Options"), []).append(record)
+        width = max(len(flags) for records in sections.values() for flags, _ in records)
+        for heading, records in sections.items():
+            if records:
+                with formatter.section(heading):
+                    formatter.write_dl([(f"{flags:{min(width, 30)}}", help) for flags, help in records])
+
+
+def _parameters(options: type, heading: str = "Options") -> Iterator[click.Parameter]:
     for name, declared in _declarations(options):
         if isinstance(declared.of, type) and not issubclass(declared.of, click.Parameter):
-            yield from _parameters(declared.of)
+            yield from _parameters(declared.of, getattr(declared.of, "heading", heading))
         else:
-            yield declared.of([*declared.flags, name], **declared.attributes or {})
+            parameter = declared.of([*declared.flags, name], **declared.attributes or {})
+            parameter.heading = heading  # type: ignore[attr-defined]
+            yield parameter
 
 
 def _object(options: type[Options], given: Mapping[str, Any]) -> Options:
@@ -134,7 +151,7 @@ class Stop(Exception):
 
 @dataclass(frozen=True, slots=True)
 class Answer:
-    """What a command prints after its report: `data` with `--format json`, otherwise `text`.
+    """What a command prints after its report: `data` with `--output-format json`, otherwise `text`.
 
     A function in place of either is called only if its result is printed. The text of an outcome, such as what was
     written where, is omitted with `--quiet`. `reports` is False if diagnostics are not shown on success. Without a
@@ -170,9 +187,9 @@ class Run:
     diagnostics.
     """
 
-    def __init__(self, command: click.Context, fetches: bool) -> None:
+    def __init__(self, command: click.Context) -> None:
         given = command.params
-        self.form = "json" if given.get("json") else str(given.get("form", "text"))
+        self.form = str(given.get("form", "text"))
         command.meta[FORM] = self.form
         self.is_strict = bool(given.get("strict"))
         self.junit: str | None = given.get("junit")
@@ -180,13 +197,12 @@ class Run:
         self.texts: Mapping[str, bytes] = {}
         self.to_stderr = False
         self._given, self._meta = given, command.meta
-        self._fetches = fetches or "offline" in given
         self.is_reported = False
         self.context = self.new_context()
 
     def new_context(self) -> Context:
         """Return a context with a sink of its own and the options of this run."""
-        if not self._fetches:
+        if "offline" not in self._given:
             return Context(strict=self.is_strict)
         from mjcompose.sources.fetching import Fetching
 

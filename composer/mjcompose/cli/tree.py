@@ -36,7 +36,7 @@ class Options:
 def tree(options: Options, run: Run) -> Answer:
     """Show the parts, bodies and joints of MODEL: a recipe, a bundle, a model file, or a reference to one.
 
-    Poses are in the reference configuration. Joint ranges are in degrees and metres, in JSON in radians and metres.
+    Poses are in the reference configuration. Joint ranges are in degrees and meters, in JSON in radians and meters.
     """
     from mjcompose.tools.outline import as_data, outline, render, render_places
 

@@ -121,7 +121,7 @@ CRASHES = {"timeout": "mujoco-timeout", "missing": "mujoco-missing"}
 
 _CRASH_HELP = {
     "mujoco-timeout": "give it more time with `--timeout`, or look for huge counts in `replicate` and `flexcomp`",
-    "mujoco-missing": "install it: `python -m pip install --upgrade mujoco`; or do without it: `--no-verify`",
+    "mujoco-missing": "install it: `python -m pip install --upgrade mujoco`; or do without it: `--no-compile`",
     "mujoco-crash": "load each part alone in MuJoCo to find the one at fault",
 }
 

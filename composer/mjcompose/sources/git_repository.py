@@ -220,7 +220,7 @@ class _Repository:
             "source-revision",
             f"`{url}` no longer has the commit `{commit}` that the lock pins for `{text}`",
             notes=("the branch or tag was moved and the old commit is gone",),
-            help=f"see what it has now, then run `mjcompose update {self.fetching.recipe} {self.id}`",
+            help=f"see what it has now, then run `mjcompose lock {self.fetching.recipe} --upgrade-source {self.id}`",
         )
 
 

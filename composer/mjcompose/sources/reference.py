@@ -81,7 +81,7 @@ class Kind:
 
     | field | what it says |
     |---|---|
-    | `name` | the name in locks, manifests, `plan --format json` and messages |
+    | `name` | the name in locks, manifests, `plan --output-format json` and messages |
     | `forms` | how references of the kind are written, one or more |
     | `local_schemes` | further schemes, for a server on this machine only |
     | `separator` | the text between the id of an origin and the path of a file in it |

@@ -238,7 +238,7 @@ class _Archive:
             raise SourceError(
                 "lock-stale",
                 f"`{self.reference.text}` says another sha256 than the lock, which has {locked[:12]}…",
-                help=f"run `mjcompose update {self.fetching.recipe} {self.id}`",
+                help=f"run `mjcompose lock {self.fetching.recipe} --upgrade-source {self.id}`",
             )
         if locked is None and self.fetching.locked:
             raise unlocked(self.reference, self.fetching)
@@ -304,6 +304,7 @@ class _Archive:
             help=(
                 "write the new sha256 if that is the archive that is wanted"
                 if self.reference.revision
-                else f"see what it holds now, then run `mjcompose update {self.fetching.recipe} {self.id}`"
+                else f"see what it holds now, then run `mjcompose lock {self.fetching.recipe} --upgrade-source"
+                f" {self.id}`"
             ),
         )

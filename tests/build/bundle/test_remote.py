@@ -146,7 +146,7 @@ def test_models_are_listed_and_loaded(folder: Path, address: str, pattern: str) 
     assert (
         build(f"{address}/{pattern}", *(("--shared-assets",) if "zip" not in pattern else ())).exit_code == 0
     )
-    listed = run("ls", address, "--where", "mass > 1", "--json")
+    listed = run("list", address, "--where", "mass > 1", "--output-format", "json")
     assert [json.loads(line)["model"] for line in listed.stdout.splitlines()] == ["ball-2"], listed.output
     (found,) = mjcompose.load_many(address, where="mass > 1")
     model, manifest, _ = found.load()
@@ -162,8 +162,8 @@ def test_parquet_says_the_same(folder: Path, address: str) -> None:
     rows = [list(mjcompose.load_many(path)) for path in ("here/models.csv", "here/models.parquet")]
     assert rows[0] == rows[1] and len(rows[0]) == 2
     Path("here/models.csv").unlink()
-    assert run("ls", "here").stdout.count("here/ball-") == 2
-    assert run("ls", f"{address}/models.parquet").stdout.count(f"{address}/ball-") == 2
+    assert run("list", "here").stdout.count("here/ball-") == 2
+    assert run("list", f"{address}/models.parquet").stdout.count(f"{address}/ball-") == 2
 
 
 SHARED_MODEL = b"""<mujoco>

@@ -37,7 +37,7 @@ attach:
   other: {model: ./other.xml}
 check: {heavy: {expect: {attr: mass, range: [0.1, 100000]}}}
 """
-BUILD = ("build", "cell.yaml", "-o", "out.zip", "--no-verify")
+BUILD = ("build", "cell.yaml", "-o", "out.zip", "--no-compile")
 
 
 def command(*arguments: str, wait: int = 0, **more: str) -> tuple[str, int, str, str]:
@@ -69,11 +69,20 @@ def recipes(store: Path, folder: Path) -> Path:
     [
         ("build", "cell.yaml", "-o", "build/{name}.mjz", "--licenses", "--why"),
         ("build", "warned.yaml", "-o", "build/x/"),
-        ("build", "warned.yaml", "-o", "build/x.xml", "--json"),
+        ("build", "warned.yaml", "-o", "build/x.xml", "--output-format", "json"),
         ("build", "warned.yaml", "-o", "build/x.mjb"),
-        ("build", "warned.yaml", "-o", "build/x.zip", "--format", "github", "--set-file", "values.yaml"),
+        (
+            "build",
+            "warned.yaml",
+            "-o",
+            "build/x.zip",
+            "--output-format",
+            "github",
+            "--set-file",
+            "values.yaml",
+        ),
         ("check", "warned.yaml"),
-        ("check", "warned.yaml", "cell.yaml", "--json"),
+        ("check", "warned.yaml", "cell.yaml", "--output-format", "json"),
     ],
 )
 def test_what_is_known_is_reported_as_when_it_was_built(recipes: Path, arguments: tuple[str, ...]) -> None:
@@ -88,7 +97,7 @@ def test_what_is_known_is_reported_as_when_it_was_built(recipes: Path, arguments
 
 @pytest.mark.parametrize("out", rest_slow(["build/a.zip", "build/deeper/a.xml"], ["build/a.zip"]))
 def test_what_is_gone_or_another_is_written_from_the_store(recipes: Path, out: str) -> None:
-    build = ("build", "cell.yaml", "-o", out, "--no-verify")
+    build = ("build", "cell.yaml", "-o", out, "--no-compile")
     first = command(*build)
     whole = (recipes / out).read_bytes()
     for spoil in (Path.unlink, lambda path: path.write_text("another")):
@@ -200,7 +209,7 @@ def test_a_link_to_a_source_in_the_place_of_the_output(recipes: Path) -> None:
 
 @pytest.mark.slow
 def test_an_output_that_cannot_be_written_is_an_error_as_ever(recipes: Path) -> None:
-    build = ("build", "cell.yaml", "-o", "build/out.zip", "--no-verify")
+    build = ("build", "cell.yaml", "-o", "build/out.zip", "--no-compile")
     command(*build)
     (recipes / "build" / "out.zip").unlink()
     (recipes / "build").rmdir()
@@ -252,9 +261,18 @@ def test_what_is_known_keeps_what_it_was_fetched_with(recipes: Path, store: Path
 @pytest.mark.skipif(sys.platform != "linux", reason="names are text here")
 def test_names_that_are_no_text(recipes: Path) -> None:
     (recipes / "cell.yaml").rename(os.fsdecode(os.fsencode(recipes) + b"/caf\xe9.yaml"))
-    words = [sys.executable, "-m", "mjcompose", "build", b"caf\xe9.yaml", "--no-verify", "-o", b"caf\xe9.zip"]
+    words = [
+        sys.executable,
+        "-m",
+        "mjcompose",
+        "build",
+        b"caf\xe9.yaml",
+        "--no-compile",
+        "-o",
+        b"caf\xe9.zip",
+    ]
     program = _PROGRAM.format(
-        arguments=("build", "caf\udce9.yaml", "--no-verify", "-o", "caf\udce9.zip"), wait=0
+        arguments=("build", "caf\udce9.yaml", "--no-compile", "-o", "caf\udce9.zip"), wait=0
     )
     first, again = (
         subprocess.run([sys.executable, "-c", program], env=environment(), capture_output=True)
@@ -269,7 +287,7 @@ def test_names_that_are_no_text(recipes: Path) -> None:
 @pytest.mark.slow
 def test_a_model_of_other_values_is_replaced_and_reported(recipes: Path) -> None:
     (recipes / "cell.yaml").write_text(RECIPE + "params: {x: 1}\noption: {gravity: [0, 0, '${x}']}\n")
-    one, two = (("build", "cell.yaml", "--no-verify", "--set", f"x={x}") for x in (1, 2))
+    one, two = (("build", "cell.yaml", "--no-compile", "--set", f"x={x}") for x in (1, 2))
     for _ in range(2):
         command(*one)
         command(*two)

@@ -15,8 +15,8 @@ from mjcompose.cli.main import _VERBS, main
 _WORDS = (
     "arm_gripper.yaml", "cubes.yaml", "models/props/cube.xml", "missing.yaml", "out.zip", "out/", "out.mjz", "out.xml", "-",
     "", " ", "*", "é", "\udcff", "a b", "{name}.zip", "x=1", "x", "=", "geom *", "body arm#1", "width=0.13", "--", "--help", "-h",
-    "-o", "--json", "--format", "json", "github", "junit", "text", "--no-verify", "--no-cache", "--offline", "--locked", "--all",
-    "--set", "--variant", "--pick", "--sample", "-1", "999999999999999999999", "1e3", "nan", "--dedup", "--check", "--quiet",
+    "-o", "--output-format", "json", "--output-format", "json", "github", "junit", "text", "--no-compile", "--no-cache", "--offline", "--locked", "--all",
+    "--set", "--pick", "--sample", "-1", "999999999999999999999", "1e3", "nan", "--dedup", "--check", "--quiet",
     "--timeout", "0.5", "--memory", "1", "--jobs", "--watch-nothing", "--project", "sub/new.yaml", "new", "prune", "list", "clean",
 )  # fmt: skip
 
@@ -27,7 +27,7 @@ _SERVING = {"view", "lsp"}
 
 def _seeds(corpus: Path | None) -> Iterator[Seed]:
     for words in (
-        ["build", "arm_gripper.yaml", "-o", "out.zip"], ["build", "cubes.yaml", "-o", "out/", "--no-verify"],
+        ["build", "arm_gripper.yaml", "-o", "out.zip"], ["build", "cubes.yaml", "-o", "out/", "--no-compile"],
         ["check", "arm_gripper.yaml"], ["plan", "cubes.yaml"], ["explain", "arm_gripper.yaml", "geom *"], ["fmt", "cubes.yaml"],
         ["diff", "cubes.yaml", "arm_gripper.yaml"], ["verify", "out.zip"], ["lock", "cubes.yaml"], ["new", "sub/new.yaml"],
         ["import", "models/props/cube.xml"], ["cache", "list"], ["schema", "recipe"], ["doctor"], ["version"],

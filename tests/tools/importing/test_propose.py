@@ -40,7 +40,7 @@ def test_the_recipe_builds(folder: Path, moment: float, keys: str) -> None:
 
 def test_the_table_as_data(folder: Path) -> None:
     (folder / "arm.urdf").write_text(ARM.format(INERTIA.format(0.1)))
-    result = CliRunner().invoke(main, ["import", "arm.urdf", "--json"])
+    result = CliRunner().invoke(main, ["import", "arm.urdf", "--output-format", "json"])
     rows = {row["what"]: row for row in json.loads(result.stdout)["rows"]}
     assert rows["link"]["count"] == 2 and rows["gazebo/plugin"]["why"] and rows["link/visual"]["became"]
 

@@ -263,7 +263,7 @@ class BuildOptions:
     def key(self, recipe: Path, folder: Path, environment: Mapping[str, str], store: Path) -> CacheKey:
         """Return the key of the model of a recipe file, with these options."""
         flags = {
-            "`--no-verify`": not self.verified,
+            "`--no-compile`": not self.verified,
             "`--dedup`": self.deduplicated,
             "`--locked`": self.locked,
             "`--offline`": self.offline,

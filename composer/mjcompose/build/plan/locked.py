@@ -148,7 +148,7 @@ def check_lock(plan: Plan, context: Context) -> None:
                 f"`{id}` is not what `{shown}` pins",
                 use.span,
                 notes=[Note(change) for change in changes[:_SHOWN]] + _more(changes),
-                help=f"if that is meant, run `mjcompose update {plan.file} {name}`",
+                help=f"if that is meant, run `mjcompose lock {plan.file} --upgrade-source {name}`",
             )
         elif wrong := [*_wrong(before, now)]:
             context.sink.error(
@@ -164,7 +164,8 @@ def check_lock(plan: Plan, context: Context) -> None:
                 f"`{id}` has the bytes that `{shown}` pins, and is of another version, which the manifest names",
                 use.span,
                 notes=[Note(each) for each in others],
-                help=f"install that version, or run `mjcompose update {plan.file} {name}` and commit the lock",
+                help=f"install that version, or run `mjcompose lock {plan.file} --upgrade-source {name}` and commit the"
+                " lock",
             )
 
 

@@ -55,7 +55,7 @@ class Asked:
         """Return the selection with a choice from a menu of the page."""
         if name == CELL:
             return replace(self, pick=None if value == _NONE else value, sample=None)
-        given = {**self.given, name: Scalar(value, Span(f"--variant {name}", 1, 1), value, plain=False)}
+        given = {**self.given, name: Scalar(value, Span(f"--set {name}", 1, 1), value, plain=False)}
         return replace(self, given=given)
 
 

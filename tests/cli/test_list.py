@@ -58,7 +58,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def listed(*words: str) -> list[str]:
-    result = run("ls", *words)
+    result = run("list", *words)
     assert result.exit_code == 0, result.output
     return result.stdout.splitlines()
 
@@ -85,12 +85,14 @@ def test_a_line_says_what_sets_a_model_apart(folder: Path, monkeypatch: pytest.M
     lines = listed("out", "--where", "size == 3 and sample == 0")
     (name,) = [each.name for each in (folder / "out").glob("ball-3*-s0000")]
     assert lines == [f"out/{name} size=3 at[0]=0 at[1]=0 at[2]=1"]
-    (data,) = map(json.loads, listed("out", "--where", "size == 1 and sample == 0", "--json"))
+    (data,) = map(
+        json.loads, listed("out", "--where", "size == 1 and sample == 0", "--output-format", "json")
+    )
     assert (data["value path"], data["path"], data["nv"]) == (5, "out/ball-1-5-s0000", 6)
 
 
 def test_what_has_no_such_value_is_counted(folder: Path) -> None:
-    result = run("ls", str(folder / "out"), "--where", "friction > 0")
+    result = run("list", str(folder / "out"), "--where", "friction > 0")
     assert result.stderr == "3 models have no `friction`, and are not listed\n"
 
 
@@ -110,20 +112,20 @@ def test_what_is_wrong(
     folder: Path, words: tuple[str, ...], said: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(folder)
-    result = run("ls", *words)
+    result = run("list", *words)
     assert result.exit_code in (1, 2) and said in result.stderr and "Traceback" not in result.output
 
 
 def test_an_index_that_is_none(tmp_path: Path) -> None:
     (tmp_path / "models.csv").write_bytes(b"path,model\n\xff\xfe,a\n")
-    result = run("ls", str(tmp_path))
+    result = run("list", str(tmp_path))
     assert result.exit_code == 1 and "error[file-unreadable]" in result.stderr
 
 
 @pytest.mark.parametrize("path", ["", "/etc/a.zip", "../a.zip"])
 def test_an_index_names_what_is_below_it(tmp_path: Path, path: str) -> None:
     (tmp_path / "models.csv").write_text(f"model,path\na,{path}\n")
-    result = run("ls", str(tmp_path))
+    result = run("list", str(tmp_path))
     assert result.exit_code == 1 and "error[source-outside]: row 1 of" in result.stderr
 
 
@@ -172,7 +174,7 @@ def test_no_text_of_a_table_is_a_formula_and_none_is_lost(
         written = [row["note"] for row in csv.DictReader(file)]
     assert all(not each.startswith(tuple("=+@\t＝")) for each in written)
     assert written[2] == "-0.5" and written[1] == "'" + TEXTS[0]
-    listed = [json.loads(line) for line in run("ls", "out", "--json").stdout.splitlines()]
+    listed = [json.loads(line) for line in run("list", "out", "--output-format", "json").stdout.splitlines()]
     assert [str(row["note"]) for row in listed[1:]] == list(TEXTS)
 
 

@@ -1,4 +1,4 @@
-"""`mjcompose ls`: list the models that `build --all` wrote to a folder, with their values."""
+"""`mjcompose list`: list the models that `build --all` wrote to a folder, with their values."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import click
 from mjcompose.base.dataclass import dataclass
 from mjcompose.build.bundle.bundle import is_address
 from mjcompose.build.bundle.listing import COLUMNS
-from mjcompose.cli.options import JSON, QUIET, formats
+from mjcompose.cli.options import QUIET, formats
 from mjcompose.cli.reporting import FINDINGS, USAGE, say
 from mjcompose.cli.run import Run, argument, command, option
 from mjcompose.text.expression_values import Value, shown
@@ -20,7 +20,7 @@ from mjcompose.text.expression_values import Value, shown
 
 @dataclass(frozen=True, slots=True)
 class Options:
-    """The options of `ls`."""
+    """The options of `list`."""
 
     folder: str = argument(type=click.Path())
     where: str | None = option(
@@ -30,11 +30,10 @@ class Options:
     )  # fmt: skip
     quiet: bool = QUIET
     form: str = formats("text", "json")
-    json: bool = JSON
 
 
 @command(Options)
-def ls(options: Options, run: Run) -> int:
+def list(options: Options, run: Run) -> int:
     """List the models that `build --all` wrote to FOLDER.
 
     FOLDER is a folder with the index of the models, or the file of an index; either may be a URL. Each line has the
