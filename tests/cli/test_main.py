@@ -150,6 +150,50 @@ def test_an_unknown_option(folder: Path) -> None:
     assert "Did you mean '--why'?" in run("build", "cell.yaml", "--wy").stderr
 
 
+@pytest.mark.parametrize(
+    ("option", "instead"),
+    [("--json", "--output-format"), ("--variant", "--set"), ("--no-verify", "--no-compile"), ("--samples", "--sample-table")],
+)  # fmt: skip
+def test_an_option_of_another_tool_has_a_hint(option: str, instead: str) -> None:
+    assert f"Did you mean '{instead}'?" in run("build", "cell.yaml", option).stderr
+
+
+def test_options_are_listed_in_groups() -> None:
+    told = run("render", "--help").stdout
+    order = [
+        "Options:",
+        "--camera",
+        "Model:",
+        "--set ",
+        "Limits:",
+        "--timeout",
+        "Sources:",
+        "--locked",
+        "Output:",
+        "--quiet",
+    ]
+    assert [told.index(word) for word in order] == sorted(told.index(word) for word in order)
+    told = run("--help").stdout
+    order = [
+        "Build:",
+        "check ",
+        "Look:",
+        "view ",
+        "Change:",
+        "fmt ",
+        "Sources:",
+        "lock ",
+        "Set up:",
+        "doctor ",
+    ]
+    assert [told.index(word) for word in order] == sorted(told.index(word) for word in order)
+
+
+def test_a_table_of_samples_needs_several_models() -> None:
+    done = run("build", "cell.yaml", "--sample-table", "s.csv")
+    assert done.exit_code == 2 and "--sample-table is for --all" in done.stderr
+
+
 # What may be said to every command that does such a thing.
 SAME = {
     "--output-format": {"list", "build", "check", "verify", "plan", "explain", "lock", "diff", "new", "fmt", "import", "doctor",
