@@ -5,13 +5,12 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterator
 from collections.abc import Mapping as Map
-from dataclasses import replace
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import CellName, Note, Span
 from mjcompose.base.limits import advice, in_force
 from mjcompose.base.sink import Sink
-from mjcompose.base.suggest import unknown_key, unknown_name
+from mjcompose.base.suggest import unknown_name
 from mjcompose.language.parameters import (
     Axes,
     Parameter,
@@ -21,7 +20,6 @@ from mjcompose.language.parameters import (
     no_value,
     plain,
     read_axes,
-    read_params,
     report,
     same,
     settle,
@@ -197,8 +195,7 @@ def expand(document: Mapping, given: Map[str, Node], sink: Sink, any: bool = Fal
     axes = read_axes(document, sink)
     chosen = choose(axes, given, sink)
     document = merged(document, axes, chosen, sink=sink)
-    declared = document.entries.get("params")
-    parameters = read_params(declared[1] if declared else None, sink)
+    parameters = _params(document, sink)
     _check_names(document, axes, parameters, given=given, sink=sink)
     scope: dict[str, Value] = {**settle(parameters, given, sink, in_cells=_axes(document)), **chosen}
     rest = Mapping(
@@ -225,8 +222,16 @@ def scope_of(document: Mapping, given: Map[str, Node]) -> dict[str, Value]:
     axes = read_axes(document, sink)
     chosen = choose(axes, given, sink)
     taken = {axis: _only_params(axes[axis], value) for axis, value in chosen.items()}
-    declared = merged(_section(document), taken, chosen, sink=sink).entries.get("params")
-    return {**settle(read_params(declared[1] if declared else None, sink), given, sink), **chosen}
+    declared = merged(_section(document), taken, chosen, sink=sink)
+    return {**settle(_params(declared, sink), given, sink), **chosen}
+
+
+def _params(document: Mapping, sink: Sink) -> dict[str, Parameter]:
+    if "params" not in document.entries:
+        return {}
+    from mjcompose.language.variation import read_params  # most recipes have none
+
+    return read_params(document, sink)
 
 
 def _only_params(values: Mapping, chosen: str) -> Mapping:
@@ -269,17 +274,6 @@ def _declared(document: Mapping, section: str) -> frozenset[str]:
     """Return the names in a section, including those of faulty entries."""
     found = document.entries.get(section)
     return frozenset(found[1].entries) if found is not None and isinstance(found[1], Mapping) else frozenset()
-
-
-KEYS = {
-    "axes": "The values of each variant or parameter, all combinations of which are built.",
-    "exclude": "Combinations that are not built.",
-    "include": "More combinations.",
-    "name": "What a combination is called, with `${…}` for its values.",
-}
-"""The keys of a matrix with their meaning, in the order in which `fmt` writes them."""
-NO_EMIT = "remove it, and choose the output when you build: `--as models`, `--as worlds` or `--as union`"
-"""What to write instead of `emit`, which `matrix` and `randomize` had."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -329,39 +323,21 @@ def cells(document: Mapping, name: str, sink: Sink, given: Map[str, Node] | None
 
 class _Matrix:
     def __init__(self, document: Mapping, entry: tuple[Key, Node], given: Map[str, Node], sink: Sink) -> None:
+        from mjcompose.language.variation import read_grid  # most recipes have none
+
         self.document, self.given, self.sink = document, given, sink
         self.key, node = entry
+        self.grid = read_grid(document, sink)
         self.node = node if isinstance(node, Mapping) else Mapping({}, node.span)
-        if not isinstance(node, Mapping):
-            self._wrong("`matrix` is a mapping", node)
-        for each, _ in self.node.entries.values():
-            if each.name not in KEYS:
-                message = f"`matrix` has no key `{each.name}`"
-                fault = unknown_key(each.name, KEYS, each.span, message=message)
-                sink.add(replace(fault, help=NO_EMIT) if each.name == "emit" else fault)
         self.around: dict[str, Node] = {}
-        self.axes = self._axes()
-
-    def _wrong(self, message: str, node: Node) -> None:
-        help = "write `matrix: {axes: {gripper: [small, large]}}`"
-        self.sink.error("wrong-type", message, node.span, help=help)
+        self.axes = self._axes() if self.grid is not None else {}
 
     def _axes(self) -> dict[str, tuple[Node, ...]]:
-        entry = self.node.entries.get("axes")
-        if entry is None:
-            self.sink.error("missing-key", "`matrix` lacks `axes`", self.key.span,
-                            help="write `matrix: {axes: {gripper: [small, large]}}`")  # fmt: skip
-            return {}
-        if not isinstance(entry[1], Mapping):
-            self._wrong("`axes` is a mapping from variants and parameters to lists of values", entry[1])
-            return {}
-        axes: dict[str, tuple[Node, ...]] = {}
-        for key, values in entry[1].entries.values():
-            if not isinstance(values, Sequence) or not values.items:
-                got = "an empty list" if isinstance(values, Sequence) else "no list"
-                self._wrong(f"axis `{key.name}` is a list of values, got {got}", values)
-                continue
-            axes[key.name] = values.items
+        written = find(self.node, ("axes",))
+        assert isinstance(written, Mapping)
+        axes = {
+            key.name: values.items for key, values in written.entries.values() if isinstance(values, Sequence)
+        }
         self.around = self._around(axes)
         for axis, items in axes.items():
             for value in items:  # check each alone: does the name exist, and may it have that value?
@@ -417,16 +393,9 @@ class _Matrix:
             yield given, entry.span
 
     def _entries(self, name: str) -> Iterator[Mapping]:
-        found = self.node.entries.get(name)
-        if found is None:
-            return
-        if not isinstance(found[1], Sequence):
-            self._wrong(f"`{name}` is a list of mappings from axes to values", found[1])
-            return
-        for item in found[1].items:
-            if not isinstance(item, Mapping) or not item.entries:
-                self._wrong(f"an item of `{name}` is a mapping from axes to values", item)
-            elif name == "include" or self._are_axes(item):
+        written = find(self.node, (name,)) if self.grid is not None else None
+        for item in written.items if isinstance(written, Sequence) else ():
+            if isinstance(item, Mapping) and (name == "include" or self._are_axes(item)):
                 yield item
 
     def _are_axes(self, item: Mapping) -> bool:
@@ -439,17 +408,13 @@ class _Matrix:
     def name_of(self, name: str, given: dict[str, Node]) -> str:
         scope = scope_of(self.document, {**self.given, **given})
         name = settled_name(name, scope)
-        entry = self.node.entries.get("name")
-        if entry is None:
+        node = find(self.node, ("name",))
+        if not isinstance(node, Scalar):
             return "-".join(
                 [name, *(shown(scope[axis]) for axis in (*self.axes, *(given.keys() - self.axes.keys())))]
             )
-        node = entry[1]
-        if not isinstance(node, Scalar) or not isinstance(node.value, str):
-            self._wrong("`name` of the matrix is text", node)
-            return name
         try:
-            return str(Template.parse(node.value).value({**scope, "name": name}))
+            return str(Template.parse(str(node.value)).value({**scope, "name": name}))
         except ExpressionError as error:
             report(error, node, ["name", *scope], broken=frozenset(), sink=self.sink)
             return name

@@ -21,7 +21,6 @@ from mjcompose.language.distribution import (
     Written,
     read,
 )
-from mjcompose.language.expand import NO_EMIT
 from mjcompose.language.form import Settings, shown
 from mjcompose.language.forms.attribute import Selects
 from mjcompose.language.forms.model import IT, OWNER, Model
@@ -30,6 +29,7 @@ from mjcompose.language.forms.rules import Bars, Needs, OneOf
 from mjcompose.language.forms.scalars import Checked, Count, Expects, Name, Text, whole
 from mjcompose.language.select import NARROWING, advice_on_narrowing, kinds_of
 from mjcompose.language.value import attribute_and_index
+from mjcompose.language.variation import NO_EMIT
 from mjcompose.language.verbs.values import MASS, Checker
 from mjcompose.model.selector import Selector
 

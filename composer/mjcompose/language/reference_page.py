@@ -20,18 +20,17 @@ from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
 from mjcompose.language.attach import Attachment
-from mjcompose.language.expand import KEYS as MATRIX
 from mjcompose.language.expand import SETTLED
 from mjcompose.language.form import Schema, check_rows
 from mjcompose.language.keyframe import KEYS as KEYFRAME
 from mjcompose.language.keyframe import Keyframes
-from mjcompose.language.parameters import KEYS as PARAMETER
 from mjcompose.language.randomize import Randomize
 from mjcompose.language.recipe import ID, TO, Additions, Recipe, sections_of
 from mjcompose.language.schema import recipe_schema
 from mjcompose.language.sections import PARENT, TYPE, Defaults, Typed
 from mjcompose.language.used_model import KEYS as EDIT
 from mjcompose.language.used_model import key_names
+from mjcompose.language.variation import Declaration, Grid
 from mjcompose.model.classes import ORIENTATIONS
 from mjcompose.model.grammar import GRAMMAR, ElementType
 from mjcompose.sources.kinds import KINDS
@@ -62,9 +61,9 @@ def key_order() -> dict[str, dict[str, list[str]]]:
         "edit.*": edit,
         "base.edit.*": edit,
         "attach.*.edit.*": edit,
-        "params.*": list(PARAMETER),
+        "params.*": Declaration.key_names(),
         **{f"{section}.*": list(KEYFRAME) for section in sections_of(Keyframes)},
-        "matrix": list(MATRIX),
+        "matrix": Grid.key_names(),
         "randomize": Randomize.key_names(),
     }
     first = {

@@ -12,20 +12,20 @@ import json
 import sys
 import textwrap
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
+from copy import deepcopy
 from typing import Any
 
 from mjcompose.language.attach import Attachment
-from mjcompose.language.expand import KEYS as MATRIX_KEYS
 from mjcompose.language.expand import SETTLED
-from mjcompose.language.form import REFERENCE, Schema, check_rows, define, definition_key
-from mjcompose.language.forms.json_schema import Generator
-from mjcompose.language.parameters import KEYS as PARAMETER_KEYS
-from mjcompose.language.parameters import NO_PIECE, TYPES
+from mjcompose.language.form import REFERENCE, Schema, define, definition_key
+from mjcompose.language.forms.json_schema import Generator, schema_of
+from mjcompose.language.parameters import NO_PIECE
 from mjcompose.language.placing import OF_A_FILE
 from mjcompose.language.recipe import Recipe, sections_of
 from mjcompose.language.sections import Singleton
 from mjcompose.language.used_model import Model
+from mjcompose.language.variation import VALUE, Declaration, Grid
 
 _DEFS = "#/$defs/"
 _PIECE = "piece."
@@ -115,49 +115,6 @@ def _one_nullable(schemas: list[Any]) -> list[Any]:
     return [*schemas, {"type": "null"}]
 
 
-_VALUE: Schema = {"type": ["number", "boolean", "string", "array"]}
-_BARE: Schema = {**_VALUE, "description": "the default alone; its type is that of the parameter"}
-_CELL: Schema = {"type": "object", "additionalProperties": _VALUE}
-
-
-def _described(keys: Mapping[str, str], schemas: Mapping[str, Schema]) -> dict[str, Schema]:
-    """Return the schemas of keys with their descriptions."""
-    check_rows("the JSON Schema of keys in composer/mjcompose/language/schema.py", schemas, keys)
-    return {name: {**schemas[name], "description": about} for name, about in keys.items()}
-
-
-_PARAMETER: Schema = {
-    "type": "object",
-    "properties": _described(
-        PARAMETER_KEYS,
-        {
-            "type": {"enum": list(TYPES)},
-            "default": _VALUE,
-            "min": {"type": "number"},
-            "max": {"type": "number"},
-            "choices": {"type": "array", "minItems": 1},
-            "length": {"type": "integer", "minimum": 1},
-            "unit": {"type": "string"},
-            "doc": {"type": "string"},
-        },
-    ),
-    "additionalProperties": False,
-}
-_MATRIX: Schema = {
-    "type": "object",
-    "properties": _described(
-        MATRIX_KEYS,
-        {
-            "axes": {"type": "object", "additionalProperties": {"type": "array", "minItems": 1}},
-            "exclude": {"type": "array", "items": _CELL},
-            "include": {"type": "array", "items": _CELL},
-            "name": {"type": "string"},
-        },
-    ),
-    "required": ["axes"],
-    "additionalProperties": False,
-    "description": "The combinations that `build --all` builds.",
-}
 # What a file that extends another one writes for itself.
 _OWN = ("recipe", "extends", "trust")
 _HEAD: dict[str, Schema] = {
@@ -176,7 +133,12 @@ _HEAD: dict[str, Schema] = {
     },
     "params": {
         "type": "object",
-        "additionalProperties": {"anyOf": [_PARAMETER, _BARE]},
+        "additionalProperties": {
+            "anyOf": [
+                schema_of(Declaration),
+                {**VALUE, "description": "the default alone; its type is that of the parameter"},
+            ]
+        },
         "description": "Parameters by name: what `${name}` stands for, and what --set and `with` may set.",
     },
     "variants": {
@@ -188,7 +150,7 @@ _HEAD: dict[str, Schema] = {
         },
         "description": "Pieces of recipe by axis and value, of which one of each axis is merged over the recipe.",
     },
-    "matrix": _MATRIX,
+    "matrix": schema_of(Grid),
 }  # fmt: skip
 _WHEN: Schema = {
     "anyOf": [{"type": "object"}, {"type": "boolean"}, {"type": "string", "pattern": r"\$\{"}],
@@ -205,7 +167,8 @@ _WITH_WHEN = ("Attachment", "addition", "class", "element.contact.pair", "elemen
 def add_variation(schema: Schema, definitions: dict[str, Schema]) -> None:
     """Add these keys to the schema of a recipe, and the definition of a piece of recipe."""
     properties = schema["properties"]
-    properties.update({name: dict(_HEAD[name]) for name in SETTLED})
+    properties.update({name: deepcopy(_HEAD[name]) for name in SETTLED})
+    _complete(schema, definitions)
     for name, definition in definitions.items():
         if name in _WITH_WHEN or name.startswith(("variant.", "named.")):
             _into(definition, "when", _WHEN)

@@ -19,7 +19,7 @@ from mjcompose.language.attach import Attachment
 from mjcompose.language.element import raw
 from mjcompose.language.expand import SETTLED
 from mjcompose.language.form import Settings, kind_of, shown
-from mjcompose.language.forms.translate import translated
+from mjcompose.language.forms.translate import misspelt, translated
 from mjcompose.language.forms.walk import is_model, spot
 from mjcompose.language.placing import faults_in_place
 from mjcompose.language.recipe import VERSION, Recipe, sections_of
@@ -161,13 +161,8 @@ def faults(error: ValidationError, data: Any) -> Iterator[Fault]:
     For pydantic, a misspelled key is an unknown key and a missing one. Here it is one fault.
     """
     errors = error.errors(include_url=False)
-    extra = [each for each in errors if each["type"] == "extra_forbidden"]
-    missing: dict[Path, dict[str, Any]] = {}
-    for each in errors:
-        if each["type"] == "missing":
-            missing.setdefault(each["loc"][:-1], {})[str(each["loc"][-1])] = each
-    typos = {id(each): _meant(each["loc"], missing, data) for each in extra}
-    meant = {id(each) for each in typos.values() if each is not None}
+    typos = misspelt(errors, Recipe, data)
+    meant = {id(each) for each in typos.values()}
     parts = part_keys(data) if isinstance(data, AbcMapping) else {}
     stray = [*parts]
     for each in errors:
@@ -181,7 +176,7 @@ def faults(error: ValidationError, data: Any) -> Iterator[Fault]:
             yield _moved(each["ctx"]["fault"], loc, each["loc"], data=data)
         elif each["type"] == "extra_forbidden":
             if loc[0] not in stray[1:]:  # the keys of a part at the top are one mistake
-                yield _extra(loc, typos[id(each)], data, parts=parts)
+                yield _extra(loc, typos.get(id(each)), data, parts=parts)
         else:
             yield _missing(loc) if each["type"] == "missing" else _other(each, loc)
 
@@ -212,19 +207,6 @@ def _below(data: Any, step: str | int) -> Any:
     if isinstance(data, list) and isinstance(step, int) and step < len(data):
         return data[step]
     return _NOTHING
-
-
-def _meant(loc: Path, missing: AbcMapping[Path, AbcMapping[str, Any]], data: Any) -> Any | None:
-    """Return the error of the missing key that an unknown key beside it should have been.
-
-    `missing` has the errors by mapping and key.
-    """
-    beside = missing.get(loc[:-1], {})
-    near = closest(str(loc[-1]), list(beside)) if beside else []
-    around: Any = spot(Recipe, loc, data).model
-    if is_model(around) and (right := around.instead.get(str(loc[-1]))) in beside:
-        near = [right]
-    return beside[near[0]] if near else None
 
 
 def _moved(fault: Fault, loc: Path, raw: Path, data: Any) -> Fault:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, get_args
 
@@ -45,8 +45,28 @@ def faults(error: ValidationError, root: Any, data: Any, start: Path = ()) -> It
 
     `start` is the path of the data. Paths of faults begin there too, for messages name what is around a value.
     """
-    for each in error.errors(include_url=False):
-        yield translated(each, root, data, start=start)
+    errors = error.errors(include_url=False)
+    meant = {id(each) for each in misspelt(errors, root, data).values()}
+    for each in errors:
+        if id(each) not in meant:
+            yield translated(each, root, data, start=start)
+
+
+def misspelt(errors: Sequence[Any], root: Any, data: Any) -> dict[int, Any]:
+    """Return the error of the missing key that an unknown key beside it should have been, by the id of its error."""
+    missing: dict[Path, dict[str, Any]] = {}
+    for each in errors:
+        if each["type"] == "missing":
+            missing.setdefault(each["loc"][:-1], {})[str(each["loc"][-1])] = each
+    found: dict[int, Any] = {}
+    for each in errors:
+        beside = missing.get(each["loc"][:-1], {})
+        if beside and each["type"] == "extra_forbidden":
+            key, around = str(each["loc"][-1]), spot(root, each["loc"], data).model
+            right = around.instead.get(key) if is_model(around) else None  # type: ignore[union-attr]
+            for near in closest(key, list(beside)) if right not in beside else [right]:
+                found[id(each)] = beside[near]
+    return found
 
 
 def translated(error: Any, root: Any, data: Any, start: Path = ()) -> Fault:

@@ -1,0 +1,227 @@
+"""The forms of `params` and `matrix`, which are read before a recipe is validated."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from typing import Annotated, Any, ClassVar, Literal
+
+from pydantic import Field, ValidationError, WithJsonSchema
+
+from mjcompose.base.diagnostic import Diagnostic, Fault, Note, Path, Span
+from mjcompose.base.sink import Sink
+from mjcompose.language.form import Schema, Settings, kind_of
+from mjcompose.language.forms.model import IT, OWNER, Model
+from mjcompose.language.forms.rows import validated
+from mjcompose.language.forms.scalars import AtLeastOne, Checked, Expects, Items, Keywords, Measure, Text
+from mjcompose.language.forms.translate import faults
+from mjcompose.language.parameters import Parameter, is_usable
+from mjcompose.text.expression_values import UNITS, Angle, Value
+from mjcompose.text.node import Mapping as Located
+from mjcompose.text.node import Node, is_template, locate, to_python
+
+NO_EMIT = "remove it, and choose the output when you build: `--as models`, `--as worlds` or `--as union`"
+"""What to write instead of `emit`, which `matrix` and `randomize` had."""
+
+
+def _value_fault(value: Any) -> Fault | None:
+    items = value if isinstance(value, list) else [value]
+    if not any(isinstance(each, dict | list) or each is None for each in items):
+        return None
+    return Fault("wrong-type", f"{IT} expects a value or a list of values, got {kind_of(value)}")
+
+
+def _default_fault(value: Any) -> Fault | None:
+    if not isinstance(value, str) or not is_template(value):
+        return None
+    help = "a default is written out; use the parameter where the value is needed"
+    return Fault("wrong-type", f"{IT} cannot be an expression", help=help)
+
+
+VALUE: Schema = {"type": ["number", "boolean", "string", "array"]}
+Written = Annotated[Any, Checked(_value_fault), WithJsonSchema(VALUE)]
+Values = Annotated[tuple[Written, ...], Items(1), Expects("a list of values", "[1, 2]")]
+Bound = Annotated[float | Angle, Measure()]
+Combinations = Annotated[
+    tuple[
+        Annotated[
+            dict[str, Written], Field(min_length=1), Expects("a mapping from axes to values", "{load: 1}")
+        ],
+        ...,
+    ],
+    Items(),
+    Expects("a list of mappings from axes to values", "[{load: 1}]"),
+]
+
+
+class _Typed:
+    """A parameter has a type, or a value that shows it."""
+
+    def faults(self, value: Mapping[str, Any], model: type[Model], context: Settings) -> Iterator[Fault]:
+        if value.keys().isdisjoint(("default", "type", "choices")):
+            help = "write `{default: …}`, or `{type: float}` for one that must be given"
+            yield Fault("missing-key", f"{IT} has neither `default` nor `type`", key=True, help=help)
+
+    def schema(self) -> Iterator[Schema]:
+        none = dict.fromkeys(("default", "type", "choices"), False)
+        needed = {"required": ["default"], "errorMessage": "write `default`, or `type: float`"}
+        yield {"if": {"properties": none}, "then": needed}
+
+
+class Declaration(Model):
+    """A parameter with its bounds; a value alone is its default."""
+
+    rules: ClassVar = (_Typed(),)
+    example: ClassVar = "{default: 0.45, unit: m}"
+
+    type: (
+        Annotated[
+            Literal["bool", "int", "float", "string", "vector"],
+            Keywords(
+                {"number": "float", "text": "string", "choice": "`choices: […]` lists the values of a choice"}
+            ),
+        ]
+        | None
+    ) = None
+    """what kind of value it has; without it, that of the default"""
+    default: Annotated[Written, Checked(_default_fault)] | None = None
+    """its value where none is given; without it, one must be given"""
+    min: Bound | None = None
+    """the least that it, or a component of it, may be"""
+    max: Bound | None = None
+    """the most that it, or a component of it, may be"""
+    choices: Values | None = None
+    """the values that it may have"""
+    length: AtLeastOne | None = None
+    """how many numbers a vector has"""
+    unit: Text | None = None
+    """for readers; `deg` and `rad` make it an angle"""
+    doc: str = ""
+    """what it is for"""
+
+    @classmethod
+    def subject(cls, at: Path) -> str:
+        return f"parameter `{at[-1]}`"
+
+    def contradictions(self, context: Settings) -> Iterator[Fault]:
+        parameter = self.parameter("", Span("", 1, 1))
+        for name in ("min", "max"):
+            if isinstance(bound := _in_unit(getattr(self, name), parameter.unit), Angle):
+                message = f"`{name}` of {IT} is an angle, and its unit is none"
+                yield Fault("wrong-type", message, (name,), help=f"write `unit: {bound.unit}`")
+                return
+        if parameter.low is not None and parameter.high is not None and parameter.low > parameter.high:
+            yield Fault("out-of-range", f"`max` of {IT} is below its `min`", ("max",))
+        elif parameter.default is not None:
+            read = parameter.read(parameter.default)
+            if isinstance(read, Diagnostic):
+                message = read.message.replace("parameter ``", OWNER)
+                yield Fault(read.code, message, ("default",), help=read.help)
+
+    def parameter(self, name: str, span: Span) -> Parameter:
+        """Return the parameter. Its default is as it is written, and may have a type that it does not allow."""
+        sample = _of_value(self.default if self.default is not None else (self.choices or (None,))[0])
+        guess, unit = _inferred(sample)
+        unit = self.unit or (None if self.type == "string" else unit)
+        low, high = (_in_unit(bound, unit) for bound in (self.min, self.max))
+        length = len(sample) if isinstance(sample, tuple) else None
+        return Parameter(
+            name,
+            self.type or guess,
+            None if self.default is None else sample,
+            span=span,
+            low=low,
+            high=high,
+            choices=tuple(_in_unit(_of_value(each), unit) for each in self.choices or ()),
+            length=self.length or length,
+            unit=unit,
+            doc=self.doc,
+        )
+
+
+def _of_value(value: Any) -> Any:
+    return tuple(value) if isinstance(value, list) else value
+
+
+def _inferred(sample: Value | None) -> tuple[str, str | None]:
+    """Return the type and the unit of a parameter of which only a value is known.
+
+    >>> _inferred(1), _inferred("90deg"), _inferred("left")
+    (('float', None), ('float', 'deg'), ('string', None))
+    """
+    if isinstance(sample, str):
+        angle = Angle.read(sample)
+        return ("float", angle.unit) if angle else ("string", None)
+    return "bool" if isinstance(sample, bool) else "vector" if isinstance(sample, tuple) else "float", None
+
+
+def _in_unit(value: Any, unit: str | None) -> Any:
+    """Return an angle with a unit as a number in the unit of its parameter."""
+    angle = Angle.read(value) if isinstance(value, str) else value
+    return angle.in_unit(str(unit)) if isinstance(angle, Angle) and unit in UNITS else value
+
+
+class Grid(Model):
+    """The combinations that `build --all` builds."""
+
+    example: ClassVar = "{axes: {gripper: [small, large]}}"
+    instead: ClassVar = {"emit": NO_EMIT}
+
+    axes: Annotated[
+        dict[str, Values], Expects("a mapping from variants and parameters to lists of values")
+    ] = Field(examples=["{gripper: [small, large]}"])
+    """The values of each variant or parameter, all combinations of which are built."""
+    exclude: Combinations = ()
+    """Combinations that are not built."""
+    include: Combinations = ()
+    """More combinations."""
+    name: Text | None = None
+    """What a combination is called, with `${…}` for its values."""
+
+    @classmethod
+    def owner(cls, at: Path) -> str:
+        return "the matrix"
+
+
+def read_params(document: Located, sink: Sink) -> dict[str, Parameter]:
+    """Return the declared parameters, without faulty ones, which are reported."""
+    _, section = document.entries["params"]
+    if not isinstance(section, Located):
+        help = "write `params: {reach: {default: 0.45, unit: m}}`"
+        sink.error("wrong-type", "`params` is a mapping from names to parameters", section.span, help=help)
+        return {}
+    found: dict[str, Parameter] = {}
+    for key, node in section.entries.values():
+        if not is_usable(key, "a parameter", sink):
+            continue
+        data = to_python(node) if isinstance(node, Located) else {"default": to_python(node)}
+        declared = read(Declaration, data, document, at=("params", key.name), sink=sink)
+        if declared is None:
+            continue
+        parameter = declared.parameter(key.name, key.span)
+        settled = None if parameter.default is None else parameter.read(parameter.default)
+        assert not isinstance(settled, Diagnostic)
+        found[key.name] = replace(parameter, default=settled)
+    return found
+
+
+def read_grid(document: Located, sink: Sink) -> Grid | None:
+    """Return the section `matrix`, or None after reported faults."""
+    found: Grid | None = read(
+        Grid, to_python(document.entries["matrix"][1]), document, at=("matrix",), sink=sink
+    )
+    return found
+
+
+def read(form: type[Model], data: Any, document: Node, *, at: Path, sink: Sink) -> Any:
+    """Return what a form reads of the data at a path, or None after its faults are reported at their places."""
+    try:
+        return validated(form, data, Settings())
+    except ValidationError as error:
+        for each in faults(error, form, data, start=at):
+            related = (Note(text, locate(document, place, key=True)) for text, place in each.related)
+            span = locate(document, each.at, key=each.key)
+            sink.error(
+                each.code, each.message, span, notes=(*each.notes, *related), help=each.help, fix=each.fix
+            )
+        return None
