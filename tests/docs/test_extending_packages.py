@@ -151,9 +151,7 @@ def test_a_row_that_is_none_and_a_word_of_two_packages_are_told(
 ) -> None:
     broken = tmp_path / "site"
     shutil.copytree(installed, broken)
-    (broken / "mjcompose_lab" / "named.py").write_text(
-        "from mjcompose.language.checks.form import Kind\nKIND = Kind('x')\n"
-    )
+    (broken / "mjcompose_lab" / "named.py").write_text("KIND = None.word\n")
     done = _run_in(tmp_path, broken)("-m", "mjcompose", "plan", "cell.yaml")
     assert "cell.yaml:8:9: error[extension-broken]" in done.stderr and "mjcompose-lab 0.4.0" in done.stderr
     assert "Traceback" not in done.stderr

@@ -10,6 +10,7 @@ import pytest
 from mjcompose.base.diagnostic import Diagnostic
 from mjcompose.build.checks.unchanged import Unchanged
 from mjcompose.language.attach import Attachment
+from mjcompose.language.check import checks_of
 from mjcompose.language.form import Element
 from mjcompose.language.recipe import Recipe
 from mjcompose.language.used_model import Drop
@@ -94,25 +95,30 @@ def test_a_check_knows_its_name_and_place(recipe: Callable[[str], Recipe]) -> No
           whole: {unchanged: {}}
           hand: {unchanged: {part: left/hand, except: [gravcomp, friction]}}
     """).check
-    assert found == (
-        Unchanged("whole", None, (), ("check", "whole")),
-        Unchanged("hand", "left/hand", ("gravcomp", "friction"), ("check", "hand")),
+    whole, hand = checks_of(found)
+    assert isinstance(whole, Unchanged) and isinstance(hand, Unchanged)
+    assert (whole.name, whole.at, whole.part, whole.excepted) == (
+        "whole",
+        ("check", "whole", "unchanged"),
+        None,
+        (),
     )
+    assert (hand.name, hand.part, hand.excepted) == ("hand", "left/hand", ("gravcomp", "friction"))
 
 
 @pytest.mark.parametrize(
     ("text", "code", "told"),
     [
-        ("[{unchanged: {}}]", "wrong-type", "expects a mapping from names"),
+        ("[{unchanged: {}}]", "wrong-type", "expects a mapping"),
         ("{a: {}}", "missing-key", "checks nothing"),
-        ("{a: unchanged}", "wrong-type", "is a mapping"),
-        ("{a: {unchange: {}}}", "unknown-key", "not a kind of check"),
-        ("{a: {unchanged: gripper}}", "wrong-type", "is a mapping"),
+        ("{a: unchanged}", "wrong-type", "expects a mapping"),
+        ("{a: {unchange: {}}}", "unknown-key", "has no kind"),
+        ("{a: {unchanged: gripper}}", "wrong-type", "expects a mapping"),
         ("{a: {unchanged: {parts: gripper}}}", "unknown-key", "has no key `parts`"),
         ("{a: {unchanged: {part: [gripper]}}}", "wrong-type", "the prefix of a part"),
         ("{a: {unchanged: {except: gravcomp}}}", "wrong-type", "a list of attributes"),
         ("{a: {unchanged: {except: [gravcom]}}}", "unknown-attribute", "no attribute `gravcom`"),
-        ("{a: {unchanged: {except: [1]}}}", "wrong-type", "attributes of MJCF"),
+        ("{a: {unchanged: {except: [1]}}}", "wrong-type", "an attribute of MJCF"),
         ("{a: {unchanged: {except: [class]}}}", "unknown-attribute", "could be excepted"),
     ],
 )

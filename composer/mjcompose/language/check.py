@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import Any
+from collections.abc import Iterator, Mapping
+from typing import Annotated, Any, ClassVar, Literal
 
-from mjcompose.base.dataclass import dataclass
+from pydantic import Field
+
 from mjcompose.base.diagnostic import Fault, Path
 from mjcompose.base.extensions import Table
-from mjcompose.base.suggest import advised, closest, exists_note
-from mjcompose.language.checks.form import Check, Keyed, Keys, Kind
 from mjcompose.language.element import path_of
-from mjcompose.language.form import Form, Schema, Settings, kind_of
+from mjcompose.language.form import Schema, Settings
+from mjcompose.language.forms.model import IT, Model
+from mjcompose.language.forms.rows import Rows
 
 MODULES = {
     "expect": "mjcompose.build.checks.expect",
@@ -24,117 +25,108 @@ MODULES = {
     "lint": "mjcompose.build.checks.lint",
 }
 """The module of each check: what it accepts and how it is carried out. A recipe imports those that it writes."""
-KINDS: Table[Kind] = Table("checks", {}, "KIND", kind=Kind, modules=MODULES)
-_REPLACED = {
-    "size": "expect: {attr: nu, equals: 7}",
-    "mass": "expect: {attr: mass, range: [LOW, HIGH]}",
-    "exists": "expect: {select: {site: NAME}}",
-    "equal": "expect: {select: {joint: NAME}, attr: damping, equals: 0.5}",
-    "stable": "settles: {key: home}",
-    "no_penetration": "clearance: {key: home}",
-    "clear": 'clearance: {between: ["arm/**", table], min: 0.02}',
-    "limits": "lint: {select: [key-out-of-range]}",
-    "actuated": "lint: {select: [joint-unactuated]}",
-    "plausible": "lint: {select: [inertia-implausible]}",
-    "collision": "lint: {select: {shape-off-mesh: {hausdorff: 0.002}}}",
-    "runs_on": "targets: {in: [mjx], read: false}",
-    "loads": "targets: {in: [mjx], losses: warning}",
-}
-"""Words that people may know, and what says the same."""
 SEVERITY = "severity"
-SEVERITIES = ("error", "warning")
 
 
-@dataclass(frozen=True, slots=True)
-class Checks(Form):
-    """Form of the field `check`: a mapping from names to `{KIND: {…}}`, read as a tuple of checks."""
+class CheckPart(Model):
+    """A mapping inside a check: at `check.NAME.WORD`, or below it."""
 
-    def schema(self) -> Schema:
-        kinds: dict[str, Any] = {"type": "object", "additionalProperties": False, "minProperties": 1}
-        kinds["properties"] = {word: KINDS[word].form.schema() for word in KINDS}
-        kinds["properties"][SEVERITY] = {
-            "enum": list(SEVERITIES),
-            "default": "error",
-            "description": "whether the build fails if the check does not hold, or only warns",
-        }
-        return {"type": "object", "additionalProperties": kinds}
+    @classmethod
+    def subject(cls, at: Path) -> str:
+        return f"`{at[-1]}` of check `{at[1]}`" if len(at) > 2 else super().subject(at)
 
-    def read(self, value: Any, faults: list[Fault], settings: Settings) -> tuple[Check, ...]:
-        found: list[Check] = []
-        if isinstance(value, dict):
-            found = [check for name, item in value.items() for check in _read(name, item, faults)]
-        else:
-            message = f"`check` expects a mapping from names to checks, got {kind_of(value)}"
-            help = "give each a name: `check: {whole: {unchanged: {}}}`"
-            faults.append(Fault("wrong-type", message, help=help))
-        return tuple(found)
+    @classmethod
+    def owner(cls, at: Path) -> str:
+        return f"check `{at[1]}`" if len(at) > 1 else super().owner(at)
 
 
-def _read(name: str, value: Any, faults: list[Fault]) -> Iterator[Check]:
-    owner = f"check `{name}`"
-    if not isinstance(value, dict):
-        help = f"write `{name}: {{unchanged: {{}}}}`" if name not in KINDS else _named(name)
-        faults.append(Fault("wrong-type", f"{owner} is a mapping, got {kind_of(value)}", (name,), help=help))
-        return
-    if not value:
-        help = "write for instance `unchanged: {}`" if name not in KINDS else _named(name)
-        faults.append(Fault("missing-key", f"{owner} checks nothing", (name,), help=help))
-    elif not any(word != SEVERITY for word in value):
-        help = "write for instance `unchanged: {}` beside it"
-        faults.append(Fault("missing-key", f"{owner} checks nothing", (name,), help=help))
-    if name in KINDS and not any(word in (*KINDS, "when") for word in value):
-        first = next(iter(value), None)
-        if first is not None:
-            message = f"`{first}` in {owner} is not a kind of check: `{name}` is the name of this check"
-            faults.append(Fault("unknown-key", message, (name, first), key=True, help=_named(name)))
-        return
-    _check_severity(value, owner, (name,), faults=faults)
-    for word, given in value.items():
-        if word == SEVERITY:
-            continue
-        if word not in KINDS:
-            faults.append(_unknown_kind(word, owner, (name, word)))
-        elif not isinstance(given, (kind := KINDS[word]).form.shapes):
-            shapes = " or a ".join("mapping" if each is dict else "list" for each in kind.form.shapes)
-            message = f"`{word}` of {owner} is a {shapes}, got {kind_of(given)}"
-            help = f"write for instance `{word}: {_alone(given, kind) or kind.example}`"
-            faults.append(Fault("wrong-type", message, (name, word), help=help))
-        else:
-            keys, before = Keys(name, word, given, faults=faults), len(faults)
-            check = kind.make(keys, kind.form.read(keys), path_of(value))
-            if check is not None and len(faults) == before:
-                yield check
+class Check(CheckPart):
+    """The value behind the word of a check.
+
+    A check that `needs_world` is about points in the world of its recipe, and cannot run in a nested recipe whose place
+    is unknown. The module of one that `is_in_mujoco` has a function `check`, which runs beside the compiled model; that
+    of another one has a function `run`.
+    """
+
+    word: ClassVar[str]
+    needs_world: ClassVar[bool] = False
+    is_in_mujoco: ClassVar[bool] = True
+
+    @property
+    def name(self) -> str:
+        """The name that the recipe gives the check."""
+        return str(self.at[-2])
+
+    def asked(self) -> dict[str, Any]:
+        """Return the values by the names of the fields, as `check` takes them."""
+        return self.model_dump(warnings=False)
 
 
-def _alone(given: Any, kind: Kind) -> str | None:
-    return kind.form.alone(given) if isinstance(kind.form, Keyed) else None
+KINDS: Table[type[Check]] = Table("checks", {}, "KIND", kind=type, modules=MODULES)
+_INSTEAD = {
+    "size": "write `expect: {attr: nu, equals: 7}`",
+    "mass": "write `expect: {attr: mass, range: [LOW, HIGH]}`",
+    "exists": "write `expect: {select: {site: NAME}}`",
+    "equal": "write `expect: {select: {joint: NAME}, attr: damping, equals: 0.5}`",
+    "stable": "write `settles: {key: home}`",
+    "no_penetration": "write `clearance: {key: home}`",
+    "clear": 'write `clearance: {between: ["arm/**", table], min: 0.02}`',
+    "limits": "write `lint: {select: [key-out-of-range]}`",
+    "actuated": "write `lint: {select: [joint-unactuated]}`",
+    "plausible": "write `lint: {select: [inertia-implausible]}`",
+    "collision": "write `lint: {select: {shape-off-mesh: {hausdorff: 0.002}}}`",
+    "runs_on": "write `targets: {in: [mjx], read: false}`",
+    "loads": "write `targets: {in: [mjx], losses: warning}`",
+}
+"""Words of other versions, with help."""
 
 
-def _check_severity(value: dict[str, Any], owner: str, at: Path, faults: list[Fault]) -> None:
-    if SEVERITY not in value or value[SEVERITY] in SEVERITIES:
-        return
-    given = value[SEVERITY]
-    near = closest(given, SEVERITIES) if isinstance(given, str) else []
-    message = f"`{SEVERITY}` of {owner} is `error` or `warning`, got {kind_of(given)}"
-    help = f"write `{SEVERITY}: {near[0] if near else 'warning'}`"
-    faults.append(Fault("wrong-keyword", message, (*at, SEVERITY), help=help))
+class _SaysSomething:
+    """A check has a kind. If its name is one, it is probably missing in front of that."""
+
+    alone = True
+
+    def faults(self, value: Mapping[str, Any], model: type[Model], context: Settings) -> Iterator[Fault]:
+        at = path_of(value)
+        name = str(at[-1]) if at else ""
+        if name in KINDS and not any(word in KINDS for word in value):
+            help = f"the key is a name that you choose: write `NAME: {{{name}: {KINDS[name].example}}}`"
+            first = next(iter(value), None)
+            if first is None:
+                yield Fault("missing-key", f"{IT} checks nothing", help=help)
+            else:
+                message = f"`{first}` in {IT} is not a kind of check: `{name}` is the name of this check"
+                yield Fault("unknown-key", message, (first,), key=True, help=help)
+        elif not any(word != SEVERITY for word in value):
+            yield Fault("missing-key", f"{IT} checks nothing", help="write for instance `unchanged: {}`")
+
+    def schema(self) -> Iterator[Schema]:
+        none: Schema = dict.fromkeys(MODULES, False)
+        advice = f"write one or more of {', '.join(f'`{word}`' for word in MODULES)}"
+        yield {"if": {"properties": none}, "then": {"required": ["expect"], "errorMessage": advice}}
 
 
-def _named(word: str) -> str:
-    """Return what to write if a kind of check is used as a name."""
-    return f"the key is a name that you choose: write `NAME: {{{word}: {KINDS[word].example}}}`"
+class CheckEntry(Model):
+    """What must hold of every built model: one or more kinds of check."""
+
+    rules: ClassVar = (_SaysSomething(),)
+    example: ClassVar = "{unchanged: {}}"
+    noun: ClassVar = "kind"
+    instead: ClassVar = _INSTEAD
+
+    kinds: Annotated[Mapping[str, Any], Rows(lambda: KINDS)] = Field({}, alias="<kinds>")
+    severity: Literal["error", "warning"] = "error"
+    """whether the build fails if the check does not hold, or only warns"""
+
+    @classmethod
+    def subject(cls, at: Path) -> str:
+        return f"check `{at[-1]}`" if at else "a check"
 
 
-def _unknown_kind(key: str, owner: str, at: Path) -> Fault:
-    help, fix = advised(key, (*KINDS, SEVERITY, "when"))
-    if key in _REPLACED:
-        help, fix = f"write `{_REPLACED[key]}`", None
-    return Fault(
-        "unknown-key",
-        f"`{key}` in {owner} is not a kind of check",
-        at,
-        key=True,
-        notes=(exists_note("check kind", KINDS, key),),
-        help=help,
-        fix=fix,
-    )
+def checks_of(section: Mapping[str, CheckEntry]) -> Iterator[Check]:
+    """Yield the checks of a section `check`, in the order of the table for each name."""
+    for name, entry in section.items():
+        for word, check in entry.kinds.items():
+            if not check.at:  # it is written as a list
+                check._at = (*(entry.at or ("check", name)), word)
+            yield check

@@ -12,8 +12,7 @@ from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Fault, Path
 from mjcompose.base.suggest import advised, exists_note
 from mjcompose.language.attach import Attachment, Prefixes, Start
-from mjcompose.language.check import Checks
-from mjcompose.language.checks.form import Check
+from mjcompose.language.check import CheckEntry
 from mjcompose.language.element import FRAGMENT, Reader, label, path_of
 from mjcompose.language.element_schema import mapping
 from mjcompose.language.form import (
@@ -31,6 +30,7 @@ from mjcompose.language.form import (
     unprintable,
 )
 from mjcompose.language.forms.rows import Lazy
+from mjcompose.language.forms.scalars import Expects
 from mjcompose.language.fragment import missing_key
 from mjcompose.language.keyframe import Keyframe, Keyframes
 from mjcompose.language.motors import Motor, Motors
@@ -298,7 +298,9 @@ class Recipe(Model):
     """Keys: a mapping from their names to entries by the names of joints, actuators and mocap bodies."""
     randomize: Annotated[Any, Lazy("mjcompose.language.randomize:Randomize")] = None
     """Seeded draws: samples of the model that `build --all` builds."""
-    check: Annotated[tuple[Check, ...], Checks()] = ()
+    check: Annotated[
+        dict[str, CheckEntry], Expects("a mapping from names to checks", "{whole: {unchanged: {}}}")
+    ] = Field({})
     """What must hold of the model: a mapping from a name to a check."""
     allow: Annotated[tuple[str, ...], Allowed()] = ()
     """The codes of warnings that are meant to be there: they are not reported. Parts and edits can have it, too."""

@@ -161,7 +161,14 @@ _ID: Schema = {
     "minLength": 1,
     "description": "A name for merging: an item with the same one replaces this one.",
 }
-_WITH_WHEN = ("Attachment", "addition", "class", "element.contact.pair", "element.contact.exclude")
+_WITH_WHEN = (
+    "Attachment",
+    "CheckEntry",
+    "addition",
+    "class",
+    "element.contact.pair",
+    "element.contact.exclude",
+)
 
 
 def add_variation(schema: Schema, definitions: dict[str, Schema]) -> None:
@@ -176,7 +183,6 @@ def add_variation(schema: Schema, definitions: dict[str, Schema]) -> None:
     definitions["addition"]["maxProperties"] += 2
     for name in sections_of(Singleton):
         _into(properties[name], "when", _WHEN)
-    _into(properties["check"]["additionalProperties"], "when", _WHEN)
     definitions["InPlace"] = {
         "type": "object",
         "properties": {name: each for name, each in properties.items() if name not in OF_A_FILE},

@@ -2,87 +2,55 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import asdict
-from typing import TYPE_CHECKING, Any, ClassVar
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, TypeAlias
 
-from mjcompose.base.dataclass import dataclass
-from mjcompose.base.diagnostic import Path
-from mjcompose.language.checks.form import Flag, Key, Keyed, Keys, Kind, Words
-from mjcompose.language.form import Schema
-from mjcompose.targets.names import LACKING, READ_IN
+from pydantic import Field
+
+from mjcompose.base.diagnostic import Fault
+from mjcompose.language.check import Check
+from mjcompose.language.form import Settings
+from mjcompose.language.forms.model import OWNER
+from mjcompose.language.forms.scalars import Items
+from mjcompose.targets.names import NAMES, READ_IN
 
 if TYPE_CHECKING:
     from mjcompose.build.verify.checks import Checks, NestedRecipe
     from mjcompose.sources.context import Context
 
-IN, READ, LOSSES = "in", "read", "losses"
-_ERROR, _WARNING = "error", "warning"
+if TYPE_CHECKING:
+    Lacking: TypeAlias = str
+else:
+    Lacking = Literal[NAMES[2:]]  # the targets that lack something of MuJoCo
 
 
-@dataclass(frozen=True, slots=True)
-class Targets:
-    """Nothing of the model is lost when it is written for `targets`, and each reads the model that MuJoCo has.
+class Targets(Check):
+    """Other programs have everything that the model has, and read back its numbers, poses and motion."""
 
-    With `losses` a warning, a loss is one. Without `read`, no program reads anything. The place of a target is
-    `(*at, "targets", *place, INDEX)`.
-    """
+    word: ClassVar = "targets"
+    is_in_mujoco: ClassVar = False
+    short: ClassVar = "in"
+    short_type: ClassVar = list
+    example: ClassVar = "[mjx, drake]"
 
-    word: ClassVar[str] = "targets"
-    name: str
-    targets: tuple[str, ...]
-    read: bool
-    losses: str
-    place: tuple[str, ...]
-    at: Path
-
-
-class Form:
-    """Form of the value: a list of targets, or a mapping."""
-
-    shapes = (list, dict)
-    words = Words(LACKING, "target")
-    keyed = Keyed(
-        "Other programs have everything that the model has, and read back its numbers, poses and motion.",
-        Key(IN, words, "the targets", needed="[mjx, drake]"),
-        Key(
-            READ,
-            Flag(),
-            "false: only what is lost is checked, and the programs need not be installed",
-            default=True,
-        ),
-        Key(
-            LOSSES,
-            Words((_ERROR, _WARNING), "keyword"),
-            "`warning`: what a target lacks is only a warning",
-            default=(_ERROR,),
-        ),
+    targets: Annotated[tuple[Lacking, ...], Items(1, single=True, unique=True)] = Field(
+        alias="in", examples=["[mjx, drake]"]
     )
+    """the targets"""
+    read: bool = True
+    """false: only what is lost is checked, and the programs need not be installed"""
+    losses: Literal["error", "warning"] = "error"
+    """`warning`: what a target lacks is only a warning"""
 
-    def read(self, keys: Keys) -> dict[str, Any]:
-        if isinstance(keys.value, dict):
-            return self.keyed.read(keys)
-        return {IN: self.words.read(keys, keys.value), READ: True, LOSSES: (_ERROR,)}
-
-    def schema(self) -> Schema:
-        schema = self.keyed.schema()
-        return {
-            "description": schema.pop("description"),
-            "anyOf": [self.words.schema()["anyOf"][1], schema],
-        }
-
-
-def make(keys: Keys, found: Mapping[str, Any], at: Path) -> Targets | None:
-    targets, place = found[IN] or (), (IN,) if isinstance(keys.value, dict) else ()
-    for index, name in enumerate(targets):
-        if found[READ] and name not in READ_IN:
-            message = f"{keys.owner} cannot use `{name}`: no check reads models in it"
-            help = f"write `targets: {{in: [{name}], read: false}}`, which checks that nothing is lost"
-            keys.add("wrong-keyword", message, *place, index, help=help)
-    return Targets(keys.name, targets, found[READ], losses=(*found[LOSSES], _ERROR)[0], place=place, at=at)
+    def contradictions(self, context: Settings) -> Iterator[Fault]:
+        for index, name in enumerate(self.targets if self.read else ()):
+            if name not in READ_IN:
+                message = f"{OWNER} cannot use `{name}`: no check reads models in it"
+                help = f"write `targets: {{in: [{name}], read: false}}`, which checks that nothing is lost"
+                yield Fault("wrong-keyword", message, ("in", index), help=help)
 
 
-KIND = Kind("targets", Form(), make, example="[mjx, drake]", is_in_mujoco=False)
+KIND = Targets
 
 
 def run(checks: Checks, check: Targets, recipe: NestedRecipe, context: Context) -> dict[str, Any]:
@@ -92,7 +60,7 @@ def run(checks: Checks, check: Targets, recipe: NestedRecipe, context: Context) 
     from mjcompose.targets.read_back import Work, carry_out
 
     work = Work(checks.bundle, WHOLE, checks.session, environment=context.environment)
-    findings, values = carry_out(work, asdict(check))
+    findings, values = carry_out(work, check.asked())
     for finding in findings:
         report(finding, check, recipe, context=context)
     return values

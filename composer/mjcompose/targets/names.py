@@ -7,9 +7,7 @@ MUJOCO = "mujoco"
 NAMES = (
     MUJOCO, "plain", "drake", "pinocchio", "pybullet", "newton", "genesis", "mjx", "warp", "isaac", "urdf",
 )  # fmt: skip
-LACKING = NAMES[2:]
-"""The targets that lack something of MuJoCo: what the check `targets` can ask about."""
 READ_IN = ("drake", "pinocchio", "pybullet", "newton", "genesis", "mjx", "warp", "urdf")
-"""Those in which a model can be read back."""
+"""The targets in which a model can be read back."""
 CONSUMERS = "MJCOMPOSE_CONSUMERS"
 """The variable that names the folder with environments in which models are read back, one for each program."""

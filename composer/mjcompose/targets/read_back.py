@@ -153,7 +153,7 @@ def carry_out(work: Work, asked: dict[str, Any]) -> Found:
             return [Fault(_FAILED, f"MuJoCo does not move the model: {answer.error or answer.crash}")], values
         questions = answer.value
     for index, name in enumerate(asked["targets"]):
-        at = (*asked["place"], index)
+        at = ("in", index)
         with scratch("target") as folder:
             each, value = _about(work, name, folder, asked, questions)
         findings += [replace(fault, at=at) for fault in each]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import asdict
 from typing import Any
 
 import mujoco
@@ -13,6 +12,7 @@ from mjcompose.base.report import render
 from mjcompose.base.sink import Sink
 from mjcompose.build.checks.ask import ask as ask_in_child
 from mjcompose.build.checks.check import from_json
+from mjcompose.language.check import checks_of
 from mjcompose.language.validate import validate
 from mjcompose.text.load import load
 
@@ -36,8 +36,8 @@ def ask() -> Ask:
         assert node is not None
         recipe = validate(node, sink)
         assert recipe is not None, "\n".join(map(render, sink.diagnostics))
-        (read,) = recipe.check
-        asked = {**asdict(read), "angle": recipe.angle, "frame": frame, "shapes": ()}  # type: ignore[call-overload]
+        (read,) = checks_of(recipe.check)
+        asked = {**read.asked(), "angle": recipe.angle, "frame": frame, "shapes": ()}
         if scope.get("prefix") or scope.get("others"):
             scope["whole"] = False
         question = {"kind": read.word, "asked": asked, "scope": scope}

@@ -59,7 +59,8 @@ def test_a_speed_is_called_a_measurement(ask) -> None:
 
 
 def test_bytes_are_those_of_the_files() -> None:
-    asked = {"most": {"bytes": 1000}, "speed": None, "key": (), "bytes": 1001}
+    none = dict.fromkeys(("geoms", "faces", "meshes", "textures", "contacts", "steps_per_second"))
+    asked = {**none, "bytes": 1000, "key": (), "size": 1001}
     (finding,) = check(Scope(mujoco, mujoco.MjModel.from_xml_string(MODEL)), asked)
     assert notes(finding) == ("expected: at most 1000", "actual: 1001")
 

@@ -4,75 +4,45 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping
-from typing import Any, ClassVar
+from typing import Annotated, Any, ClassVar
 
-from mjcompose.base.dataclass import dataclass
-from mjcompose.base.diagnostic import Fault, Path
+from mjcompose.base.diagnostic import Fault
 from mjcompose.build.checks.check import Scope, at_keys, failed, keys_named
-from mjcompose.language.checks.form import BYTES, Globs, Key, Keyed, Keys, Kind, Number
+from mjcompose.language.check import Check
+from mjcompose.language.forms.rules import AnyOf
+from mjcompose.language.forms.scalars import BYTES, Items, Name, NotNegative, Positive, Scaled
 
-AT_MOST = {
-    "geoms": ("the most geoms", {}),
-    "faces": ("the most triangles that the meshes have together", {}),
-    "meshes": ("the most bytes that points, normals and faces of all meshes have in memory", BYTES),
-    "textures": ("the most bytes that the textures have together in memory, unpacked", BYTES),
-    "bytes": (
-        "the most bytes that the files of the model have together: its text, meshes, textures, …",
-        BYTES,
-    ),
-    "contacts": ("the most contacts in a keyframe, or in the reference configuration", {}),
-}
-SPEED = "steps_per_second"
-KEY = "key"
+_MOST = ("geoms", "faces", "meshes", "textures", "bytes", "contacts", "steps_per_second")
+_BYTES = Annotated[float, Scaled(BYTES, ge=0)]
 
 
-@dataclass(frozen=True, slots=True)
-class Budget:
-    """The most that a model may have of each thing in `most`, and the least steps per second on this machine.
+class Budget(Check):
+    """The model does not cost more than it may."""
 
-    `key` has globs over the keyframes in which contacts are counted. Without globs, these are all keyframes and
-    the reference configuration.
-    """
+    word: ClassVar = "budget"
+    example: ClassVar = "{faces: 50000}"
+    rules: ClassVar = (AnyOf(*_MOST, lacks="limits nothing", advice="write for instance `faces: 50000`"),)
+    instead: ClassVar = {"keys": "key"}
 
-    word: ClassVar[str] = "budget"
-    name: str
-    most: Mapping[str, float]
-    speed: float | None
-    key: tuple[str, ...]
-    at: Path
-
-
-FORM = Keyed(
-    "The model does not cost more than it may.",
-    *(Key(name, Number(least=0, units=units), about) for name, (about, units) in AT_MOST.items()),
-    Key(
-        SPEED,
-        Number(above=0),
-        "the least steps in a second of one thread of this machine: a measurement, which depends on the machine",
-    ),
-    Key(
-        KEY,
-        Globs("globs over names of keyframes"),
-        "the keyframes in which contacts are counted; without it, all and the reference configuration",
-        default=(),
-    ),
-)
+    geoms: NotNegative | None = None
+    """the most geoms"""
+    faces: NotNegative | None = None
+    """the most triangles that the meshes have together"""
+    meshes: _BYTES | None = None
+    """the most bytes that points, normals and faces of all meshes have in memory"""
+    textures: _BYTES | None = None
+    """the most bytes that the textures have together in memory, unpacked"""
+    bytes: _BYTES | None = None
+    """the most bytes that the files of the model have together: its text, meshes, textures, …"""
+    contacts: NotNegative | None = None
+    """the most contacts in a keyframe, or in the reference configuration"""
+    steps_per_second: Positive | None = None
+    """the least steps in a second of one thread of this machine: a measurement, which depends on the machine"""
+    key: Annotated[tuple[Annotated[str, Name("key", glob=True)], ...], Items(1, single=True)] = ()
+    """the keyframes in which contacts are counted; without it, all and the reference configuration"""
 
 
-def make(keys: Keys, found: Mapping[str, Any], at: Path) -> Budget:
-    most = {name: found[name] for name in AT_MOST if found[name] is not None}
-    is_reported = any(each.at[:2] == (keys.name, keys.word) for each in keys.faults)
-    if not is_reported and not any(name in keys.value for name in (*AT_MOST, SPEED)):
-        keys.add(
-            "missing-key",
-            f"`budget` of {keys.owner} limits nothing",
-            key=True,
-            help="write `budget: {faces: 50000}`",
-        )
-    return Budget(keys.name, most, found[SPEED], key=found[KEY], at=at)
-
-
-KIND = Kind("budget", FORM, make, example="{faces: 50000}")
+KIND = Budget
 
 _WARM_UP, _SECONDS, _RUNS = 20, 0.2, 3
 _OF_A_MESH = {"vert": 12, "normal": 12, "texcoord": 8, "face": 36}
@@ -90,18 +60,21 @@ def check(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
         "geoms": lambda: (len(list(scope.own("geom"))), ""),
         "meshes": lambda: (_meshes(scope), " bytes in memory"),
         "faces": lambda: (_faces(scope), ", in all meshes together"),
-        "bytes": lambda: (int(asked["bytes"]), ", in all files of the model together"),
+        "bytes": lambda: (int(asked["size"]), ", in all files of the model together"),
         "textures": lambda: (_textures(scope), " bytes in memory"),
         "contacts": lambda: _contacts(scope, keys, everywhere=not asked["key"]),
     }
     found: list[Fault] = []
-    for name, most in asked["most"].items():
-        value, words = counted[name]()
+    for name, count in counted.items():
+        most = asked[name]
+        if most is None:
+            continue
+        value, words = count()
         scope.found(name, value)
         if value > most:
             found.append(failed(f"`{name}` is {value}{words}", f"at most {most:.15g}", str(value), name))
-    if asked["speed"] is not None:
-        found += _speed(scope, asked["speed"])
+    if asked["steps_per_second"] is not None:
+        found += _speed(scope, asked["steps_per_second"])
     return found
 
 

@@ -2,124 +2,61 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from typing import Any, ClassVar
+from collections.abc import Iterator, Sequence
+from typing import Annotated, Any, ClassVar
 
-from mjcompose.base.dataclass import dataclass
-from mjcompose.base.diagnostic import Fault, Path
+from pydantic import Field
+
+from mjcompose.base.diagnostic import Fault
 from mjcompose.build.checks.check import SOLVED, Scope, beside, failed, poses, unmet
-from mjcompose.language.checks.form import LENGTH, Globs, Key, Keyed, Keys, Kind, Number
-from mjcompose.language.form import Schema, kind_of
-from mjcompose.language.select import GLOB
+from mjcompose.language.check import Check
+from mjcompose.language.forms.scalars import LENGTHS, Expects, Items, Name, Scaled
 
-MIN = -1e-3
-_SIDES, _PAIRS = '["arm/**", table]', '[["gripper/**", "gripper/**"]]'
-
-
-@dataclass(frozen=True, slots=True)
-class Clearance:
-    """In each of the keyframes that the globs in `key` match, geoms are at least `min` metres apart.
-
-    A negative `min` is how deep they may be in each other. Without `key`, the reference configuration is checked.
-    Without `between`, the pairs are those that can touch; with it, all of its two sides. A pair of `excepted` globs
-    does not count. Globs match names of geoms, flexes and bodies; a body stands for its own geoms.
-    """
-
-    word: ClassVar[str] = "clearance"
-    name: str
-    key: tuple[str, ...]
-    min: float
-    excepted: tuple[tuple[str, ...], ...]
-    between: tuple[tuple[str, ...], ...] | None
-    at: Path
+_GLOB = Annotated[str, Name("geom", "body", glob=True)]
+_SIDE = Annotated[tuple[_GLOB, ...], Items(1, single=True)]
 
 
-class Sides:
-    """Form of two sides. Each is a glob or a list of globs, read as a tuple."""
+class Clearance(Check):
+    """Geoms are not inside each other, or keep a distance."""
 
-    side = Globs("a glob over names of geoms or bodies")
+    word: ClassVar = "clearance"
+    example: ClassVar = "{key: home}"
+    instead: ClassVar = {
+        "max": "write `min: -1mm` for a depth of at most 1 mm",
+        "distance": "min",
+        "exclude": "except",
+        "keys": "key",
+    }
 
-    def read(self, keys: Keys, value: Any, *at: str | int) -> tuple[tuple[str, ...], ...] | None:
-        if isinstance(value, list) and len(value) == 2:
-            return tuple(self._side(keys, side, *at, index) for index, side in enumerate(value))
-        message = f"`{at[-1]}` of {keys.owner} expects two sides, each a glob over geoms or bodies or a list of them"
-        code = "wrong-length" if isinstance(value, list) else "wrong-type"
-        keys.add(code, message, *at, help=f"write for instance `{at[-1]}: {_SIDES}`")
-        return None
-
-    def _side(self, keys: Keys, value: Any, *at: str | int) -> tuple[str, ...]:
-        if value == []:
-            keys.add("wrong-length", f"a side of `{at[0]}` of {keys.owner} is an empty list", *at)
-            return ()
-        return self.side.read(keys, value, *at)
-
-    def schema(self) -> Schema:
-        return {"type": "array", "items": self.side.schema(), "minItems": 2, "maxItems": 2}
-
-
-class Pairs:
-    """Form of pairs of globs, read as a tuple of pairs."""
-
-    def read(self, keys: Keys, value: Any, *at: str | int) -> tuple[tuple[str, ...], ...]:
-        if not isinstance(value, list):
-            message = f"`{at[-1]}` of {keys.owner} expects a list of pairs of globs, got {kind_of(value)}"
-            keys.add("wrong-type", message, *at, help=f"write for instance `{at[-1]}: {_PAIRS}`")
-            return ()
-        return tuple(self._pair(keys, each, *at, index) for index, each in enumerate(value))
-
-    def _pair(self, keys: Keys, value: Any, *at: str | int) -> tuple[str, ...]:
-        if isinstance(value, list) and len(value) == 2:
-            what = "globs over names of geoms or bodies"
-            return tuple(keys.glob_of(each, what, *at, side) or "" for side, each in enumerate(value))
-        got = f"{len(value)} of them" if isinstance(value, list) else kind_of(value)
-        message = f"`{at[0]}` of {keys.owner} expects pairs of globs, got {got}"
-        code = "wrong-length" if isinstance(value, list) else "wrong-type"
-        keys.add(code, message, *at, help=f"a pair is a list of its own: `{at[0]}: [[a, b]]`")
-        return ()
-
-    def schema(self) -> Schema:
-        return {
-            "type": "array",
-            "items": {"type": "array", "items": dict(GLOB), "minItems": 2, "maxItems": 2},
-        }
+    key: Annotated[tuple[Annotated[str, Name("key", glob=True)], ...], Items(1, single=True)] = ()
+    """in which keyframes; without it, in the reference configuration"""
+    min: Annotated[float, Scaled(LENGTHS)] = -1e-3
+    """the least distance, in metres; below 0 it is how deep they may be in each other"""
+    excepted: Annotated[
+        tuple[
+            Annotated[
+                tuple[_GLOB, ...],
+                Items(2, 2),
+                Expects("pairs of globs, each a list of its own", "[[a, b]]"),
+            ],
+            ...,
+        ],
+        Items(),
+        Expects("a list of pairs of globs", '[["gripper/**", "gripper/**"]]'),
+    ] = Field((), alias="except")
+    """pairs of globs over names of geoms and bodies that do not count"""
+    between: (
+        Annotated[
+            tuple[_SIDE, ...],
+            Items(2, 2),
+            Expects("two sides, each a glob over geoms or bodies or a list of them", '["arm/**", table]'),
+        ]
+        | None
+    ) = None
+    """the two sides, each a glob over geoms and bodies or a list of them; without it, all geoms that can touch"""
 
 
-FORM = Keyed(
-    "Geoms are not inside each other, or keep a distance.",
-    Key(
-        "key",
-        Globs("globs over names of keyframes"),
-        "in which keyframes; without it, in the reference configuration",
-        default=(),
-    ),
-    Key(
-        "min",
-        Number(units=LENGTH),
-        "the least distance, in metres; below 0 it is how deep they may be in each other",
-        default=MIN,
-    ),
-    Key(
-        "except",
-        Pairs(),
-        "pairs of globs over names of geoms and bodies that do not count",
-        default=(),
-    ),
-    Key(
-        "between",
-        Sides(),
-        "the two sides, each a glob over names of geoms and bodies or a list of them, whether they can touch or not;"
-        " without it, all geoms that can touch",
-    ),
-)
-
-
-def make(keys: Keys, found: Mapping[str, Any], at: Path) -> Clearance:
-    return Clearance(
-        keys.name, found["key"], found["min"], excepted=found["except"], between=found["between"], at=at
-    )
-
-
-KIND = Kind("clearance", FORM, make, example="{key: home}")
+KIND = Clearance
 
 _NAMED = ("geom", "body", "flex")
 _SHOWN = 8

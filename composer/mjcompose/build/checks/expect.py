@@ -6,16 +6,23 @@ import math
 import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import Any, ClassVar
+from typing import Annotated, Any, ClassVar
+
+from pydantic import Field
+from pydantic_core import PydanticKnownError
 
 from mjcompose.base.dataclass import dataclass
-from mjcompose.base.diagnostic import Fault, Note, Path
+from mjcompose.base.diagnostic import Fault, Note
+from mjcompose.base.extensions import Table
 from mjcompose.base.suggest import advised, closest, exists_note
-from mjcompose.build.checks.check import Scope, failed, unknown, words_of
-from mjcompose.language.checks import form
-from mjcompose.language.checks.form import Key, Keyed, Keys, Kind, keywords, naming
-from mjcompose.language.form import Schema, kind_of, reference, shown
-from mjcompose.language.select import GLOB, NARROWING
+from mjcompose.build.checks.check import Scope, failed, keywords, naming, unknown, words_of
+from mjcompose.language.check import Check, CheckPart
+from mjcompose.language.form import Schema, Settings, kind_of, reference, shown
+from mjcompose.language.forms.model import IT, OWNER, Model
+from mjcompose.language.forms.rows import Rows
+from mjcompose.language.forms.rules import Belongs, Exclusive, OneOf
+from mjcompose.language.forms.scalars import Checked, Count, Expects, Items, Measure, Name, Text
+from mjcompose.language.select import pattern_fault
 from mjcompose.model.values import is_in_degrees
 from mjcompose.mujoco.arrays import JOINT_TYPES
 from mjcompose.mujoco.attributes import ANGLES, ENUMERATED, HOLDERS, KINDS, array_of, attributes, holder
@@ -61,60 +68,247 @@ COUNTS: Mapping[str, str] = {
 }
 """The sizes of mjModel that can be asked for, and what they count."""
 OF_THE_MODEL = (MASS, *COUNTS)
-AROUND, WHERE = ("parent", "in"), "where"
-_BESIDE = ("count", "attr", "equals", "tol", "range")
+WHERE = "where"
 _INDEXED = re.compile(r"([A-Za-z]\w*)(?:\[(\d{1,3})\])?")
-
 Number = tuple[float, str | None]
 """A number and the unit that is written behind it, `deg` or `rad`."""
+_BY_TAG: Table[Any] = Table(
+    "tags",
+    {
+        tag: Annotated[str, Name(tag, glob=True), Field(description=f"a glob over names: {tag}")]
+        for tag in TAGS
+    },
+    "",
+)
 
 
-@dataclass(frozen=True, slots=True)
-class Where:
-    """A condition on an attribute, or on one of its numbers. `key` is how the recipe writes it.
+class Figure(Measure):
+    """A number, an angle, or a boolean."""
 
-    `word` is the value of an attribute that is not a number. For a name, it may be a glob.
-    """
+    def read(self, value: Any) -> float | Angle:
+        return value if isinstance(value, bool) else super().read(value)
 
-    key: str
-    attr: str
-    index: int | None
-    value: tuple[Number, ...] = ()
-    word: str | None = None
+    def __get_pydantic_json_schema__(self, schema: Any, handler: Any) -> Schema:
+        return {"anyOf": [reference("number"), {"type": "boolean"}]}
 
 
-@dataclass(frozen=True, slots=True)
-class Selected:
-    """Elements whose names match a glob.
-
-    `parent` is a glob for the body that directly contains them, `inside` one for any body around them.
-    """
-
-    tag: str
-    glob: str
-    parent: str | None = None
-    inside: str | None = None
-    where: tuple[Where, ...] = ()
+_FIGURES = Annotated[
+    tuple[Annotated[float | Angle, Figure()], ...],
+    Items(1, single=True),
+    Expects("a number, an angle, a boolean, or a list of these", "0.5"),
+]
 
 
-@dataclass(frozen=True, slots=True)
-class Expect:
-    """The elements that `select` matches are as many as `count` says, and their `attr` has a value.
+def _in_order(pair: tuple[Any, ...]) -> Fault | None:
+    (low, unit), (high, other) = map(_with_unit, pair)
+    if unit != other or low <= high:
+        return None
+    ends = [f"{each.value:g}{each.unit}" if isinstance(each, Angle) else f"{each:g}" for each in pair]
+    help = f"write `range: [{ends[1]}, {ends[0]}]`"
+    return Fault("out-of-range", f"{IT} starts with {ends[0]}, which is more than {ends[1]}", help=help)
 
-    Without `select`, `attr` is a number of the model. The value is `equals` within `tol`, or between the two ends of
-    `range`. With `index`, only that number counts. A number without a unit is in the unit of the compiled model.
-    """
 
-    word: ClassVar[str] = "expect"
-    name: str
-    select: Selected | None
-    count: tuple[int, int] | None
-    attr: str | None
-    index: int | None
-    equals: tuple[Number, ...] | None
-    tol: Number | None
-    range: tuple[Number, ...] | None
-    at: Path
+def _count_in_order(count: tuple[int, ...]) -> Fault | None:
+    if len(count) == 1 or count[0] <= count[1]:
+        return None
+    help = f"write `count: [{count[1]}, {count[0]}]`"
+    return Fault("out-of-range", f"{IT} starts with {count[0]}, which is more than {count[1]}", help=help)
+
+
+def _with_unit(value: float | Angle) -> Number:
+    return (value.value, value.unit) if isinstance(value, Angle) else (value, None)
+
+
+class Around(CheckPart):
+    """A body around the elements."""
+
+    example: ClassVar = '{body: "**/pad"}'
+
+    body: Annotated[str, Name("body", glob=True)] = Field(examples=['"**/pad"'])
+    """a glob over names of bodies"""
+
+
+class _OneTag:
+    """A selector has exactly one tag."""
+
+    def faults(self, value: Mapping[str, Any], model: type[Model], context: Settings) -> Iterator[Fault]:
+        tags = [key for key in value if key in TAGS]
+        unknown = [key for key in value if key not in model.key_names()]
+        if len(tags) > 1:
+            message = f"{IT} has {len(tags)} tags, and needs one"
+            help = "write a check for each: " + ", ".join(f"`{{{tag}: NAME}}`" for tag in tags[:2])
+            yield Fault("wrong-type", message, (tags[1],), key=True, help=help)
+        elif not tags and not unknown:
+            note = exists_note("tag", TAGS)
+            yield Fault(
+                "missing-key",
+                f"{IT} lacks a tag",
+                key=True,
+                notes=(note,),
+                help="write for instance `site: NAME`",
+            )
+
+    def schema(self) -> Iterator[Schema]:
+        for index, tag in enumerate(TAGS[:-1]):
+            others: Schema = dict.fromkeys(TAGS[index + 1 :], False)
+            yield {
+                "if": {"required": [tag]},
+                "then": {"properties": others, "errorMessage": f"`{tag}` is there already"},
+            }
+        none: Schema = dict.fromkeys(TAGS, False)
+        yield {
+            "if": {"properties": none},
+            "then": {"required": ["site"], "errorMessage": "write a tag: `site: NAME`"},
+        }
+
+
+_BESIDE = "write `{0}` beside `select`, behind the `}}` of the selector: `{0}: …`"
+
+
+class Selector(CheckPart):
+    """A tag with a name or a glob, and what narrows it down."""
+
+    rules: ClassVar = (_OneTag(),)
+    example: ClassVar = "{site: tcp}"
+    noun: ClassVar = "key"
+    instead: ClassVar = {
+        **{key: _BESIDE.format(key) for key in ("count", "attr", "equals", "tol", "range")},
+        "expect": _BESIDE.format("count"),
+        "part": "write the prefix of the part in the name: `arm/**`",
+        "class": "a compiled model has no classes: write `where: {ATTRIBUTE: VALUE}`",
+    }
+
+    tags: Annotated[Mapping[str, Any], Rows(lambda: _BY_TAG)] = Field({}, alias="<tags>")
+    parent: Around | None = None
+    """only what has a body of that name right around it"""
+    inside: Around | None = Field(None, alias="in")
+    """only what has a body of that name somewhere around it"""
+    where: (
+        Annotated[
+            dict[str, Any],
+            Field(min_length=1),
+            Expects("a mapping from attributes to values", '{"size[0]": 0.1}'),
+        ]
+        | None
+    ) = None
+    """only what has these values in the compiled model: `type: mesh`, `joint: elbow`"""
+
+    @property
+    def tag(self) -> str:
+        return next(iter(self.tags))
+
+    def contradictions(self, context: Settings) -> Iterator[Fault]:
+        tag = self.tag
+        for key, around in (("parent", self.parent), ("in", self.inside)):
+            if around is not None and tag not in HOLDERS:
+                message = f"{IT} cannot say `{key}` of a {tag}, which is in no body"
+                yield Fault("unknown-key", message, (key,), key=True, help=f"remove `{key}`")
+        if self.where is None:
+            return
+        if tag not in (*WITH_NUMBERS, *ENUMERATED) and not naming(tag):
+            message = f"{IT} cannot say `{WHERE}`: a compiled model has no attributes of a {tag}"
+            yield Fault("unknown-key", message, (WHERE,), key=True, help=f"remove `{WHERE}`")
+            return
+        for key, value in self.where.items():
+            condition = _condition(tag, key, value)
+            if isinstance(condition, Fault):
+                yield replace(condition, at=(WHERE, key, *condition.at))
+
+    def asked(self) -> dict[str, Any]:
+        """Return the selector as plain data."""
+        conditions = [_condition(self.tag, key, value) for key, value in (self.where or {}).items()]
+        around = {key: None if each is None else each.body
+                  for key, each in (("parent", self.parent), ("inside", self.inside))}  # fmt: skip
+        return {"tag": self.tag, "glob": self.tags[self.tag], **around, WHERE: conditions}
+
+
+class Expect(Check):
+    """How many elements the compiled model has, and the values of their attributes."""
+
+    word: ClassVar = "expect"
+    example: ClassVar = "{select: {site: NAME}, count: 1}"
+    rules: ClassVar = (
+        OneOf(
+            "select",
+            lacks="does not say of what",
+            advice="write for instance `select: {joint: NAME}`, or `attr: mass`",
+            unless="attr",
+        ),
+        Exclusive("equals", "range"),
+        Belongs("count", "select", help="write `select: {TAG: NAME}` beside it"),
+        Belongs("equals", "attr", help="write `attr: NAME` beside it"),
+        Belongs("range", "attr", help="write `attr: NAME` beside it"),
+        Belongs("tol", "equals", help="remove `tol`, or write `equals: VALUE`"),
+    )
+    instead: ClassVar = {"value": "equals", "expect": "count"}
+
+    select: Selector | None = None
+    """which elements; without it, `attr` is a number of the whole model"""
+    count: (
+        Annotated[
+            tuple[Count, ...],
+            Items(1, 2, single=True),
+            Checked(_count_in_order),
+            Expects("a count, or the least and the most", "[6, 8]"),
+        ]
+        | None
+    ) = None
+    """how many there are, or the least and the most; without it, at least one"""
+    attr: Annotated[Text, Expects("an attribute of MJCF", "damping")] | None = None
+    """an attribute of MJCF, or one of its numbers: `range[1]`; of a body also `subtree_mass`; without `select`,
+    `mass` or a size of mjModel such as `nu`"""
+    equals: _FIGURES | None = None
+    """the value: a number, an angle, a boolean, or a list"""
+    tol: Annotated[float | Angle, Measure(ge=0)] | None = None
+    """how far each number may be from `equals`; without it, rounding"""
+    range: (
+        Annotated[
+            tuple[Annotated[float | Angle, Measure()], ...],
+            Items(2, 2),
+            Checked(_in_order),
+            Expects("a list of 2 numbers", "[18, 22]"),
+        ]
+        | None
+    ) = None
+    """the least and the most that each number may be"""
+
+    def contradictions(self, context: Settings) -> Iterator[Fault]:
+        if self.attr is None:
+            return
+        tag = None if self.select is None else self.select.tag
+        attr = _attribute(tag, self.attr)
+        if isinstance(attr, Fault):
+            yield replace(attr, at=("attr",))
+        elif self.equals is None and self.range is None:
+            help = "write `equals: VALUE`, or `range: [LOW, HIGH]`"
+            yield Fault(
+                "missing-key",
+                f"`attr` of {OWNER} does not say which value it has",
+                ("attr",),
+                key=True,
+                help=help,
+            )
+        elif self.equals is not None and len(self.equals) > 1 and (tag is None or attr[1] is not None):
+            message = f"`equals` of {OWNER} expects one number, got a list"
+            note = None if tag is None else "without an index, the attribute means all of its numbers"
+            yield Fault("wrong-type", message, ("equals",), help=note)
+
+    def asked(self) -> dict[str, Any]:
+        tag = None if self.select is None else self.select.tag
+        attr = (None, None) if self.attr is None else _attribute(tag, self.attr)
+        assert not isinstance(attr, Fault)
+        return {
+            "select": None if self.select is None else self.select.asked(),
+            "count": None if self.count is None else (self.count[0], self.count[-1]),
+            "attr": attr[0],
+            "index": attr[1],
+            "equals": None if self.equals is None else [*map(_with_unit, self.equals)],
+            "tol": None if self.tol is None else _with_unit(self.tol),
+            "range": None if self.range is None else [*map(_with_unit, self.range)],
+        }
+
+
+KIND = Expect
 
 
 def _selectable(tag: str) -> list[str]:
@@ -123,344 +317,66 @@ def _selectable(tag: str) -> list[str]:
     return [*attributes(tag), *more] if tag in WITH_NUMBERS else more
 
 
-def _attribute(
-    keys: Keys, tag: str | None, written: str, *at: str | int, others: Collection[str] = ()
-) -> tuple[str | None, int | None]:
-    """Return the attribute that is written at a place, and its index, each None if there is none.
-
-    An attribute that no model has is reported. `others` are attributes without numbers, which the message offers too.
-    """
+def _attribute(tag: str | None, written: str, others: Collection[str] = ()) -> tuple[str, int | None] | Fault:
+    """Return an attribute and its index, or what is wrong with it. `others` are attributes without numbers."""
     match = _INDEXED.fullmatch(written)
     if match is None:
-        message = f"`{at[-1]}` of {keys.owner} is `{written}`, which is not an attribute"
-        keys.add("wrong-type", message, *at, help='write for instance `damping`, or `"range[1]"`')
-        return None, None
+        message = f"{IT} is `{written}`, which is not an attribute"
+        return Fault("wrong-type", message, help='write for instance `damping`, or `"range[1]"`')
     name, index = match.groups()
     known = [*(OF_THE_MODEL if tag is None else _selectable(tag)), *others]
     if name in known and name not in others and not (tag is None and index):
         return name, None if index is None else int(index)
     help, fix = advised(name, known)
-    note = exists_note("number of the model" if tag is None else "attribute", known, name)
-    message = f"`{name}` of a {tag} is nothing that {keys.owner} could ask for"
+    message = f"`{name}` of a {tag} is nothing that {OWNER} could ask for"
     if tag is None:
-        message = f"`{written}` is not a number of the model that {keys.owner} could ask for"
+        message = f"`{written}` is not a number of the model that {OWNER} could ask for"
         owners = [each for each in WITH_NUMBERS if name in _selectable(each)]
         if owners and not closest(name, known):
             help, fix = (
                 f"write `select: {{{owners[0]}: NAME}}` beside it, for the elements that have it",
                 None,
             )
-        note = exists_note("number", known, name)
-    keys.add("unknown-attribute", message, *at, notes=(note,), help=help, fix=fix)
-    return None, None
+    note = exists_note("number" if tag is None else "attribute", known, name)
+    return Fault("unknown-attribute", message, notes=(note,), help=help, fix=fix)
 
 
-def _numbers(keys: Keys, value: Any, *at: str | int) -> tuple[Number, ...] | None:
-    """Return the numbers that are written at a place, or None after a reported fault."""
-    if not isinstance(value, list):
-        number = _number(keys, value, *at)
-        return None if number is None else (number,)
-    if not value:
-        keys.add("wrong-length", f"`{at[-1]}` of {keys.owner} is an empty list", *at)
-        return None
-    found = [_number(keys, each, *at, place) for place, each in enumerate(value)]
-    return None if None in found else tuple(each for each in found if each is not None)
-
-
-def _number(keys: Keys, value: Any, *at: str | int) -> Number | None:
-    if isinstance(value, bool):
-        return value, None
-    angle = Angle.read(value) if isinstance(value, str) else None
-    if angle is not None:
-        return angle.value, angle.unit
-    number = keys.number_of(value, *at)
-    return None if number is None else (number, None)
-
-
-def _check_one(keys: Keys, value: Any, index: int | None, *at: str | int) -> None:
-    """Report a list if the attribute has an index, which means one number."""
-    if index is not None and isinstance(value, list) and value:
-        message = f"`{at[-1]}` of {keys.owner} expects one number, got a list"
-        help = "without an index, the attribute means all of its numbers"
-        keys.add("wrong-type", message, *at, help=help)
-
-
-_ANGLE = r"^[-+.0-9eE]+(?:deg|rad)$|\$\{"
-
-
-class Values:
-    """Form of a number, an angle, a boolean, or a list of these, read as a tuple of numbers with their units."""
-
-    def read(self, keys: Keys, value: Any, *at: str | int) -> tuple[Number, ...] | None:
-        return _numbers(keys, value, *at)
-
-    def schema(self) -> Schema:
-        return {
-            "type": ["number", "boolean", "string", "array"],
-            "items": {"anyOf": [reference("number"), {"type": "boolean"}]},
-            "minItems": 1,
-            "pattern": _ANGLE,
-            "patternErrorMessage": "expected a number, an angle such as 90deg, a boolean, a list of these, or ${…}",
-        }
-
-
-class Ends:
-    """Form of the least and the most value: two numbers or angles."""
-
-    def read(self, keys: Keys, value: Any, *at: str | int) -> tuple[Number, ...] | None:
-        if not isinstance(value, list) or len(value) != 2:
-            got = f"{len(value)}" if isinstance(value, list) else kind_of(value)
-            code = "wrong-length" if isinstance(value, list) else "wrong-type"
-            message = f"`{at[-1]}` of {keys.owner} expects a list of 2 numbers, got {got}"
-            keys.add(code, message, *at, help=f"write for instance `{at[-1]}: [18, 22]`")
-            return None
-        if any(isinstance(each, bool) for each in value):
-            keys.add(
-                "wrong-type", f"`{at[-1]}` of {keys.owner} expects a list of 2 numbers, got a boolean", *at
-            )
-            return None
-        found = _numbers(keys, value, *at)
-        if found is not None and found[0][1] == found[1][1] and found[0][0] > found[1][0]:
-            low, high = value
-            message = f"`{at[-1]}` of {keys.owner} starts with {shown(low)}, which is more than {shown(high)}"
-            keys.add("out-of-range", message, *at, help=f"write `{at[-1]}: [{shown(high)}, {shown(low)}]`")
-        return found
-
-    def schema(self) -> Schema:
-        return {"type": "array", "items": reference("number"), "minItems": 2, "maxItems": 2}
-
-
-class Tolerance:
-    """Form of a tolerance: a number, or an angle with its unit."""
-
-    number = form.Number(least=0)
-
-    def read(self, keys: Keys, value: Any, *at: str | int) -> Number | None:
-        angle = Angle.read(value) if isinstance(value, str) else None
-        if angle is not None and angle.value >= 0:
-            return angle.value, angle.unit
-        number = self.number.read(keys, value, *at)
-        return None if number is None else (number, None)
-
-    def schema(self) -> Schema:
-        return self.number.schema()
-
-
-class HowMany:
-    """Form of a count, or of the least and the most of a count, read as a pair."""
-
-    def read(self, keys: Keys, value: Any, *at: str | int) -> tuple[int, int] | None:
-        pair = value if isinstance(value, list) and len(value) == 2 else [value, value]
-        if not all(isinstance(each, int) and not isinstance(each, bool) and each >= 0 for each in pair):
-            message = (
-                f"`{at[-1]}` of {keys.owner} expects a count, or the least and the most, got {kind_of(value)}"
-            )
-            keys.add("wrong-type", message, *at, help=f"write for instance `{at[-1]}: 7`, or `[6, 8]`")
-            return None
-        low, high = pair
-        if low > high:
-            message = f"`{at[-1]}` of {keys.owner} starts with {low}, which is more than {high}"
-            keys.add("out-of-range", message, *at, help=f"write `{at[-1]}: [{high}, {low}]`")
-        return low, high
-
-    def schema(self) -> Schema:
-        count = {**reference("integer"), "minimum": 0}
-        return {"anyOf": [count, {"type": "array", "items": count, "minItems": 2, "maxItems": 2}]}
-
-
-class Selector:
-    """Form of a selector: a tag with a name or a glob, and what narrows it down."""
-
-    def read(self, keys: Keys, value: Any, *at: str | int) -> Selected | None:
-        if not isinstance(value, dict):
-            message = f"`{at[-1]}` of {keys.owner} is a mapping from a tag to a name, got {kind_of(value)}"
-            listed = isinstance(value, list)
-            help = (
-                "write a check for each selector"
-                if listed
-                else f"write for instance `{at[-1]}: {{site: tcp}}`"
-            )
-            keys.add("wrong-type", message, *at, help=help)
-            return None
-        tags = [key for key in value if key not in (*AROUND, WHERE)]
-        for tag in tags:
-            if tag not in TAGS:
-                self._unknown(keys, tag, *at)
-                return None
-        if len(tags) != 1:
-            message = f"`{at[-1]}` of {keys.owner} has {len(tags)} tags, and needs one"
-            keys.add(
-                "wrong-type", message, *at, help="write a check for each: `{site: NAME}`, `{body: NAME}`"
-            )
-            return None
-        (tag,) = tags
-        glob = keys.glob_of(value[tag], "a name or a glob", *at, tag)
-        parent, inside = (
-            _around(keys, tag, value[key], *at, key) if key in value else None for key in AROUND
-        )
-        where = _where(keys, tag, value[WHERE], *at, WHERE) if WHERE in value else ()
-        return None if glob is None else Selected(tag, glob, parent, inside=inside, where=where)
-
-    def _unknown(self, keys: Keys, tag: str, *at: str | int) -> None:
-        help, fix = advised(tag, (*TAGS, *AROUND, WHERE))
-        note = exists_note("tag", TAGS, tag)
-        message = f"`{tag}` in {keys.owner} is not a tag whose names a compiled model has"
-        if tag in _BESIDE or tag == "expect":
-            word = "count" if tag == "expect" else tag
-            help, fix = (
-                f"write `{word}` beside `{at[-1]}`, behind the `}}` of the selector: `{word}: …`",
-                None,
-            )
-        elif tag in NARROWING:
-            message = f"`{tag}` in {keys.owner} is nothing that a compiled model knows"
-            note = Note("it knows `parent`, `in` and `where`, and names with the prefixes of parts")
-            help = fix = None
-        keys.add("unknown-key", message, *at, tag, key=True, notes=(note,), help=help, fix=fix)
-
-    def schema(self) -> Schema:
-        body = {
-            "type": "object",
-            "properties": {"body": {**GLOB, "description": "a glob over the names of bodies"}},
-            "required": ["body"],
-            "additionalProperties": False,
-        }
-        around = zip(AROUND, ("right around", "somewhere around"), strict=True)
-        return {
-            "type": "object",
-            "minProperties": 1,
-            "maxProperties": 4,
-            "additionalProperties": False,
-            "properties": {
-                **{tag: {**GLOB, "description": f"a glob over the names: {tag}"} for tag in TAGS},
-                WHERE: {
-                    "type": "object",
-                    "minProperties": 1,
-                    "description": "only what has these values in the compiled model: `type: mesh`, `joint: elbow`",
-                },
-                **{
-                    key: {**body, "description": f"only what has a body of that name {where} it"}
-                    for key, where in around
-                },
-            },
-        }
-
-
-def _where(keys: Keys, tag: str, value: object, *at: str | int) -> tuple[Where, ...]:
-    """Return the conditions on attributes of the compiled model."""
-    if tag not in (*WITH_NUMBERS, *ENUMERATED) and not naming(tag):
-        message = f"`{WHERE}` in {keys.owner}: a compiled model has no attributes of a {tag} that could be asked for"
-        keys.add("unknown-key", message, *at, key=True, help=f"leave `{WHERE}` out")
-        return ()
-    if not isinstance(value, dict) or not value:
-        message = f"`{WHERE}` in {keys.owner} is a mapping from attributes to values, got {kind_of(value)}"
-        keys.add("wrong-type", message, *at, help=f'write for instance `{WHERE}: {{"size[0]": 0.1}}`')
-        return ()
-    conditions: list[Where] = []
+def _condition(tag: str, key: str, value: Any) -> dict[str, Any] | Fault:
+    """Return a condition on an attribute of the compiled model as plain data, or what is wrong with it."""
     words = [*keywords(tag), *naming(tag)]
-    for key, asked in value.items():
-        if key in words:
-            word = _word(keys, tag, key, asked, *at, key)
-            conditions += [Where(key, key, None, word=word)] if word is not None else []
-            continue
-        attr, place = _attribute(keys, tag, key, *at, key, others=words)
-        numbers = _numbers(keys, asked, *at, key) if attr is not None else None
-        _check_one(keys, asked, place, *at, key)
-        if attr is not None and numbers is not None:
-            conditions.append(Where(key, attr, place, value=numbers))
-    return tuple(conditions)
+    if key in words:
+        word = _word(tag, key, value)
+        return word if isinstance(word, Fault) else {"key": key, "word": word}
+    attr = _attribute(tag, key, words)
+    if isinstance(attr, Fault):
+        return attr
+    numbers: list[Number] = []
+    for each in value if isinstance(value, list) else [value]:
+        try:
+            numbers.append(_with_unit(Figure().read(each)))
+        except PydanticKnownError:
+            return Fault("wrong-type", f"`{key}` of {OWNER} expects a number, got {kind_of(each)}")
+    if not numbers or (attr[1] is not None and isinstance(value, list)):
+        got = "a list" if numbers else "an empty list"
+        return Fault("wrong-type", f"`{key}` of {OWNER} expects a number, got {got}")
+    return {"key": key, "word": None, "attr": attr[0], "index": attr[1], "value": numbers}
 
 
-def _word(keys: Keys, tag: str, attr: str, value: object, *at: str | int) -> str | None:
+def _word(tag: str, attr: str, value: Any) -> str | Fault:
     """Return the value that an attribute must have: one of its keywords, or a glob over names."""
     if attr not in keywords(tag):
-        return keys.glob_of(value, "a name or a glob", *at)
+        if not isinstance(value, str) or not value:
+            return Fault("wrong-type", f"`{attr}` of {OWNER} expects a name or a glob, got {kind_of(value)}")
+        return pattern_fault(value, OWNER, ()) or value
     word, known = str(value), keywords(tag)[attr]
     if word in known:
         return word
     help, fix = advised(word, known)
     note = exists_note("value", known, word)
-    message = f"`{attr}` of a {tag} is never `{shown(value)}`"
-    keys.add("wrong-keyword", message, *at, notes=(note,), help=help, fix=fix)
-    return None
+    return Fault(
+        "wrong-keyword", f"`{attr}` of a {tag} is never `{shown(value)}`", notes=(note,), help=help, fix=fix
+    )
 
-
-def _around(keys: Keys, tag: str, value: object, *at: str | int) -> str | None:
-    """Return the glob for a body around the selected elements."""
-    key = at[-1]
-    body = value.get("body") if isinstance(value, dict) and len(value) == 1 else None
-    if tag not in HOLDERS:
-        message = f"`{tag}` in {keys.owner} is in no body"
-        keys.add("unknown-key", message, *at, key=True, help=f"leave `{key}` out")
-    elif isinstance(body, str) and body:
-        return keys.glob_of(body, "a name or a glob", *at, "body")
-    else:
-        message = f"`{key}` in {keys.owner} is a body by its name or a glob, got {kind_of(value)}"
-        keys.add("wrong-type", message, *at, help=f'write for instance `{key}: {{body: "**/pad"}}`')
-    return None
-
-
-FORM = Keyed(
-    "How many elements the compiled model has, and the values of their attributes.",
-    Key("select", Selector(), "which elements; without it, `attr` is a number of the whole model"),
-    Key("count", HowMany(), "how many there are, or the least and the most; without it, at least one"),
-    Key(
-        "attr",
-        form.Name("an attribute of MJCF"),
-        "an attribute of MJCF, with an index for one of its numbers: `range[1]`; of a body also `subtree_mass`;"
-        f" without `select` one of {', '.join(OF_THE_MODEL)}",
-    ),
-    Key("equals", Values(), "the value: a number, an angle, a boolean, or a list"),
-    Key("tol", Tolerance(), "how far each number may be from `equals`; without it, rounding"),
-    Key("range", Ends(), "the least and the most that each number may be"),
-)
-
-
-def make(keys: Keys, found: Mapping[str, Any], at: Path) -> Expect | None:
-    before = len(keys.faults)
-    _check_keys(keys)
-    select: Selected | None = found["select"]
-    if "select" in keys.value and select is None:
-        return None
-    attr, index = None, None
-    if found["attr"] is not None:
-        attr, index = _attribute(keys, None if select is None else select.tag, found["attr"], "attr")
-        _check_one(keys, keys.value.get("equals"), index, "equals")
-    if len(keys.faults) > before:
-        return None
-    return Expect(
-        keys.name, select, found["count"], attr=attr, index=index, equals=found["equals"], tol=found["tol"],
-        range=found["range"], at=at,
-    )  # fmt: skip
-
-
-def _check_keys(keys: Keys) -> None:
-    """Report keys that miss another key, or exclude it."""
-    if any(each.code == "unknown-key" and each.at[:2] == (keys.name, keys.word) for each in keys.faults):
-        return  # the key with this fault may be the one that is missing
-    given = keys.value
-    if "select" not in given and "attr" not in given:
-        message = f"`{keys.word}` of {keys.owner} does not say of what"
-        help = "write for instance `select: {joint: NAME}`, or `attr: mass`"
-        keys.add("missing-key", message, key=True, help=help)
-    elif "count" in given and "select" not in given:
-        message = f"`count` of {keys.owner} belongs to `select`"
-        keys.add("unknown-key", message, "count", key=True, help="write `select: {TAG: NAME}` beside it")
-    keys.one_of("equals", "range")
-    value = next((key for key in ("equals", "range") if key in given), None)
-    if "attr" in given and value is None:
-        message = f"`attr` of {keys.owner} does not say which value it has"
-        keys.add(
-            "missing-key", message, "attr", key=True, help="write `equals: VALUE`, or `range: [LOW, HIGH]`"
-        )
-    elif value is not None and "attr" not in given and "select" in given:
-        message = f"`{value}` of {keys.owner} belongs to `attr`"
-        keys.add("unknown-key", message, value, key=True, help="write `attr: NAME` beside it")
-    if "tol" in given and "equals" not in given:
-        message = f"`tol` of {keys.owner} belongs to `equals`"
-        keys.add("unknown-key", message, "tol", key=True, help="remove `tol`, or write `equals: VALUE`")
-
-
-KIND = Kind("expect", FORM, make, example="{select: {site: NAME}, count: 1}")
 
 _ROUNDING = {4: 1e-6, 8: 1e-9}
 """Rounding tolerance by the bytes of a number, relative to the larger of 1 and the value."""
@@ -569,7 +485,7 @@ def _fits(scope: Scope, index: int, select: dict[str, Any], angle: str | None) -
     tag = select["tag"]
     for each in select["where"]:
         if each["word"] is not None:
-            words = set(words_of(scope, tag, index, attr=each["attr"]))
+            words = set(words_of(scope, tag, index, attr=each["key"]))
             if not scope.fitting(each["word"], words):
                 return False
             continue

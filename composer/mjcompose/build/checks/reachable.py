@@ -2,54 +2,34 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any, ClassVar
+from typing import Annotated, Any, ClassVar
 
-from mjcompose.base.dataclass import dataclass
-from mjcompose.base.diagnostic import Fault, Path
+from pydantic import Field
+
+from mjcompose.base.diagnostic import Fault
 from mjcompose.build.checks.check import SOLVED, Scope, beside, failed
-from mjcompose.language.checks.form import LENGTH, Key, Keyed, Keys, Kind, Name, Number, Numbers
-
-TOLERANCE = 1e-3
-_POINT = "[0.5, 0, 0.8]"
+from mjcompose.language.check import Check
+from mjcompose.language.forms.scalars import LENGTHS, Expects, Items, Name, Scaled
 
 
-@dataclass(frozen=True, slots=True)
-class Reachable:
-    """Some joint positions within their limits bring `site` to `target` (metres, in the world of the recipe)."""
+class Reachable(Check):
+    """Joint positions within their limits bring a site to a point. Collisions are not looked at."""
 
-    word: ClassVar[str] = "reachable"
-    name: str
-    site: str
-    target: tuple[float, ...]
-    tolerance: float
-    key: str | None
-    at: Path
+    word: ClassVar = "reachable"
+    needs_world: ClassVar = True
+    example: ClassVar = "{site: tcp, target: [0.5, 0, 0.8]}"
 
-
-FORM = Keyed(
-    "Joint positions within their limits bring a site to a point. Collisions are not looked at.",
-    Key("site", Name("the name of a site"), "the site that is brought there", needed="NAME"),
-    Key(
-        "target",
-        Numbers(3, _POINT),
-        "the point, in metres, in the world of this recipe",
-        needed=_POINT,
-    ),
-    Key("tolerance", Number(above=0, units=LENGTH), "how near it must come, in metres", default=TOLERANCE),
-    Key(
-        "key",
-        Name("the name of a keyframe"),
-        "where everything else is, and the search starts; without it, the reference configuration",
-    ),
-)
+    site: Annotated[str, Name("site")] = Field(examples=["NAME"])
+    """the site that is brought there"""
+    target: Annotated[tuple[float, ...], Items(3, 3), Expects("a list of 3 numbers", "[0.5, 0, 0.8]")]
+    """the point, in metres, in the world of this recipe"""
+    tolerance: Annotated[float, Scaled(LENGTHS, gt=0)] = 1e-3
+    """how near it must come, in metres"""
+    key: Annotated[str, Name("key", what="the name of a keyframe")] | None = None
+    """where everything else is, and the search starts; without it, the reference configuration"""
 
 
-def make(keys: Keys, found: Mapping[str, Any], at: Path) -> Reachable:
-    return Reachable(keys.name, at=at, **found)
-
-
-KIND = Kind("reachable", FORM, make, example="{site: tcp, target: [0.5, 0, 0.8]}", needs_world=True)
+KIND = Reachable
 
 
 def check(scope: Scope, asked: dict[str, Any]) -> list[Fault]:

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
-from mjcompose.base.dataclass import dataclass
-from mjcompose.base.diagnostic import Path
+from pydantic import Field
+
+from mjcompose.base.diagnostic import Fault
 from mjcompose.base.suggest import advised
-from mjcompose.language.checks.form import Key, Keyed, Keys, Kind, Name
-from mjcompose.language.form import Schema, kind_of
+from mjcompose.language.check import Check
+from mjcompose.language.forms.scalars import Checked, Expects, Items, Name, Text
 from mjcompose.model.grammar import GRAMMAR
 from mjcompose.mujoco.attributes import arrays_of
 from mjcompose.text.node import locate
@@ -20,25 +20,10 @@ if TYPE_CHECKING:
     from mjcompose.mujoco.match import Difference
     from mjcompose.sources.context import Context
 
-PART, EXCEPT = "part", "except"
 OF_THE_WHOLE = frozenset("compiler option size statistic visual extension".split())
 """Sections that are not a part's."""
 OWN = frozenset({"class", "childclass", "name", "file"})
 """Attributes that a compiled model does not have as such: they cannot be excepted."""
-
-
-@dataclass(frozen=True, slots=True)
-class Unchanged:
-    """A part is the same as its source alone. Without `part`, all parts are. Attributes `excepted` may differ.
-
-    The place of an attribute is `locate(node, (*at, "unchanged", "except", INDEX))`.
-    """
-
-    word: ClassVar[str] = "unchanged"
-    name: str
-    part: str | None
-    excepted: tuple[str, ...]
-    at: Path
 
 
 def attributes() -> list[str]:
@@ -48,50 +33,34 @@ def attributes() -> list[str]:
     return sorted({name for kind in kinds for name in kind.attributes} - OWN)
 
 
-class Attributes:
-    """Form of a list of MJCF's attributes, read as a tuple."""
-
-    def read(self, keys: Keys, value: Any, *at: str | int) -> tuple[Any, ...]:
-        if not isinstance(value, list):
-            message = f"`{at[-1]}` of {keys.owner} expects a list of attributes, got {kind_of(value)}"
-            listed = f"write `{at[-1]}: [{value}]`" if isinstance(value, str) else None
-            keys.add("wrong-type", message, *at, help=listed)
-            return ()
-        known = attributes() if value else []
-        for index, each in enumerate(value):
-            if each not in known:
-                self._unknown(keys, each, known, *at, index)
-        return tuple(value)
-
-    def _unknown(self, keys: Keys, name: Any, known: list[str], *at: str | int) -> None:
-        if not isinstance(name, str):
-            message = f"`{at[0]}` expects attributes of MJCF, got {kind_of(name)}"
-            keys.add("wrong-type", message, *at)
-            return
-        help, fix = advised(name, known)
-        message = f"MJCF has no attribute `{name}` that could be excepted"
-        keys.add("unknown-attribute", message, *at, help=help, fix=fix)
-
-    def schema(self) -> Schema:
-        return {"type": "array", "items": {"type": "string", "minLength": 1}}
+def _known(name: str) -> Fault | None:
+    known = attributes()
+    if name in known:
+        return None
+    help, fix = advised(name, known)
+    return Fault(
+        "unknown-attribute", f"MJCF has no attribute `{name}` that could be excepted", help=help, fix=fix
+    )
 
 
-FORM = Keyed(
-    "A part is what its source is when MuJoCo compiles that alone.",
-    Key(
-        PART,
-        Name("the prefix of a part"),
-        "the part, by its prefix; `base` is the base; without it, all of them",
-    ),
-    Key(EXCEPT, Attributes(), "attributes of MJCF that are changed on purpose", default=()),
-)
+class Unchanged(Check):
+    """A part is what its source is when MuJoCo compiles that alone."""
+
+    word: ClassVar = "unchanged"
+    is_in_mujoco: ClassVar = False
+    example: ClassVar = "{}"
+
+    part: Annotated[str, Name(what="the prefix of a part")] | None = None
+    """the part, by its prefix; `base` is the base; without it, all of them"""
+    excepted: Annotated[
+        tuple[Annotated[Text, Checked(_known), Expects("an attribute of MJCF")], ...],
+        Items(),
+        Expects("a list of attributes", "[gravcomp]"),
+    ] = Field((), alias="except")
+    """attributes of MJCF that are changed on purpose"""
 
 
-def make(keys: Keys, found: Mapping[str, Any], at: Path) -> Unchanged:
-    return Unchanged(keys.name, found[PART], found[EXCEPT], at=at)
-
-
-KIND = Kind("unchanged", FORM, make, example="{}", is_in_mujoco=False)
+KIND = Unchanged
 
 
 def run(checks: Checks, check: Unchanged, recipe: NestedRecipe, context: Context) -> dict[str, Any]:
@@ -115,7 +84,7 @@ def run(checks: Checks, check: Unchanged, recipe: NestedRecipe, context: Context
 def _report(compared: PartComparison, recipe: NestedRecipe, check: Unchanged, context: Context) -> None:
     from mjcompose.build.verify.parts import change_sentence, difference_notes
 
-    path = (*check.at, "unchanged")
+    path = check.at
     span = locate(recipe.plan.document, (*path, "part") if check.part else path, key=check.part is None)
     about = f"check `{recipe.part}{check.name}`"
     if compared.obscure is not None:

@@ -397,7 +397,7 @@ def checks_of(plan: Plan) -> Iterator[str]:
     """Yield one line for each check."""
     for check in plan.checks:
         node: Node = plan.document
-        for key in (*check.at, check.word):
+        for key in check.at:
             assert isinstance(node, Mapping)
             node = node.entries[str(key)][1]
         yield f"check {check.name}: {check.word} {_flow(node)}"

@@ -87,7 +87,7 @@ def _of_checks(plan: Plan, parts: list[str], sink: Sink) -> None:
                 "part",
                 check.part,
                 parts,
-                span=locate(plan.document, (*check.at, "unchanged", "part")),
+                span=locate(plan.document, (*check.at, "part")),
                 message=f"check `{check.name}` is about `{check.part}`, which is not a part of this recipe",
                 help=f"write `part: {near[0]}`" if near else None,
                 fix=renaming(check.part, parts),

@@ -22,7 +22,7 @@ from mjcompose.build.plan.steps import (
     added_places,
 )
 from mjcompose.language.attach import Attachment
-from mjcompose.language.checks.form import Check
+from mjcompose.language.check import Check
 from mjcompose.language.distribution import Operation
 from mjcompose.language.motors import Motor
 from mjcompose.language.randomize import DrawField, Randomize

@@ -28,6 +28,7 @@ from mjcompose.build.plan.steps import (
     check_bare_angles,
 )
 from mjcompose.language.attach import Attachment
+from mjcompose.language.check import checks_of
 from mjcompose.language.expand import Concrete
 from mjcompose.language.placing import with_inherited
 from mjcompose.language.randomize import Randomize
@@ -210,7 +211,7 @@ class _Planner:
             ),
             scope=concrete.scope if concrete else {},
             variants=concrete.variants if concrete else {},
-            checks=recipe.check,
+            checks=tuple(checks_of(recipe.check)),
             motors=recipe.motors,
             **draws._asdict(),
             worlds=self.worlds,

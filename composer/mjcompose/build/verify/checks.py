@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import asdict, replace
+from dataclasses import replace
 from functools import cached_property
 from typing import Any
 
@@ -20,8 +20,7 @@ from mjcompose.build.plan.plan import BASE, MadeShapes, PartRecord, Plan, arrays
 from mjcompose.build.verify.compile import WHOLE
 from mjcompose.build.verify.outcome import Outcome
 from mjcompose.build.verify.parts import PartComparer
-from mjcompose.language.check import KINDS, MODULES, SEVERITY
-from mjcompose.language.checks.form import Check
+from mjcompose.language.check import MODULES, SEVERITY, Check
 from mjcompose.link.files import Merged
 from mjcompose.mujoco import engine
 from mjcompose.mujoco.messages import CRASHES
@@ -122,7 +121,7 @@ class Checks:
         kept = True
         for recipe, check in checks_in(self.plan):
             own = replace(self.context, sink=Sink())
-            if KINDS[check.word].is_in_mujoco:
+            if check.is_in_mujoco:
                 kept, values = self._ask(check, recipe, own)
             else:
                 values = _RUNS[check.word](self, check, recipe, own)
@@ -146,22 +145,22 @@ class Checks:
 
         Return whether that process still keeps the model, and the values that the check found.
         """
-        path = (*check.at, check.word)
+        path = check.at
         written = next(
             (key for key in ("equals", "range") if find(recipe.plan.document, (*path, key))), "select"
         )
         asked = {
-            **asdict(check),  # type: ignore[call-overload]
+            **check.asked(),
             "angle": recipe.plan.angle_context.at((*path, written)).angle,
             "frame": recipe.frame(self.members),
-            "bytes": sum(map(len, self.bundle.files.values())),
+            "size": sum(map(len, self.bundle.files.values())),
             "shapes": [
                 {"mesh": each.mesh, "of": each.of, "shapes": each.shapes, **each.error}
                 for each in self.shapes
             ],
         }
         about = f"check `{recipe.part}{check.name}`"
-        if KINDS[check.word].needs_world and asked["frame"] is None:
+        if check.needs_world and asked["frame"] is None:
             message = f"{about}: it is not known where the world of this recipe stands in the model, for it has no base"
             help = "move the check to the recipe around it"
             context.sink.error("check-failed", message, _place(check, recipe), help=help)
@@ -185,19 +184,19 @@ def check_spans(plan: Plan) -> dict[str, Span]:
 
 
 def _place(check: Check, recipe: NestedRecipe) -> Span:
-    return locate(recipe.plan.document, (*check.at, check.word), key=True)
+    return locate(recipe.plan.document, check.at, key=True)
 
 
 def _as_severe(found: Diagnostic, check: Check, recipe: NestedRecipe) -> Diagnostic:
     """Return the diagnostic with the severity that the check sets; errors in the check itself stay errors."""
-    severity = find(recipe.plan.document, (*check.at, SEVERITY))
+    severity = find(recipe.plan.document, (*check.at[:-1], SEVERITY))
     warns = isinstance(severity, Scalar) and severity.value == Severity.WARNING
     return replace(found, severity=Severity.WARNING) if warns and found.code in _NOT_HELD else found
 
 
 def report(finding: Fault, check: Check, recipe: NestedRecipe, context: Context) -> None:
     """Report what a check finds, at the value that it is about, or else at the word of the check."""
-    path = (*check.at, check.word, *finding.at)
+    path = (*check.at, *finding.at)
     value = find(recipe.plan.document, path) if finding.at else None
     span = locate(recipe.plan.document, path, key=value is None or isinstance(value, Mapping))
     message = f"check `{recipe.part}{check.name}`: {finding.message}"

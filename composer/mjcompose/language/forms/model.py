@@ -47,7 +47,8 @@ def is_hidden(step: str | int) -> bool:
 class Model(BaseModel):
     """A mapping with fixed keys, in the order in which `fmt` writes them; the text below a field describes its key.
 
-    `rules` say which keys exclude or need one another. `short` is the key that a text alone stands for. `example` is
+    `rules` say which keys exclude or need one another. `short` is the key that a text alone stands for, or with
+    `short_type` a list. `example` is
     what messages recommend to write, where `…` is the text that is written, if there is one. `noun` is what messages
     call a key. `instead` has words that are no keys, each with the key that is right, or with a help line.
 
@@ -68,6 +69,7 @@ class Model(BaseModel):
     )
     rules: ClassVar[tuple[Rule, ...]] = ()
     short: ClassVar[str | None] = None
+    short_type: ClassVar[type] = str
     example: ClassVar[str] = ""
     noun: ClassVar[str] = "key"
     instead: ClassVar[Mapping[str, str]] = {}
@@ -115,7 +117,7 @@ class Model(BaseModel):
         faults: list[Fault] = []
         if is_whole(cls):
             value = {WHOLE: value}
-        elif cls.short is not None and isinstance(value, str):
+        elif cls.short is not None and isinstance(value, cls.short_type):
             value = {cls.short: value}
         if isinstance(value, dict):
             for rule in cls.rules:

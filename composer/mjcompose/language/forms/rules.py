@@ -60,6 +60,8 @@ class OneOf(Exclusive):
     `noun` is what a note calls the keys that exist; without it there is no note.
     """
 
+    exclusive = True
+
     def __init__(
         self,
         *names: str,
@@ -73,7 +75,8 @@ class OneOf(Exclusive):
         self.lacks, self.advice, self.unless, self.noun = lacks, advice, unless, noun
 
     def faults(self, value: Mapping[str, Any], model: type[Model], context: Settings) -> Iterator[Fault]:
-        yield from super().faults(value, model, context)
+        if self.exclusive:
+            yield from super().faults(value, model, context)
         if any(name in value for name in (*self.names, self.unless)):
             return
         unknown = [key for key in value if key not in model.key_names()]
@@ -82,10 +85,17 @@ class OneOf(Exclusive):
             yield Fault("missing-key", f"{IT} {self.lacks}", key=True, notes=notes, help=self.advice)
 
     def schema(self) -> Iterator[Schema]:
-        yield from super().schema()
+        if self.exclusive:
+            yield from super().schema()
         # Not with `anyOf`, whose errors an editor cannot explain.
         none: Schema = dict.fromkeys((*self.names, *([self.unless] if self.unless else [])), False)
         yield {"if": {"properties": none}, "then": {"required": [self.names[0]], "errorMessage": self.advice}}
+
+
+class AnyOf(OneOf):
+    """At least one of some keys is written. Without any, `lacks` says what is missing, and `advice` helps."""
+
+    exclusive = False
 
 
 class Belongs:

@@ -5,6 +5,7 @@ What annotates a type is read by the validator, by messages (`Expects`, `Unit`),
 
 from __future__ import annotations
 
+import re
 import sys
 from collections.abc import Callable, Mapping
 from typing import Annotated, Any, get_args
@@ -90,7 +91,8 @@ class Name:
         return core_schema.no_info_after_validator_function(self._read, handler(source))
 
     def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> Schema:
-        return dict(GLOB) if self.glob else {"type": "string", "minLength": 1}
+        about = {key: each for key, each in handler(schema).items() if key == "description"}
+        return {**(GLOB if self.glob else {"type": "string", "minLength": 1}), **about}
 
     def _read(self, text: str) -> str:
         faults: list[Fault] = []
@@ -117,13 +119,18 @@ class Measure:
         self._ge, self._gt = ge, gt
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        return core_schema.no_info_plain_validator_function(self._read)
+        return core_schema.no_info_plain_validator_function(self.read)
 
     def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> Schema:
-        bounds = {"minimum": self._ge, "exclusiveMinimum": self._gt}
-        return {**reference("number"), **{key: each for key, each in bounds.items() if each is not None}}
+        return {**reference("number"), **{key: each for key, each in self.bounds.items() if each is not None}}
 
-    def _read(self, value: Any) -> float | Angle:
+    @property
+    def bounds(self) -> dict[str, float | None]:
+        """The bounds by their words in a JSON Schema."""
+        return {"minimum": self._ge, "exclusiveMinimum": self._gt}
+
+    def read(self, value: Any) -> float | Angle:
+        """Return what is written, with its unit. Raises PydanticKnownError."""
         read = Angle.read(value) if isinstance(value, str) else value
         if isinstance(read, bool) or not isinstance(read, int | float | Angle):
             raise PydanticKnownError("float_type")
@@ -135,6 +142,50 @@ class Measure:
         if self._gt is not None and number <= self._gt:
             raise PydanticKnownError("greater_than", {"gt": self._gt})
         return read
+
+
+class Scaled:
+    """A number that may have one of some `units` behind it, which are factors to the number alone: `-1mm`, `20MB`.
+
+    >>> from pydantic import TypeAdapter
+    >>> TypeAdapter(Annotated[float, Scaled(LENGTHS)]).validate_python("-1mm")
+    -0.001
+    """
+
+    def __init__(
+        self, units: Mapping[str, float], *, ge: float | None = None, gt: float | None = None
+    ) -> None:
+        self._units, self._measure, self._signed = units, Measure(ge=ge, gt=gt), ge is None and gt is None
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_plain_validator_function(self._read)
+
+    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> Schema:
+        sign, known = "-?" if self._signed else "", "|".join(self._units)
+        return {
+            **{key: each for key, each in self._measure.bounds.items() if each is not None},
+            "type": ["number", "string"],
+            "pattern": rf"^{sign}{_DIGITS}\s*(?:{known})$|\$\{{",
+            "patternErrorMessage": f"expected a number, or one with a unit: {', '.join(self._units)}",
+        }
+
+    def _read(self, value: Any) -> float:
+        match = _WITH_UNIT.fullmatch(value) if isinstance(value, str) else None
+        if match is not None and match[2] in self._units:
+            value = float(match[1]) * self._units[match[2]]
+        elif isinstance(value, str):
+            raise PydanticKnownError("float_type")
+        return float(self._measure.read(value))  # type: ignore[arg-type]
+
+
+_DIGITS = r"(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
+_WITH_UNIT = re.compile(rf"(-?{_DIGITS})\s*([A-Za-z]+)")
+LENGTHS: Mapping[str, float] = {"mm": 1e-3, "cm": 1e-2, "m": 1.0}
+BYTES: Mapping[str, float] = {
+    f"{prefix}{infix}B": float((1024 if infix else 1000) ** power)
+    for power, prefix in enumerate("kMG", 1)
+    for infix in ("", "i")
+}
 
 
 class Items:

@@ -4,45 +4,33 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from typing import Any
+from typing import Annotated, Any, ClassVar
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Fault
 from mjcompose.build.checks.check import Scope
 from mjcompose.build.checks.rules.rule import Rule, chosen, excepted, listed
-from mjcompose.language.checks.form import Globs, Key, Keyed, Keys, Number, Numbers
-
-FORM = Keyed(
-    "Masses and inertias could be those of the bodies, as far as their geoms show.",
-    Key(
-        "body",
-        Globs("globs over names of bodies"),
-        "which bodies; without it, all that have mass and geoms",
-        default=(),
-    ),
-    Key("density", Numbers(2, "[100, 9000]"), "the least and the most, in kg/m³; without it, any"),
-    Key(
-        "gyration",
-        Number(above=0),
-        "the largest radius of gyration, relative to the distance of the farthest point from the centre of mass",
-        default=1.0,
-    ),
-    Key(
-        "outside",
-        Number(least=0),
-        "how far the centre of mass may be outside the box around the geoms, relative to the diagonal of the box",
-        default=0.02,
-    ),
-)
+from mjcompose.language.forms.scalars import Expects, Items, Name, NotNegative, Positive, Range, Unit
 
 
-def validate(keys: Keys, settings: Mapping[str, Any]) -> None:
-    density = settings["density"]
-    if density is not None and not 0 <= density[0] <= density[1]:
-        message = f"`density` of {keys.owner} is a range that starts at 0 or more, and does not end before it starts"
-        keys.add("out-of-range", message, "density", help="write for instance `density: [100, 9000]`")
+class InertiaImplausible(Rule):
+    """Masses and inertias could be those of the bodies, as far as their geoms show."""
+
+    word: ClassVar = "inertia-implausible"
+    kinds: ClassVar = ("body",)
+    instead: ClassVar = {"bodies": "body"}
+
+    body: Annotated[tuple[Annotated[str, Name("body", glob=True)], ...], Items(1, single=True)] = ()
+    """which bodies; without it, all that have mass and geoms"""
+    density: Annotated[Range, Expects("a list of 2 numbers", "[100, 9000]"), Unit("kg/m³")] | None = None
+    """the least and the most, in kg/m³; without it, any"""
+    gyration: Positive = 1.0
+    """the largest radius of gyration, relative to the distance of the farthest point from the centre of mass"""
+    outside: NotNegative = 0.02
+    """how far the centre of mass may be outside the box around the geoms, relative to the diagonal of the box"""
 
 
+RULE = InertiaImplausible
 _ROUNDING = 1e-6
 _ENDLESS = ("mjGEOM_PLANE", "mjGEOM_HFIELD")
 
@@ -212,6 +200,3 @@ def _enclosed(model: Any, mesh: int) -> float | None:
     corners = points[model.mesh_face[start : start + len(faces)]]
     inside = float(np.einsum("ij,ij->", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])) / 6)
     return inside if inside > 0 else None
-
-
-RULE = Rule("inertia-implausible", FORM, ("body",), check, validate=validate)

@@ -3,22 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Annotated, Any, ClassVar
 
 from mjcompose.base.diagnostic import Fault
 from mjcompose.build.checks.check import Scope
 from mjcompose.build.checks.rules.rule import Rule, chosen, excepted, listed
-from mjcompose.language.checks.form import Globs, Key, Keyed
+from mjcompose.language.forms.scalars import Items, Name
 
-FORM = Keyed(
-    "Every joint is moved by an actuator, also through a tendon or an equality to another joint.",
-    Key(
-        "joint",
-        Globs("globs over names of joints"),
-        "which joints; without it, all hinges and slides",
-        default=(),
-    ),
-)
+
+class JointUnactuated(Rule):
+    """Every joint is moved by an actuator, also through a tendon or an equality to another joint."""
+
+    word: ClassVar = "joint-unactuated"
+    kinds: ClassVar = ("joint",)
+    instead: ClassVar = {"joints": "joint"}
+
+    joint: Annotated[tuple[Annotated[str, Name("joint", glob=True)], ...], Items(1, single=True)] = ()
+    """which joints; without it, all hinges and slides"""
+
+
+RULE = JointUnactuated
 
 
 def check(scope: Scope, settings: Mapping[str, Any]) -> list[Fault]:
@@ -59,6 +63,3 @@ def _moved(mujoco: Any, model: Any) -> set[int]:
             if one in moved or other in moved:
                 moved |= {one, other}
     return moved
-
-
-RULE = Rule("joint-unactuated", FORM, ("joint",), check)

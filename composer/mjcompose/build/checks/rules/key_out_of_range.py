@@ -4,29 +4,32 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 from mjcompose.base.diagnostic import Fault
 from mjcompose.build.checks.check import Scope, at_keys, keys_named
 from mjcompose.build.checks.rules.rule import Rule, excepted, listed
-from mjcompose.language.checks.form import Globs, Key, Keyed, Number
+from mjcompose.language.forms.scalars import Items, Name, NotNegative
 
 if TYPE_CHECKING:
     from mjcompose.mujoco.index import Range
 
-FORM = Keyed(
-    "In keyframes, positions, controls and activations are within their ranges.",
-    Key(
-        "key", Globs("globs over names of keyframes"), "which keyframes; without it, all of them", default=()
-    ),
-    Key(
-        "margin",
-        Number(least=0),
-        "how far they stay from both ends, in the unit of each range",
-        default=0.0,
-    ),
-)
-_KINDS = ("joint", "actuator")
+
+class KeyOutOfRange(Rule):
+    """In keyframes, positions, controls and activations are within their ranges."""
+
+    word: ClassVar = "key-out-of-range"
+    kinds: ClassVar = ("joint", "actuator")
+    instead: ClassVar = {"keys": "key"}
+
+    key: Annotated[tuple[Annotated[str, Name("key", glob=True)], ...], Items(1, single=True)] = ()
+    """which keyframes; without it, all of them"""
+    margin: NotNegative = 0.0
+    """how far they stay from both ends, in the unit of each range"""
+
+
+RULE = KeyOutOfRange
+_KINDS = KeyOutOfRange.kinds
 _ROUNDING = 1e-6
 
 
@@ -90,6 +93,3 @@ def _values(scope: Scope, data: Any) -> Iterator[tuple[str, int, str, float, Ran
                 yield "actuator", place, "ctrl", float(value), bounds, ""
         if actuator.act_size and actuator.act_range is not None:
             yield "actuator", place, "act", float(data.act[actuator.act_address]), actuator.act_range, ""
-
-
-RULE = Rule("key-out-of-range", FORM, _KINDS, check)

@@ -2,32 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from typing import Any
+from collections.abc import Mapping, Sequence
+from typing import Any, ClassVar
 
-from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Fault
 from mjcompose.build.checks.check import Scope, failed, unmet
-from mjcompose.language.checks.form import Keyed, Keys
+from mjcompose.language.check import CheckPart
 
 SHOWN = 8
 
 
-@dataclass(frozen=True, slots=True)
-class Rule:
-    """A rule: its word, the form of its settings, and the kinds of element that `except` can name.
+class Rule(CheckPart):
+    """The settings of a rule.
 
-    `check` returns the findings for the settings. A rule that `needs` some of its settings runs only if a recipe
-    writes them, and `example` is one.
+    `kinds` are the kinds of element that `except` can name. A rule with `limits` runs only if a recipe writes one of
+    them. The module of a rule has a function `check`, which returns the findings for the settings.
     """
 
-    word: str
-    form: Keyed
-    kinds: tuple[str, ...]
-    check: Callable[[Scope, Mapping[str, Any]], list[Fault]]
-    needs: tuple[str, ...] = ()
-    example: str = "{}"
-    validate: Callable[[Keys, Mapping[str, Any]], None] = lambda keys, found: None
+    word: ClassVar[str]
+    kinds: ClassVar[tuple[str, ...]]
+    limits: ClassVar[tuple[str, ...]] = ()
+    example: ClassVar = "{}"
 
 
 def chosen(scope: Scope, kind: str, settings: Mapping[str, Any]) -> list[int] | Fault | None:

@@ -3,43 +3,51 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Annotated, Any, ClassVar
+
+from pydantic import Field
 
 from mjcompose.base.diagnostic import Fault
 from mjcompose.base.suggest import did_you_mean, exists_note
 from mjcompose.build.checks.check import Scope, failed
 from mjcompose.build.checks.rules.rule import SHOWN, Rule, listed
-from mjcompose.language.checks.form import LENGTH, Globs, Key, Keyed, Keys, Number, Numbers
+from mjcompose.language.forms.rules import AnyOf
+from mjcompose.language.forms.scalars import LENGTHS, Expects, Items, Name, NotNegative, Range, Scaled
 
-FORM = Keyed(
-    "The shapes and meshes that `collision` and `simplify` made of meshes are near enough to them.",
-    Key("mesh", Globs("globs over names of meshes"), "which meshes; without it, all", default=()),
-    Key(
-        "hausdorff",
-        Number(least=0, units=LENGTH),
-        "the greatest distance of the two from one another, in metres",
-    ),
-    Key(
-        "beyond", Number(least=0, units=LENGTH), "how far the shapes reach out of the mesh at most, in metres"
-    ),
-    Key(
-        "short",
-        Number(least=0, units=LENGTH),
-        "how far the mesh reaches out of the shapes at most, in metres",
-    ),
-    Key("uncovered", Number(least=0), "the greatest share of the surface outside of the shapes"),
-    Key("volume", Numbers(2, "[0.9, 1.2]"), "the least and the most volume, relative to that of the mesh"),
-)
+_Length = Annotated[float, Scaled(LENGTHS, ge=0)]
+_LIMITS = ("hausdorff", "beyond", "short", "uncovered", "volume")
 
 
-def validate(keys: Keys, settings: Mapping[str, Any]) -> None:
-    volume = settings["volume"]
-    if volume is not None and volume[0] > volume[1]:
-        low, high = volume
-        message = f"`volume` of {keys.owner} starts with {low:g}, which is more than {high:g}"
-        keys.add("out-of-range", message, "volume", help=f"write `volume: [{high:g}, {low:g}]`")
+class ShapeOffMesh(Rule):
+    """The shapes and meshes that `collision` and `simplify` made of meshes are near enough to them."""
+
+    word: ClassVar = "shape-off-mesh"
+    kinds: ClassVar = ("mesh",)
+    limits: ClassVar = _LIMITS
+    example: ClassVar = "{hausdorff: 0.002}"
+    instead: ClassVar = {"meshes": "mesh"}
+    rules: ClassVar = (
+        AnyOf(
+            *_LIMITS, lacks="does not say how near", advice="write for instance `hausdorff: 0.002`, in metres"
+        ),
+    )
+
+    mesh: Annotated[tuple[Annotated[str, Name("mesh", glob=True)], ...], Items(1, single=True)] = ()
+    """which meshes; without it, all"""
+    hausdorff: _Length | None = None
+    """the greatest distance of the two from one another, in metres"""
+    beyond: _Length | None = None
+    """how far the shapes reach out of the mesh at most, in metres"""
+    shortfall: _Length | None = Field(None, alias="short")
+    """how far the mesh reaches out of the shapes at most, in metres"""
+    uncovered: NotNegative | None = None
+    """the greatest share of the surface outside of the shapes"""
+    volume: Annotated[Range, Expects("a list of 2 numbers", "[0.9, 1.2]")] | None = None
+    """the least and the most volume, relative to that of the mesh"""
 
 
+RULE = ShapeOffMesh
+_FIELDS = {"short": "shortfall"}
 _LENGTHS = {
     "hausdorff": "is {} m off",
     "beyond": "reaches {} m out of the mesh",
@@ -72,7 +80,7 @@ def check(scope: Scope, settings: Mapping[str, Any]) -> list[Fault]:
     findings = []
     for measure, words in _LENGTHS.items():
         scope.found(measure, max(each[measure] for _, each in meant))
-        if (most := settings[measure]) is not None:
+        if (most := settings[_FIELDS.get(measure, measure)]) is not None:
             wrong = [(each[measure], name) for name, each in meant if each[measure] > most]
             findings += _failed(wrong, words, f"at most {most:g} m", measure=measure)
     covered = [(each["uncovered"], name) for name, each in meant if each["uncovered"] is not None]
@@ -104,14 +112,3 @@ def _failed(wrong: list[tuple[float, str]], words: str, expected: str, measure: 
     ranked = sorted(wrong, reverse=True)
     lines = [f"what was made of `{name}` {words.format(f'{value:.4g}')}" for value, name in ranked]
     return listed(lines, expected, f"{ranked[0][0]:.4g}" if ranked else "", measure)
-
-
-RULE = Rule(
-    "shape-off-mesh",
-    FORM,
-    ("mesh",),
-    check,
-    needs=("hausdorff", "beyond", "short", "uncovered", "volume"),
-    example="{hausdorff: 0.002}",
-    validate=validate,
-)

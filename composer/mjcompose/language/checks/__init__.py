@@ -1,1 +1,0 @@
-"""What the kinds of check accept, one file each."""
