@@ -23,7 +23,7 @@ TABLES = {
     "Entries": "edit",
     "Fields": "fields",
 }
-ROW = re.compile(r"^\| \[?\**`([^`]+)`\**", re.MULTILINE)
+ROW = re.compile(r"^\| (\[?\**`[^|]+) \|", re.MULTILINE)
 START = re.compile(r"^Keys of `([^`]+)`:$", re.MULTILINE)
 WORDS = re.compile(r"[A-Z]+")
 RAIL = """\
@@ -62,7 +62,17 @@ def chapters() -> Iterator[tuple[str, list[str]]]:
             section, start = name.removesuffix(".md"), START.search(rest)
             before = f"{start[1]}." if start else ""
             if title not in ("Model references", "Elements of MJCF", "Recipe reference"):
-                yield TABLES.get(title, section), [before + key for key in ROW.findall(rest)]
+                yield (
+                    TABLES.get(title, section),
+                    [before + key for cell in ROW.findall(rest) for key in keys_of(cell)],
+                )
+
+
+def keys_of(cell: str) -> Iterator[str]:
+    """The keys of a row, which are in one mapping; the first one has the path to it."""
+    first, *others = re.findall("`([^`]+)`", cell)
+    yield first
+    yield from (f"{first.rpartition('.')[0]}.{each}".lstrip(".") for each in others)
 
 
 def has(value: Any, steps: list[str]) -> bool:

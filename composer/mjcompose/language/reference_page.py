@@ -296,16 +296,15 @@ class _Keys:
             required = {*kind.get("required", ())}
             for rule in (*kind.get("allOf", ()), kind.get("else", {})):
                 required |= {*rule.get("required", ())}
-            turns = [name for name in kind.get("properties", {}) if name in ORIENTATIONS]
+            alike = self._alike(kind.get("properties", {}))
             for name, each in kind.get("properties", {}).items():
                 place = f"{path}.{name}" if path else name
-                if name in turns[1:] or (name in _EVERYWHERE and path):
+                if name not in alike or (name in _EVERYWHERE and path):
                     continue
-                row = self._row(place, each, name in required)
-                if name in turns and len(turns) > 1:
-                    row = row.replace(
-                        f"`{place}`", ", ".join([f"`{place}`", *(f"`{each}`" for each in turns[1:])]), 1
-                    )
+                about, others = alike[name]
+                row = self._row(place, {**each, "description": about}, name in required)
+                if others:
+                    row = row.replace(f"`{place}`", ", ".join(f"`{key}`" for key in (place, *others)), 1)
                 yield place, row
                 if deep and name not in _SAME:
                     yield from self._placed(each, place, deep)
@@ -320,6 +319,27 @@ class _Keys:
                 yield from self._placed(below, place, deep)
             if isinstance(kind.get("items"), dict):
                 yield from self._placed(kind["items"], f"{path}[]", deep)
+
+    def _alike(self, properties: dict[str, Schema]) -> dict[str, tuple[str, list[str]]]:
+        """Return the keys that have a row, each with its meaning and with the others of that row.
+
+        One row has the orientations, and three or more keys of one type whose meanings differ behind a colon.
+        """
+        meant = {name: self.about(each) for name, each in properties.items()}
+        groups: dict[object, list[str]] = {}
+        for name, each in properties.items():
+            head, colon, _ = meant[name].partition(": ")
+            is_said = _SAID in meant[name]  # a row for several has no default
+            groups.setdefault((self._type(each), head) if colon and not is_said else name, []).append(name)
+        turns = [name for name in properties if name in ORIENTATIONS]
+        found = {name: (meant[name], turns[1:] if name == turns[0] else []) for name in turns[:1]}
+        for names in groups.values():
+            together = len(names) > 2
+            for name in names[:1] if together else names:
+                if name not in turns:
+                    about = meant[name].partition(": ")[0] if together else meant[name]
+                    found[name] = about, names[1:] if together else []
+        return found
 
     def about(self, schema: Schema) -> str:
         """Return the description of a schema, or of the definition that it refers to."""
