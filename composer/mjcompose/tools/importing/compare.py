@@ -8,7 +8,6 @@ from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING
 
 from mjcompose.base.rotation import Pose
-from mjcompose.link.numbers import read_pose
 from mjcompose.model.classes import MAIN, childclass_of, default_tag
 from mjcompose.model.files import NAMED_AFTER_FILE
 from mjcompose.model.grammar import GRAMMAR, Attribute
@@ -38,6 +37,7 @@ from mjcompose.tools.importing.elements import (
     numbers,
     places,
     plain,
+    pose_in,
     selector_of,
     written_value,
 )
@@ -83,10 +83,6 @@ class Comparison:
         for each in found:
             self.find_renamed(each)
         self.likeness = {id(each): likeness(each, self.names_in_merged(each)) for each in found}
-        self.places = {unit: places(unit) for unit in (merged, *parts)}
-        self.counts = {
-            unit: Counter(kind for kind, _ in found.values()) for unit, found in self.places.items()
-        }
 
     def theirs(self, each: Instance, namespace: str | None, name: str) -> str:
         """Return the name in the merged model of an element of a part; without a namespace, of any element."""
@@ -155,10 +151,10 @@ class Comparison:
 
     def pose(self, body: Node, unit: Unit) -> Pose:
         """Return the pose of a body in the body around it, including its frames."""
-        pose = read_pose(body, unit.settings.angle == "degree", unit.settings.eulerseq)
+        pose = pose_in(body, unit.settings)
         parent = body.getparent()
         while parent is not None and parent.tag == "frame":
-            pose = read_pose(parent, unit.settings.angle == "degree", unit.settings.eulerseq) @ pose
+            pose = pose_in(parent, unit.settings) @ pose
             parent = parent.getparent()
         return pose
 
@@ -204,24 +200,20 @@ class Comparison:
                 one.pop(name, None)
                 other.pop(name, None)
         for name, attribute in before.kind.attributes.items():
-            both = name in one and name in other
-            if (
-                both
-                and attribute.is_reference
-                and other[name].split()
-                == [self.theirs(each, attribute.refers, old) for old in one[name].split()]
-            ):
-                del one[name], other[name]
+            if name not in one or name not in other:
                 continue
-            if both and attribute.refers in _ASSETS:
-                own, there = (
-                    self.alike.get(each.out + one[name]),
-                    self.names.get((attribute.refers, other[name])),
-                )
-                if other[name] in (one[name], each.prefix + one[name]) or (
+            ours, theirs = one[name], other[name]
+            is_equal = attribute.is_reference and theirs.split() == [
+                self.theirs(each, attribute.refers, old) for old in ours.split()
+            ]
+            if not is_equal and attribute.refers in _ASSETS:  # the part may have an equal one of its own
+                own = self.alike.get(each.out + ours)
+                there = self.names.get((attribute.refers, theirs))
+                is_equal = theirs in (ours, each.prefix + ours) or bool(
                     own and own == self.alike.get(there or "")
-                ):
-                    del one[name], other[name]  # the part has an equal one of its own
+                )
+            if is_equal:
+                del one[name], other[name]
         return differing(one, other, before.kind, prefix=each.prefix)
 
     def same(self, before: Node, after: Node, each: Instance) -> bool:

@@ -254,13 +254,15 @@ def plain(values: Mapping[str, str], tag: str, settings: Settings, degrees: bool
     return found
 
 
+def pose_in(values: Mapping[str, str] | Node, settings: Settings) -> Pose:
+    """Return the pose that attributes describe under the compiler settings of their model."""
+    return read_pose(values, settings.angle == "degree", settings.eulerseq)
+
+
 def placed(values: Mapping[str, str], settings: Settings) -> tuple[Pose, list[float]] | None:
     """Return the pose and size that the values describe, or None if they are not numbers."""
     try:
-        pose, size = (
-            read_pose(values, settings.angle == "degree", settings.eulerseq),
-            read(values.get("size", "")),
-        )
+        pose, size = pose_in(values, settings), read(values.get("size", ""))
         if not values.get("fromto"):
             return pose, size
         ends = read(values["fromto"])

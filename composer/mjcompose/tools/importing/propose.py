@@ -14,7 +14,6 @@ from mjcompose.base.diagnostic import Severity, Span
 from mjcompose.base.rotation import IDENTITY_QUAT, Pose
 from mjcompose.base.sink import Sink
 from mjcompose.language.recipe import SETTABLE
-from mjcompose.link.numbers import read_pose
 from mjcompose.model.classes import childclass_of
 from mjcompose.model.grammar import GRAMMAR
 from mjcompose.model.merged_settings import ReadRow
@@ -41,6 +40,7 @@ from mjcompose.tools.importing.elements import (
     named,
     nested,
     numbers,
+    pose_in,
     selector_of,
     settings_of,
     written_value,
@@ -230,13 +230,11 @@ class _Proposer(Comparison):
             name = str(parent.get("name")).removeprefix(each.prefix)
             body = named(part).get(("body", name))
             for site in body.node.iterchildren("site") if body is not None else ():
-                own = read_pose(
-                    effective(named(part)["site", str(site.get("name"))], part) if site.get("name") else site,
-                    part.settings.angle == "degree",
-                    part.settings.eulerseq,
-                )
+                if not site.get("name"):
+                    continue
+                own = pose_in(effective(named(part)["site", str(site.get("name"))], part), part.settings)
                 near = zip((*own.pos, *own.quat), (*pose.pos, *pose.quat), strict=True)
-                if site.get("name") and all(abs(a - b) < 1e-5 for a, b in near):
+                if all(abs(a - b) < 1e-5 for a, b in near):
                     return f"{each.out}{site.get('name')}"
         return None
 

@@ -45,14 +45,6 @@ class Outcome:
     def same(self) -> bool:
         return not self.changes
 
-    @property
-    def amount(self) -> int:
-        return len(self.changes)
-
-    @property
-    def lost_keys(self) -> list[Change]:
-        return [each for each in self.changes if each.kind == "key" and each.what == "removed"]
-
 
 class Trial:
     """The compiled models. The merged model and its parts are compiled once here, the recipe's model by the caller."""
@@ -223,11 +215,10 @@ def recover(
     if context.sink.error_count > before or len(units) < len(read):
         return None
     with Session() as session:
-        recovery = _Recovery(
+        return _Recovery(
             merged, parts, out, context=context, session=session, progress=progress, units=units,
-            references=references or {},
-        )  # fmt: skip
-        return recovery.recovered()
+            references=references or {}, trial=Trial(merged, parts, session),
+        ).recovered()  # fmt: skip
 
 
 def whole_recipe(merged: Path, out: Path) -> str:
@@ -235,15 +226,17 @@ def whole_recipe(merged: Path, out: Path) -> str:
     return f"recipe: 1\nname: {word(out.stem)}\nbase: {word(_reference(merged, out.parent))}\n"
 
 
+@dataclass(slots=True)
 class _Recovery:
-    def __init__(
-        self, merged: Path, parts: list[Path], out: Path, context: Context, session: Session,
-        progress: Callable[[str], None], units: list[Unit], references: Mapping[Path, str],
-    ) -> None:  # fmt: skip
-        self.references = references
-        self.merged, self.parts, self.out, self.units = merged, parts, out, units
-        self.context, self.session, self.progress = context, session, progress
-        self.trial = Trial(merged, parts, session)
+    merged: Path
+    parts: list[Path]
+    out: Path
+    context: Context
+    session: Session
+    progress: Callable[[str], None]
+    units: list[Unit]
+    references: Mapping[Path, str]
+    trial: Trial
 
     def recovered(self) -> Recovered:
         self.progress(f"compiling {self.context.shown(self.merged)} and its parts")
@@ -252,9 +245,8 @@ class _Recovery:
         if self.trial.compared and (found.outcome is None or not found.outcome.same):
             # An element that counted as the same may still be the reason.
             other = self.settled(self.proposal(lambda _, __: elements.Likeness()))
-            if other.outcome is not None and (
-                found.outcome is None or other.outcome.amount < found.outcome.amount
-            ):
+            first, second = found.outcome, other.outcome
+            if second is not None and (first is None or len(second.changes) < len(first.changes)):
                 found = other
         for number, part in enumerate(self.parts):
             if not any(each.part == number for each in proposal.found):
@@ -290,7 +282,12 @@ class _Recovery:
             for entry, fault in guilty:
                 entry.note = " ".join(fault.message.split())
         outcome = None if bundle is None else self.trial.outcome(proposal)
-        missing = [] if outcome is None else [each.name for each in outcome.lost_keys if _has_name(each)]
+        lost = [
+            each
+            for each in (outcome.changes if outcome else ())
+            if (each.kind, each.what) == ("key", "removed")
+        ]
+        missing = [each.name for each in lost if _has_name(each)]
         if missing:  # with a key of that name, its values can be compared
             blank = [elements.Entry("keyframe", f"{word(name)}: {{}}") for name in missing]
             bundle, _ = self.built(recipe_text(replace(proposal, entries=[*proposal.entries, *blank]))[0])

@@ -171,10 +171,8 @@ def _bodies(unit: Unit) -> Iterator[Node]:
 
 _BODY = re.compile(rb"""<body\b[^>]*?\bname\s*=\s*["']([^"']+)["']""")
 _MODEL = re.compile(rb"<mujoco[\s>]")
-_SEARCHING_ENOUGH, _LEAST = (
-    0.8,
-    2,
-)  # to be a part, a model must share this much of its bodies with the merged one, and at least so many
+# To be a part, a model must share this much of its bodies with the merged one, and at least so many.
+_SEARCHING_ENOUGH, _LEAST = 0.8, 2
 _MOST = 60
 _LARGEST = 16 << 20
 
@@ -235,8 +233,10 @@ def search(
 
 def _found(whole: Unit, units: list[tuple[Candidate, Unit]]) -> tuple[tuple[Candidate, ...], set[str]]:
     """Return the models that are parts of the whole, and the bodies that they cover."""
-    found = [each for each in find(whole, [unit for _, unit in units]) if len(each.names) >= _LEAST]
-    found = [each for each in found if each.likeness >= _SEARCHING_ENOUGH]
+    found = [
+        each for each in find(whole, [unit for _, unit in units])
+        if len(each.names) >= _LEAST and each.likeness >= _SEARCHING_ENOUGH
+    ]  # fmt: skip
     covered = {each.prefix + name for each in found for name in each.names} & _named(whole)
     return tuple(dict.fromkeys(units[each.part][0] for each in found)), covered
 
