@@ -24,13 +24,9 @@ if TYPE_CHECKING:
 
 Row = TypeVar("Row")
 GROUPS = {
-    "sources": "source kind",
-    "checks": "check",
-    "verbs": "verb",
-    "targets": "target",
-    "commands": "command",
-    "datasheets": "data sheet",
-}
+    "sources": "source kind", "checks": "check", "verbs": "verb", "targets": "target",
+    "commands": "command", "datasheets": "data sheet",
+}  # fmt: skip
 """By the end of its name, what the entry points of a group are: `mjcompose.checks` are checks."""
 
 CLASH, BROKEN, REFUSED = "extension-clash", "extension-broken", "extension-refused"

@@ -16,19 +16,10 @@ from mjcompose.base.diagnostic import CellName, Diagnostic, Note, Severity, Span
 from mjcompose.base.limits import Advice
 
 _COLOR = {
-    "error": "\x1b[1;31m",
-    "warning": "\x1b[1;33m",
-    "note": "\x1b[1;36m",
-    "cell": "\x1b[1;36m",
-    "cells": "\x1b[1;36m",
-    "help": "\x1b[1;32m",
-    "bold": "\x1b[1m",
-    "gutter": "\x1b[34m",
-    "code": "\x1b[36m",
-    "dim": "\x1b[2m",
-    "added": "\x1b[32m",
-    "removed": "\x1b[31m",
-}
+    "error": "\x1b[1;31m", "warning": "\x1b[1;33m", "note": "\x1b[1;36m", "cell": "\x1b[1;36m",
+    "cells": "\x1b[1;36m", "help": "\x1b[1;32m", "bold": "\x1b[1m", "gutter": "\x1b[34m",
+    "code": "\x1b[36m", "dim": "\x1b[2m", "added": "\x1b[32m", "removed": "\x1b[31m",
+}  # fmt: skip
 
 
 class Paint:

@@ -287,15 +287,10 @@ def expected(attribute: Attribute) -> str:
     if kind == "int":
         return counted(attribute, "integer")
     return {
-        "bool": "`true` or `false`",
-        "keyword": "a keyword",
-        "keywords": "a list of keywords",
-        "chars": "text",
-        "file": "a file name",
-        "name": "a name",
-        "reference": "a name",
+        "bool": "`true` or `false`", "keyword": "a keyword", "keywords": "a list of keywords",
+        "chars": "text", "file": "a file name", "name": "a name", "reference": "a name",
         "references": "a list of names",
-    }.get(kind, "text")
+    }.get(kind, "text")  # fmt: skip
 
 
 def counted(attribute: Attribute, noun: str) -> str:

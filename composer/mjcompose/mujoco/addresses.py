@@ -150,13 +150,9 @@ RUNS: Mapping[str, Mapping[str, Run]] = {
 """By kind, and by the size that an array has rows for."""
 
 VECTORS: Mapping[str, tuple[str, str]] = {
-    "qpos": ("joint", "nq"),
-    "qvel": ("joint", "nv"),
-    "ctrl": ("actuator", "nu"),
-    "act": ("actuator", "na"),
-    "sensordata": ("sensor", "nsensordata"),
-    "mocap_pos": ("body", "nmocap"),
-}
+    "qpos": ("joint", "nq"), "qvel": ("joint", "nv"), "ctrl": ("actuator", "nu"), "act": ("actuator", "na"),
+    "sensordata": ("sensor", "nsensordata"), "mocap_pos": ("body", "nmocap"),
+}  # fmt: skip
 """The vectors of `mjData` that users address: the kind of their elements, and their length in `mjModel`."""
 
 

@@ -327,23 +327,10 @@ def _tuple(model: Model, index: int) -> Iterator[Link]:
 
 
 _READERS: dict[str, Callable[[Model, int], Iterator[Link]]] = {
-    "body": _body,
-    "joint": _joint,
-    "geom": _geom,
-    "site": _site,
-    "camera": _camera,
-    "light": _light,
-    "material": _material,
-    "skin": _skin,
-    "flex": _flex,
-    "tendon": _tendon,
-    "equality": _equality,
-    "pair": _pair,
-    "exclude": _exclude,
-    "actuator": _actuator,
-    "sensor": _sensor,
-    "tuple": _tuple,
-}
+    "body": _body, "joint": _joint, "geom": _geom, "site": _site, "camera": _camera, "light": _light,
+    "material": _material, "skin": _skin, "flex": _flex, "tendon": _tendon, "equality": _equality,
+    "pair": _pair, "exclude": _exclude, "actuator": _actuator, "sensor": _sensor, "tuple": _tuple,
+}  # fmt: skip
 
 UNORDERED = frozenset({"pair", "exclude"})
 """Kinds whose two references are a set, stored by MuJoCo in the order of ids."""

@@ -246,13 +246,8 @@ def is_commit(text: str) -> bool:
 Format = Literal["recipe", "mjcf", "urdf"]
 
 FORMATS: dict[str, Format] = {
-    ".yaml": "recipe",
-    ".yml": "recipe",
-    ".xml": "mjcf",
-    ".mjcf": "mjcf",
-    ".urdf": "urdf",
-    ".xacro": "urdf",
-}
+    ".yaml": "recipe", ".yml": "recipe", ".xml": "mjcf", ".mjcf": "mjcf", ".urdf": "urdf", ".xacro": "urdf",
+}  # fmt: skip
 """The format of a file by its suffix in lower case."""
 
 

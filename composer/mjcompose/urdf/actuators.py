@@ -320,16 +320,11 @@ class Row:
 
 
 _READ = {
-    "link": "body or frame",
-    "link/inertial": "inertial",
-    "link/collision": "geom",
-    "joint": "joint, or nothing where it is fixed",
-    "joint/limit": "range and actuatorfrcrange",
-    "joint/dynamics": "damping and frictionloss",
-    "joint/mimic": "equality",
-    "mujoco": "compiler, option and size",
-    "include": "what it includes",
-}
+    "link": "body or frame", "link/inertial": "inertial", "link/collision": "geom",
+    "joint": "joint, or nothing where it is fixed", "joint/limit": "range and actuatorfrcrange",
+    "joint/dynamics": "damping and frictionloss", "joint/mimic": "equality",
+    "mujoco": "compiler, option and size", "include": "what it includes",
+}  # fmt: skip
 _OF_LINKS_AND_JOINTS = frozenset(
     "origin mass inertia geometry box cylinder sphere capsule mesh parent child axis color texture".split()
 )

@@ -463,13 +463,8 @@ def _end(joint: Node, tag: str) -> str | None:
 
 
 _KNOWN: Mapping[Topic, Callable[[Node, Node, Place], Diagnostic | None]] = {
-    Topic.URDF_REPEATED: _repeated,
-    Topic.URDF_RING: _ring,
-    Topic.URDF_PARENTS: _two_parents,
-    Topic.URDF_LINK: _no_link,
-    Topic.URDF_JOINT_TYPE: _joint_type,
-    Topic.MASS: _mass,
-    Topic.GEOM_SIZE: _no_size,
-    Topic.SIZE: _no_size,
-}
+    Topic.URDF_REPEATED: _repeated, Topic.URDF_RING: _ring, Topic.URDF_PARENTS: _two_parents,
+    Topic.URDF_LINK: _no_link, Topic.URDF_JOINT_TYPE: _joint_type, Topic.MASS: _mass,
+    Topic.GEOM_SIZE: _no_size, Topic.SIZE: _no_size,
+}  # fmt: skip
 """What finds the element that a sentence is about, and says it in the words of URDF."""

@@ -15,13 +15,9 @@ from mjcompose.tools.diff.changes import SETTINGS, Cause, Change, Count, Diff, E
 _NAMED = 5
 _NOISE = 1e-12
 _PLURALS = {
-    "body": "bodies",
-    "mesh": "meshes",
-    "equality": "equalities",
-    "flex": "flexes",
-    "key": "keyframes",
+    "body": "bodies", "mesh": "meshes", "equality": "equalities", "flex": "flexes", "key": "keyframes",
     "default class": "default classes",
-}
+}  # fmt: skip
 _SINGULARS = {"key": "keyframe"}
 Between: TypeAlias = Callable[[Value, Value, str], str]
 _ORDER = ("renamed", "removed", "added", "changed")

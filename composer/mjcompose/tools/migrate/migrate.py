@@ -233,18 +233,11 @@ def _leave_out(editing: Editing) -> None:
 
 
 _HARMLESS = {
-    "option/flag@nativeccd": "disable",
-    "option/flag@multiccd": "disable",
-    "option/flag@island": "disable",
-    "option@sleep_tolerance": None,
-    "visual/global@bvactive": "true",
-    "body/light@softness": None,
-    "default/light@softness": None,
-    "asset/texture@colorspace": "linear",
-    "compiler@savecompiled": None,
-    "compiler@savecanonical": None,
-    "compiler@saveinertial": None,
-}
+    "option/flag@nativeccd": "disable", "option/flag@multiccd": "disable", "option/flag@island": "disable",
+    "option@sleep_tolerance": None, "visual/global@bvactive": "true", "body/light@softness": None,
+    "default/light@softness": None, "asset/texture@colorspace": "linear", "compiler@savecompiled": None,
+    "compiler@savecanonical": None, "compiler@saveinertial": None,
+}  # fmt: skip
 """What an attribute says that means the same as to have none; None: whatever it says."""
 
 
