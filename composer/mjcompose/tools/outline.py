@@ -434,13 +434,11 @@ def _of_bundle(path: Path, text: str, context: Context) -> Outline | None:
             context.sink.warning(
                 "bundle-manifest", f"the manifest of `{text}` cannot be read: parts are not known"
             )
-    parts = () if manifest is None else _listed(manifest)
+    parts: list[Part] = []
+    if manifest is not None:
+        parts = [Part(each.part, manifest.inputs[each.input].reference, each.body) for each in manifest.parts]
     world = world_of(unit, lambda node: _by_prefix(node, manifest))
-    return Outline(unit.model or unit.label, text, world, parts=parts)
-
-
-def _listed(manifest: Manifest) -> tuple[Part, ...]:
-    return tuple(Part(each.part, manifest.inputs[each.input].reference, each.body) for each in manifest.parts)
+    return Outline(unit.model or unit.label, text, world, parts=tuple(parts))
 
 
 def _by_prefix(node: Node, manifest: Manifest | None) -> str | None:

@@ -301,7 +301,10 @@ class Causes:
         """Yield where the differing attributes are written on either side, and what set them to their values."""
         if before is None and after is None:
             return
-        first, second = self._placed(before, after)
+        assert self.a is not None and self.b is not None
+        # The parts for which the linker created two frames or bodies.
+        first = None if before is None else self.a.carried(before)
+        second = None if after is None else self.b.carried(after)
         if first is not None or second is not None:
             keys = tuple(dict.fromkeys([*(each for each in wanted or () if each in _PLACING), *_PLACING]))
             yield from self._said(self._known(0, first), self._known(1, second), keys)
@@ -313,7 +316,6 @@ class Causes:
                 f"`<{after.tag}>`", self.places.span(0, before, None), self.places.span(1, after, None)
             )
             return
-        assert self.a is not None and self.b is not None
         names = wanted if wanted is not None else tuple(kind_of(after).attributes)
         for attribute in names:
             if wanted is None and attribute in _NO_REASON:
@@ -329,14 +331,6 @@ class Causes:
             for mine, yours in reversed(list(zip_longest(*places))):
                 yield Cause(f"`{attribute}`", mine or places[0][-1], yours or places[1][-1])
             yield Cause("class", self.places.class_in_force(0, before), self.places.class_in_force(1, after))
-
-    def _placed(self, before: Node | None, after: Node | None) -> tuple[Part | None, Part | None]:
-        """Return the parts for which the linker created two frames or bodies."""
-        assert self.a is not None and self.b is not None
-        return (
-            None if before is None else self.a.carried(before),
-            None if after is None else self.b.carried(after),
-        )
 
     def _renamed(self, before: Node, after: Node) -> Iterator[Cause]:
         mine, theirs = self.places.part(0, before), self.places.part(1, after)

@@ -200,13 +200,9 @@ def _narrowed(found: Contrast, tolerance: float, only: Collection[str]) -> Contr
     """Return what was asked for. Arrays without a name of their own count only in a comparison to the bit."""
     if not only:
         return found if tolerance == 0 else replace(found, arrays=())
-
-    def fits(change: Change) -> bool:
-        return change.kind.partition("/")[0] in only
-
     return replace(
         found,
-        changes=tuple(each for each in found.changes if fits(each)),
+        changes=tuple(each for each in found.changes if each.kind.partition("/")[0] in only),
         moves=found.moves if ADDRESSES in only else (),
         counts=found.counts if COUNTS in only else (),
         arrays=(),

@@ -308,17 +308,12 @@ def _of_revision(revision: str, path: str, context: Context, opened: ExitStack) 
 
 
 def _kind(path: Path) -> Kind | None:
-    if os.path.isdir(path):
+    suffix = path.suffix.lower()
+    if os.path.isdir(path) or suffix in (".zip", ".mjz"):
         return Kind.BUNDLE
-    kinds = {
-        **dict.fromkeys(_URDF, Kind.RECIPE),
-        ".yaml": Kind.RECIPE,
-        ".yml": Kind.RECIPE,
-        ".xml": Kind.MJCF,
-        ".zip": Kind.BUNDLE,
-        ".mjz": Kind.BUNDLE,
-    }
-    return kinds.get(path.suffix.lower())
+    if suffix in (*_URDF, ".yaml", ".yml"):
+        return Kind.RECIPE
+    return Kind.MJCF if suffix == ".xml" else None
 
 
 @dataclass(slots=True)
@@ -380,26 +375,19 @@ def load(
     were read before. With `whole` the side has its bundle.
     """
     if operand.kind is Kind.RECIPE:
-        side = _recipe(operand, kept, session, given=given or {}, pick=pick, sample=sample, library=library)
+        given = given or {}
+        cell = None if pick is None else _cell(operand, given, pick, sample=sample)
+        if pick is not None and cell is None:
+            return None
+        side = load_cell(operand, kept, session, given=given, cell=cell, sample=sample or 0, library=library)
+        if side is not None:
+            side.cell = pick
     elif operand.kind is Kind.MJCF:
         side = _mjcf(operand, kept, session)
     else:
         side = _bundle(operand, kept, session)
     if side is not None and not whole:
         side.bundle = None
-    return side
-
-
-def _recipe(
-    operand: Operand, kept: str, session: Session, given: Given, pick: str | None, sample: int | None,
-    library: Library | None,
-) -> Side | None:  # fmt: skip
-    cell = None if pick is None else _cell(operand, given, pick, sample=sample)
-    if pick is not None and cell is None:
-        return None
-    side = load_cell(operand, kept, session, given=given, cell=cell, sample=sample or 0, library=library)
-    if side is not None:
-        side.cell = pick
     return side
 
 
