@@ -359,10 +359,7 @@ def plain_robots(corpus: Path, tmp_path_factory: pytest.TempPathFactory) -> Path
     """The arms and tools, each mesh a tetrahedron: what is weighed is where they hang."""
     folder = tmp_path_factory.mktemp("robots")
     for name in {each.partition("/")[0] for each in (*ARMS, *TOOLS)}:
-        copy = (
-            shutil.copy if name == "stanford_tidybot" else without_meshes
-        )  # its base weighs what its meshes do
-        shutil.copytree(corpus / "models" / name, folder / name, copy_function=copy)
+        shutil.copytree(corpus / "models" / name, folder / name, copy_function=without_meshes)
     return folder
 
 
