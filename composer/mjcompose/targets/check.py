@@ -30,7 +30,7 @@ class Targets(Check):
     word: ClassVar = "targets"
     is_in_mujoco: ClassVar = False
     short: ClassVar = "in"
-    short_type: ClassVar = list
+    short_type: ClassVar = (str, list)
     example: ClassVar = "[mjx, drake]"
 
     targets: Annotated[tuple[Lacking, ...], Items(1, single=True, unique=True)] = Field(

@@ -69,7 +69,7 @@ class Model(BaseModel):
     )
     rules: ClassVar[tuple[Rule, ...]] = ()
     short: ClassVar[str | None] = None
-    short_type: ClassVar[type] = str
+    short_type: ClassVar[type | tuple[type, ...]] = str
     example: ClassVar[str] = ""
     noun: ClassVar[str] = "key"
     instead: ClassVar[Mapping[str, str]] = {}

@@ -106,7 +106,11 @@ class Belongs:
         self.help = help or f"write `{to}` beside it, or leave `{name}` out"
 
     def faults(self, value: Mapping[str, Any], model: type[Model], context: Settings) -> Iterator[Fault]:
-        choices = [rule.names for rule in model.rules if isinstance(rule, OneOf) and self.to in rule.names]
+        choices = [
+            rule.names
+            for rule in model.rules
+            if isinstance(rule, OneOf) and self.to in rule.names and rule.unless not in value
+        ]
         is_open = any(value.keys().isdisjoint(names) for names in choices)  # which is said already
         if self.name in value and self.to not in value and not is_open:
             message = f"`{self.name}` of {OWNER} belongs to `{self.to}`"

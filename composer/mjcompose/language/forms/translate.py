@@ -83,7 +83,7 @@ def translated(error: Any, root: Any, data: Any, start: Path = ()) -> Fault:
         return _keyword(place, error["input"])
     if kind in _BOUNDS:
         bound, words = _BOUNDS[kind]
-        message = f"{named(place)} is {error['input']:g}, and must be {words} {context[bound]:g}"
+        message = f"{named(place)} is {shown(error['input'])}, and must be {words} {context[bound]:g}"
         return Fault("out-of-range", message, place.at)
     if kind in ("too_short", "too_long"):
         return _length(place, error["input"], context)
