@@ -169,17 +169,16 @@ def common_settings(
     for path, given in list(asked.items()):
         first = given[0][1]
         if all(equal_values(first.value, wanted.value) for _, wanted in given):
-            names = tuple(name for owner, wanted in given for name in _names(owner, wanted))
+            names = tuple(
+                name
+                for owner, wanted in given
+                for name in ([owner + inner for inner in wanted.parts] or [owner])
+            )
             found[path] = Adopted(
                 path, first.value, names, at=first.span, is_written=not is_default(path, first.value)
             )
             del asked[path]
     return found, asked
-
-
-def _names(owner: str, wanted: WrittenSetting) -> list[str]:
-    """Return the part that writes the setting, or for a nested recipe its parts that write it."""
-    return [owner + inner for inner in wanted.parts] or [owner]
 
 
 def of_base(adopted: tuple[Adopted, ...], now: Opinions, overridden: Collection[str]) -> tuple[Adopted, ...]:
@@ -290,7 +289,7 @@ def _wishes(
 def _adopt(linking: Linking, adopted: Adopted) -> None:
     if adopted.is_written:
         element = set_value(linking.base, adopted.path, adopted.value)
-        linking.base.origins.settings.setdefault(element, {})[_name(adopted.path)] = adopted.at
+        linking.base.origins.settings.setdefault(element, {})[adopted.path.rsplit("/", 1)[1]] = adopted.at
 
 
 def _report(linking: Linking, part: Part, wishes: list[_Wish], all_wishes: list[_Wish]) -> None:
@@ -370,10 +369,6 @@ def _model_has(have: WrittenSetting | None, current: str | None) -> str:
     if current is not None:
         return f"the model has `{current}`, MuJoCo's default"
     return "the model leaves it to MuJoCo"
-
-
-def _name(path: str) -> str:
-    return path.rsplit("/", 1)[1]
 
 
 def resolving_settings(wanted: Mapping[str, str], settled: Collection[str]) -> str:

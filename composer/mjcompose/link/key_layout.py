@@ -25,7 +25,7 @@ from typing import NamedTuple
 from lxml.etree import _Element as Node
 
 from mjcompose.base.dataclass import dataclass
-from mjcompose.model.classes import Classes, DefaultClass, childclass_of, through_frames
+from mjcompose.model.classes import Classes, childclass_of, through_frames
 from mjcompose.model.names import DECLARES, REFERS, naming_table
 from mjcompose.model.unit import Unit
 from mjcompose.mujoco.arrays import JOINT_TYPES
@@ -431,7 +431,7 @@ class _Reader:
 
     def _inherits_state(self, position: Node) -> bool:
         """Return whether its class may set activations or inputs: in MuJoCo, all actuator tags share one struct."""
-        found = self._class(position)
+        found = self.unit.classes.get(str(position.get("class") or "") or None)
         return bool(
             any(found.lookup("general", name) for name in _STATE["general"])
             or (found.lookup("general", "gaintype") or ("",))[0] in _SEVERAL
@@ -466,9 +466,6 @@ class _Reader:
             mixed = any(map(found.sets, (*_STATEFUL, "position")))
             self._said[name] = None if mixed else tuple(each and each[0] for each in given)
         return self._said[name]
-
-    def _class(self, actuator: Node) -> DefaultClass:
-        return self.unit.classes.get(str(actuator.get("class") or "") or None)
 
 
 def _copy(element: Node, within: Within) -> Holder:

@@ -366,7 +366,7 @@ def _check_free_motors(linking: Linking, hung: _MovedWorld, degrees: bool, seque
     unit, kind = linking.base, GRAMMAR.element("actuator/general")
     for actuator in joints:
         joint = linking.names.find("joint", str(actuator.get("joint") or actuator.get("jointinparent")))
-        if joint is None or not _is_free(joint, linking):
+        if joint is None or joint_type(joint, linking.base.classes) != "free":
             continue
         gear = numbers.read(str(text_in_effect(actuator, kind, "gear", classes=unit.classes) or "1"))
         push, twist = ([*gear, *[0.0] * 6][at : at + 3] for at in (0, 3))
@@ -404,10 +404,6 @@ def _check_flexes(linking: Linking, hung: _MovedWorld) -> None:
         )
         _warn(linking, hung.part, flex.element, what=f"has `dof=\"{dof}\"`: it {where} `{hung.part.called}`",
               help="put it into a body of its own in the part: it is laid out by that")  # fmt: skip
-
-
-def _is_free(joint: Node, linking: Linking) -> bool:
-    return joint_type(joint, linking.base.classes) == "free"
 
 
 def _warn(linking: Linking, part: Part, element: Node, what: str, help: str) -> None:

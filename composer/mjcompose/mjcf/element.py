@@ -262,7 +262,10 @@ class RootElement(RootView, Mujoco):
 
     def __init__(self, model: str | None = None) -> None:
         """Make an empty model named `model`. Paths of files added to it are relative to the working directory."""
-        super().__init__(Model(_empty_unit()), etree.Element("mujoco"))
+        super().__init__(
+            Model(Unit(etree.Element("mujoco"), UNNAMED, Path(), label=UNNAMED, contents=Files(), door=ALL)),
+            etree.Element("mujoco"),
+        )
         object.__setattr__(self, "_node", self._model.unit.root)
         self._model.views[self._node] = self
         self._model.unit.origins.own(self._node, call_site())
@@ -379,10 +382,6 @@ def _root_of(model: Model) -> RootElement:
     root = view(model, model.unit.root)
     assert isinstance(root, RootElement)
     return root
-
-
-def _empty_unit() -> Unit:
-    return Unit(etree.Element("mujoco"), UNNAMED, Path(), label=UNNAMED, contents=Files(), door=ALL)
 
 
 _E = TypeVar("_E", bound=Element)

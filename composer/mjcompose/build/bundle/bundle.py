@@ -256,7 +256,7 @@ def check_paths(paths: Iterable[str]) -> None:
         fault = _fault(path)
         if fault:
             raise BundleError(f"`{path}` cannot be a path in a bundle: {fault}")
-        key = _folded(path)
+        key = unicodedata.normalize("NFC", unicodedata.normalize("NFC", path).casefold())
         if key in files:
             raise BundleError(f"`{path}` and `{files[key]}` are one file where case does not count")
         if key in folders:
@@ -288,10 +288,6 @@ def _fault(path: str) -> str | None:
     except UnicodeEncodeError:
         return "it is not Unicode text"
     return None
-
-
-def _folded(path: str) -> str:
-    return unicodedata.normalize("NFC", unicodedata.normalize("NFC", path).casefold())
 
 
 LICENSES = "LICENSES"

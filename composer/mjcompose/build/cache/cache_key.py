@@ -355,7 +355,7 @@ def _changes(before: Mapping[str, str], after: Mapping[str, str]) -> Iterable[st
         was, now = before.get(name), after.get(name)
         if was == now:
             continue
-        if _is_file(name):
+        if name.startswith(_OPTION):
             yield from value_changes(name, was, now)
         elif was is None:
             yield f"{name} is given" if now == GIVEN else f"{name} is {now}"
@@ -380,10 +380,6 @@ def content_of(data: bytes) -> str:
     from hashlib import sha256
 
     return sha256(data).hexdigest()
-
-
-def _is_file(name: str) -> bool:
-    return name.startswith(_OPTION)
 
 
 def value_changes(name: str, was: str | None, now: str | None) -> Iterator[str]:

@@ -22,7 +22,7 @@ from mjcompose.base.sink import Sink
 from mjcompose.build.compose.keys import without_keys
 from mjcompose.link import numbers
 from mjcompose.link.linking import Linking, Measure
-from mjcompose.model.classes import DefaultClass, text_in_effect
+from mjcompose.model.classes import text_in_effect
 from mjcompose.model.grammar import GRAMMAR, Attribute
 from mjcompose.model.select import kind_of
 from mjcompose.model.unit import Unit
@@ -255,7 +255,8 @@ class ControlUnits:
 
         As in MuJoCo, all actuator tags share the settings of classes.
         """
-        tag, found = str(actuator.tag), self._class(actuator)
+        tag = str(actuator.tag)
+        found = self.linking.base.classes.get(str(actuator.get("class") or "") or None)
         given = {each for each in GRAMMAR.section("actuator").children if found.sets(each)}
         if tag == "intvelocity":
             return _BY_TAG[tag]
@@ -278,9 +279,6 @@ class ControlUnits:
         return ActuatorModel(
             "fixed", words["biastype"] or "none", words["dyntype"] or "none", gainprm=gain, biasprm=bias
         ).control
-
-    def _class(self, actuator: Node) -> DefaultClass:
-        return self.linking.base.classes.get(str(actuator.get("class") or "") or None)
 
     def _effective(self, actuator: Node, name: str) -> str | None:
         return text_in_effect(actuator, kind_of(actuator), name, classes=self.linking.base.classes)

@@ -417,7 +417,9 @@ class Composer:
     def _unit(self, plan: Plan, wanted: PartRequest) -> Unit | None:
         """Return the base or a part of a plan, reduced to the requested subtree, or None if it has faults."""
         if wanted.model is None:
-            return _empty(plan)
+            return Unit(
+                etree.Element("mujoco"), plan.file, plan.path.parent, label=plan.path.stem, door=NOTHING
+            )
         unit = self._whole(wanted, locate(plan.document, (*wanted.at, "model")))
         if unit is None:
             return None
@@ -469,10 +471,6 @@ def _top_tags(plan: Plan) -> Iterator[str]:
     for step in plan.steps:
         if isinstance(step, SetDefault) and step.name == MAIN:
             yield from (child.tag for child in step.element.children)
-
-
-def _empty(plan: Plan) -> Unit:
-    return Unit(etree.Element("mujoco"), plan.file, plan.path.parent, label=plan.path.stem, door=NOTHING)
 
 
 def _request(plan: Plan) -> Request:

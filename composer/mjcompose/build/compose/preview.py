@@ -39,7 +39,7 @@ def preview_plan(plan: Plan, context: Context) -> PlanPreview:
     else:
         if plan.takes_subtrees:
             composer.read_subtrees(plan)
-        if _excludes_touching(plan):
+        if any(each.excludes_touching for each in plan.plans()):
             composed = _compose_silently(plan, context, library)
     adopted = _adopted(plan, composed, context, library=library)
     excluded = () if composed is None else composed.excluded
@@ -61,10 +61,6 @@ def _adopted(
     if composed is None:
         return adopted_settings(plan, context, library)
     return composed.model.adopted if plan.parts else ()
-
-
-def _excludes_touching(plan: Plan) -> bool:
-    return any(each.excludes_touching for each in plan.plans())
 
 
 def _gains(composed: Composed | None, edits: Iterable[EditOutcome], measure: Measure) -> Iterator[Gains]:

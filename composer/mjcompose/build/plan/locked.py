@@ -136,7 +136,7 @@ def check_lock(plan: Plan, context: Context) -> None:
             {
                 file: digest
                 for file, digest in before.files.items()
-                if file in now.files or _is_gone(use, file)
+                if file in now.files or not os.path.isfile(use.root / file)
             },
             now.files,
         ):
@@ -212,7 +212,11 @@ def _forgot_damaged(plan: Plan | None, context: Context) -> bool:
         if origin is not None and origin.id not in damaged and _is_damaged(path, origin, fetching):
             damaged[origin.id] = origin
     if plan is None or context.sink.has_errors:  # perhaps because a file is gone
-        gone = (each for each in fetching.origins.values() if any(_is_gone_from(each.root, each.stored)))
+        gone = (
+            each
+            for each in fetching.origins.values()
+            if not all(os.path.isfile(each.root / name) for name in each.stored)
+        )
         damaged.update({each.id: each for each in gone})
     for origin in damaged.values():
         fetching.progress(f"`{origin.id}` is damaged in the store, and fetched again")
@@ -222,10 +226,6 @@ def _forgot_damaged(plan: Plan | None, context: Context) -> bool:
         context.recipes.clear()
         context.concrete.clear()
     return bool(damaged)
-
-
-def _is_gone_from(root: Path, names: Iterable[str]) -> Iterator[bool]:
-    return (not os.path.isfile(root / name) for name in names)
 
 
 def _is_damaged(path: Path, origin: Origin, fetching: Fetching) -> bool:
@@ -273,11 +273,6 @@ def _wrong(before: Locked, now: Locked) -> Iterator[str]:
 
 def _more(changes: Sequence[str]) -> list[Note]:
     return [Note(f"and {len(changes) - _SHOWN} more")] if len(changes) > _SHOWN else []
-
-
-def _is_gone(use: _SourceUse, file: str) -> bool:
-    """Return whether a locked, unused file no longer exists either; another variant may use it."""
-    return not os.path.isfile(use.root / file)
 
 
 class _FileGatherer:
