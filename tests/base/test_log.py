@@ -3,9 +3,12 @@ from __future__ import annotations
 import logging
 import subprocess
 import sys
+import traceback
 import warnings
+from collections.abc import Callable
 from pathlib import Path
 
+import mjcompose
 import pytest
 from mjcompose import mjcf
 from mjcompose.build.stages import Request, build
@@ -54,3 +57,15 @@ def test_a_program_without_logging_does_not_import_it() -> None:
     code = "import sys; import mjcompose.build.stages; print('logging' in sys.modules)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout == "False\n"
+
+
+@pytest.mark.parametrize("call", [
+    lambda: mjcf.from_xml_string("<mujoco"),
+    lambda: mjcf.from_xml_string(ARM).worldbody.add("geomm"),
+    lambda: mjcompose.load("nowhere"),
+])  # fmt: skip
+def test_a_traceback_ends_at_the_line_of_the_program(call: Callable[[], object]) -> None:
+    with pytest.raises(mjcompose.MjcomposeError) as raised:
+        call()
+    assert [each.filename for each in traceback.extract_tb(raised.value.__traceback__)][:2] == [__file__] * 2
+    assert len(traceback.extract_tb(raised.value.__traceback__)) == 3

@@ -7,6 +7,7 @@ import sys
 from collections.abc import Callable, Iterable
 from dataclasses import field, replace
 from enum import StrEnum
+from types import FrameType
 
 from mjcompose.base.dataclass import dataclass
 
@@ -75,11 +76,17 @@ def masked(line: str) -> str:
     return hide(line, lambda secret: "*" * len(secret))
 
 
-def call_site(package: str = "mjcompose.mjcf") -> Span:
-    """Return the innermost line of the call stack outside of a package."""
-    inside, frame = f"{package}.", sys._getframe(1)
-    while frame.f_back is not None and f"{frame.f_globals.get('__name__', '')}.".startswith(inside):
+def caller() -> FrameType:
+    """Return the innermost frame of the call stack outside of this package: that of the program."""
+    frame = sys._getframe(1)
+    while frame.f_back is not None and f"{frame.f_globals.get('__name__', '')}.".startswith("mjcompose."):
         frame = frame.f_back
+    return frame
+
+
+def call_site() -> Span:
+    """Return the innermost line of the call stack outside of this package."""
+    frame = caller()
     return Span(frame.f_code.co_filename, frame.f_lineno, 1)
 
 

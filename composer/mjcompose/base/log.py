@@ -12,6 +12,8 @@ from __future__ import annotations
 import sys
 import warnings
 
+from mjcompose.base.diagnostic import caller
+
 
 def log(message: str, *arguments: object, level: int = 20) -> None:
     """Log a message under `mjcompose`. The default level is that of `logging.INFO`; 10 is `logging.DEBUG`.
@@ -34,9 +36,7 @@ def warn(message: str, category: type[Warning]) -> None:
 
     A filter for the module of that line applies, and the same warning at the same line is shown once by default.
     """
-    frame = sys._getframe(1)
-    while frame.f_back is not None and f"{frame.f_globals.get('__name__', '')}.".startswith("mjcompose."):
-        frame = frame.f_back
+    frame = caller()
     module = str(frame.f_globals.get("__name__", "<unknown>"))
     registry = frame.f_globals.setdefault("__warningregistry__", {})
     warnings.warn_explicit(

@@ -7,8 +7,8 @@ import re
 import unicodedata
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict, replace
-from functools import lru_cache
-from typing import Any
+from functools import lru_cache, wraps
+from typing import Any, ParamSpec, TypeVar
 from xml.etree import ElementTree as Xml
 
 from mjcompose.base.dataclass import dataclass
@@ -380,6 +380,23 @@ def report(suites: Iterable[Suite], read: ReadSource) -> str:
 def _text(text: str) -> str:
     """Replace characters that act on whoever shows them, and those that XML does not allow."""
     return _NO_XML.sub("\ufffd", printable(text))
+
+
+Parameters = ParamSpec("Parameters")
+Result = TypeVar("Result")
+
+
+def short_traceback(function: Callable[Parameters, Result]) -> Callable[Parameters, Result]:
+    """Make the tracebacks of a public function's errors end at the caller's line, without the lines in this package."""
+
+    @wraps(function)
+    def call(*arguments: Parameters.args, **named: Parameters.kwargs) -> Result:
+        try:
+            return function(*arguments, **named)
+        except MjcomposeError as error:
+            raise error.with_traceback(None)  # noqa: B904  # it is the same exception
+
+    return call
 
 
 class MjcomposeError(Exception):

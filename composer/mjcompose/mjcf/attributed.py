@@ -9,6 +9,7 @@ import numpy as np
 from lxml.etree import _Element as Node
 
 from mjcompose.base.diagnostic import Span, call_site
+from mjcompose.base.report import short_traceback
 from mjcompose.mjcf import edit
 from mjcompose.mjcf.asset import LiveArray, as_name, asset_of
 from mjcompose.mjcf.errors import MjcfAttributeError, MjcfError, failure, no_attribute
@@ -68,6 +69,7 @@ class Attributed:
         known = self._kind.attributes
         return {spoken(str(name)): self._read(known[str(name)]) for name in self._node.keys()}  # noqa: SIM118
 
+    @short_traceback
     def set_attributes(self, **attributes: object) -> None:
         """Set several attributes at once. If one value is invalid, raise `MjcfError` and change nothing.
 

@@ -11,6 +11,7 @@ from lxml import etree
 
 from mjcompose.base.access import ALL
 from mjcompose.base.diagnostic import Note, call_site
+from mjcompose.base.report import short_traceback
 from mjcompose.base.suggest import unknown_name
 from mjcompose.link.linking import Policy
 from mjcompose.mjcf import edit, traversal
@@ -73,6 +74,7 @@ class Element(NodeView):
 
     # -- adding and removing ---------------------------------------------------------------------------------
 
+    @short_traceback
     def add(self, tag: str, /, **attributes: object) -> Element:
         """Append a child and return it.
 
@@ -89,6 +91,7 @@ class Element(NodeView):
         """
         return self._add(tag, None, attributes)
 
+    @short_traceback
     def insert(self, tag: str, /, position: int, **attributes: object) -> Element:
         """Insert a child before the child at index `position`, and return it. See `add`.
 
@@ -125,6 +128,7 @@ class Element(NodeView):
         made = edit.create(self._model, self._node, kind.tag, edit=checked, position=position)
         return cast(Element, view(self._model, made))
 
+    @short_traceback
     def remove(self, cascade: bool = False) -> None:
         """Remove the element and everything below it from the model, and detach the models attached there.
 
@@ -144,6 +148,7 @@ class Element(NodeView):
         self._alive()
         remove(self._model, self._node, cascade)
 
+    @short_traceback
     def attach(self, other: RootElement) -> Element:
         """Attach a model to this site, body, frame or worldbody, and return the attachment frame.
 
@@ -164,6 +169,7 @@ class Element(NodeView):
 
     # -- finding ---------------------------------------------------------------------------------------------
 
+    @short_traceback
     def find(self, tag: str, name: str | None = None) -> Element | None:
         """Return the first match below this element in document order, or None.
 
@@ -187,6 +193,7 @@ class Element(NodeView):
         found = traversal.first(Target(self._alive()._model, node), tag, name)
         return None if found is None else view(*found)
 
+    @short_traceback
     def find_all(
         self, tag: str, immediate_children_only: bool = False, exclude_attachments: bool = False
     ) -> list[Element]:
@@ -309,6 +316,7 @@ class RootElement(RootView, Mujoco):
         """
         return [_root_of(each.child) for each in self._model.attachments.values()]
 
+    @short_traceback
     def attach(self, other: RootElement) -> Element:
         """Attach a model to the worldbody of this one, and return the attachment frame. See `Element.attach`.
 
@@ -321,6 +329,7 @@ class RootElement(RootView, Mujoco):
         frame = attach(model, model.section(WORLD_SECTION), model_of(other, "what is attached"))
         return cast(Element, view(model, frame))
 
+    @short_traceback
     def include_copy(self, other: RootElement, override: bool = False) -> None:
         """Copy everything in another model into this one, without a prefix. The other model does not change.
 
@@ -341,6 +350,7 @@ class RootElement(RootView, Mujoco):
         """
         include_copy(self._model, model_of(other, "what is included"), override)
 
+    @short_traceback
     def compile_model(self, *, conflict: Policy = "error") -> Physics:
         """Compile the model and everything attached to it with MuJoCo, and return its `Physics`.
 
@@ -356,6 +366,7 @@ class RootElement(RootView, Mujoco):
         """
         return Physics.from_mjcf_model(self, conflict=conflict)
 
+    @short_traceback
     def to_spec(self, *, conflict: Policy = "error") -> Any:
         """Return the model and everything attached to it as a new `mujoco.MjSpec`, with its files in memory.
 

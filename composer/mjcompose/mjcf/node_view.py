@@ -10,6 +10,7 @@ from lxml import etree
 from lxml.etree import _Element as Node
 
 from mjcompose.base.diagnostic import Note, Span, call_site
+from mjcompose.base.report import short_traceback
 from mjcompose.base.sink import Sink
 from mjcompose.link.linking import Policy
 from mjcompose.mjcf import edit
@@ -345,6 +346,7 @@ class RootView(NodeView):
         """
         return self._model.full_prefix
 
+    @short_traceback
     def detach(self) -> None:
         """Detach this model from the one it is attached to.
 
@@ -360,6 +362,7 @@ class RootView(NodeView):
         """
         detach(self._model)
 
+    @short_traceback
     def to_xml_string(self, *, conflict: Policy = "error") -> str:
         """Return the model and everything attached to it as MJCF text. The model itself does not change.
 

@@ -11,6 +11,7 @@ from typing import IO, Any, cast
 from mjcompose.base.access import Door
 from mjcompose.base.diagnostic import call_site
 from mjcompose.base.log import warn
+from mjcompose.base.report import short_traceback
 from mjcompose.base.sink import Sink
 from mjcompose.build.bundle.bundle import MODEL, Bundle, BundleError, OutputError, check_paths
 from mjcompose.build.bundle.collect import collect
@@ -36,6 +37,7 @@ from mjcompose.mujoco.references import arrays
 _TEXT = "<xml_string>"
 
 
+@short_traceback
 def from_path(
     path: str | os.PathLike[str], *, escape_separators: bool = False, confine_to: Folders | None = None
 ) -> RootElement:
@@ -63,6 +65,7 @@ def from_path(
     return _model(lambda sink: parse_file(file, sink, door=door), escape_separators)
 
 
+@short_traceback
 def from_xml_string(
     xml_string: str | bytes,
     *,
@@ -97,6 +100,7 @@ def from_xml_string(
     )
 
 
+@short_traceback
 def from_file(
     file_object: IO[str] | IO[bytes], *, escape_separators: bool = False, confine_to: Folders | None = None
 ) -> RootElement:
@@ -131,6 +135,7 @@ def from_file(
     )
 
 
+@short_traceback
 def from_zip(path: str | os.PathLike[str], *, escape_separators: bool = False) -> RootElement:
     """Read a model from a zip: a bundle of mjcompose, an MJZ, or a zip with one model that no other model in it names.
 
@@ -188,6 +193,7 @@ def _model(parse: Callable[[Sink], Unit | None], escape: bool) -> RootElement:
     return cast(RootElement, view(model, model.unit.root))
 
 
+@short_traceback
 def export_with_assets(
     model: RootElement,
     out_dir: str | os.PathLike[str],
@@ -224,6 +230,7 @@ def export_with_assets(
         raise _output_failure(error) from error
 
 
+@short_traceback
 def export_with_assets_as_zip(
     model: RootElement,
     zip_path: str | os.PathLike[str],
@@ -301,6 +308,7 @@ def _output_failure(error: OutputError) -> MjcfError:
     return failure(error.code, error.message, call_site(), help=error.help)
 
 
+@short_traceback
 def from_spec(spec: Any) -> RootElement:
     """Return the model of a `mujoco.MjSpec`, from the XML that MuJoCo writes for it and the files in its `assets`.
 

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from mjcompose.base.access import Door
 from mjcompose.base.diagnostic import Note, call_site
 from mjcompose.base.files import CODE
+from mjcompose.base.report import short_traceback
 from mjcompose.base.sink import Sink
 from mjcompose.base.suggest import exists_note, unknown_name
 from mjcompose.link.linking import Policy
@@ -134,6 +135,7 @@ class Physics:
             self.forward()
 
     @classmethod
+    @short_traceback
     def from_mjcf_model(cls, root: RootView, *, conflict: Policy = "error") -> Physics:
         """Compile a model and everything attached to it. This is the same as `root.compile_model()`.
 
@@ -144,6 +146,7 @@ class Physics:
         return cls(compiled, snapshot=taken)
 
     @classmethod
+    @short_traceback
     def from_xml_string(cls, xml_string: str, assets: Mapping[str, bytes] | None = None) -> Physics:
         """Compile MJCF text as MuJoCo reads it. `assets` has the bytes of files by name.
 
@@ -164,6 +167,7 @@ class Physics:
         return cls(compile_text(text, files))
 
     @classmethod
+    @short_traceback
     def from_path(cls, path: str | os.PathLike[str], *, confine_to: Folders | None = None) -> Physics:
         """Compile an MJCF file as MuJoCo reads it, or load a compiled one (`.mjb`).
 
@@ -213,6 +217,7 @@ class Physics:
             raise failure("out-of-range", f"`timestep` is longer than nothing, got `{number}`", call_site())
         self._model.opt.timestep = number
 
+    @short_traceback
     def step(self, n: int = 1) -> None:
         """Advance the simulation by `n` steps, as `mj_step` does.
 
@@ -233,6 +238,7 @@ class Physics:
         """Compute all quantities that depend on the state and the controls, without advancing the time."""
         engine().mj_forward(self._model, self._data)
 
+    @short_traceback
     def reset(self, keyframe: int | str | NodeView | None = None) -> None:
         """Reset to the reference configuration, or to a keyframe by index, name or element. Then call `forward()`."""
         if keyframe is None:
@@ -268,6 +274,7 @@ class Physics:
         """Pickle the physics with its state but without the tree. Elements of any tree are then bound by name."""
         return _restored, (self._data, self.legacy_step)
 
+    @short_traceback
     def render(
         self, height: int = 240, width: int = 320, camera: int | str | NodeView = -1
     ) -> NDArray[np.uint8]:
@@ -281,6 +288,7 @@ class Physics:
         return self._rendering.picture(self._model, self._data, height, width=width, camera=number)
 
     # Any: what the fields of a binding are is known when the program runs.
+    @short_traceback
     def bind(self, elements: NodeView | Iterable[NodeView] | None) -> Any:
         """Return a `Binding`: a view on the values in MuJoCo of an element, or of several elements of one kind.
 

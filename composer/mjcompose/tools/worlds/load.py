@@ -19,6 +19,7 @@ from mjcompose.base.diagnostic import Diagnostic, hide
 from mjcompose.base.files import read_regular
 from mjcompose.base.limits import in_force
 from mjcompose.base.log import warn
+from mjcompose.base.report import short_traceback
 from mjcompose.base.scratch import scratch
 from mjcompose.base.sink import Sink
 from mjcompose.build.bundle.bundle import LARGEST_MANIFEST, MANIFEST, Bundle, is_address
@@ -42,6 +43,7 @@ class Loaded(NamedTuple):
     index: Index  # type: ignore[assignment]  # the method of a tuple that it hides is of no use here
 
 
+@short_traceback
 def load(bundle: str | PathLike[str], *, allow_changes: bool = False) -> Loaded:
     """Load the output of `mjcompose build`: a folder, a `.zip`, an `.mjz`, or an `.mjb`.
 

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.files import read_regular
-from mjcompose.base.report import MjcomposeError
+from mjcompose.base.report import MjcomposeError, short_traceback
 from mjcompose.build.bundle.bundle import DRAWS, WORLDS, OutputError
 from mjcompose.build.bundle.manifest import Manifest
 from mjcompose.build.bundle.read import ReadError
@@ -298,6 +298,7 @@ class Worlds:
             raise MjcomposeError([error.diagnostic]) from error
 
 
+@short_traceback
 def load(bundle: str | PathLike[str], file: str | PathLike[str] | None = None) -> Worlds:
     """Load the worlds of a bundle, a folder or an archive, that was built from a recipe with `--as worlds`.
 
