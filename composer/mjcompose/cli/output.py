@@ -248,10 +248,12 @@ class Task:
 
     def build_one(self, why: tuple[str, ...]) -> int:
         """Build the single model of the recipe. Return the exit code."""
-        maker = self.maker
+        from mjcompose.build.cache.builder import ModelChoice
+
+        maker, choice = self.maker, ModelChoice(self.given)
         assert self.session is not None
         progress(f"building {maker.recipe}")
-        return self.finish(maker.make(self.run.context, self.session, self.given, key=maker.key(), why=why))
+        return self.finish(maker.make(self.run.context, self.session, choice, key=maker.key(), why=why))
 
     def finish(self, result: BuildResult | None) -> int:
         """Write the model and report it. Return the exit code."""

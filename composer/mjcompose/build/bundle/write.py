@@ -230,7 +230,6 @@ def write_usd(
     environment: Mapping[str, str],
     warn: Callable[[str], None],
     *,
-    limits: engine.Limits | None = None,
     session: engine.Session | None = None,
 ) -> None:
     """Write the model as USD: one layer (`.usd`, `.usda`, `.usdc`), or a package with its textures (`.usdz`).
@@ -240,7 +239,7 @@ def write_usd(
     an older `out` untouched.
     """
     if session is None:
-        with engine.Session(limits) as own:
+        with engine.Session() as own:
             write_usd(bundle, out, environment, warn=warn, session=own)
             return
     from mjcompose.mujoco.convert import export_usd
@@ -343,7 +342,6 @@ def write(
     out: str | PathLike[str],
     *,
     environment: Mapping[str, str],
-    limits: engine.Limits | None = None,
     session: engine.Session | None = None,
     packing: Packing = pack_file,
     warn: Callable[[str], None] = lambda _: None,
@@ -351,8 +349,8 @@ def write(
     """Write the bundle to `out` in the form for its name, and return the form.
 
     The output is complete, or OutputError is raised and everything is as before. `environment` may hold
-    SOURCE_DATE_EPOCH; `limits` or `session` are for MJB and USD, which need MuJoCo, `packing` for archives; `warn`
-    receives what USD cannot represent.
+    SOURCE_DATE_EPOCH; `session` is for MJB and USD, which need MuJoCo, `packing` for archives; `warn` receives what
+    USD cannot represent.
     """
     form = form_of(out)
     path = Path(out)
@@ -364,7 +362,7 @@ def write(
         case OutputForm.TEXT:
             write_text(bundle, path)
         case OutputForm.MJB:
-            write_mjb(bundle, path, limits=limits, session=session)
+            write_mjb(bundle, path, session=session)
         case OutputForm.USD:
-            write_usd(bundle, path, environment, warn=warn, limits=limits, session=session)
+            write_usd(bundle, path, environment, warn=warn, session=session)
     return form

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import field, replace
 from hashlib import sha256
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Severity
@@ -170,6 +170,14 @@ def no_output(name: str, mujoco: str | None) -> None:
 _SETTLED = "the recipe changed, in nothing that this model is made of"
 
 
+class ModelChoice(NamedTuple):
+    """One model of a recipe: the values of parameters and variants, the name of a cell, and the sample."""
+
+    given: Mapping[str, Node]
+    name: str | None = None
+    sample: int = 0
+
+
 class Maker:
     """Makes the models of a recipe.
 
@@ -230,9 +238,8 @@ class Maker:
         self,
         context: Context,
         session: Session,
-        given: Mapping[str, Node],
-        name: str | None = None,
-        sample: int = 0,
+        choice: ModelChoice,
+        *,
         key: CacheKey | None = None,
         why: tuple[str, ...] = (),
         outcomes: list[Outcome] | None = None,
@@ -243,9 +250,9 @@ class Maker:
         outcomes = [] if outcomes is None else outcomes
         request = stages.Request(
             self.recipe,
-            given,
-            name,
-            sample=sample,
+            choice.given,
+            choice.name,
+            sample=choice.sample,
             verified=self.options.verified,
             deduplicated=self.options.deduplicated,
             pictured=self.options.pictured,
@@ -256,7 +263,7 @@ class Maker:
         if plan is None:
             return None
         if key is not None and self.options.text_beside is None and not context.sink.has_errors:
-            known = self._recall_planned(plan, name, context, key=key, outcomes=outcomes)
+            known = self._recall_planned(plan, choice.name, context, key=key, outcomes=outcomes)
             if known is not None:
                 log("`%s` is unchanged and comes from the cache", known.name)
                 return known
@@ -279,7 +286,7 @@ class Maker:
 
         made = result_of_build(built, license_rows(plan, context), why, key=key)
         if self.options.text_beside is None:
-            self._keep(made, outcomes, context, cell=name)
+            self._keep(made, outcomes, context, cell=choice.name)
         return made
 
     def with_text(self, result: BuildResult, text: bytes, context: Context) -> BuildResult:

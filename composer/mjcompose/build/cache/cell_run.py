@@ -19,6 +19,7 @@ from mjcompose.base.sink import Sink
 from mjcompose.build.cache.builder import (
     BuildResult,
     Maker,
+    ModelChoice,
     OutputLocator,
     result_from_cache,
     shown_input_files,
@@ -95,14 +96,11 @@ class CellMaker:
         why: tuple[str, ...],
     ) -> CellResult:
         if result is None:
-            values = {**self.given, **cell.given}
             with interruptible():
                 result = self.maker.make(
                     own,
                     self.session,
-                    values,
-                    name=cell.name,
-                    sample=cell.sample,
+                    ModelChoice({**self.given, **cell.given}, cell.name, cell.sample),
                     key=self._key(cell),
                     why=why,
                     outcomes=outcomes,
@@ -171,7 +169,7 @@ def make_recipe(maker: Maker, session: Session, given: dict[str, Node]) -> Recip
     made, why = maker.recall(key, context, outcomes)
     if made is None:
         with interruptible():
-            made = maker.make(context, session, given, key=key, why=why, outcomes=outcomes)
+            made = maker.make(context, session, ModelChoice(given), key=key, why=why, outcomes=outcomes)
     return RecipeResult(
         tuple(context.sink.diagnostics),
         tuple(outcomes),
