@@ -16,7 +16,7 @@ from mjcompose.link.defaults import choose_classes
 from mjcompose.link.link import finish, link
 from mjcompose.link.linking import Linking
 from mjcompose.mjcf import flat
-from mjcompose.mjcf.flat import copied, label, linked, name_files, relocated_text
+from mjcompose.mjcf.flat import copy_unit, label, link_checked, name_files, relocated_text
 from mjcompose.model.xml_text import to_text
 
 Compiled = Callable[[mjcf.RootElement], mujoco.MjModel]
@@ -114,7 +114,7 @@ def test_a_model_that_nothing_hangs_on_is_as_the_linker_leaves_it(
     arm: mjcf.RootElement, gripper: mjcf.RootElement
 ) -> None:
     for model in (arm, gripper):
-        linking = Linking(copied(model._model), [], Sink())
+        linking = Linking(copy_unit(model._model), [], Sink())
         choose_classes(linking)
         assert link(linking)
         finish(linking)
@@ -311,7 +311,7 @@ _LEFT = {
 
 
 def by_linker(root: mjcf.RootElement) -> str:
-    flat = linked(root._model, "error", copied, check_keys=False)
+    flat = link_checked(root._model, "error", copy_unit, check_keys=False)
     name_files(flat)
     return to_text(flat.unit.root)
 

@@ -32,9 +32,9 @@ def as_path(argument: str, value: object) -> Path:
     if isinstance(value, str | os.PathLike):
         path = Path(value)
         if "\0" in str(path):
-            raise expects(argument, "a path", str(path).replace("\0", "\\0"))
+            raise wrong_argument(argument, "a path", str(path).replace("\0", "\\0"))
         return path
-    raise expects(argument, "a path", type(value).__name__)
+    raise wrong_argument(argument, "a path", type(value).__name__)
 
 
 Folders = Sequence[str | os.PathLike[str]]
@@ -43,7 +43,7 @@ Folders = Sequence[str | os.PathLike[str]]
 def as_folders(argument: str, value: object) -> tuple[Path, ...]:
     """Return the argument, a list of folders, as paths. Raises `MjcfError` if it is anything else."""
     if isinstance(value, str | bytes) or not isinstance(value, Sequence):
-        raise expects(argument, "a list of folders", repr(value))
+        raise wrong_argument(argument, "a list of folders", repr(value))
     return tuple(as_path(argument, each) for each in value)
 
 
@@ -64,7 +64,7 @@ def as_name(argument: str, value: object) -> str:
     """Return the argument if it is text. Raises `MjcfError` if it is not."""
     if isinstance(value, str):
         return value
-    raise expects(argument, "a name", repr(value))
+    raise wrong_argument(argument, "a name", repr(value))
 
 
 def as_index(argument: str, value: object) -> int:
@@ -72,23 +72,23 @@ def as_index(argument: str, value: object) -> int:
     if not isinstance(value, bool):
         with contextlib.suppress(TypeError):  # arrays have the method too
             return operator.index(value)  # type: ignore[arg-type]
-    raise expects(argument, "an integer", repr(value))
+    raise wrong_argument(argument, "an integer", repr(value))
 
 
 def as_files(argument: str, value: object) -> dict[str, bytes]:
     """Return the argument, the bytes of files by path or None, as a dict. Raises `MjcfError` if it is anything else."""
     if not isinstance(value, Mapping | None):
-        raise expects(argument, "bytes by path", type(value).__name__)
+        raise wrong_argument(argument, "bytes by path", type(value).__name__)
     found: dict[str, bytes] = {}
     for name, content in (value or {}).items():
         if not isinstance(name, str) or not isinstance(content, bytes):
             got = f"{type(content).__name__}` by `{type(name).__name__}"
-            raise expects(argument, "bytes by path", got)
+            raise wrong_argument(argument, "bytes by path", got)
         found[name] = content
     return found
 
 
-def expects(argument: str, what: str, got: object) -> MjcfError:
+def wrong_argument(argument: str, what: str, got: object) -> MjcfError:
     """Return the error that `argument` expects `what` and got something else."""
     return failure("wrong-type", f"`{argument}` expects {what}, got `{got}`", call_site())
 
@@ -110,7 +110,7 @@ class _Prefixes:
         return self.new + name[len(self.old) :] if moved else None
 
 
-def renamed(model: Model, rename: Callable[[str], str | None]) -> dict[str, bytes | Path]:
+def renamed_skins(model: Model, rename: Callable[[str], str | None]) -> dict[str, bytes | Path]:
     """Return the new content of the skin files in which body names change, by their written paths.
 
     `rename` returns the new name of a body, or None if the name stays the same. Raises `MjcfError` for a name that
@@ -127,27 +127,29 @@ def renamed(model: Model, rename: Callable[[str], str | None]) -> dict[str, byte
     return found
 
 
-def for_body(model: Model, old: str, new: str) -> Skins:
+def skins_after_body(model: Model, old: str, new: str) -> Skins:
     """Return the new skin files of a model and of the models above it after a body is renamed."""
     found: Skins = []
     for here, prefix in model.levels():
-        changed = renamed(here, {prefix + old: prefix + new}.get)
+        changed = renamed_skins(here, {prefix + old: prefix + new}.get)
         if changed:
             found.append((here, changed))
     return found
 
 
-def for_prefix(parent: Model, old: str, new: str) -> Skins:
+def skins_after_prefix(parent: Model, old: str, new: str) -> Skins:
     """Return the new skin files of a model and of the models above it after the prefix of a child changes."""
     found: Skins = []
     for here, prefix in parent.levels():
-        changed = renamed(here, _Prefixes(prefix + old, prefix + new, here.names.declared.get("body", {})))
+        changed = renamed_skins(
+            here, _Prefixes(prefix + old, prefix + new, here.names.declared.get("body", {}))
+        )
         if changed:
             found.append((here, changed))
     return found
 
 
-def take(skins: Skins) -> None:
+def apply_skins(skins: Skins) -> None:
     """Set the new skin files on their models."""
     for model, files in skins:
         known = model.unit.contents
@@ -287,11 +289,11 @@ class Asset:
             self.extension, self.prefix = self.path.suffix, stem(self.path.name)
             return
         if not isinstance(contents, bytes):
-            raise expects("contents", "bytes", type(contents).__name__)
+            raise wrong_argument("contents", "bytes", type(contents).__name__)
         if not (isinstance(extension, str) and re.fullmatch(r"\.[^/\\]+", extension)):
-            raise expects("extension", "a suffix such as `.stl`", extension)
+            raise wrong_argument("extension", "a suffix such as `.stl`", extension)
         if not (isinstance(prefix, str) and re.fullmatch(r"[^/\\]+", prefix)):
-            raise expects("prefix", "the name of a file without folders", prefix)
+            raise wrong_argument("prefix", "the name of a file without folders", prefix)
         self.path, self.extension, self.prefix = None, extension, prefix
 
     @property
@@ -393,7 +395,7 @@ def _admitted(unit: Unit, written: str) -> Path:
         raise failure(CODE, refused.message(), call_site(), help=refused.help) from None
 
 
-def place(model: Model, tag: str, asset: Asset, contents: dict[str, bytes | Path]) -> str:
+def place_asset(model: Model, tag: str, asset: Asset, contents: dict[str, bytes | Path]) -> str:
     """Return a file name in the model for an asset, and add the file to `contents`. Equal assets share one name."""
     number = 1
     while True:

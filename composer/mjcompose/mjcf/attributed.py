@@ -14,7 +14,7 @@ from mjcompose.mjcf import edit
 from mjcompose.mjcf.asset import LiveArray, as_name, asset_of
 from mjcompose.mjcf.errors import MjcfAttributeError, MjcfError, failure, no_attribute
 from mjcompose.mjcf.model import Model, Target
-from mjcompose.mjcf.value import BadValue, decode, describe, refers, resolved
+from mjcompose.mjcf.value import BadValue, decode, describe, is_reference, resolved
 from mjcompose.mjcf.views import always_there, view, views
 from mjcompose.model.grammar import Attribute, ElementType
 from mjcompose.model.names import own_name
@@ -107,7 +107,7 @@ class Attributed:
         text = self._alive()._node.get(attribute.name)
         if text is None or (not text.strip() and attribute.type != "string"):
             return None
-        if refers(attribute):
+        if is_reference(attribute):
             found = [
                 each if isinstance(each, str) else view(*each)
                 for each in resolved(self._model, attribute, self._node, text=str(text))

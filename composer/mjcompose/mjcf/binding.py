@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Note, call_site
 from mjcompose.base.suggest import did_you_mean
-from mjcompose.mjcf.compile import IN_PLACE, Home, places
+from mjcompose.mjcf.compile import IN_PLACE, ScatteredRows, flat_indices
 from mjcompose.mjcf.errors import MjcfAttributeError, MjcfError, failure
 from mjcompose.model.values import shorten
 from mjcompose.mujoco.addresses import RUNS, Run
@@ -94,15 +94,15 @@ _NAMES = (
 )
 
 
-def names(array: str, width: int) -> tuple[str, ...]:
+def column_names(array: str, width: int) -> tuple[str, ...]:
     """Return the names of the columns of a MuJoCo array, or an empty tuple if they have no names."""
     return next((found for ends, found in _NAMES if ends.search(array) and len(found) == width), ())
 
 
-def numbered(columns: Any, known: Sequence[str]) -> Any:
+def number_columns(columns: Any, known: Sequence[str]) -> Any:
     """Return an index with the column names replaced by numbers. Raises KeyError with the first unknown name.
 
-    >>> numbered(['x', 'z'], names('geom_pos', 3)), numbered(slice(0, 2), ())
+    >>> number_columns(['x', 'z'], column_names('geom_pos', 3)), number_columns(slice(0, 2), ())
     ([0, 2], slice(0, 2, None))
     """
     if isinstance(columns, str):
@@ -110,7 +110,7 @@ def numbered(columns: Any, known: Sequence[str]) -> Any:
             raise KeyError(columns)
         return known.index(columns)
     if isinstance(columns, list | tuple | np.ndarray):
-        return [numbered(each, known) if isinstance(each, str) else each for each in columns]
+        return [number_columns(each, known) if isinstance(each, str) else each for each in columns]
     return columns
 
 
@@ -120,7 +120,7 @@ Release = Callable[[Model, str, NDArray[np.intp]], None]
 _WITH_INERTIA = (2, 4)
 
 
-def _own(of: str) -> Release:
+def _owns_inertia(of: str) -> Release:
     def release(model: Model, array: str, rows: NDArray[np.intp]) -> None:
         getattr(model, of)[rows] = 0
 
@@ -159,10 +159,10 @@ def _is_simple(model: Model, array: str, row: int) -> Exception:
 
 
 RELEASES: dict[str, Release] = {
-    "geom_pos": _own("geom_sameframe"),
-    "geom_quat": _own("geom_sameframe"),
-    "site_pos": _own("site_sameframe"),
-    "site_quat": _own("site_sameframe"),
+    "geom_pos": _owns_inertia("geom_sameframe"),
+    "geom_quat": _owns_inertia("geom_sameframe"),
+    "site_pos": _owns_inertia("site_sameframe"),
+    "site_quat": _owns_inertia("site_sameframe"),
     "body_ipos": _of_inertia,
     "body_iquat": _of_inertia,
 }
@@ -202,7 +202,7 @@ class Posed(np.ndarray[Any, np.dtype[Any]]):
         if not isinstance(top, Posed) or not hasattr(top, "array"):
             return  # a copy
         source = getattr(top.model, top.array)
-        RELEASES[top.array](top.model, top.array, places(source, self)[key] // source.shape[-1])
+        RELEASES[top.array](top.model, top.array, flat_indices(source, self)[key] // source.shape[-1])
 
 
 def _in_place(name: str) -> Any:
@@ -289,7 +289,7 @@ class Binding:
         if value is None:
             raise self._cannot_take(name, value)
         try:
-            if isinstance(view, Home):
+            if isinstance(view, ScatteredRows):
                 view.write(value)
             else:
                 view[...] = value
@@ -341,9 +341,9 @@ class Binding:
                 f"`{name}` of {self._labelled()} has one number for each, and no columns",
                 call_site(),
             )
-        known = names(fields(self._kind)[name].array, has.shape[-1])
+        known = column_names(fields(self._kind)[name].array, has.shape[-1])
         try:
-            at = numbered(rest[0], known)
+            at = number_columns(rest[0], known)
             has[..., at]
         except (KeyError, IndexError, TypeError) as fault:
             raise failure(
@@ -369,18 +369,18 @@ class Binding:
 
     def _read(self, name: str, field: Field) -> Array:
         view = self._view(name, field)
-        if isinstance(view, Home):
+        if isinstance(view, ScatteredRows):
             return view.read()
         return view if view.ndim else view[()]
 
-    def _view(self, name: str, field: Field) -> Array | Home[Any]:
+    def _view(self, name: str, field: Field) -> Array | ScatteredRows[Any]:
         """Return a field and cache it: MuJoCo's memory does not move during the life of the model."""
-        known: Array | Home[Any] | None = self._homes.get(name, self.__dict__.get(name))
+        known: Array | ScatteredRows[Any] | None = self._homes.get(name, self.__dict__.get(name))
         if known is not None:
             return known
         array = getattr(self._data if field.of_data else self._model, field.array)
         view = self._one_view(array, field) if self._one else self._view_of_all(array, field)
-        if isinstance(view, Home):
+        if isinstance(view, ScatteredRows):
             self._homes[name] = view
             return view
         if not view.ndim:  # one number is handed out as it is: nobody expects that it changes later
@@ -402,7 +402,7 @@ class Binding:
         view = array[rows.start : rows.stop]
         return view if run.shape is None else view.reshape(run.shape(self._model, index))
 
-    def _view_of_all(self, array: Array, field: Field) -> Array | Home[Any]:
+    def _view_of_all(self, array: Array, field: Field) -> Array | ScatteredRows[Any]:
         run = RUNS.get(self._kind, {}).get(field.size)
         index = np.array(self._ids, dtype=np.intp)
         if run is not None:
@@ -412,7 +412,9 @@ class Binding:
         if regular is not None:
             return array[regular]
         release = RELEASES.get(field.array)
-        return Home.of(array, index, *([partial(release, self._model, field.array)] if release else []))
+        return ScatteredRows.of(
+            array, index, *([partial(release, self._model, field.array)] if release else [])
+        )
 
     def _rows(self, run: Run, at: int, field: Field) -> range:
         rows = run.rows(self._model, self._ids[at])
@@ -513,7 +515,7 @@ def _scattered_field(name: str, field: Field) -> property:
 
     def read(binding: Binding) -> Any:
         home = binding._homes.get(name)
-        return home.read() if isinstance(home, Home) else binding._read(name, field)
+        return home.read() if isinstance(home, ScatteredRows) else binding._read(name, field)
 
     return property(read)
 

@@ -10,7 +10,7 @@ from lxml.etree import _Element as Node
 from mjcompose.base.diagnostic import call_site
 from mjcompose.base.log import warn
 from mjcompose.base.suggest import did_you_mean
-from mjcompose.mjcf.asset import as_name, expects
+from mjcompose.mjcf.asset import as_name, wrong_argument
 from mjcompose.mjcf.compile import settings
 from mjcompose.mjcf.element import Element
 from mjcompose.mjcf.errors import MjcfWarning, failure
@@ -40,7 +40,7 @@ _PLAIN = frozenset({_GENERAL, "motor", "position", "velocity", "intvelocity", "a
 def is_plain(found: DefaultClass, node: Node) -> bool:
     """Return whether the attributes that a class sets for an actuator can be written onto it unchanged."""
     tag, known = str(node.tag), kind_of(node).attributes
-    for element in _elements_committed_actuators(found):
+    for element in _written_elements(found):
         if element.tag == tag:
             if tag not in _PLAIN:
                 return False
@@ -76,16 +76,16 @@ def commit(
         if settings(sections, candidate) != wanted:
             continue
         if partly:
-            _become(model, node, candidate)
+            _replace_by(model, node, candidate)
             return
         as_good = candidate if as_good is None else as_good
         alone = copy.copy(candidate)
         alone.attrib.pop("class", "")
         if settings((), alone) == wanted:
-            _become(model, node, candidate)
+            _replace_by(model, node, candidate)
             return
     if as_good is not None:
-        _become(model, node, as_good)
+        _replace_by(model, node, as_good)
     message = (
         f"{describe(model, node)} keeps needing its default class, which gives it what cannot be written"
     )
@@ -94,13 +94,13 @@ def commit(
 
 def _sections(found: DefaultClass) -> list[Node]:
     """Return the default sections of the class's model, or none if the class and those above set nothing."""
-    for element in _elements_committed_actuators(found):
+    for element in _written_elements(found):
         above = [each for each in element.iterancestors() if each.tag == ROOT]
         return list(above[0].iterchildren("default"))
     return []
 
 
-def _elements_committed_actuators(found: DefaultClass | None) -> Iterator[Node]:
+def _written_elements(found: DefaultClass | None) -> Iterator[Node]:
     while found is not None:
         for tag in ACTUATORS:
             yield from found.elements.get(tag, ())
@@ -141,7 +141,7 @@ def _bare(node: Node) -> Node:
     return node.makeelement(_GENERAL, {"class": found} if found else {})
 
 
-def _become(model: Model, node: Node, other: Node) -> None:
+def _replace_by(model: Model, node: Node, other: Node) -> None:
     """Give an element the tag and attributes of another one. Existing references to its Element stay valid."""
     model.forget(node)
     if node.tag != other.tag:
@@ -166,9 +166,7 @@ _OF_ATTRIBUTE = "rgb"
 def commit_textures(model: Model, node: Node, found: DefaultClass) -> None:
     """Write onto a material the textures of its class for the roles that the material itself does not set."""
     own = _by_role(node)
-    missing = {
-        role: name for role, name in _given_committed_textures(found).items() if role not in own and name
-    }
+    missing = {role: name for role, name in _class_textures(found).items() if role not in own and name}
     if not missing:
         return
     if not own and missing.keys() == {_OF_ATTRIBUTE}:
@@ -184,10 +182,10 @@ def commit_textures(model: Model, node: Node, found: DefaultClass) -> None:
         model.note(layer)
 
 
-def _given_committed_textures(found: DefaultClass | None) -> dict[str, str]:
+def _class_textures(found: DefaultClass | None) -> dict[str, str]:
     if found is None:
         return {}
-    given = _given_committed_textures(found.parent)
+    given = _class_textures(found.parent)
     for element in found.elements.get("material", ()):
         given.update(_by_role(element))
     return given
@@ -238,7 +236,7 @@ def commit_defaults(root_or_element: Element, attributes: Collection[str] | None
 def _known(attributes: Collection[str]) -> frozenset[str]:
     """Return the MJCF names of attributes. Raises `MjcfError` for a name that no default class can set."""
     if isinstance(attributes, str):
-        raise expects("attributes", "a list of names", attributes)
+        raise wrong_argument("attributes", "a list of names", attributes)
     kinds = GRAMMAR.section("default").children.values()
     found = set()
     for name in attributes:
@@ -272,8 +270,8 @@ def _commit_all(model: Model, node: Node, only: frozenset[str] | None) -> None:
 
 def _commit_below(model: Model, top: Node, only: frozenset[str] | None) -> None:
     classes = Classes(model.unit.root)
-    for node in _elements_committing(top):
-        found = str(node.get("class") or "") or (childclass_of(node) if _in_tree(node) else None)
+    for node in _elements_below(top):
+        found = str(node.get("class") or "") or (childclass_of(node) if _is_in_world(node) else None)
         _commit(model, node, _class(model, classes, found), only=only)
 
 
@@ -296,7 +294,7 @@ def _class(model: Model, classes: Classes, name: str | None) -> DefaultClass:
     return classes.get(name)
 
 
-def _elements_committing(top: Node) -> Iterator[Node]:
+def _elements_below(top: Node) -> Iterator[Node]:
     """Yield every element that default classes can set attributes of."""
     tags = frozenset(GRAMMAR.section("default").children) | {"fixed", "spatial"}
     sections = top.iterchildren("*") if top.tag == ROOT else [top]
@@ -314,7 +312,7 @@ def _commit(model: Model, node: Node, found: DefaultClass, only: frozenset[str] 
     if node.tag == "material" and (only is None or "texture" in only):
         commit_textures(model, node, found)
     attributes = kind_of(node).attributes
-    given = _given_committing(found, node, attributes)
+    given = _class_attributes(found, node, attributes)
     changes: dict[str, str | None] = {}
     for name, value in given.items():
         own = str(node.get(name) or "")
@@ -339,9 +337,9 @@ def _commit(model: Model, node: Node, found: DefaultClass, only: frozenset[str] 
         assign(model, node, changes)
 
 
-def _given_committing(found: DefaultClass, node: Node, attributes: Mapping[str, Attribute]) -> dict[str, str]:
+def _class_attributes(found: DefaultClass, node: Node, attributes: Mapping[str, Attribute]) -> dict[str, str]:
     """Return the attributes that a class and those above it set for an element; the nearest class wins."""
-    inherited = {} if found.parent is None else _given_committing(found.parent, node, attributes)
+    inherited = {} if found.parent is None else _class_attributes(found.parent, node, attributes)
     tag = default_tag(node)
     for element in _written(found, ACTUATORS if tag in ACTUATORS else (tag,)):
         for key, value in element.items():
@@ -393,7 +391,7 @@ def _completed(attribute: Attribute, own: str, inherited: str) -> str:
     return own if len(items) >= len(more) else " ".join([*items, *more[len(items) :]])
 
 
-def _in_tree(node: Node) -> bool:
+def _is_in_world(node: Node) -> bool:
     return _is_in(node, ("worldbody",))
 
 

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.sink import Sink
 from mjcompose.link.linking import Policy
-from mjcompose.mjcf.errors import MjcfError, failed, failure, raise_errors
-from mjcompose.mjcf.flat import Flat, contents, copied, flatten, issue_warnings, name_files
+from mjcompose.mjcf.errors import MjcfError, error_of, failure, raise_errors
+from mjcompose.mjcf.flat import Flat, contents, copy_unit, flatten, issue_warnings, name_files
 from mjcompose.mjcf.model import Model, Target
 from mjcompose.mjcf.node_view import attachments_below
 from mjcompose.model.grammar import GRAMMAR, Attribute, to_text
@@ -40,7 +40,7 @@ class Scattered(np.ndarray[Any, np.dtype[Any]]):
     """
 
     __slots__ = ("home",)
-    home: Home[Any]
+    home: ScatteredRows[Any]
 
     def __setitem__(self, key: Any, value: Any) -> None:
         super().__setitem__(key, value)
@@ -58,13 +58,13 @@ class Scattered(np.ndarray[Any, np.dtype[Any]]):
             source[rows.home.index[key]] = np.asarray(self)[key]
         else:
             width = source[0].size
-            at = places(rows, self)[key]
+            at = flat_indices(rows, self)[key]
             written = rows.home.index[at // width]
             rows.home.before(written)
             np.put(source, written * width + at % width, np.asarray(self)[key])
 
 
-def places(of: NDArray[Any], view: NDArray[Any]) -> NDArray[np.intp]:
+def flat_indices(of: NDArray[Any], view: NDArray[Any]) -> NDArray[np.intp]:
     """Return the flat indices in `of` of the items of a view of it, in the shape of the view. `of` is contiguous."""
     found = np.array((view.ctypes.data - of.ctypes.data) // of.itemsize, dtype=np.intp)
     for length, stride in zip(view.shape, view.strides, strict=True):
@@ -73,7 +73,7 @@ def places(of: NDArray[Any], view: NDArray[Any]) -> NDArray[np.intp]:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Home(Generic[_Number]):
+class ScatteredRows(Generic[_Number]):
     """The origin of scattered rows: the rows `index`, an array of integers, of `source`.
 
     `before` is called with the rows that are about to be written; rows with several numbers may be repeated.
@@ -90,7 +90,7 @@ class Home(Generic[_Number]):
         array: NDArray[_Number],
         index: NDArray[np.intp],
         before: Callable[[NDArray[np.intp]], None] = lambda rows: None,
-    ) -> Home[_Number]:
+    ) -> ScatteredRows[_Number]:
         return cls(array.view(Scattered), index, array.ndim == 1, before=before)
 
     def read(self) -> Scattered:
@@ -158,7 +158,7 @@ class _Copies:
     models: set[Model] = field(default_factory=set)
 
     def __call__(self, model: Model) -> Unit:
-        unit = copied(model)
+        unit = copy_unit(model)
         self.models.add(model)
         pairs = zip(unit.root.iter("*"), model.unit.root.iter("*"), strict=True)
         self.originals.update((copy, Target(model, node)) for copy, node in pairs)
@@ -192,7 +192,7 @@ def compile_text(text: bytes, assets: Mapping[str, bytes], flat: Flat | None = N
     try:
         return mujoco.MjModel.from_xml_string(text.decode(), dict(assets))
     except (ValueError, mujoco.FatalError) as error:
-        raise refused(error, text, flat) from None
+        raise compile_error(error, text, flat) from None
 
 
 def engine() -> MjModel:
@@ -206,7 +206,7 @@ def engine() -> MjModel:
     return mujoco
 
 
-def refused(error: Exception, text: bytes = b"", flat: Flat | None = None) -> MjcfError:
+def compile_error(error: Exception, text: bytes = b"", flat: Flat | None = None) -> MjcfError:
     """Return the error for a MuJoCo error about a model, at the element that the error is about."""
     fault = parse(str(error))
     element = None
@@ -217,9 +217,9 @@ def refused(error: Exception, text: bytes = b"", flat: Flat | None = None) -> Mj
     if said.topic is not None:
         diagnostic = replace(diagnostic, help=_IN_PYTHON.get(said.topic, diagnostic.help))
     if flat is None or element is None:
-        return failed(diagnostic)
+        return error_of(diagnostic)
     found = locate_fault(said, element, flat.unit)
-    return failed(replace(diagnostic, span=found.span, notes=(*found.notes, *diagnostic.notes)))
+    return error_of(replace(diagnostic, span=found.span, notes=(*found.notes, *diagnostic.notes)))
 
 
 def _snapshot(model: Model, copies: _Copies, flat: Flat, roster: NameTable) -> Snapshot:
@@ -311,6 +311,6 @@ def to_spec(model: Model, conflict: Policy) -> Any:
         models = {name: data for name, data in files.items() if name.endswith(".xml")}
         spec = mujoco.MjSpec.from_string(xml_text(flat.unit.root), include=models, assets=files)
     except (ValueError, mujoco.FatalError) as error:
-        raise refused(error, write(flat.unit.root), flat) from None
+        raise compile_error(error, write(flat.unit.root), flat) from None
     issue_warnings(flat)
     return spec

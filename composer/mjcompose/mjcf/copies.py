@@ -153,7 +153,7 @@ class _Composition:
         return model
 
 
-def reduced(element: Attributed) -> Reduced:
+def pickled_element(element: Attributed) -> Reduced:
     """Return the pickled form of an element: the whole composition, and the position of the element in it."""
     model = element._alive()._model
     if element._node is model.unit.root:

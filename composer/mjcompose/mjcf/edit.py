@@ -15,10 +15,10 @@ from lxml.etree import _Element as Node
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Note, call_site
 from mjcompose.base.suggest import did_you_mean
-from mjcompose.mjcf.asset import Asset, Files, Skins, for_body, place, take
+from mjcompose.mjcf.asset import Asset, Files, Skins, apply_skins, place_asset, skins_after_body
 from mjcompose.mjcf.errors import MjcfError, failure, no_attribute
 from mjcompose.mjcf.model import Attachment, Model, Target
-from mjcompose.mjcf.value import BadValue, describe, encode, name_for, namespace_of, plain_text, refers
+from mjcompose.mjcf.value import BadValue, describe, encode, is_reference, name_for, namespace_of, plain_text
 from mjcompose.model.classes import MAIN, ORIENTATIONS
 from mjcompose.model.edit import NewName, Removal, Renaming, assign, is_section, replace, unlistable_message
 from mjcompose.model.files import NAMED_AFTER_FILE, stem
@@ -128,7 +128,7 @@ def check(
             raise no_attribute(kind, name)
         attributes[name] = attribute
     written = {} if node is None else {str(name): str(value) for name, value in node.items()}
-    for name, attribute in sorted(attributes.items(), key=lambda each: refers(each[1])):
+    for name, attribute in sorted(attributes.items(), key=lambda each: is_reference(each[1])):
         value = values[name]
         try:
             text = _text(model, kind, attribute, value=value, written=written, edit=edit)
@@ -165,10 +165,10 @@ def _text(
     if isinstance(value, Asset):
         if attribute.type != "file":
             raise BadValue("expects no file, got an `Asset`")
-        return place(model, kind.tag, value, contents=edit.contents)
+        return place_asset(model, kind.tag, value, contents=edit.contents)
     several = isinstance(value, list | tuple) and any(isinstance(each, Target) for each in value)
     if isinstance(value, Target) or several:
-        if not refers(attribute):
+        if not is_reference(attribute):
             raise BadValue("expects no element, got one")
         if several and attribute.type != "references":
             raise BadValue("expects one element, got a list")
@@ -189,7 +189,7 @@ def _text(
 def write(model: Model, node: Node, edit: Edit) -> None:
     """Carry out an edit that has been checked."""
     _take_contents(model, edit)
-    take(edit.skins)
+    apply_skins(edit.skins)
     _give_names(edit)
     if edit.texts:
         site = call_site()
@@ -270,8 +270,8 @@ def _check_name(
         {attribute.name, "file"} if after_file else {attribute.name}
     ):
         return
-    name = _own(edit, node, attribute.name)
-    if not name and after_file and (file := _own(edit, node, "file")):
+    name = _text_after(edit, node, attribute.name)
+    if not name and after_file and (file := _text_after(edit, node, "file")):
         name = stem(file)
     if frame is not None:
         name = frame.child.prefix + (name or "")
@@ -300,7 +300,7 @@ def _check_name(
     )
 
 
-def _own(edit: Edit, node: Node | None, attribute: str) -> str | None:
+def _text_after(edit: Edit, node: Node | None, attribute: str) -> str | None:
     """Return the text of an attribute after the edit."""
     if attribute in edit.texts or node is None:
         return edit.texts.get(attribute)
@@ -313,7 +313,7 @@ def _skins(model: Model, kind: ElementType, edit: Edit, node: Node) -> Skins:
     if attribute is None or attribute.declares != "body" or attribute.name not in edit.texts:
         return []
     before, name = model.declared(node), edit.texts[attribute.name]
-    return for_body(model, before[1], name) if before and name and before[1] != name else []
+    return skins_after_body(model, before[1], name) if before and name and before[1] != name else []
 
 
 def check_lists(renaming: Renaming[Model]) -> None:

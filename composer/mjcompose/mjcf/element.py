@@ -20,7 +20,7 @@ from mjcompose.mjcf.attributed import targets
 from mjcompose.mjcf.compile import to_spec
 from mjcompose.mjcf.copies import duplicate
 from mjcompose.mjcf.edit import remove
-from mjcompose.mjcf.errors import MjcfKeyError, failed, failure, unknown_tag
+from mjcompose.mjcf.errors import MjcfKeyError, error_of, failure, unknown_tag
 from mjcompose.mjcf.include import include_copy
 from mjcompose.mjcf.model import UNNAMED, Model, Target
 from mjcompose.mjcf.node_view import NodeView, RootView, attach, model_of, set_model_name
@@ -187,10 +187,10 @@ class Element(NodeView):
         """
         model, node = self._model, self._node
         if type(name) is str and type(tag) is str and node is model.unit.root:
-            known: Element | None = traversal.at_hand(model, tag, name)
+            known: Element | None = traversal.cached_element(model, tag, name)
             if known is not None:
                 return known
-        found = traversal.first(Target(self._alive()._model, node), tag, name)
+        found = traversal.find_first(Target(self._alive()._model, node), tag, name)
         return None if found is None else view(*found)
 
     @short_traceback
@@ -212,7 +212,7 @@ class Element(NodeView):
         True
         """
         here = Target(self._alive()._model, self._node)
-        every = traversal.every(here, tag, immediate_children_only)
+        every = traversal.find_every(here, tag, immediate_children_only)
         return [view(*found) for found in every if not exclude_attachments or found.model is here.model]
 
     def enter_scope(self, prefix: str) -> RootElement | None:
@@ -227,7 +227,7 @@ class Element(NodeView):
         True
         """
         model, prefix = self._alive()._model, as_name("prefix", prefix)
-        found = traversal.attached(model, prefix if prefix.endswith(SEPARATOR) else prefix + SEPARATOR)
+        found = traversal.find_attached(model, prefix if prefix.endswith(SEPARATOR) else prefix + SEPARATOR)
         return None if found is None else cast(RootElement, view(found, found.unit.root))
 
     def all_children(self) -> list[Element]:
@@ -440,7 +440,7 @@ class ElementList(Sequence[_E]):
         unnamed = Note(f"none of the {len(self)} elements here has a name: take them by number")
         message = f"the {self.tag} `{index}` does not exist here"
         found = unknown_name(self.tag, index, names, span=call_site(), message=message)
-        raise failed(found if names or not self else replace(found, notes=(unnamed,)), MjcfKeyError)
+        raise error_of(found if names or not self else replace(found, notes=(unnamed,)), MjcfKeyError)
 
     def __contains__(self, item: object) -> bool:
         """Return whether the list contains an element, or an element with this name."""

@@ -58,10 +58,10 @@ def failure(
     kind: type[MjcfError] | None = None,
 ) -> MjcfError:
     """Return an exception for one error."""
-    return failed(Diagnostic(code, message, span, notes=tuple(notes), help=help), kind)
+    return error_of(Diagnostic(code, message, span, notes=tuple(notes), help=help), kind)
 
 
-def failed(diagnostic: Diagnostic, kind: type[MjcfError] | None = None) -> MjcfError:
+def error_of(diagnostic: Diagnostic, kind: type[MjcfError] | None = None) -> MjcfError:
     """Return the exception that carries a diagnostic. Its class is `kind`, or by default that of the error code."""
     return (kind or _OF_CODES.get(diagnostic.code, MjcfError))([diagnostic])
 
@@ -103,7 +103,7 @@ def no_attribute(kind: ElementType, name: str, members: Iterable[str] = ()) -> M
         name, f"`<{kind.tag}>`", known, span=call_site(), help=other, near=[*tags, *meant]
     )
     notes = (*found.notes, exists_note("element", tags, name)) if tags else found.notes
-    return failed(replace(found, notes=notes), MjcfAttributeError)
+    return error_of(replace(found, notes=notes), MjcfAttributeError)
 
 
 ATTRIBUTES = {

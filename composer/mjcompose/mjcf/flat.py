@@ -29,7 +29,7 @@ from mjcompose.link.unit_keys import layouts
 from mjcompose.mjcf.errors import MjcfError, MjcfWarning, failure, raise_errors
 from mjcompose.mjcf.model import UNNAMED, Model
 from mjcompose.mjcf.mounting import Mounting, without_outward
-from mjcompose.mjcf.value import describe, described
+from mjcompose.mjcf.value import describe, describe_target
 from mjcompose.model.classes import says_something
 from mjcompose.model.edit import resolves, unresolved
 from mjcompose.model.files import CUBE, NAMED_AFTER_FILE, file_attributes, is_plain, stem
@@ -43,7 +43,7 @@ from mjcompose.sources.context import Context
 
 def prune(unit: Unit) -> None:
     """Remove the empty elements from the tree of a model."""
-    for node in list(empty(unit)):
+    for node in list(empty_elements(unit)):
         while _is_empty(node) and node is not unit.root:
             parent = node.getparent()
             assert parent is not None
@@ -51,7 +51,7 @@ def prune(unit: Unit) -> None:
             node = parent
 
 
-def empty(unit: Unit) -> Iterator[Node]:
+def empty_elements(unit: Unit) -> Iterator[Node]:
     """Yield the empty sections and, in sections that hold one child of each tag, the empty elements below them."""
     for section in unit.root.iterchildren("*"):
         if section.tag in HOLDS_ONE_OF_EACH:
@@ -75,7 +75,7 @@ def with_unique_names(files: Sequence[FileUse]) -> list[tuple[FileUse, str]]:
     """Return each file with a path, so that no two paths end in the same file name. Sub-models use these paths too."""
     taken: dict[str, str] = {}
     names = {use.path: _free(use.path, taken) for use in files}
-    return [(_rewritten(use, names) if _is_model(use) else use, names[use.path]) for use in files]
+    return [(_with_file_names(use, names) if _is_model(use) else use, names[use.path]) for use in files]
 
 
 def is_inner(use: FileUse, files: Iterable[FileUse]) -> bool:
@@ -109,7 +109,7 @@ def _folder(model: FileUse) -> str:
     return f"{model.path.removesuffix('.xml')}/"
 
 
-def _rewritten(model: FileUse, names: Mapping[str, str]) -> FileUse:
+def _with_file_names(model: FileUse, names: Mapping[str, str]) -> FileUse:
     """Return the sub-model with the new names of its files, which are relative to its own folder."""
     start = f"{posixpath.dirname(model.path)}/"
     changed = {
@@ -142,7 +142,7 @@ def relocated_text(model: Model, label: str) -> str | None:
     if model.attachments or unit.contents or not re.fullmatch(r"[\w.-]+", label):
         return None
     files = _plain_files(unit)
-    if files is None or next(empty(unit), None) is not None:
+    if files is None or next(empty_elements(unit), None) is not None:
         return None
     text = to_text(unit.root)
     moving, staying = files
@@ -207,7 +207,7 @@ def check_references(model: Model, sink: Sink) -> None:
             if node.get(attribute) == text and each.has(node):
                 sink.error(
                     "unknown-name",
-                    f"{describe(each, node)} refers by `{spoken(attribute)}` to {described(target)} of the model"
+                    f"{describe(each, node)} refers by `{spoken(attribute)}` to {describe_target(target)} of the model"
                     f" `{target.model.name}`, which is not attached to `{model.name}`",
                     each.span(node),
                     help="attach it",
@@ -285,7 +285,7 @@ class Flat:
     is_measured: bool
 
 
-def copied(model: Model) -> Unit:
+def copy_unit(model: Model) -> Unit:
     """Return a copy of the model's unit, which the linker may change."""
     unit = model.unit.copied()
     unit.label = label(model)
@@ -300,16 +300,16 @@ def label(model: Model) -> str:
     return re.sub(r"[^\w.-]+", "_", model.name) if known == UNNAMED or not known else known
 
 
-def flatten(model: Model, conflict: Policy, copy: Callable[[Model], Unit] = copied) -> Flat:
+def flatten(model: Model, conflict: Policy, copy: Callable[[Model], Unit] = copy_unit) -> Flat:
     """Link a model and everything attached to it into one model. Raises `MjcfError` with the faults found.
 
     `copy` is called for each model and returns the unit to link.
     """
     _check(model, conflict)
-    return linked(model, conflict, copy, check_keys=True)
+    return link_checked(model, conflict, copy, check_keys=True)
 
 
-def linked(model: Model, conflict: Policy, copy: Callable[[Model], Unit], *, check_keys: bool) -> Flat:
+def link_checked(model: Model, conflict: Policy, copy: Callable[[Model], Unit], *, check_keys: bool) -> Flat:
     """Link a model whose references have been checked. See `flatten`.
 
     With `check_keys`, the keyframes of a model without attachments are laid out too, to report those that do not fit.
@@ -382,7 +382,7 @@ def text(model: Model, conflict: Policy) -> str:
     known = relocated_text(model, label(model))
     if known is not None:
         return known
-    flat = linked(model, conflict, copied, check_keys=False)
+    flat = link_checked(model, conflict, copy_unit, check_keys=False)
     name_files(flat)
     issue_warnings(flat)
     found = to_text(flat.unit.root)

@@ -13,7 +13,7 @@ from lxml.etree import _Element as Node
 from mjcompose.base.diagnostic import Note, call_site
 from mjcompose.base.log import warn
 from mjcompose.base.sink import Sink
-from mjcompose.mjcf.asset import Asset, Files, asset_of, place
+from mjcompose.mjcf.asset import Asset, Files, asset_of, place_asset
 from mjcompose.mjcf.copies import duplicate
 from mjcompose.mjcf.errors import MjcfWarning, raise_errors
 from mjcompose.mjcf.model import Model
@@ -108,7 +108,7 @@ def include_copy(model: Model, other: Model, override: bool) -> None:
     moved = list(_move(model, source))
     contents: dict[str, bytes | Path] = {}
     for node, attribute, asset in files:
-        node.set(attribute, place(model, str(node.tag), asset, contents=contents))
+        node.set(attribute, place_asset(model, str(node.tag), asset, contents=contents))
     known = model.unit.contents
     model.unit.contents = (known if isinstance(known, Files) else Files(known)).with_files(contents)
     for node in models:

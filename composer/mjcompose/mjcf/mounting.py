@@ -51,11 +51,11 @@ def without_outward(unit: Unit, prefixes: tuple[str, ...]) -> Unit:
     Bodies and the elements on them stay. Their references to materials with these names are removed; if another name
     is missing, MuJoCo reports it. Actuators stay, in their order, and act on a placeholder site.
     """
-    if not _outward_detach_external(NameIndex.of(unit.root), prefixes):
+    if not _outward_references(NameIndex.of(unit.root), prefixes):
         return unit
     unit = unit.copied()
     names = NameIndex.of(unit.root)
-    waiting = _outward_detach_external(names, prefixes)
+    waiting = _outward_references(names, prefixes)
     while waiting:
         namespace, name = waiting.pop()
         for node, attribute in names.users(namespace, name):
@@ -74,7 +74,7 @@ def without_outward(unit: Unit, prefixes: tuple[str, ...]) -> Unit:
     return unit
 
 
-def _outward_detach_external(names: NameIndex, prefixes: tuple[str, ...]) -> list[tuple[str, str]]:
+def _outward_references(names: NameIndex, prefixes: tuple[str, ...]) -> list[tuple[str, str]]:
     return [
         (namespace, name)
         for namespace, uses in names.uses.items()
@@ -176,7 +176,7 @@ def one_of_each_section(unit: Unit) -> None:
                 unit.origins.own(child, owner)
         if tag == "size":
             _prefer_memory(first[tag], section)
-        _join(first[tag], section, GRAMMAR.section(tag))
+        _merge_sections(first[tag], section, GRAMMAR.section(tag))
         unit.root.remove(section)
 
 
@@ -191,7 +191,7 @@ def _prefer_memory(one: Node, other: Node) -> None:
                 del here.attrib[name]
 
 
-def _join(into: Node, section: Node, kind: ElementType) -> None:
+def _merge_sections(into: Node, section: Node, kind: ElementType) -> None:
     for name, value in section.items():
         if str(value).strip():
             into.set(name, value)
@@ -201,7 +201,7 @@ def _join(into: Node, section: Node, kind: ElementType) -> None:
         if same is None:
             into.append(child)
         else:
-            _join(same, child, kind.children[str(child.tag)])
+            _merge_sections(same, child, kind.children[str(child.tag)])
 
 
 @cache
@@ -307,7 +307,7 @@ class Mounting:
                 keyframes="prefix",
                 mocap=attachment.frame.get("mocap") == "true",
                 span=model.span(attachment.frame),
-                outward=_outward(attachment.child, self.model),
+                outward=_outward_names(attachment.child, self.model),
             )
             mounted = _Mounted(attachment, part, unit, parent_prefix=prefix, host=host)
             self.mounted.append(mounted)
@@ -322,7 +322,7 @@ class Mounting:
                 return AttachmentPlace("world", None, offset)
             outer = own.part.place
             if outer.kind == "world" and not own.attachment.is_body:
-                return replace(outer, offset=_combined(outer.offset, offset))
+                return replace(outer, offset=_combined_offset(outer.offset, offset))
             frame = host.makeelement("frame")
             host.append(frame)
             self.added.append(frame)
@@ -356,7 +356,7 @@ class Mounting:
                 parent[at : at + 1] = list(frame)
 
 
-def _outward(model: Model, top: Model) -> dict[str, str]:
+def _outward_names(model: Model, top: Model) -> dict[str, str]:
     """Return the final names of what a model refers to in the models above it and beside it."""
     found: dict[str, str] = {}
     for uses in model.names.uses.values() if model.names.leads_out else ():
@@ -380,7 +380,7 @@ def _offset(frame: Node, unit: Unit) -> dict[str, str]:
     return written
 
 
-def _combined(outer: Mapping[str, str], inner: Mapping[str, str]) -> dict[str, str]:
+def _combined_offset(outer: Mapping[str, str], inner: Mapping[str, str]) -> dict[str, str]:
     """Return the combination of an outer and an inner offset, neither of which has angles."""
     if not outer or not inner:
         return {**outer, **inner}

@@ -14,15 +14,15 @@ from mjcompose.base.report import short_traceback
 from mjcompose.base.sink import Sink
 from mjcompose.link.linking import Policy
 from mjcompose.mjcf import edit
-from mjcompose.mjcf.asset import for_prefix, renamed, take
+from mjcompose.mjcf.asset import apply_skins, renamed_skins, skins_after_prefix
 from mjcompose.mjcf.attributed import Attributed
-from mjcompose.mjcf.copies import copied, reduced
+from mjcompose.mjcf.copies import copied, pickled_element
 from mjcompose.mjcf.edit import release
 from mjcompose.mjcf.errors import failure, raise_errors
 from mjcompose.mjcf.flat import assets
 from mjcompose.mjcf.flat import text as flat_text
 from mjcompose.mjcf.model import Attachment, Model, Target, page
-from mjcompose.mjcf.value import describe, settle
+from mjcompose.mjcf.value import describe, update_references
 from mjcompose.model.edit import Renaming, assign, replace
 from mjcompose.model.names import SEPARATOR
 from mjcompose.model.select import WORLD_SECTION, kind_of, naming_attribute, spoken
@@ -53,7 +53,7 @@ def escape_separators(model: Model) -> None:
                     help="rename one of the two, or read the model without `escape_separators`",
                 )
     raise_errors(sink)
-    take([(model, renamed(model, _escaped))])
+    apply_skins([(model, renamed_skins(model, _escaped))])
     for names in declared.values():
         for name, node in names.items():
             attribute = naming_attribute(kind_of(node))
@@ -107,7 +107,7 @@ def attach(model: Model, host: Node, child: Model) -> Node:
     attachment = Attachment(model, child, host, frame=frame)
     model.attachments[child.prefix] = attachment
     child.hung = attachment
-    settle(model.top)
+    update_references(model.top)
     model.unit.origins.own(frame, call_site())
     return frame
 
@@ -131,11 +131,11 @@ def set_model_name(model: Model, name: str | None) -> None:
         new = (text or model.unit.label) + SEPARATOR
         renaming = Renaming.of_prefix(attachment.parent, old, new)
         edit.check_lists(renaming)
-        skins = for_prefix(attachment.parent, old, new) if new != old else []
+        skins = skins_after_prefix(attachment.parent, old, new) if new != old else []
     replace(model.unit.root, {"model": text})
     if attachment is None or model.prefix == old:
         return
-    take(skins)
+    apply_skins(skins)
     parent = attachment.parent
     parent.attachments = {each.child.prefix: each for each in parent.attachments.values()}
     renaming.carry_out()
@@ -273,7 +273,7 @@ class NodeView(Attributed):
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle the element with its whole composition. Elements pickled together keep sharing one composition."""
-        return reduced(self)
+        return pickled_element(self)
 
     def __dir__(self) -> list[str]:
         kind = self._kind

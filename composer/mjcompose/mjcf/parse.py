@@ -20,7 +20,7 @@ from mjcompose.build.bundle.staging import move, resolved_output, staged_folder
 from mjcompose.build.bundle.write import write_archive
 from mjcompose.link.linking import Policy
 from mjcompose.mjcf.asset import Files, Folders, as_files, as_path, door_of
-from mjcompose.mjcf.compile import engine, refused
+from mjcompose.mjcf.compile import compile_error, engine
 from mjcompose.mjcf.element import Element, RootElement
 from mjcompose.mjcf.errors import MjcfError, MjcfWarning, failure, raise_errors
 from mjcompose.mjcf.flat import flatten, issue_warnings
@@ -331,7 +331,7 @@ def from_spec(spec: Any) -> RootElement:
         compiled = copied.compile()
         text = _text(copied)
     except (ValueError, mujoco.FatalError) as error:
-        raise refused(error) from None
+        raise compile_error(error) from None
     folder = getattr(spec, "modelfiledir", "")
     assets = dict(spec.assets)
     for name, data in spec.assets.items():  # MuJoCo goes by the last part of a path alone

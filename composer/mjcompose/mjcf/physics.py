@@ -24,8 +24,8 @@ from mjcompose.base.suggest import exists_note, unknown_name
 from mjcompose.link.linking import Policy
 from mjcompose.mjcf.asset import Folders, as_files, as_index, as_path, door_of
 from mjcompose.mjcf.binding import Binding, EmptyBinding, as_slice, binding_of
-from mjcompose.mjcf.compile import Snapshot, compile_model, compile_text, engine, refused, snapshot
-from mjcompose.mjcf.errors import MjcfError, MjcfWarning, failed, failure, raise_errors
+from mjcompose.mjcf.compile import Snapshot, compile_error, compile_model, compile_text, engine, snapshot
+from mjcompose.mjcf.errors import MjcfError, MjcfWarning, error_of, failure, raise_errors
 from mjcompose.mjcf.model import Model, page
 from mjcompose.mjcf.node_view import NodeView, RootView, model_of
 from mjcompose.mjcf.views import view
@@ -184,7 +184,7 @@ class Physics:
         try:
             return cls(load(str(file)))
         except (ValueError, mujoco.FatalError) as error:
-            raise refused(error) from None
+            raise compile_error(error) from None
 
     @property
     def model(self) -> Any:
@@ -419,7 +419,7 @@ class Physics:
         known = [name or str(at) for at, name in enumerate(names)]
         message = f"the compiled model has no {kind} `{given}`"
         if isinstance(given, str):
-            raise failed(unknown_name(kind, given, known, span=call_site(), message=message))
+            raise error_of(unknown_name(kind, given, known, span=call_site(), message=message))
         raise failure("out-of-range", message, call_site(), notes=(exists_note(kind, known, str(given)),))
 
     def __repr__(self) -> str:

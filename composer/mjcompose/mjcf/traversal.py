@@ -22,7 +22,7 @@ def from_root(model: Model, query: Query) -> Iterator[Target]:
             yield from _in_section(model, tag, query)
 
 
-def below(model: Model, node: Node, query: Query) -> Iterator[Target]:
+def matches_below(model: Model, node: Node, query: Query) -> Iterator[Target]:
     """Yield all matches below a node, without the node itself."""
     frame = model.frame_above(node)
     if frame is not None:
@@ -44,7 +44,9 @@ def children(model: Model, node: Node, query: Query) -> Iterator[Target]:
     frame = model.frame_above(node)
     if frame is not None:
         attachment = model.attachment_of(frame)
-        yield from (Target(model, joint) for joint in frame.iterchildren(*query.tags) if _taken(joint, query))
+        yield from (
+            Target(model, joint) for joint in frame.iterchildren(*query.tags) if _matches_joint(joint, query)
+        )
         yield from _top_level(attachment.child, query)
         return
     section = section_of(node)
@@ -147,12 +149,12 @@ class _World:
 def _frame_content(attachment: Attachment, query: Query) -> Iterator[Target]:
     """Yield the matches among the joints of a frame, then those in the worldbody of the child."""
     for joint in attachment.frame.iterchildren(*query.tags) if query.tags else ():
-        if _taken(joint, query):
+        if _matches_joint(joint, query):
             yield Target(attachment.parent, joint)
     yield from _in_section(attachment.child, WORLD_SECTION, query, itself=False)
 
 
-def _taken(joint: Node, query: Query) -> bool:
+def _matches_joint(joint: Node, query: Query) -> bool:
     return query.takes(WORLD_SECTION, "body", str(joint.tag))
 
 
@@ -164,7 +166,7 @@ def _section_tags(model: Model) -> list[str]:
     return list(tags)
 
 
-def first(here: Target, tag: str, name: str | None) -> Target | None:
+def find_first(here: Target, tag: str, name: str | None) -> Target | None:
     """Return the first match below `here`, or the one with that name. See `Element.find`."""
     from_root = _is_root(here)
     wanted = _query(here, tag, from_root)
@@ -181,7 +183,7 @@ def first(here: Target, tag: str, name: str | None) -> Target | None:
     return None
 
 
-def at_hand(model: Model, tag: str, name: str) -> Any:
+def cached_element(model: Model, tag: str, name: str) -> Any:
     """Return the Element with that name if it is the model's own and was accessed before, which is the common case."""
     wanted = query(tag, None)
     for namespace in wanted.namespaces:
@@ -194,23 +196,23 @@ def at_hand(model: Model, tag: str, name: str) -> Any:
     return None
 
 
-def every(here: Target, tag: str, immediate_children_only: bool) -> Iterator[Target]:
+def find_every(here: Target, tag: str, immediate_children_only: bool) -> Iterator[Target]:
     """Yield all matches below `here`. See `Element.find_all`."""
     wanted = _query(here, tag, _is_root(here))
     return children(*here, wanted) if immediate_children_only else _matches(here, wanted)
 
 
-def attached(model: Model, prefix: str) -> Model | None:
+def find_attached(model: Model, prefix: str) -> Model | None:
     """Return the model attached under `prefix`, which ends in the separator, or None. See `Element.enter_scope`."""
     for attachment, rest in model.split(prefix):
-        found = attached(attachment.child, rest) if rest else attachment.child
+        found = find_attached(attachment.child, rest) if rest else attachment.child
         if found is not None:
             return found
     return None
 
 
 def _matches(here: Target, wanted: Query) -> Iterator[Target]:
-    return from_root(here.model, wanted) if _is_root(here) else below(*here, wanted)
+    return from_root(here.model, wanted) if _is_root(here) else matches_below(*here, wanted)
 
 
 def _query(here: Target, tag: str, from_root: bool) -> Query:

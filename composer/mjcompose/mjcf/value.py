@@ -163,7 +163,7 @@ def _flat(attribute: Attribute, value: object) -> object:
     return flat
 
 
-def refers(attribute: Attribute) -> bool:
+def is_reference(attribute: Attribute) -> bool:
     """Return whether the attribute refers to elements of the model by name."""
     if attribute.refers_by is not None:
         return True
@@ -187,13 +187,13 @@ def name_for(
     """
     node = target.node
     if not target.model.has(node):
-        raise BadValue(f"got {described(target)}, which was removed")
+        raise BadValue(f"got {describe_target(target)}, which was removed")
     declared = target.model.declared(node)
     kind = kind_of(node)
     if namespace is not None and (declared[0] if declared else kind.family) != namespace:
-        raise BadValue(f"expects {word(namespace, article=True)}, got {described(target)}")
+        raise BadValue(f"expects {word(namespace, article=True)}, got {describe_target(target)}")
     if declared is None and kind.family is None:
-        raise BadValue(f"got {described(target)}, which nothing can refer to")
+        raise BadValue(f"got {describe_target(target)}, which nothing can refer to")
     if declared is None:
         own = given.get(target) or _free_name(target, str(kind.family), given)
         given[target] = own
@@ -204,15 +204,15 @@ def name_for(
         return f"{UP}{target.model.full_prefix or target.model.prefix}{own}"
     if way is None:
         raise BadValue(
-            f"got {described(target)} of the model `{target.model.name}`, which is not attached to `{model.name}`"
+            f"got {describe_target(target)} of the model `{target.model.name}`, which is not attached to `{model.name}`"
         )
     name = way + own if declared is None else target.model.seen_from(model, node)
     if name is None:
         raise BadValue(
-            f"got {described(target)} of the model `{target.model.name}`, which `{model.name}` cannot refer to"
+            f"got {describe_target(target)} of the model `{target.model.name}`, which `{model.name}` cannot refer to"
         )
     if attribute.type == "references" and len(name.split()) != 1:
-        raise BadValue(f"got {described(target)}, but a list of names cannot hold one with a space")
+        raise BadValue(f"got {describe_target(target)}, but a list of names cannot hold one with a space")
     return name
 
 
@@ -242,7 +242,7 @@ def resolved(model: Model, attribute: Attribute, node: Node, text: str) -> list[
     return [(model.lookup(namespace, name) if namespace else None) or name for name in names]
 
 
-def settle(top: Model) -> None:
+def update_references(top: Model) -> None:
     """Give the references to what has been attached since then its names in the models that refer to it."""
     for model in top.composition():
         for (node, attribute), (target, text) in [*model.awaited.items()]:
@@ -255,7 +255,7 @@ def settle(top: Model) -> None:
                     assign(model, node, {attribute: name})
 
 
-def described(target: Target) -> str:
+def describe_target(target: Target) -> str:
     """Return the description of an element for messages. See `describe`."""
     return describe(target.model, target.node)
 

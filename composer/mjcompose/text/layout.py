@@ -254,7 +254,7 @@ def _header(first: Entry) -> tuple[list[Comment], bool]:
 
 INDENT = 2
 
-_SCALAR_LINE_BREAK = re.compile(r"\r\n|\n|\r")
+_LINE_BREAK_IN_SCALAR = re.compile(r"\r\n|\n|\r")
 _HEADER = re.compile(r"([|>])([-+0-9]*)(.*)", re.DOTALL)
 
 
@@ -266,7 +266,7 @@ def lines_of(leaf: Leaf, indent: int) -> list[str]:
     >>> lines_of(Leaf("'a b'"), 0), lines_of(Leaf("'a\\b'"), 0), lines_of(Leaf("|\n     a\n      b", depth=5), 2)
     (['"a b"'], ["'a\\b'"], ['|', '    a', '     b'])
     """
-    lines = _SCALAR_LINE_BREAK.split(leaf.text)
+    lines = _LINE_BREAK_IN_SCALAR.split(leaf.text)
     if leaf.text[:1] in ("|", ">"):
         return _block(leaf, lines, indent)
     if len(lines) == 1:
@@ -521,7 +521,7 @@ def _same_keys(a: Mapping, b: Mapping, path: Path) -> bool:
     return list(a.entries) == list(b.entries)
 
 
-_FORMAT_LINE_BREAK = re.compile(r"\r\n|\n")
+_LINE_BREAK = re.compile(r"\r\n|\n")
 
 
 def format_recipe(source: bytes, file: str, sink: Sink) -> bytes | None:
@@ -548,7 +548,7 @@ def format_recipe(source: bytes, file: str, sink: Sink) -> bytes | None:
         )
         return None
     put_in_order(document.root)
-    first = _FORMAT_LINE_BREAK.search(text)
+    first = _LINE_BREAK.search(text)
     end = first.group() if first else "\n"
     result = end.join([*write(document), ""])
     changed = _changed(node, text, result, file=file)

@@ -3,7 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from mjcompose.mjcf import MjcfError, Physics, RootElement
-from mjcompose.mjcf.binding import names
+from mjcompose.mjcf.binding import column_names
 
 
 @pytest.mark.parametrize(
@@ -22,7 +22,7 @@ from mjcompose.mjcf.binding import names
     ],
 )
 def test_columns_have_the_names_that_are_usual(array: str, width: int, expected: str) -> None:
-    assert names(array, width) == tuple(expected.split())
+    assert column_names(array, width) == tuple(expected.split())
 
 
 @pytest.mark.parametrize("tags", [("g",), ("g", "g2", "g3"), ("g3", "g", "g2")])

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import basic_indices, integer_array_indices
-from mjcompose.mjcf.compile import Home, Scattered
+from mjcompose.mjcf.compile import Scattered, ScatteredRows
 
 
 @pytest.fixture
@@ -15,7 +15,7 @@ def source() -> np.ndarray:
 
 @pytest.fixture
 def rows(source: np.ndarray) -> Scattered:
-    return Home.of(source, np.array([4, 0, 1])).read()
+    return ScatteredRows.of(source, np.array([4, 0, 1])).read()
 
 
 def test_items_and_slices_are_written_through(source: np.ndarray, rows: Scattered) -> None:
@@ -45,7 +45,7 @@ def test_operators_in_place(
 
 def test_rows_of_several(source: np.ndarray) -> None:
     table = source.reshape(3, 2)
-    rows = Home.of(table, np.array([2, 0])).read()
+    rows = ScatteredRows.of(table, np.array([2, 0])).read()
     rows[0, 1] = 50
     rows[1] += 10
     rows.T[0] = -1
@@ -77,7 +77,7 @@ def test_keys_of_every_form_reach_the_same_places(data: st.DataObject) -> None:
     shape = data.draw(st.sampled_from([(9,), (7, 3), (6, 2, 2)]))
     index = np.array(data.draw(st.permutations(range(shape[0])))[:4])
     source = np.arange(np.prod(shape), dtype=float).reshape(shape)
-    home = Home.of(source, index)
+    home = ScatteredRows.of(source, index)
     rows, expected = home.read(), source.copy()
     view, plain = rows, np.arange(source.size).reshape(shape)[index]
     for _ in range(data.draw(st.integers(0, 2))):

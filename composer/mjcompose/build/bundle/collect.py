@@ -181,7 +181,7 @@ def _missing(model: Unit, use: FileUse, error: OSError, sink: Sink, shown: Calla
         # The tree of a URDF has what is written; in that of a model it is a path of the bundle by now.
         written = str(use.element.get("filename") or "") if use.attribute == "filename" else ""
         help = f"did you mean `{''.join(written.rpartition('/')[:2])}{near[0]}`?"
-    elif sink.error_count < _LOOKED_FOR and (elsewhere := _elsewhere(source)):
+    elif sink.error_count < _LOOKED_FOR and (elsewhere := _found_elsewhere(source)):
         help = f"there is one at `{shown(elsewhere)}`"
         folder = elsewhere.parent
     else:
@@ -203,7 +203,7 @@ def _missing(model: Unit, use: FileUse, error: OSError, sink: Sink, shown: Calla
     sink.error("asset-missing", message, span, help=help, cause=cause)
 
 
-def _elsewhere(source: Path) -> Path | None:
+def _found_elsewhere(source: Path) -> Path | None:
     """Return a file of the same name in a folder next to or below that of the missing one."""
     for folder in (source.parent, source.parent.parent):
         with suppress(OSError):  # a name that is too long, or an unreadable folder

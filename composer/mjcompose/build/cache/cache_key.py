@@ -392,7 +392,7 @@ def value_changes(name: str, was: str | None, now: str | None) -> Iterator[str]:
         yield f"{name} is {'no longer ' if now is None else ''}given"
         return
     file = f"`{name.removeprefix(_OPTION)}"
-    before, after = _values_reasons(was), _values_reasons(now)
+    before, after = _values_by_name(was), _values_by_name(now)
     if before is None or after is None:
         yield f"{file} changed; which of its values is not known"
     elif before == after:
@@ -408,7 +408,7 @@ def value_changes(name: str, was: str | None, now: str | None) -> Iterator[str]:
                 )
 
 
-def _values_reasons(content: str) -> dict[str, str] | None:
+def _values_by_name(content: str) -> dict[str, str] | None:
     """Return the values by name as written, or None if they are unknown."""
     if not content.startswith(_TEXT):
         return None

@@ -53,7 +53,7 @@ def drop_elements(entries: Iterable[Drop], editing: Editing, at: Path) -> list[D
             count = Count(entry.expect, entry.optional, at=path)
             found = select_counted(editing, entry.select, path, count=count)
         else:
-            found = _section_drop(editing, str(entry.section), path)
+            found = _elements_of_section(editing, str(entry.section), path)
         if found:
             gone += remove(editing, found, cascade=True, at=path)
     for section in list(editing.root.iterchildren("*")):
@@ -62,7 +62,7 @@ def drop_elements(entries: Iterable[Drop], editing: Editing, at: Path) -> list[D
     return gone
 
 
-def _section_drop(editing: Editing, tag: str, path: Path) -> list[Node]:
+def _elements_of_section(editing: Editing, tag: str, path: Path) -> list[Node]:
     sections = list(editing.root.iterchildren(tag))
     found = (
         sections if tag in _SETTINGS else [each for section in sections for each in section.iterchildren("*")]
@@ -302,7 +302,7 @@ class ModelEdits:
         ]
         for key in left:
             editing.forget(key)
-            _section_model_edits(key).remove(key)
+            _section_of_key(key).remove(key)
         return left
 
     def _taken_out(self) -> list[tuple[Node, Node]]:
@@ -312,7 +312,7 @@ class ModelEdits:
         for key in keys_of(self.linking.base):
             if key.get("name") in names:
                 place = etree.Comment("")
-                _section_model_edits(key).replace(key, place)
+                _section_of_key(key).replace(key, place)
                 places.append((key, place))
         return places
 
@@ -336,7 +336,7 @@ class ModelEdits:
                 )
 
 
-def _section_model_edits(key: Node) -> Node:
+def _section_of_key(key: Node) -> Node:
     section = key.getparent()
     assert section is not None
     return section

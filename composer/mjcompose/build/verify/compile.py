@@ -15,7 +15,7 @@ from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Cause, Diagnostic, Span
 from mjcompose.base.scratch import scratch
 from mjcompose.build.bundle.bundle import MANIFEST, Bundle, OutputError, unwritable_error
-from mjcompose.build.bundle.read import outside
+from mjcompose.build.bundle.read import files_outside
 from mjcompose.build.bundle.staging import write_files
 from mjcompose.model.classes import ORIENTATIONS
 from mjcompose.model.files import NAMED_AFTER_FILE
@@ -256,7 +256,7 @@ def verify(
     """
     try:
         with _written(bundle, session) as (folder, is_reused):
-            if stranger is not None and (found := outside(folder, bundle.model, stranger)):
+            if stranger is not None and (found := files_outside(folder, bundle.model, stranger)):
                 raise OutsideFilesError(found)
             compiled = engine.compile(
                 folder,

@@ -25,7 +25,7 @@ from mjcompose.base.sink import Sink
 from mjcompose.build.bundle.bundle import LARGEST_MANIFEST, MANIFEST, Bundle, is_address
 from mjcompose.build.bundle.integrity import check_files, check_index, manifest_of
 from mjcompose.build.bundle.manifest import Manifest, index_of
-from mjcompose.build.bundle.read import ReadError, ReadLimits, named_model, outside, read
+from mjcompose.build.bundle.read import ReadError, ReadLimits, files_outside, named_model, read
 from mjcompose.build.bundle.staging import manifest_beside, write_files
 from mjcompose.mujoco.attributes import names
 from mjcompose.mujoco.index import index as compiled_index
@@ -208,7 +208,7 @@ def _written(checked: _Checked, shown: str) -> _Kept:
         folder = stack.enter_context(scratch("bundle"))
         write_files(bundle, folder)
         file = folder / bundle.model
-        if found := outside(file.parent, file.name, shown):
+        if found := files_outside(file.parent, file.name, shown):
             raise LoadError(found)
         stamps = {path: _stamp(path) for path in (folder / name for name in bundle.files)}
         return _Kept(checked.manifest, file, stamps, folder=stack.pop_all())
