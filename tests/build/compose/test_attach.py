@@ -376,9 +376,9 @@ def test_ten_tools_on_each_of_ten_arms_weigh_what_they_weigh(
     cell, recipe = tmp_path / "cell.yaml", tmp_path / "recipe.yaml"
     cell.write_text(f"recipe: 1\nconflict: base\nbase: {folder / arm}.xml\nattach:\n{parts}")
     pose = f"pos: {rng.normal(size=3).tolist()}, quat: {rng.normal(size=4).tolist()}"
-    inner = (
-        f"  cell: {{model: ./cell.yaml, {pose}, joint: {{type: hinge, axis: [0, 1, 1]}}, sense: [force]}}\n"
-    )
+    # The root of tidybot slides: nothing that is fixed to a hinge above it has mass, which MuJoCo refuses.
+    joint = "" if "tidybot" in arm else "joint: {type: hinge, axis: [0, 1, 1]}, "
+    inner = f"  cell: {{model: ./cell.yaml, {pose}, {joint}sense: [force]}}\n"
     recipe.write_text(f"recipe: 1\nconflict: base\nbase: ./cell.yaml\nattach:\n{inner}")
     context = Context(environment={}, folder=tmp_path)
     made = build(Request(recipe), context)
