@@ -14,8 +14,6 @@ from mjcompose.cli.run import Answer, Run, Stop, command, flag, group
 
 @dataclass(frozen=True, slots=True)
 class Options:
-    """The options of `look`."""
-
     recipe: Path = RECIPE
     wrong: bool = flag("--wrong", help="Report an error.")
     none: bool = flag("--none", help="Have no result.")

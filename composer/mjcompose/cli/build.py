@@ -56,8 +56,6 @@ class _Target(click.Choice):  # type: ignore[type-arg]  # before click 8.2 it is
 
 @dataclass(frozen=True, slots=True)
 class Options:
-    """The options of `build`."""
-
     recipe: Path = RECIPE
     out: str | None = output(
         "Where to write the model: DIR/, FILE.zip, FILE.mjz, FILE.xml (text without assets; '-' is standard output),"

@@ -31,8 +31,6 @@ def cache() -> None:
 
 @dataclass(frozen=True, slots=True)
 class InfoOptions:
-    """The options of `cache info`."""
-
     form: str = formats("text", "json")
 
 
@@ -75,8 +73,6 @@ def info(options: InfoOptions, run: Run) -> Answer:
 
 @dataclass(frozen=True, slots=True)
 class PruneOptions:
-    """The options of `cache prune`."""
-
     size: str | None = option("--size", metavar="SIZE", help="Keep at most this much, such as 500M or 2G. Default: the"
                               " store's maximum size.")  # fmt: skip
     everything: bool = flag("--all", help="Remove everything.")
@@ -110,8 +106,6 @@ def prune(options: PruneOptions, run: Run) -> Answer:
 
 @dataclass(frozen=True, slots=True)
 class VerifyOptions:
-    """The options of `cache verify`."""
-
     fix: bool = flag("--fix", help="Remove damaged files. They are fetched again when they are needed.")
     reporting: ReportOptions = group(ReportOptions)
 

@@ -41,8 +41,6 @@ _MODEL = "model"
 
 @dataclass(frozen=True, slots=True)
 class Options:
-    """The options of `check`."""
-
     recipes: tuple[Path, ...] = argument(type=PATH, nargs=-1, required=True)
     choices: Choices = group(Choices)
     cells: CellsOptions = group(CellsOptions)

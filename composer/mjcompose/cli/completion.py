@@ -28,8 +28,6 @@ _LINES = {
 
 @dataclass(frozen=True, slots=True)
 class Options:
-    """The options of `completion`."""
-
     shell: str = argument(type=click.Choice(tuple(_LINES)))
 
 

@@ -34,8 +34,6 @@ def _no_all(_context: click.Context, _option: click.Parameter, wanted: bool) -> 
 
 @dataclass(frozen=True, slots=True)
 class Options:
-    """The options of `diff`."""
-
     a: str = argument()
     b: str = argument()
     choices: Choices = group(Choices)

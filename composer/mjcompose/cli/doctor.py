@@ -32,8 +32,6 @@ class Finding:
 
 @dataclass(frozen=True, slots=True)
 class Options:
-    """The options of `doctor`."""
-
     form: str = formats("text", "json")
 
 

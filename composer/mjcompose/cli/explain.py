@@ -20,8 +20,6 @@ from mjcompose.cli.run import PATH, Answer, Run, Stop, argument, command, flag, 
 
 @dataclass(frozen=True, slots=True)
 class Options:
-    """The options of `explain`."""
-
     model: Path | None = argument(
         metavar="MODEL|CODE", type=PATH, required=False, shell_complete=completion.models_and_codes
     )

@@ -23,8 +23,6 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Options:
-    """The options of `fix`."""
-
     recipe: Path = RECIPE
     write: bool | None = option(
         "--write/--diff", default=None, help="Write the changes without asking, or only show them."

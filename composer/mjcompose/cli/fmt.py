@@ -30,8 +30,6 @@ STDIN = "-"
 
 @dataclass(frozen=True, slots=True)
 class Options:
-    """The options of `fmt`."""
-
     recipes: tuple[str, ...] = argument(nargs=-1, required=True)
     reporting: ReportOptions = group(ReportOptions)
     check: bool = flag("--check", help="Write nothing. Print the changes, and exit with 1 if there are any.")

@@ -11,8 +11,6 @@ from mjcompose.cli.run import Answer, Run, argument, command
 
 @dataclass(frozen=True, slots=True)
 class Options:
-    """The options of `help`."""
-
     names: tuple[str, ...] = argument(metavar="[COMMAND]...", nargs=-1, shell_complete=completion.commands)
 
 

@@ -24,8 +24,6 @@ _SHOWN = 20
 
 @dataclass(frozen=True, slots=True)
 class Options:
-    """The options of `import`."""
-
     merged: Path = argument(type=PATH)
     parts: tuple[Path, ...] = argument(type=PATH, nargs=-1)
     folders: tuple[Path, ...] = option(

@@ -20,8 +20,6 @@ from mjcompose.text.expression_values import Value, shown
 
 @dataclass(frozen=True, slots=True)
 class Options:
-    """The options of `list`."""
-
     folder: str = argument(type=click.Path())
     where: str | None = option(
         "--where", metavar="EXPRESSION",

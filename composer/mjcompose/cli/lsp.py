@@ -12,8 +12,6 @@ _EXTRA = ("pygls", "lsprotocol", "cattrs", "attrs", "attr")
 
 @dataclass(frozen=True, slots=True)
 class Options:
-    """The options of `lsp`."""
-
     stdio: bool = flag("--stdio", help="Use standard input and output. This is always the case; the option exists"
                        " because many editors pass it.")  # fmt: skip
 

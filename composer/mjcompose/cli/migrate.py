@@ -29,8 +29,6 @@ _SHOWN = 5
 
 @dataclass(frozen=True, slots=True)
 class Options:
-    """The options of `migrate`."""
-
     model: str = argument(shell_complete=completion.files)
     before: str | None = option("--from", metavar="VERSION",
                                 help="The MuJoCo version that MODEL is written for, 3.0 to 4.0.")  # fmt: skip

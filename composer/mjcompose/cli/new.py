@@ -22,8 +22,6 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Options:
-    """The options of `new`."""
-
     path: Path | None = argument(type=PATH, required=False)
     project: bool = flag(
         "--project",
@@ -93,9 +91,9 @@ def _recipe(path: Path, context: Context) -> _Outcome:
 def _project(folder: Path | None, context: Context) -> _Outcome:
     from importlib import metadata
 
-    from mjcompose.cli.lock import made_lock
     from mjcompose.language.schema import text as schema
     from mjcompose.sources.context import as_text
+    from mjcompose.tools.lock import write_lock
     from mjcompose.tools.new import needed, project, write_project
 
     if folder is None:
@@ -108,7 +106,7 @@ def _project(folder: Path | None, context: Context) -> _Outcome:
         {name: text.encode() for name, text in files.items()},
         needed(model),
         folder,
-        finish=lambda stage: made_lock(stage / recipe, None, context),
+        finish=lambda stage: write_lock(stage / recipe, None, context),
     )
     start = f"start with {folder / 'README.md'}"
     if "README.md" in kept:

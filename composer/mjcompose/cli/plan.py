@@ -21,8 +21,6 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Options:
-    """The options of `plan`."""
-
     recipe: Path = RECIPE
     choices: Choices = group(Choices)
     cell: CellOptions = group(CellOptions)

@@ -49,8 +49,6 @@ def _color(
 
 @dataclass(frozen=True, slots=True)
 class Options:
-    """The options of `render`."""
-
     target: str = argument()
     out: str | None = output("FILE.png, FILE.gif or FILE.mp4. Default: build/NAME.png.")
     key: str | None = option("--key", metavar="KEY", help="The keyframe to show. Default: the first one.",

@@ -10,8 +10,6 @@ from mjcompose.cli.run import Answer, Run, argument, command
 
 @dataclass(frozen=True, slots=True)
 class Options:
-    """The options of `schema`."""
-
     what: str = argument(type=click.Choice(["recipe", "manifest", "reference"]), default="recipe")
 
 

@@ -16,8 +16,6 @@ from mjcompose.cli.run import Answer, Run, argument, command, flag, group, optio
 
 @dataclass(frozen=True, slots=True)
 class Options:
-    """The options of `tree`."""
-
     model: str = argument(shell_complete=completion.files)
     places: bool = flag(
         "--places", help="List the places where a part can be attached, as written in a recipe."

@@ -19,8 +19,6 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Options:
-    """The options of `verify`."""
-
     bundles: tuple[Path, ...] = argument(metavar="BUNDLE...", type=PATH, nargs=-1, required=True)
     recipe: Path | None = option(
         "--recipe", type=PATH,

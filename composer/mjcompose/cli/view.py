@@ -26,8 +26,6 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Options:
-    """The options of `view`."""
-
     target: str = argument()
     html: Path | None = option("--html", type=click.Path(path_type=Path, dir_okay=False), metavar="FILE",
                                help="Write a page that needs no server and no network, and exit.")  # fmt: skip

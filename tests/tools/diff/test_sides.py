@@ -7,7 +7,6 @@ from contextlib import ExitStack
 from pathlib import Path
 
 import pytest
-from mjcompose.cli.lock import made_lock
 from mjcompose.mujoco.engine import Session
 from mjcompose.sources.context import Context
 from mjcompose.tools.diff.diff import diff
@@ -15,6 +14,7 @@ from mjcompose.tools.diff.sides import RevisionError, check_out, load, read_oper
 from mjcompose.tools.diff.text import as_data, render
 from mjcompose.tools.diff.text import render_markdown as markdown
 from mjcompose.tools.explain.explain import trace
+from mjcompose.tools.lock import write_lock
 
 CASE = Path(__file__).parent / "cases" / "sources" / "a"
 pytestmark = pytest.mark.skipif(shutil.which("git") is None, reason="there is no git command")
@@ -93,12 +93,12 @@ def test_a_source_that_is_locked_at_another_commit(repository: Path, monkeypatch
     project = repository.parent / "project"
     project.mkdir()
     (project / "one.yaml").write_text(f"recipe: 1\nattach: {{arm: {{model: '{source}#cells/arm.xml'}}}}\n")
-    assert made_lock(Path("one.yaml"), None, Context(folder=project)) is not None
+    assert write_lock(Path("one.yaml"), None, Context(folder=project)) is not None
     _git(project, "init", "-q")
     _git(project, "add", ".")
     _git(project, "commit", "-q", "-m", "one")
     _git(repository, "commit", "-q", "-a", "-m", "two")
-    assert made_lock(Path("one.yaml"), (), Context(folder=project)) is not None
+    assert write_lock(Path("one.yaml"), (), Context(folder=project)) is not None
     context = Context(folder=project)
     with Session() as session:
         found = diff("HEAD:one.yaml", "one.yaml", context, session)

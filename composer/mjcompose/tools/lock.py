@@ -1,0 +1,195 @@
+"""The lock of a recipe: plan all models of the recipe, write their sources to the lock, and say what is new."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from mjcompose.build.plan.plan import Plan
+    from mjcompose.build.plan.read import Given
+    from mjcompose.sources.context import Context
+    from mjcompose.sources.fetching import Fetching
+    from mjcompose.sources.lock import Disputed, Lock
+
+
+def write_lock(
+    recipe: Path, names: tuple[str, ...] | None, context: Context, given: Given | None = None
+) -> tuple[str, list[str]] | None:
+    """Write the lock; return its place and what is new in it, or None if the sink says why there is none.
+
+    `names` are the sources to upgrade: none for None, all for `()`.
+    """
+    from mjcompose.base.files import read_regular
+    from mjcompose.build.bundle.bundle import OutputError
+    from mjcompose.build.bundle.staging import staged_file
+    from mjcompose.build.plan.locked import lock_changes, lock_of, plan_with_intact_store, use_lock
+    from mjcompose.build.plan.matrix import filled_from_first_cell
+    from mjcompose.build.plan.planner import make_plan
+    from mjcompose.sources.blobs import digest
+    from mjcompose.sources.lock import to_text
+
+    if not os.path.isfile(context.folder / recipe):
+        make_plan(recipe, context)  # which reports what exists instead
+        return None
+    disputes: Disputed = {}
+    how = use_lock(recipe, context, disputes)
+    if how is None or how.lock_file is None:
+        return None
+    before = how.lock
+    if names is not None:
+        how.fresh = _wanted(names, before, context)
+    if how.fresh is not None:
+        _report_disputes({id: pins for id, pins in disputes.items() if id not in how.fresh}, how, context)
+    if context.sink.error_count:
+        return None
+    given = given or {}
+    whole = filled_from_first_cell(recipe, context, given).given
+    plan = plan_with_intact_store(lambda: make_plan(recipe, context, whole), context)
+    if plan is None:
+        return None
+    plans = [plan, *_plans_of_cells(recipe, context, given), *_plans_of_variants(recipe, context, whole)]
+    shapes = _shapes(plans, context)
+    digests = {key: digest(content) for key, content in shapes.items()}
+    after = lock_of(plans, how, how.lock_file.parent, context=context, shapes=digests)
+    if before is not None and how.fresh is not None:
+        _report_changes(before, after, how.fresh, recipe=recipe, context=context)
+    if context.sink.has_errors:
+        return None
+    changes = list(lock_changes(before, after))
+    text = to_text(after).encode()
+    if not _wrote_shapes(how.lock_file, shapes, before, context=context):
+        return None
+    if not os.path.isfile(how.lock_file) or read_regular(how.lock_file) != text:
+        try:
+            with staged_file(how.lock_file, rewrites=True) as stage:
+                stage.write_bytes(text)
+        except OutputError as error:
+            context.sink.add(error.diagnostic)
+            return None
+        if before is None:
+            changes = changes or ["no sources to pin"]
+        changes = changes or ["made with other versions" if before != after else "the same, written anew"]
+    return context.shown(how.lock_file), changes
+
+
+def _shapes(plans: list[Plan], context: Context) -> dict[str, bytes]:
+    """What the models make of meshes, by key."""
+    if not any(plan.works_on_meshes for plan in plans):
+        return {}
+    from mjcompose.build.compose.preview import shapes_for_plans  # few recipes need it
+
+    return shapes_for_plans(plans, context)
+
+
+def _wrote_shapes(lock_file: Path, shapes: dict[str, bytes], before: Lock | None, context: Context) -> bool:
+    """Keep what was made of meshes beside the recipe, before the lock says so; False where that cannot be."""
+    if not shapes and not (before is not None and before.shapes):
+        return True
+    from mjcompose.build.bundle.bundle import OutputError
+    from mjcompose.build.compose.preview import write_beside
+    from mjcompose.sources.lock import shapes_folder
+
+    try:
+        write_beside(shapes_folder(lock_file), shapes)
+    except OutputError as error:
+        context.sink.add(error.diagnostic)
+        return False
+    return True
+
+
+def _plans_of_cells(recipe: Path, context: Context, given: Given) -> Iterator[Plan]:
+    """Yield the plans of cells: the matrix may select sources that the recipe alone does not name."""
+    from mjcompose.build.cache.cells import cells_of
+    from mjcompose.build.plan.parts import parameters_choose
+    from mjcompose.build.plan.planner import plan_what_remains
+    from mjcompose.build.plan.read import read_recipe
+
+    drawn = parameters_choose(read_recipe(context.folder / recipe, context))  # each sample takes time
+    for cell in cells_of(recipe, context, dict(given)):
+        if cell.sample and not drawn:
+            continue  # its sources are those of the nominal model
+        plan = plan_what_remains(recipe, context, {**given, **cell.given}, name=cell.name, sample=cell.sample)
+        if plan is not None:
+            yield plan
+
+
+def _plans_of_variants(recipe: Path, context: Context, given: Given) -> Iterator[Plan]:
+    """Yield the plans of all choices of variants, and warn about sources that are out of reach."""
+    from mjcompose.base.codes import OF_FILES
+    from mjcompose.base.diagnostic import Severity
+    from mjcompose.base.sink import Sink
+    from mjcompose.build.cache.cells import choices_of
+    from mjcompose.build.plan.planner import make_plan
+
+    for choice in choices_of(recipe, context):
+        own = replace(context, sink=Sink())
+        plan = make_plan(recipe, own, {**given, **choice})
+        if plan is not None:
+            yield plan
+        for each in own.sink.errors:
+            if each.code.startswith(OF_FILES):  # out of reach
+                context.sink.add(replace(each, severity=Severity.WARNING))
+
+
+def _wanted(names: tuple[str, ...], lock: Lock | None, context: Context) -> frozenset[str] | None:
+    """Return the sources for some names, or None for all."""
+    from mjcompose.base.suggest import did_you_mean, exists_note
+
+    if not names or lock is None:
+        return None
+    known: dict[str, set[str]] = {}
+    for id, locked in lock.sources.items():
+        for name in (id, *locked.used_by):
+            known.setdefault(name, set()).add(id)
+    found: set[str] = set()
+    for name in names:
+        if name not in known:
+            context.sink.error(
+                "unknown-name",
+                f"the lock has no source `{name}`",
+                notes=[exists_note("source", known, name)],
+                help=did_you_mean(name, known) or "run `mjcompose lock` for a new part",
+            )
+        found |= known.get(name, set())
+    return frozenset(found)
+
+
+def _report_disputes(disputes: Disputed, how: Fetching, context: Context) -> None:
+    """Report sources that the two sides of a merge pin differently, for the user to decide."""
+    from mjcompose.base.diagnostic import Note
+
+    assert how.lock_file is not None
+    shown = context.shown(how.lock_file)
+    for id, pins in disputes.items():
+        context.sink.error(
+            "lock-invalid",
+            f"the two sides of the merge in `{shown}` pin `{id}` otherwise",
+            notes=[Note(f"{side}: {pin}") for side, pin in zip(("ours", "theirs"), pins, strict=True)],
+            help=f"run `mjcompose lock {how.recipe} --upgrade-source {id}` to lock it as it is now, or take one side of"
+            " the merge",
+        )
+
+
+def _report_changes(before: Lock, after: Lock, fresh: frozenset[str], recipe: Path, context: Context) -> None:
+    """Report upstream changes, which are not locked without an explicit request."""
+    from mjcompose.base.diagnostic import Note
+    from mjcompose.sources.blobs import differences
+    from mjcompose.sources.lock import kind_of
+
+    for id, now in after.sources.items():
+        was = before.sources.get(id)
+        if was is None or kind_of(was).is_local or id in fresh:
+            continue
+        there = {name: digest for name, digest in now.files.items() if name in was.files}
+        kept = {name: digest for name, digest in was.files.items() if name in there}
+        if changes := differences(kept, there):
+            context.sink.error(
+                "source-changed",
+                f"`{id}` is not what the lock pins",
+                notes=[Note(change) for change in changes[:8]],
+                help=f"if that is meant, run `mjcompose lock {recipe} --upgrade-source {now.used_by[0]}`",
+            )
