@@ -8,7 +8,7 @@ from dataclasses import field
 from functools import lru_cache
 from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import Field
+from pydantic import Field, WithJsonSchema
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Fault, Path
@@ -274,7 +274,14 @@ class Choice(_Whole):
     """One of these values, all as likely: `[1, 2, 5]`."""
 
     values: Annotated[
-        tuple[Annotated[Any, Checked(_no_value)], ...], Items(1), Expects("a list of values", "[1, 2, 5]")
+        tuple[
+            Annotated[
+                Any, Checked(_no_value), WithJsonSchema({"type": ["number", "boolean", "string", "array"]})
+            ],
+            ...,
+        ],
+        Items(1),
+        Expects("a list of values", "[1, 2, 5]"),
     ] = Field(alias=WHOLE)
     """the values"""
 

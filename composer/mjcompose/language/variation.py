@@ -39,6 +39,11 @@ def _default_fault(value: Any) -> Fault | None:
 
 
 VALUE: Schema = {"type": ["number", "boolean", "string", "array"]}
+_DEFAULT: Schema = {
+    **VALUE,
+    "pattern": r"^(?!.*\$\{)",
+    "patternErrorMessage": "a default is written out: it cannot be an expression",
+}
 Written = Annotated[Any, Checked(_value_fault), WithJsonSchema(VALUE)]
 Values = Annotated[tuple[Written, ...], Items(1), Expects("a list of values", "[1, 2]")]
 Bound = Annotated[float | Angle, Measure()]
@@ -84,7 +89,9 @@ class Declaration(Model):
         | None
     ) = None
     """what kind of value it has; without it, that of the default"""
-    default: Annotated[Written, Checked(_default_fault)] | None = None
+    default: (
+        Annotated[Any, Checked(_value_fault), Checked(_default_fault), WithJsonSchema(_DEFAULT)] | None
+    ) = None
     """its value where none is given; without it, one must be given"""
     min: Bound | None = None
     """the least that it, or a component of it, may be"""

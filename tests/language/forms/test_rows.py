@@ -104,7 +104,8 @@ def test_the_schema_has_the_words_where_the_field_stands() -> None:
     schema = schema_of(Entry)
     assert list(schema["properties"]) == ["of", "call", "paint", "turn", "often"]
     assert schema["properties"]["call"] == {"mjcf": "form:Call", "description": "The name that it gets."}
-    assert define("form:Call") == {"type": "string", "minLength": 1, "description": "the name"}
+    text = {"type": "string", "minLength": 1, "errorMessage": "expected the name of a body"}
+    assert define("form:Call") == {**text, "description": "the name"}
     assert schema["properties"]["paint"]["description"] == "The color that it gets."
 
 
@@ -153,5 +154,5 @@ class Short(Model):
 def test_a_text_stands_for_the_short_key() -> None:
     assert Short.model_validate("x") == Short.model_validate({"name": "x"})
     schema = schema_of(Short)
-    assert schema["anyOf"][0] == {"type": "string", "minLength": 1}
+    assert schema["anyOf"][0]["errorMessage"] == "expected the name of a body"
     assert list(schema["anyOf"][1]["properties"]) == ["name", "size"]

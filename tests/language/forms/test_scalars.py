@@ -84,7 +84,16 @@ def test_reader_and_schema_agree(kind: str) -> None:
         ("flag", {"mjcf": "boolean"}),
         ("word", {"anyOf": [{"enum": ["a", "b"]}, {"mjcf": "template"}]}),
         ("measure", {"mjcf": "number", "minimum": 0}),
-        ("range", {"type": "array", "items": {"mjcf": "real"}, "minItems": 2, "maxItems": 2}),
+        (
+            "range",
+            {
+                "type": "array",
+                "items": {"mjcf": "real"},
+                "minItems": 2,
+                "maxItems": 2,
+                "errorMessage": "expected a list of 2 numbers, such as [LOW, HIGH]",
+            },
+        ),
     ],
 )
 def test_schema(kind: str, expected: dict[str, Any]) -> None:

@@ -24,10 +24,21 @@ from mjcompose.text.node import is_template
 
 @dataclass(frozen=True, slots=True)
 class Expects:
-    """What a value should be, in messages; `example` is one, as it is written."""
+    """What a value should be, in messages and in editors; `example` is one, as it is written."""
 
     what: str
     example: str | None = None
+
+    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> Schema:
+        found = handler(schema)
+        if found.get("type") in (
+            "array",
+            "string",
+        ):  # of a mapping it would be the message for each unknown key
+            found["errorMessage"] = f"expected {self.what}" + (
+                f", such as {self.example}" if self.example else ""
+            )
+        return found
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,7 +103,8 @@ class Name:
 
     def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> Schema:
         about = {key: each for key, each in handler(schema).items() if key == "description"}
-        return {**(GLOB if self.glob else {"type": "string", "minLength": 1}), **about}
+        plain: Schema = {"type": "string", "minLength": 1, "errorMessage": f"expected {self.what}"}
+        return {**(GLOB if self.glob else plain), **about}
 
     def _read(self, text: str) -> str:
         faults: list[Fault] = []
