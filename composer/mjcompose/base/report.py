@@ -92,6 +92,15 @@ def render(diagnostic: Diagnostic, read_source: ReadSource | None = None, color:
     return "\n".join(lines)
 
 
+def counted(number: int, noun: str, plural: str = "") -> str:
+    """Return a number with its noun.
+
+    >>> counted(1, "part"), counted(2, "part"), counted(3, "body", "bodies")
+    ('1 part', '2 parts', '3 bodies')
+    """
+    return f"{number} {noun if number == 1 else plural or f'{noun}s'}"
+
+
 def printable(text: str, colors: bool = False) -> str:
     r"""Return a text in which no character acts on a terminal, a log or the order of others; lines and tabs stay.
 

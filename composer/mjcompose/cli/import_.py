@@ -48,7 +48,8 @@ def import_(options: Options, run: Run) -> Answer | int:
     becomes a comment. Exit codes: 0 the recipe builds the same model, 1 something differs or cannot be read or built, 2
     wrong usage.
     """
-    from mjcompose.tools.importing.recover import amount, recover
+    from mjcompose.base.report import counted
+    from mjcompose.tools.importing.recover import recover
     from mjcompose.tools.importing.search import search
 
     merged, parts, context = options.merged, options.parts, run.context
@@ -71,11 +72,11 @@ def import_(options: Options, run: Run) -> Answer | int:
     references: dict[Path, str] = {}
     if not parts:
         result = run.need(search(merged, options.folders, context, progress=progress), merged)
-        among = f"among {amount(result.looked_at, 'model')}"
+        among = f"among {counted(result.looked_at, 'model')}"
         if not result.parts:
             return _whole(merged, target, among=among, run=run)
         names = [each.reference or context.shown(each.path) for each in result.parts]
-        say(f"found {amount(len(names), 'part')} {among}: {', '.join(names)}", err=run.form == "json")
+        say(f"found {counted(len(names), 'part')} {among}: {', '.join(names)}", err=run.form == "json")
         references = {each.path: each.reference for each in result.parts if each.reference is not None}
         parts = tuple(each.path for each in result.parts)
     found = recover(merged, list(parts), target, context=context, progress=progress, references=references)
@@ -90,7 +91,8 @@ def import_(options: Options, run: Run) -> Answer | int:
 
 def _answer(found: Recovered, target: Path, shown: str, run: Run) -> Answer | int:
     """Return what is printed about a recipe that was recovered."""
-    from mjcompose.tools.importing.recover import amount, changed, left
+    from mjcompose.base.report import counted
+    from mjcompose.tools.importing.recover import changed, left
 
     comments = [entry for entry in found.proposal.entries if entry.note is not None]
     outcome, edits = found.outcome, list(changed(found.proposal.changed))
@@ -106,14 +108,14 @@ def _answer(found: Recovered, target: Path, shown: str, run: Run) -> Answer | in
         }
         return Answer("", answer, code=code, is_outcome=True)
     run.report()
-    only = f", {amount(len(comments), 'entry', 'entries')} only as {'a comment' if len(comments) == 1 else 'comments'}"
-    say(f"wrote {target}: {amount(len(found.proposal.found), 'part')}{only if comments else ''}")
+    only = f", {counted(len(comments), 'entry', 'entries')} only as {'a comment' if len(comments) == 1 else 'comments'}"
+    say(f"wrote {target}: {counted(len(found.proposal.found), 'part')}{only if comments else ''}")
     _say_several(f"changed in {shown}, and written into the recipe", edits)
     if outcome is None or different is None:
         why = f": MuJoCo rejects {shown}: {found.refused}" if found.refused else ""
         click.echo(f"the two models could not be compared{why}")
     elif outcome.same:
-        rounded = amount(len(outcome.rounded), "number")
+        rounded = counted(len(outcome.rounded), "number")
         verb = "is" if len(outcome.rounded) == 1 else "are"
         but = f"; {rounded} {verb} equal to six digits only" if outcome.rounded else ""
         say(f"it builds, and the model is that of {shown}, element by element, to seven digits{but}")

@@ -12,6 +12,7 @@ from pathlib import Path as PathlibPath
 from typing import Any
 
 from mjcompose.base.diagnostic import Span
+from mjcompose.base.report import counted
 from mjcompose.lsp.analysis import Completion, Item, Known, Question
 from mjcompose.lsp.cursor import Path
 from mjcompose.lsp.language import Key, keys_of, words_of
@@ -57,17 +58,13 @@ def offer_expressions(question: Question) -> Iterator[Item]:
         return
     for each in settables(question.data).values():
         yield Item(each.name, each.kind, each.detail, each.doc, 10)
-    if _is_edit(question.path):
+    if "edit" in question.path:
         yield from (Item(name, "parameter", "of the element", doc, 15) for name, doc in _IN_EDITS.items())
     for name, function in FUNCTIONS.items():
         count = f"{function.least}" if function.most == function.least else f"{function.least} or more"
         yield Item(name, "function", f"{count} argument{'s' * (count != '1')}", rank=30, insert=f"{name}(")
     for name, value in CONSTANTS.items():
         yield Item(name, "constant", str(value), rank=30)
-
-
-def _is_edit(path: Path) -> bool:
-    return "edit" in path
 
 
 _COLLECTIONS = {"object", "array"}
@@ -85,8 +82,9 @@ def offer_keys(question: Question) -> Iterator[Item]:
             continue
         rank = 10 if key.required else 20 + min(at, 20)
         yield Item(
-            key.name, "key", _type(key), key.doc, rank, _insert(key, question), again=not _is_collection(key)
-        )
+            key.name, "key", "required" if key.required else "", doc=key.doc, rank=rank,
+            insert=_insert(key, question), again=not _is_collection(key),
+        )  # fmt: skip
 
 
 def _insert(key: Key, question: Question) -> str:
@@ -114,22 +112,17 @@ def _types(key: Key) -> set[str]:
     return found
 
 
-def _type(key: Key) -> str:
-    return "required" if key.required else ""
-
-
 def offer_names(question: Question) -> Iterator[Item]:
     """Yield the names that fit at the cursor. Names of the most likely kind come first."""
     cursor, analysis = question.cursor, question.analysis
     for wanted, is_key in _wanted(question):
         for at, (rank, known) in enumerate(fitting(wanted, analysis.names, analysis.plan)):
             colon = ": " if is_key and not cursor.has_colon else ""
-            yield Item(known.name, "part" if known.namespace == PART else known.namespace, _detail(known), "",
-                       rank + min(at, 9000) / 10000, known.name + colon if colon else "")  # fmt: skip
-
-
-def _detail(known: Known) -> str:
-    return "part" if known.namespace == PART else known.detail
+            is_part = known.namespace == PART
+            yield Item(
+                known.name, "part" if is_part else known.namespace, "part" if is_part else known.detail,
+                rank=rank + min(at, 9000) / 10000, insert=known.name + colon if colon else "",
+            )  # fmt: skip
 
 
 def _wanted(question: Question) -> Iterator[tuple[Wanted, bool]]:
@@ -239,11 +232,11 @@ def offer_selectors(question: Question) -> Iterator[Item]:
         yield Item(
             "**",
             "pattern",
-            f"all, unnamed ones too ({_count(len(found), 'with a name', 'with a name')})",
+            f"all, unnamed ones too ({len(found)} with a name)",
             rank=5,
         )
         for at, (glob, count) in enumerate(_globs(found, analysis.separator)):
-            yield Item(glob, "pattern", _count(count, "element", "elements"), rank=10 + at / 1000)
+            yield Item(glob, "pattern", counted(count, "element"), rank=10 + at / 1000)
     for at, known in enumerate(found):
         yield Item(known.name, known.namespace, known.detail, rank=20 + min(at, 9000) / 10000)
 
@@ -260,10 +253,6 @@ def _globs(found: list[Known], separator: str) -> list[tuple[str, int]]:
     globs = {f"{start}{separator}*" if start else "*": count for start, count in flat.items()}
     globs |= {f"{start}{separator}**": count for start, count in deep.items() if count != flat[start]}
     return sorted(globs.items())
-
-
-def _count(count: int, one: str, several: str) -> str:
-    return f"{count} {one if count == 1 else several}"
 
 
 Offer = Callable[[Question], Iterator[Item]]

@@ -6,6 +6,7 @@ import os
 from collections.abc import Callable, Iterator, Mapping
 from typing import TYPE_CHECKING
 
+from mjcompose.base.report import counted
 from mjcompose.base.rotation import Pose
 from mjcompose.base.sink import Sink
 from mjcompose.build.plan.plan import PlacedModel, Plan
@@ -233,7 +234,9 @@ def _of_model(source: Source, unit: Unit) -> Iterator[str]:
     for section in ("actuator", "sensor", "keyframe"):
         found = sum(len(list(each.iterchildren("*"))) for each in unit.root.iterchildren(section))
         counts[{"keyframe": "key"}.get(section, section)] = found
-    yield "- " + ", ".join(_count(count, word) for word, count in counts.items() if count)
+    yield "- " + ", ".join(
+        counted(count, word, "bodies" if word == "body" else "") for word, count in counts.items() if count
+    )
     files = list(files_of_source(source))
     size = sum(os.path.getsize(each) for each in files)
     yield f"- {len(files)} files, {size / 1e6:.2f} MB"
@@ -247,11 +250,6 @@ def _of_model(source: Source, unit: Unit) -> Iterator[str]:
     named = [f"`{body.name}`" for body in bodies if body.name]
     more = f" and {len(named) - _MODEL_MOST} more" if len(named) > _MODEL_MOST else ""
     yield f"\nbodies: {', '.join(named[:_MODEL_MOST])}{more}"
-
-
-def _count(count: int, word: str) -> str:
-    plural = {"body": "bodies"}.get(word, f"{word}s")
-    return f"{count} {word if count == 1 else plural}"
 
 
 _SELECTOR_MOST = 20

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from mjcompose.base.dataclass import dataclass
-from mjcompose.base.report import Paint
+from mjcompose.base.report import Paint, counted
 from mjcompose.base.rotation import Pose
 from mjcompose.build.bundle.bundle import MANIFEST
 from mjcompose.build.bundle.manifest import from_json
@@ -273,9 +273,9 @@ def _place(body: Body, place: Place) -> tuple[str, str, str, str]:
 
 def _head(outline: Outline, paint: Paint) -> str:
     bodies, joints = len(outline.bodies), len(outline.joints)
-    counts = [_count(bodies, "body", "bodies"), _count(joints, "joint", "joints")]
+    counts = [counted(bodies, "body", "bodies"), counted(joints, "joint")]
     if outline.parts:
-        counts.append(_count(len(outline.parts), "part", "parts"))
+        counts.append(counted(len(outline.parts), "part"))
     return f"{paint('bold', outline.name)}: {', '.join(counts)}"
 
 
@@ -296,9 +296,7 @@ def _below(body: Body, depth: int | None, paint: Paint, edge: str = "") -> Itera
             if child.children:
                 hidden = list(child.walk())[1:]
                 joints = sum(len(each.joints) for each in hidden)
-                summary = (
-                    f"… {_count(len(hidden), 'body', 'bodies')}, {_count(joints, 'joint', 'joints')} below"
-                )
+                summary = f"… {counted(len(hidden), 'body', 'bodies')}, {counted(joints, 'joint')} below"
                 yield paint("dim", f"{inner}└ {summary}")
         else:
             yield from _below(child, None if depth is None else depth - 1, paint, edge=inner)
@@ -346,10 +344,6 @@ def _row(cells: Sequence[str], widths: Sequence[int]) -> str:
 
 def _numbers(values: Sequence[float]) -> str:
     return " ".join(f"{round(value, 4) + 0.0:g}" for value in values)
-
-
-def _count(number: int, one: str, several: str) -> str:
-    return f"{number} {one if number == 1 else several}"
 
 
 _ARCHIVES = (".zip", ".mjz")

@@ -8,7 +8,7 @@ from dataclasses import asdict
 from itertools import groupby
 from typing import Any, TypeAlias
 
-from mjcompose.base.report import printable
+from mjcompose.base.report import counted, printable
 from mjcompose.mujoco.arrays import about, is_place, unit
 from mjcompose.tools.diff.changes import SETTINGS, Cause, Change, Count, Diff, End, Group, Move, Value, View
 
@@ -276,9 +276,7 @@ def verdict(diff: Diff) -> str:
         kinds = {"counts": contrast.counts, "addresses": contrast.moves, "arrays of mjModel": contrast.arrays}
         return f"different: only {' and '.join(kind for kind, found in kinds.items() if found)}"
     causes = sum(group.cause is not None for group in diff.groups)
-    many = "1 change" if changes == 1 else f"{changes} changes"
-    where = f" at {causes} place{'s' if causes != 1 else ''}" if causes else ""
-    return f"different: {many}{where}"
+    return f"different: {counted(changes, 'change')}" + (f" at {counted(causes, 'place')}" if causes else "")
 
 
 def place(cause: Cause) -> str:
@@ -301,9 +299,9 @@ def following(diff: Diff) -> str | None:
     """Return how many changes are not listed one by one."""
     if not diff.follows:
         return None
-    many = "1 number" if diff.follows == 1 else f"{diff.follows} numbers"
+    verb = "differs" if diff.follows == 1 else "differ"
     return (
-        f"{many} that MuJoCo computes from these differ{'s' * (diff.follows == 1)} too: --computed lists them"
+        f"{counted(diff.follows, 'number')} that MuJoCo computes from these {verb} too: --computed lists them"
     )
 
 

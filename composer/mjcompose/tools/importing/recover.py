@@ -11,6 +11,7 @@ from pathlib import Path
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Diagnostic, Span
 from mjcompose.base.files import unsaved
+from mjcompose.base.report import counted
 from mjcompose.build.bundle.bundle import Bundle
 from mjcompose.build.stages import Request, build
 from mjcompose.build.verify.compile import WHOLE
@@ -167,12 +168,7 @@ def left(outcome: Outcome, merged: str) -> Iterator[str]:
     yield from sentences((each for each in others if each.what == "changed"), between)
     if follows:
         verb = "differs" if len(follows) == 1 else "differ"
-        yield f"{amount(len(follows), 'number')} that MuJoCo computes from these {verb} too"
-
-
-def amount(number: int, word: str, several: str = "") -> str:
-    """`1 part`, `2 parts`."""
-    return f"{number} {word if number == 1 else several or f'{word}s'}"
+        yield f"{counted(len(follows), 'number')} that MuJoCo computes from these {verb} too"
 
 
 _ROUNDS = 20
