@@ -205,9 +205,6 @@ def _motion(draft: Draft, number: int, node: Node, joint: Node) -> None:
         draft.lose("armature", node, what="armature")
 
 
-_HINGE_OR_SLIDE = (2, 3)
-
-
 def mimics(draft: Draft, joints: dict[str, Node]) -> None:
     """Write proportional constraints as `<mimic>`. Other equality constraints are recorded as losses."""
     model = draft.model

@@ -24,7 +24,6 @@ from mjcompose.mujoco.shapes import Doubt, doubts, measured
 from mjcompose.urdf.converting import convert, measure
 from mjcompose.urdf.robot import FLAT_HELP, Look, Robot, locate_as
 
-READ_BY_MUJOCO = ("stl", "obj", "msh")
 CONVERTED = ("dae", "glb", "gltf", "ply", "off", "3mf")
 _FOLDER = "converted"
 _MOST_FACES = 200_000

@@ -355,9 +355,6 @@ def _section(node: Node) -> Node:
     return node
 
 
-SUFFIXES = (".urdf", ".xacro")
-
-
 @dataclass(frozen=True, slots=True)
 class OfUrdf:
     """The text of the recipe; the rows of what was read and what was not, each with its place."""
