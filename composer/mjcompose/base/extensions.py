@@ -95,14 +95,9 @@ class Table(dict[str, Row]):
     """
 
     def __init__(
-        self,
-        group: str,
-        rows: Mapping[str, Row],
-        attribute: str,
-        *,
-        kind: type | None = None,
+        self, group: str, rows: Mapping[str, Row], attribute: str, *, kind: type | None = None,
         modules: Mapping[str, str] | None = None,
-    ) -> None:
+    ) -> None:  # fmt: skip
         super().__init__(rows)
         self.modules = modules or {}
         self.own = (*rows, *self.modules)

@@ -445,14 +445,9 @@ def compile(
     Never raises for faults of the model. `limits` apply only without a `session`, which has its own.
     """
     request = Request(
-        folder,
-        model,
-        wants=(*wants, "forward"),
-        mjb=mjb,
-        text=text,
-        keep=keep,
+        folder, model, wants=(*wants, "forward"), mjb=mjb, text=text, keep=keep,
         folder_is_reused=folder_is_reused,
-    )
+    )  # fmt: skip
     return _run(request, limits, session).compiled
 
 

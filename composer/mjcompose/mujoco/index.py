@@ -122,13 +122,9 @@ def index(model: Model, mujoco: Any) -> Index:
     bodies = names(model, "body")
     keys = (Keyframe(name, float(model.key_time[row])) for row, name in enumerate(names(model, "key")))
     return Index(
-        tuple(_joints(model, bodies)),
-        tuple(_actuators(model, mujoco)),
-        tuple(_sensors(model, mujoco)),
-        keyframes=tuple(keys),
-        cameras=tuple(_cameras(model, mujoco, bodies)),
-        bodies=tuple(bodies),
-    )
+        tuple(_joints(model, bodies)), tuple(_actuators(model, mujoco)), tuple(_sensors(model, mujoco)),
+        keyframes=tuple(keys), cameras=tuple(_cameras(model, mujoco, bodies)), bodies=tuple(bodies),
+    )  # fmt: skip
 
 
 def _joints(model: Model, bodies: list[str]) -> Iterator[Joint]:
