@@ -135,7 +135,7 @@ schemas: $(STAMP)
 	@$(BIN)/python -m mjcompose.mjcf.stub
 	@$(BIN)/python -m mjcompose.targets.table
 	@$(BIN)/python -m mjcompose.tools.migrate.changes
-	@$(BIN)/python -m mjcompose.language.motors
+	@$(BIN)/python -m mjcompose.language.datasheets
 	@$(BIN)/python -m mjcompose.language.reference_page > build/key_order.json && mv build/key_order.json composer/mjcompose/text/
 
 # Pins of every test dependency for every supported Python; needs uv.

@@ -33,7 +33,7 @@ CALLS_LEFT = Counter(
     _span=1, _text=1, _up_to_the_next=1, _values=1, _walk=6, _where=1, add=2, advise=6, carried=1, check=1,
     drop=4, element=11, failed=11, fetch=2, finish=1, in_brackets=2, items=1, keep_default=3, listed=1,
     names_of=1, of_key=1, open=1, pack=4, packed=1, read_selector=2, refuse=4, refused=1, rename=3, renamed=2,
-    row=1, run=4, same=1, step=1, syscall=3, unknown=4, unknown_attribute=1, unmet=4, unread_in=1,
+    row=1, run=4, same=1, step=1, syscall=3, unknown=2, unknown_attribute=1, unmet=4, unread_in=1,
     with_item=1, with_key=2, word=4, write_facts=2, write_whole=1
 )
 # fmt: on

@@ -26,7 +26,7 @@ base:
   model: shared:bot/m.xml
   edit:
   - {select: {geom: g}, hide: true}
-  - {select: {actuator: p}, motor: {model: x200, bandwidth: 5}}
+  - {select: {actuator: p}, datasheet: {model: x200, bandwidth: 5}}
 check:
   all: {named: {}}
 """

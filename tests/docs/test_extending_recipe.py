@@ -137,14 +137,13 @@ def test_all_of_it_works(package: Path) -> None:
     assert "check `all`: 1 bodies have no name" in checked.stderr
     (package / "recipe.yaml").write_text(text.replace("hide: true", "hide: 3"), encoding="utf-8")
     refused = run(package, "check", "recipe.yaml")
-    assert "error[wrong-type]: `hide` is `true`, got a number `3`" in refused.stderr
+    assert "error[wrong-type]: `hide` expects `true`, got a number `3`" in refused.stderr
 
     schema = json.loads(run(package, "schema", "recipe").stdout)
     assert schema["$defs"]["shared.note"]["description"] == "A text for programs that load the model."
-    assert schema["$defs"]["edit"]["properties"]["hide"] == {
-        "const": True,
-        "description": "viewers do not show it",
-    }
+    hide = schema["$defs"]["Edit"]["properties"]["hide"]
+    assert hide["description"] == "viewers do not show it"
+    assert schema["$defs"][hide["$ref"].rpartition("/")[2]]["anyOf"][0] == {"enum": [True]}
     assert "named" in schema["$defs"]["CheckEntry"]["properties"]
 
 
@@ -164,7 +163,7 @@ def test_a_command_counts_and_reports(package: Path) -> None:
 
 
 HALF_DONE = [
-    (title, path) for title in TITLES[:2] for path in dict.fromkeys(path for path, *_ in rows(title))
+    (title, path) for title in TITLES[:1] for path in dict.fromkeys(path for path, *_ in rows(title))
 ]  # a check without its row is no check
 
 

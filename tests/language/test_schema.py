@@ -98,7 +98,7 @@ def test_refuses_wrong_recipe(validator: Any, case: Case) -> None:
         "{recipe: 1, edit: [{select: {geom: a}, collision: {decompose: {parts: '${n}', threshold: '${t}'}}}]}",
         "{recipe: 1, edit: [{select: {mesh: a}, simplify: {faces: '${n}'}}]}",
         "{recipe: 1, edit: [{select: {body: a}, inertia: {from: '${f}', density: '${d}', group: '${n}'}}]}",
-        "{recipe: 1, edit: [{select: {motor: a}, motor: {model: '${m}', bandwidth: '${b}', effort: '${e}'}}]}",
+        "{recipe: 1, edit: [{select: {motor: a}, datasheet: {model: '${m}', bandwidth: '${b}', effort: '${e}'}}]}",
         "{recipe: 1, contact: {exclude: {auto: {samples: '${n}', seed: '${n}'}}}}",
         "{recipe: 1, base: {model: a.xml, drop: [key]}}",
         "{recipe: 1, attach: {a: {model: m, prefix: '', joint: [{name: x, type: slide}]}}}",

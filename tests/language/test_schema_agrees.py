@@ -14,9 +14,9 @@ import pytest
 from cases import cases
 from mjcompose.base.diagnostic import Diagnostic
 from mjcompose.base.sink import Sink
+from mjcompose.language.assign import TAGS
 from mjcompose.language.expand import expand
 from mjcompose.language.validate import validate
-from mjcompose.language.verbs.values import TAGS
 from mjcompose.model.selector import known_tags
 from mjcompose.text.load import load
 from mjcompose.text.node import Mapping, Node, Sequence, to_python

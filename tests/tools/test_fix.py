@@ -94,7 +94,7 @@ def fixed(folder: Path, text: str | bytes, **others: str) -> tuple[str, Fixed]:
         ("edit: [{select: {joint: elbow}, set: {dampin: 1}}]", "edit: [{select: {joint: elbow}, set: {damping: 1}}]"),
         ("edit: [{select: {joint: elbow}, sett: {damping: 1}}]", "edit: [{select: {joint: elbow}, set: {damping: 1}}]"),
         ("edit: [{select: {joint: **}, set: {damping: 1}}]", 'edit: [{select: {joint: "**"}, set: {damping: 1}}]'),
-        ("edit: [{select: {joint: elbow}, unset: [dampin]}]\n", "edit: [{select: {joint: elbow}, unset: [damping]}]\n"),
+        ("edit: [{select: {joint: elbow}, set: {dampin: null}}]\n", "edit: [{select: {joint: elbow}, set: {damping: null}}]\n"),
         ("add: [{to: link, geom: {size: 0.1 0.1}}]", "add: [{to: link, geom: {size: [0.1, 0.1]}}]"),
         ("add: [{to: link, geom: {size: ['0.1']}}]", "add: [{to: link, geom: {size: [0.1]}}]"),
         ("add: [{to: link, geom: {size: [10cm]}}]", "add: [{to: link, geom: {size: [0.1]}}]"),

@@ -74,7 +74,7 @@ def read(
     path: Path, root: Path, session: Session, **choices: str
 ) -> tuple[UrdfReader, mujoco.MjModel | None]:
     packages = (("example-robot-data", root.parent), *((each.name, each) for each in sorted(root.iterdir())))
-    choices = {"visuals": "keep", "inertia": "mend", **choices}
+    choices = {"visuals": "keep", "inertia": "repair", **choices}
     source = Source(
         path, KIND, path.name, packages=packages, door=Door.of([root]), urdf=UrdfChoices(**choices)
     )  # type: ignore[arg-type]

@@ -43,12 +43,12 @@ def test_it_is_an_error_at_its_place(reader: Reader, broken: str) -> None:
     assert read.unit() is None
     (error,) = read.sink.errors
     assert (error.code, error.span and error.span.line) == ("urdf-inertia", 3)
-    assert "`upper`" in error.message and "mend" in str(error.help)
+    assert "`upper`" in error.message and "repair" in str(error.help)
 
 
 @pytest.mark.parametrize("broken", BROKEN.values(), ids=BROKEN)
 def test_it_is_mended_with_a_warning(reader: Reader, broken: str) -> None:
-    read = reader("r.urdf", robot(ARM[0], link("upper", broken), *ARM[2:]), inertia="mend")
+    read = reader("r.urdf", robot(ARM[0], link("upper", broken), *ARM[2:]), inertia="repair")
     unit = read.unit()
     assert unit is not None, [each.message for each in read.sink.errors]
     assert [each.code for each in read.sink.sorted()][:1] == ["urdf-inertia"]
@@ -68,15 +68,15 @@ def test_what_is_below_the_bounds_of_mujoco_is_named_and_mended(reader: Reader, 
     assert read.unit() is None
     (error,) = read.sink.errors
     assert (error.code, error.span and error.span.line) == ("urdf-inertia", 3)
-    assert "inertia: mend" in str(error.help)
-    assert reader("r.urdf", robot(*parts), inertia="mend").unit() is not None
+    assert "inertia: repair" in str(error.help)
+    assert reader("r.urdf", robot(*parts), inertia="repair").unit() is not None
 
 
 def test_a_light_link_that_is_fixed_is_left_alone(reader: Reader) -> None:
     tip = link("tip", inertial(1e-20, 0.1, 0.1, 0.1))
     broken = link("upper", BROKEN["triangle"])
     parts = (ARM[0], broken, *ARM[2:], tip, joint("tip", "fore", "tip", kind="fixed"))
-    read = reader("r.urdf", robot(*parts), inertia="mend")
+    read = reader("r.urdf", robot(*parts), inertia="repair")
     assert read.unit() is not None
     assert "`tip`" not in " ".join(each.message for each in read.sink.sorted())
 
@@ -84,7 +84,7 @@ def test_a_light_link_that_is_fixed_is_left_alone(reader: Reader) -> None:
 ZERO = '<geometry><box size="0 0 0"/></geometry>'
 
 
-@pytest.mark.parametrize("choice", [None, "mend"])
+@pytest.mark.parametrize("choice", [None, "repair"])
 def test_a_size_of_zero_is_no_inertia(reader: Reader, choice: str | None) -> None:
     base = link("base", f"<visual>{ZERO}</visual>{inertial(0.001, 0, 0, 0)}")
     read = reader("r.urdf", robot(base, *ARM[1:]), visuals="keep", inertia=choice)
@@ -106,7 +106,7 @@ def test_a_size_of_zero_is_that_of_a_shape_that_is_read(
 
 def test_the_axes_stay_and_the_large_moments_too(reader: Reader) -> None:
     read = reader(
-        "r.urdf", robot(ARM[0], link("upper", inertial(1, 0.1, 0.2, 0.5)), *ARM[2:]), inertia="mend"
+        "r.urdf", robot(ARM[0], link("upper", inertial(1, 0.1, 0.2, 0.5)), *ARM[2:]), inertia="repair"
     )
     unit = read.unit()
     assert unit is not None
@@ -129,12 +129,12 @@ def test_a_link_that_moves_without_mass(reader: Reader) -> None:
     )
     read = reader("r.urdf", robot(*parts))
     assert read.unit() is None and [each.code for each in read.sink.errors] == ["urdf-inertia"]
-    assert reader("r.urdf", robot(*parts), inertia="mend").unit() is not None
+    assert reader("r.urdf", robot(*parts), inertia="repair").unit() is not None
 
 
 def test_what_mujoco_accepts_is_not_touched(reader: Reader) -> None:
     zeros = inertial(0, 0, 0, 0)
     parts = (*ARM, link("tip", zeros), joint("tip", "fore", "tip", kind="fixed"))
-    read = reader("r.urdf", robot(*parts), inertia="mend")
+    read = reader("r.urdf", robot(*parts), inertia="repair")
     assert read.unit() is not None
     assert "urdf-inertia" not in {each.code for each in read.sink.sorted()}

@@ -119,6 +119,7 @@ class Table(dict[str, Row]):
             raise KeyError(word)
         row: Any = getattr(loaded, self._attribute, None) if self._attribute else loaded
         fits = callable(row) if self._kind is None else isinstance(row, self._kind)
+        fits = fits or (self._kind is not None and isinstance(row, type) and issubclass(row, self._kind))
         if not fits:
             what = f"`{self._attribute}` in its module" if self._attribute else "its object"
             expected = "a function" if self._kind is None else f"of the class `{self._kind.__name__}`"

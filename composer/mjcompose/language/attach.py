@@ -21,6 +21,8 @@ from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Fault, Path
 from mjcompose.base.limits import advice, in_force
 from mjcompose.base.suggest import closest
+from mjcompose.language.codes import Allowed
+from mjcompose.language.edit import Edits
 from mjcompose.language.form import (
     Element,
     Form,
@@ -38,7 +40,7 @@ from mjcompose.language.forms.model import IT, Model
 from mjcompose.language.forms.rules import Exclusive
 from mjcompose.language.forms.scalars import AtLeastOne, Checked, Expects, Items, Name, NotNegative, Text
 from mjcompose.language.placing import ORIENTATIONS, Inline, JointField, JointWord, ModelField, Offset
-from mjcompose.language.used_model import Allowed, Drop, Drops, Edit, Edits, Given, KeyPolicy, UrdfKeys
+from mjcompose.language.used_model import Drop, Drops, Given, KeyPolicy, UrdfKeys
 
 RESERVED = "base"
 PATH_LIKE = ("/", ":")
@@ -181,7 +183,7 @@ class Attachment(Model):
     """The one body of the model to take, with exactly what it needs; without it, the whole model."""
     drop: Annotated[tuple[Drop, ...], Drops()] = ()
     """What to leave out, with all that refers to it: sections, tags and selectors, in the part's own names."""
-    edit: Annotated[tuple[Edit, ...], Edits()] = ()
+    edit: Edits = ()
     """Ordered changes to the part, in its own names, before it is attached."""
     site: Annotated[str, Name("site")] | None = None
     """The site that the part is attached to."""

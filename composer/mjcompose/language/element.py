@@ -20,7 +20,7 @@ from mjcompose.language.form import Element, Settings, Value, fault_at, is_unpri
 from mjcompose.language.fragment import check_fragment, report_clashing, report_missing
 from mjcompose.language.value import bare_angle, element_instead, read_value
 from mjcompose.model.grammar import GRAMMAR, ElementType, number_text
-from mjcompose.text.merge import is_of_elements
+from mjcompose.text.merge import is_of_elements, is_taken_out
 from mjcompose.text.node import Mapping, Node, Scalar, Sequence, is_template
 
 _NAMES = ("attach", "sensor", "actuator", "equality", "tendon")
@@ -89,7 +89,8 @@ def raw(node: Node, faults: list[Fault]) -> Any:
 def _raw(node: Node, at: Path, faults: list[Fault]) -> Any:
     if isinstance(node, Scalar):
         if node.value is None:
-            faults.append(_nothing(at))
+            if not is_taken_out(at):
+                faults.append(_nothing(at))
         elif isinstance(node.value, str) and is_template(node.value) and not is_of_elements(at):
             faults.append(Fault("expression", "an expression has no value here", at))
         return node.value

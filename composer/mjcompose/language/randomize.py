@@ -11,6 +11,7 @@ from pydantic import BeforeValidator, Field
 
 from mjcompose.base.diagnostic import Fault, Path
 from mjcompose.base.limits import advice, in_force
+from mjcompose.language.assign import MASS, Checker
 from mjcompose.language.distribution import (
     CHOICE,
     DISTRIBUTIONS,
@@ -30,7 +31,6 @@ from mjcompose.language.forms.scalars import Checked, Count, Expects, Name, Text
 from mjcompose.language.select import NARROWING, advice_on_narrowing, kinds_of
 from mjcompose.language.value import attribute_and_index
 from mjcompose.language.variation import NO_EMIT
-from mjcompose.language.verbs.values import MASS, Checker
 from mjcompose.model.selector import Selector
 
 NOT_NEGATIVE = frozenset(

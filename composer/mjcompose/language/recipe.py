@@ -13,6 +13,9 @@ from mjcompose.base.diagnostic import Fault, Path
 from mjcompose.base.suggest import advised, exists_note
 from mjcompose.language.attach import Attachment, Prefixes, Start
 from mjcompose.language.check import CheckEntry
+from mjcompose.language.codes import Allowed
+from mjcompose.language.datasheets import Datasheets
+from mjcompose.language.edit import Edits
 from mjcompose.language.element import FRAGMENT, Reader, label, path_of
 from mjcompose.language.element_schema import mapping
 from mjcompose.language.form import (
@@ -33,10 +36,9 @@ from mjcompose.language.forms.rows import Lazy
 from mjcompose.language.forms.scalars import Expects
 from mjcompose.language.fragment import missing_key
 from mjcompose.language.keyframe import Keyframe, Keyframes
-from mjcompose.language.motors import Motor, Motors
 from mjcompose.language.sections import ByTag, DefaultClass, Defaults, Extension, Singleton, Typed
 from mjcompose.language.select import Collisions, Contacts
-from mjcompose.language.used_model import Allowed, Edit, Edits, Model
+from mjcompose.language.used_model import Model
 from mjcompose.model.grammar import GRAMMAR, ElementType
 
 TO = "to"
@@ -289,10 +291,10 @@ class Recipe(Model):
     """Sensors: a mapping from their names."""
     custom: Annotated[tuple[Element, ...], ByTag("custom")] = ()
     """Custom numbers, texts and tuples: by tag, a mapping from their names."""
-    motors: Annotated[Mapping[str, Motor], Motors()] = Field(default_factory=dict)
-    """Data sheets of motors for the verb `motor` of `edit`: a mapping from their names to torque, speed, gear,
+    datasheets: Datasheets = Field(default_factory=dict)
+    """Data sheets of motors for the verb `datasheet` of `edit`: a mapping from their names to torque, speed, gear,
     inertia and source."""
-    edit: Annotated[tuple[Edit, ...], Edits()] = ()
+    edit: Edits = ()
     """Ordered changes to the model, by selectors, when everything else is in place."""
     keyframe: Annotated[tuple[Keyframe, ...], Keyframes("keyframe")] = ()
     """Keys: a mapping from their names to entries by the names of joints, actuators and mocap bodies."""

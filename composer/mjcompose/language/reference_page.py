@@ -20,6 +20,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
 from mjcompose.language.attach import Attachment
+from mjcompose.language.edit import Edit
 from mjcompose.language.expand import SETTLED
 from mjcompose.language.form import Schema, check_rows
 from mjcompose.language.keyframe import KEYS as KEYFRAME
@@ -28,7 +29,6 @@ from mjcompose.language.randomize import Randomize
 from mjcompose.language.recipe import ID, TO, Additions, Recipe, sections_of
 from mjcompose.language.schema import recipe_schema
 from mjcompose.language.sections import PARENT, TYPE, Defaults, Typed
-from mjcompose.language.used_model import KEYS as EDIT
 from mjcompose.language.used_model import key_names
 from mjcompose.language.variation import Declaration, Grid
 from mjcompose.model.classes import ORIENTATIONS
@@ -53,7 +53,7 @@ def key_order() -> dict[str, dict[str, list[str]]]:
     In the mappings of `whole`, each key has a place. In those of `first`, only some keys have one, and come first;
     the author orders the others.
     """
-    edit = list(EDIT)
+    edit = Edit.key_names()
     whole = {
         "": _top(),
         "base": [*Attachment.key_names(), _WHEN],
@@ -115,11 +115,11 @@ _CHAPTERS = {
         "edit.md#selectors",
         "One key is a tag, a family, a path of tags or `default`, with a glob over names; others narrow it.",
     ),
-    "edit": ("Entries", "edit.md", "A selector, and what to do with the elements that it selects."),
+    "Edit": ("Entries", "edit.md", "A selector, and what to do with the elements that it selects."),
     "DrawField": ("Fields", "randomize.md#fields", "An attribute of the selected elements, or a parameter."),
 }
 """Definitions that have a table of their own: the title, the place, and the sentence above the keys."""
-_ON = {"edit": ("edit", "selector"), "randomize": ("DrawField",)}
+_ON = {"edit": ("Edit", "selector"), "randomize": ("DrawField",)}
 """The pages of these tables."""
 _SAME = ("scale", "offset")
 """Keys of a field of `randomize` with the distributions that the field itself may have."""

@@ -65,7 +65,7 @@ def pattern_fault(text: str, owner: str, at: Path) -> Fault | None:
 
 NARROWING = ("parent", "in", "part", "class", "where")
 _BESIDE = (
-    "expect", "optional", "when", "id", "unset", "set", "scale", "offset", "simplify", "collision", "convert",
+    "expect", "optional", "when", "id", "set", "scale", "simplify", "collision", "convert",
     "move", "rename", "remove", "attr", "per",
 )  # fmt: skip
 """Keys that stand beside a `select`."""

@@ -10,7 +10,7 @@ from functools import cached_property
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Diagnostic, Severity, Span
 from mjcompose.base.suggest import closest
-from mjcompose.language.used_model import ALLOW
+from mjcompose.language.codes import ALLOW
 from mjcompose.lsp.analysis import Action, Analysis, Change, Question
 from mjcompose.lsp.completion import complete
 from mjcompose.lsp.cursor import Path

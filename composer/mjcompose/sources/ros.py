@@ -13,7 +13,7 @@ from mjcompose.base.files import read_regular
 
 Visuals = Literal["keep", "drop"]
 Fixed = Literal["keep", "fuse"]
-Inertia = Literal["mend", "keep"]
+Inertia = Literal["repair", "keep"]
 Actuators = Literal["declared", "all", "none"]
 
 

@@ -261,7 +261,7 @@ def _sleepers(mujoco: Any, model: Any) -> Iterator[tuple[int, str]]:
 
 
 WARP_SLEEP = refused_elements(
-    "sleep", "body", _sleepers, help="write `unset: [sleep]`", outcome=Outcome.REFUSED
+    "sleep", "body", _sleepers, help="write `set: {sleep: null}`", outcome=Outcome.REFUSED
 )
 
 

@@ -14,7 +14,7 @@ Path = tuple[str | int, ...]
 
 _EDITS: tuple[Path, ...] = (("edit",), ("base", "edit"), ("attach", "*", "edit"))
 # The verbs whose values may refer to the current value.
-_OF_ELEMENTS = ("set", "scale", "offset", "convert", "move", "rename")
+_OF_ELEMENTS = ("set", "scale", "convert", "move", "rename")
 # Paths with selectors, besides edits.
 _SELECTING: tuple[Path, ...] = (
     ("base", "drop"),
@@ -73,6 +73,19 @@ def is_of_elements(path: Path) -> bool:
                 verb == "select" and "where" in inner
             )
     return any(_is_below(path, place) and "where" in path[len(place) :] for place in _SELECTING)
+
+
+def is_taken_out(path: Path) -> bool:
+    """Return whether null at this path takes an attribute out: in `set` of edits.
+
+    >>> is_taken_out(("edit", 0, "set", "mass")), is_taken_out(("edit", 0, "move", "to"))
+    (True, False)
+    """
+    path = in_own_model(path)
+    return any(
+        len(path) > len(edits) + 2 and _is_below(path, edits) and path[len(edits) + 1] == "set"
+        for edits in _EDITS
+    )
 
 
 def _is_below(path: Path, place: Path) -> bool:

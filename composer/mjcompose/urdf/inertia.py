@@ -1,4 +1,4 @@
-"""Inertias that no body can have: found before MuJoCo refuses them, and mended where the recipe asks for that."""
+"""Inertias that no body can have: found before MuJoCo refuses them, and repaired where the recipe asks for that."""
 
 from __future__ import annotations
 
@@ -69,13 +69,13 @@ def report(robot: Robot, sink: Sink, notes: tuple[object, ...]) -> bool:
             f"no body can have the inertia of the link `{name}`: {each.why}",
             robot.unit.origins.span(element, robot.unit.file),
             notes=notes,  # type: ignore[arg-type]
-            help="correct it, or write beside `model`: `urdf: {inertia: mend}`",
+            help="correct it, or write beside `model`: `urdf: {inertia: repair}`",
             cause=Cause(f"inertia {robot.unit.file}", f"`{name}`: {each.why}"),
         )
     return bool(found)
 
 
-def mend(robot: Robot, sink: Sink) -> list[str]:
+def repair(robot: Robot, sink: Sink) -> list[str]:
     """Change each as little as MuJoCo allows, with a warning; the links whose mass and inertia are zero as written."""
     massless, weightless = [], list(_weightless(robot.root))
     for each in list(bad_inertias(robot)):
@@ -93,15 +93,15 @@ def mend(robot: Robot, sink: Sink) -> list[str]:
             massless.append(name)
             became = "left out, and its shapes weigh nothing"
         else:
-            mended, values = _mended(tensor)
-            _write(each.inertial, None, mended)
+            repaired, values = _repaired(tensor)
+            _write(each.inertial, None, repaired)
             became = f"principal moments {_shown(values)}"
             if 0 <= _mass(each.inertial) < _LEAST_MASS and each.link in weightless:
-                _write(each.inertial, _LIGHTEST, mended)
+                _write(each.inertial, _LIGHTEST, repaired)
                 became += f", and {_LIGHTEST:g} kg"
         sink.warning(
-            CODE, f"the inertia of the link `{name}` was mended: {each.why}; now: {became}", span,
-            cause=Cause(f"mended {robot.unit.file}", f"`{name}`: {each.why}; now: {became}"),
+            CODE, f"the inertia of the link `{name}` was repaired: {each.why}; now: {became}", span,
+            cause=Cause(f"repaired {robot.unit.file}", f"`{name}`: {each.why}; now: {became}"),
         )  # fmt: skip
     for link in _weightless(robot.root, massless):  # what was held up by a link whose mass is zero
         if link.find("inertial") is None:
@@ -109,7 +109,7 @@ def mend(robot: Robot, sink: Sink) -> list[str]:
     return massless
 
 
-def _mended(tensor: Matrix) -> tuple[Matrix, list[float]]:
+def _repaired(tensor: Matrix) -> tuple[Matrix, list[float]]:
     """The tensor with its axes, and the smallest moments large enough."""
     values, axes = eigen(tensor)
     floor = max(_SMALLEST, 1e-6 * values[2])

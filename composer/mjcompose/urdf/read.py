@@ -94,11 +94,13 @@ class UrdfReader:
             converted is not None
             and converted.text is None
             and converted.crash is None
-            and choices.inertia == "mend"
+            and choices.inertia == "repair"
             and _is_of_inertia(converted)
         ):
             # Only now: what MuJoCo accepts is left as it is.
-            converted = self._converted(robot, meshes.shells, stack, massless=inertia.mend(robot, self.sink))
+            converted = self._converted(
+                robot, meshes.shells, stack, massless=inertia.repair(robot, self.sink)
+            )
         if converted is None:
             return None
         self._report_warnings(converted, robot)

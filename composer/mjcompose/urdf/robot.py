@@ -296,8 +296,8 @@ _SHAPES = ("box", "cylinder", "sphere", "capsule")
 _SIZES = "sizes are greater than zero"
 FLAT_HELP = "use a box, or a mesh with a thickness"
 _ADVICE = {
-    Topic.INERTIA: "correct it, or write beside `model`: `urdf: {inertia: mend}`",
-    Topic.MASS: "give the link an `<inertial>`, or write beside `model`: `urdf: {inertia: mend}`",
+    Topic.INERTIA: "correct it, or write beside `model`: `urdf: {inertia: repair}`",
+    Topic.MASS: "give the link an `<inertial>`, or write beside `model`: `urdf: {inertia: repair}`",
     Topic.MESH_FORMAT: "convert it to STL, OBJ, MSH, Collada, glTF, PLY, OFF or 3MF, which are read",
     Topic.FLAT: FLAT_HELP,
     Topic.GEOM_SIZE: _SIZES,

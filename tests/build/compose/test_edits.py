@@ -66,12 +66,12 @@ def test_drop_of_what_is_not_there(radian: Case) -> None:
     [
         ("{select: {joint: elbow}, set: {armature: 0.3}}", {"elbow dof_armature"}),
         ("{select: {joint: '{shoulder,elbow}'}, scale: {damping: 0.5}}", {"shoulder dof_damping", "elbow dof_damping"}),
-        ("{select: {joint: elbow}, offset: {ref: 5deg}}", {"elbow ref"}),
+        ("{select: {joint: elbow}, set: {ref: '${value + rad(5)}rad'}}", {"elbow ref"}),
         ("{select: {joint: elbow}, set: {range: [-20deg, 1rad]}}", {"elbow range"}),
         ("{select: {joint: elbow}, set: {'range[1]': 30deg}}", {"elbow range"}),
         ("{select: {geom: upper}, set: {'friction[1]': 0.1}}", {"upper friction"}),
         ("{select: {geom: upper}, set: {friction: [1, 0.1]}}", {"upper friction"}),
-        ("{select: {geom: upper}, unset: [mass], set: {density: 1}}", {"link1 mass", "link1 inertia"}),
+        ("{select: {geom: upper}, set: {mass: null, density: 1}}", {"link1 mass", "link1 inertia"}),
         ("{select: {geom: base_geom}, set: {euler: [90deg, 0, 0]}}", {"base_geom quat", "base iquat"}),
         ("{select: {geom: '**', class: link, where: {group: 2}}, set: {rgba: [1, 0, 0, 1]}}", {"visual_upper rgba"}),
         ("{select: {geom: '**', in: {body: link1}, where: '${size[0] == 0.03 and group == 0}'}, set: {condim: 4}}", {"upper condim", "lower condim"}),
@@ -116,7 +116,7 @@ def test_a_verb_changes_what_it_says(arm: Case, edits: str, expected: set[str]) 
         ("{select: {geom: upper}, set: {pos: [0, 0, 1]}}", "40 wrong-type", "`fromto` says where it is"),
         ("{select: {geom: upper}, set: {group: '${vlue}'}}", "42 unknown-name", "did you mean `value`"),
         ("{select: {geom: base_geom}, scale: {mass: 2}}", "41 wrong-type", "change that, or the whole mass"),
-        ("{select: {geom: upper}, unset: [rgba]}", "37 unknown-attribute", "written on none"),
+        ("{select: {geom: upper}, set: {rgba: null}}", "35 unknown-attribute", "written on none"),
         ("{select: {body: prop}, move: {to: link1}}", "39 freejoint-on-body", "has a free joint"),
         ("{select: {body: link1}, move: {to: tray}}", "40 wrong-type", "into itself"),
         ("{select: {site: tip}, move: {to: trai}}", "38 unknown-name", "did you mean `to: tray`"),
@@ -131,7 +131,7 @@ def test_wrong(radian: Case, edit: str, expected: str, said: str) -> None:
 
 def test_edits_are_done_in_order(radian: Case) -> None:
     model = radian.edited(
-        "{select: {joint: elbow}, rename: bend, scale: {damping: 2}, set: {damping: 5}}, {select: {joint: bend}, offset: {damping: 1}}"
+        "{select: {joint: elbow}, rename: bend, scale: {damping: 2}, set: {damping: 5}}, {select: {joint: bend}, set: {damping: '${value + 1}'}}"
     )
     assert model.joint("bend").damping[0] == 11
 
@@ -145,7 +145,7 @@ def test_keys_follow(radian: Case, own: bool) -> None:
     model = radian.edited("{select: {body: base}, move: {to: world}}", own)
     assert model.key("home").qpos == pytest.approx([1, 0, 0.1, 1, 0, 0, 0, 0.1, 0.2])
     assert model.key("home").ctrl == pytest.approx([0.1, 0.2, 0.3, 0.4, 0.5, 0.6])
-    ball = "{select: {joint: elbow}, unset: [ref], set: {type: ball, limited: false}}"
+    ball = "{select: {joint: elbow}, set: {ref: null, type: ball, limited: false}}"
     model = radian.edited(f"{{select: {{sensor: s1}}, remove: true}}, {ball}", own)
     assert model.key("home").qpos[:5] == pytest.approx([0.1, 1, 0, 0, 0])
 
@@ -187,7 +187,7 @@ def test_a_part_is_edited_alone_in_its_own_names(radian: Case) -> None:
     (radian.folder / "deg.xml").write_text(DEGREES)
     model = radian.model(
         "recipe: 1\nbase: ./arm.xml\nattach:\n  d: {model: ./deg.xml, pos: [0, 2, 0], drop: [key], edit: "
-        "[{select: {joint: elbow}, set: {range: [-10deg, 0.1rad]}, offset: {ref: 5deg}}, {select: {geom: lower}, rename: low}]}\n"
+        "[{select: {joint: elbow}, set: {range: [-10deg, 0.1rad], ref: '${value + rad(5)}rad'}}, {select: {geom: lower}, rename: low}]}\n"
     )
     assert model.joint("d/elbow").range == pytest.approx([-np.radians(10), 0.1])
     assert model.joint("d/elbow").qpos0 == pytest.approx([np.radians(15)])

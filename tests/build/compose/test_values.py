@@ -57,7 +57,7 @@ def test_a_mass_is_the_whole_inertia(radian: Case, body: str) -> None:
     for verb, value, factor in (
         ("scale", 1.25, 1.25),
         ("set", 3, 3 / before.mass[0]),
-        ("offset", 0.5, 1 + 0.5 / before.mass[0]),
+        ("set", "'${value + 0.5}'", 1 + 0.5 / before.mass[0]),
         ("set", "'${2 * value}'", 2),
     ):
         after = radian.edited(f"{{select: {{body: {body}}}, {verb}: {{mass: {value}}}}}").body(body)

@@ -224,7 +224,7 @@ def _again(folder: Path, recipe: str) -> None:
 
 OWN = "edit: [{select: {joint: j}, set: {damping: 3}}]"
 EDITED = {
-    "by the recipe": "edit: [{select: {joint: two/j}, set: {damping: 3}}, {select: {geom: '**'}, offset: {margin: 0.1}}]",
+    "by the recipe": "edit: [{select: {joint: two/j}, set: {damping: 3}}, {select: {geom: '**'}, set: {margin: '${value + 0.1}'}}]",
     "a mass": "edit: [{select: {body: two/b}, scale: {mass: 2}}]",
     "a class": "default: {two/: {joint: {damping: 1}}}\nedit: [{select: {default: two/}, set: {joint: {damping: 2}}}]",
     "a name": "edit: [{select: {body: two/b}, rename: tool}, {select: {joint: two/j}, rename: wrist}]",

@@ -26,7 +26,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 @pytest.mark.parametrize(
-    ("moment", "keys"), [(0.1, "{visuals: keep}"), (0.01, "{visuals: keep, inertia: mend}")]
+    ("moment", "keys"), [(0.1, "{visuals: keep}"), (0.01, "{visuals: keep, inertia: repair}")]
 )
 def test_the_recipe_builds(folder: Path, moment: float, keys: str) -> None:
     (folder / "arm.urdf").write_text(ARM.format(INERTIA.format(moment)))

@@ -26,9 +26,8 @@ from mjcompose.build.plan.plan import (
     of_part,
 )
 from mjcompose.build.plan.steps import DrawValues, SetDefault, SetSingleton
+from mjcompose.language.edit import Edit
 from mjcompose.language.form import Element, Single
-from mjcompose.language.used_model import Edit
-from mjcompose.language.verbs.table import VERBS
 from mjcompose.link import numbers
 from mjcompose.link.bodies import effective_pose
 from mjcompose.link.linking import AttachmentPlace, Joint, Linking, Part, Sense
@@ -431,7 +430,7 @@ def with_edits(member: PartRecord, edits: Iterable[Edit]) -> PartRecord:
     """Return the record with the arrays that edits change in the part, or with the reason why it is not compared."""
     changed, reduced = set(member.changed), member.reduced
     for edit in edits:
-        if any(VERBS[name].changes is None for name in edit.verbs):
+        if any(verb.reshapes for verb in edit.verbs.values()):
             reduced = reduced or "the recipe takes away, moves or converts elements"
         changed |= {array for tag, name in _changed_attributes(edit) for array in arrays_of(name, tag)}
     return replace(member, changed=tuple(sorted(changed)), reduced=reduced)
@@ -451,6 +450,5 @@ def may_match_part(selector: Selector, prefix: str, prefixes: Collection[str]) -
 def _changed_attributes(edit: Edit) -> Iterator[tuple[str | None, str]]:
     """Yield the attributes that an edit changes, each with the tag if it is known."""
     tag = None if "/" in edit.select.tag else edit.select.tag
-    for name, value in edit.verbs.items():
-        if (changes := VERBS[name].changes) is not None:
-            yield from changes(tag, value)
+    for verb in edit.verbs.values():
+        yield from verb.changes(tag)

@@ -11,6 +11,7 @@ from pathlib import Path as PathlibPath
 from typing import Any
 
 from lxml.etree import _Element as Node
+from pydantic import BaseModel
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Path, Span
@@ -18,7 +19,7 @@ from mjcompose.base.files import Refused
 from mjcompose.base.limits import advice, in_force
 from mjcompose.base.sink import Sink
 from mjcompose.build.compose.elements import ElementBuilder
-from mjcompose.language.motors import Motor
+from mjcompose.language.datasheets import Sheet
 from mjcompose.link.files import NamedFile
 from mjcompose.link.key_layout import JOINTS
 from mjcompose.link.linking import Linking
@@ -84,9 +85,12 @@ def cost_of_condition(where: Mapping[str, object] | str | None) -> float:
 def count_values(value: Any) -> int:
     """Return how many values an entry writes for each element.
 
-    >>> count_values({"set": {"size": [0.1, 0.2], "rgba": [1, 0, 0, 1]}, "remove": True})
-    3
+    >>> from mjcompose.build.verbs.set import Set
+    >>> count_values({"set": Set.model_validate({"size": [0.1, 0.2], "rgba": [1, 0, 0, 1]})})
+    2
     """
+    if isinstance(value, BaseModel):
+        return sum(count_values(getattr(value, name)) for name in value.model_fields_set)
     return sum(map(count_values, value.values())) if isinstance(value, Mapping) else 1
 
 
@@ -102,7 +106,7 @@ _LAID_OUT = (*JOINTS, "default")
 class Editing:
     """A model that is edited: one unit alone, or the flat one.
 
-    `parts` has the part of each element, `scope` the values of the recipe's parameters, `motors` its data sheets.
+    `parts` has the part of each element, `scope` the values of the recipe's parameters, `datasheets` its data sheets.
     `cost` is what the edits of the whole composition have cost.
     """
 
@@ -112,7 +116,7 @@ class Editing:
     parts: Mapping[Node, str] = field(default_factory=dict)
     own: bool = False
     cost: EditCost = field(default_factory=EditCost)
-    motors: Mapping[str, Motor] = field(default_factory=dict)
+    datasheets: Mapping[str, Sheet] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         self.linking.keys.edited = True

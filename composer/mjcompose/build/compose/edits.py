@@ -23,7 +23,6 @@ from mjcompose.build.compose.values import Masses, UnusableValue
 from mjcompose.build.plan.plan import Drawn, DropElements, EditOutcome, ElementDraws, Plan, RecipePath
 from mjcompose.build.plan.steps import DrawValues, EditElements
 from mjcompose.build.verbs.remove import listed_kind, remove
-from mjcompose.build.verbs.table import CARRY_OUT
 from mjcompose.build.verbs.values import Entry
 from mjcompose.language.used_model import Drop
 from mjcompose.link.key_layout import element_of
@@ -92,8 +91,8 @@ def edit_elements(step: EditElements, editing: Editing, workshop: MeshWorkshop) 
     selected = Counter(listed_kind(node, section_of(node)) for node in found)
     work = Entry(editing, found, Masses(editing, found), workshop=workshop)
     try:
-        for name, value in entry.verbs.items():
-            CARRY_OUT[name](work, value, (*entry.at, name))
+        for name, verb in entry.verbs.items():
+            verb.carry_out(work, (*entry.at, name))
         work.check()
     except UnusableValue:
         return None
@@ -154,7 +153,7 @@ class PartEdits:
             plan.scope,
             own=True,
             cost=self.cost,
-            motors=plan.motors,
+            datasheets=plan.datasheets,
         )
 
     def _dropped(self, editing: Editing) -> list[DroppedElement]:
@@ -282,7 +281,7 @@ class ModelEdits:
             plan.scope,
             parts=self.parts,
             cost=self.cost,
-            motors=plan.motors,
+            datasheets=plan.datasheets,
         )
 
     def _edited_beside(self, step: EditElements, editing: Editing, keys: list[Node]) -> list[Node]:

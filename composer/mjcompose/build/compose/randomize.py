@@ -20,10 +20,10 @@ from mjcompose.build.compose.values import Masses, UnusableValue, Values
 from mjcompose.build.plan.plan import BASE, Drawn, ElementDraws
 from mjcompose.build.plan.steps import AngleSettings, DrawValues
 from mjcompose.build.verbs.values import OPERATIONS, Change
+from mjcompose.language.assign import MASS
 from mjcompose.language.distribution import CHOICE
 from mjcompose.language.randomize import must_not_be_negative
 from mjcompose.language.value import attribute_and_index
-from mjcompose.language.verbs.values import MASS
 from mjcompose.model.select import kind_of, name_of, numbered, parent_of
 from mjcompose.model.values import is_in_degrees
 from mjcompose.text.expression_values import Angle, Value

@@ -12,7 +12,7 @@ import math
 import os
 import re
 from collections.abc import Iterator, Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from lxml.etree import _Element as Node
 
@@ -32,6 +32,9 @@ from mjcompose.model.classes import ORIENTATIONS, childclass_of, own
 from mjcompose.model.edit import assign, changing, referrers
 from mjcompose.model.files import written_path
 from mjcompose.model.select import name_of, section_of
+
+if TYPE_CHECKING:
+    from mjcompose.build.verbs.collision import Collision
 
 _NEUTRAL = {"scale": "1 1 1", "refpos": "0 0 0", "refquat": "1 0 0 0"}
 _FILE_NAME = re.compile(r"[^\w.+-]")
@@ -89,7 +92,7 @@ _SUFFIXES = {"hull": "hull", "decompose": "part", "spheres": "sphere"}
 
 
 def make_collision_geoms(
-    editing: Editing, workshop: MeshWorkshop, found: list[Node], value: Mapping[str, Any], at: Path
+    editing: Editing, workshop: MeshWorkshop, found: list[Node], how: Collision, at: Path
 ) -> list[MeshResult]:
     """Make the geoms; gives what was made, or nothing where there was no time for it."""
     span = editing.span(at)
@@ -97,7 +100,7 @@ def make_collision_geoms(
     for node in found:
         mesh = _mesh_of(editing, node, at)
         _check_free(editing, node, at)
-        each = workshop.job_for(editing, mesh, value["method"], wanted=value["wanted"], span=span)
+        each = workshop.job_for(editing, mesh, how.method, wanted=how.wanted, span=span)
         if each is None:
             raise UnusableValue
         asked.append((node, each))
@@ -308,7 +311,7 @@ def _free(editing: Editing, namespace: str, name: str) -> str:
 
 
 def simplify_meshes(
-    editing: Editing, workshop: MeshWorkshop, found: list[Node], value: Mapping[str, Any], at: Path
+    editing: Editing, workshop: MeshWorkshop, found: list[Node], faces: int, at: Path
 ) -> list[MeshResult]:
     """Give the meshes fewer faces; what has no more than that stays as it is."""
     span = editing.span(at)
@@ -322,7 +325,7 @@ def simplify_meshes(
                     "write the `inertial` of the body, or give the geom `mass: 0` if another one has its mass"
                 )
                 report_unusable(editing, geom, Fault("mesh-unusable", message, at, help=help))
-        each = workshop.job_for(editing, mesh, "simplify", wanted=dict(value), span=span)
+        each = workshop.job_for(editing, mesh, "simplify", wanted={"faces": faces}, span=span)
         if each is None:
             raise UnusableValue
         asked.append(each)

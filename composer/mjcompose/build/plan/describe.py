@@ -13,7 +13,8 @@ from mjcompose.base.sink import Sink
 from mjcompose.build.plan.plan import BASE, AttachPart, EditOutcome, Gains, Plan, PlanPreview
 from mjcompose.build.plan.steps import EditElements, Step, steps_adding
 from mjcompose.language.attach import Attachment
-from mjcompose.language.used_model import ALLOW, Edit
+from mjcompose.language.codes import ALLOW
+from mjcompose.language.edit import Edit
 from mjcompose.model.merged_settings import Adopted, in_words
 from mjcompose.sources.reference import Source
 from mjcompose.text.node import Mapping, Node, Scalar, Sequence, find, locate, spans

@@ -10,15 +10,14 @@ from mjcompose.base.diagnostic import DiagnosticError, Span
 from mjcompose.base.sink import Sink
 from mjcompose.build.plan.plan import Plan
 from mjcompose.language.check import KINDS, SEVERITY
-from mjcompose.language.motors import SHEETS, library
-from mjcompose.language.used_model import KEYS
-from mjcompose.language.verbs.table import VERBS
+from mjcompose.language.datasheets import SHEETS, library
+from mjcompose.language.edit import VERBS, Edit
 from mjcompose.sources.kinds import EXTENDED
 from mjcompose.sources.reference import Origin
 from mjcompose.text.node import Mapping, Node, Scalar, Sequence
 
 _TABLES: dict[str, extensions.Table[Any]] = {"checks": KINDS, "verbs": VERBS, "datasheets": SHEETS}
-_OURS = {"checks": {*KINDS.own, SEVERITY, "when"}, "verbs": {*KEYS}}
+_OURS = {"checks": {*KINDS.own, SEVERITY, "when"}, "verbs": {*Edit.key_names()}}
 
 
 def load_named_extensions(node: Mapping, origin: Origin | None, sink: Sink) -> None:
@@ -80,7 +79,7 @@ def _foreign_words(group: str, node: Node) -> Iterator[tuple[str, str, Span]]:
 
 
 def _sheets(entry: Node) -> Iterator[tuple[str, str, Span]]:
-    motor = entry.entries.get("motor") if isinstance(entry, Mapping) else None
-    model = motor[1].entries.get("model") if motor is not None and isinstance(motor[1], Mapping) else None
+    verb = entry.entries.get("datasheet") if isinstance(entry, Mapping) else None
+    model = verb[1].entries.get("model") if verb is not None and isinstance(verb[1], Mapping) else None
     if model is not None and isinstance(model[1], Scalar) and model[1].text not in library():
         yield "datasheets", model[1].text, model[1].span

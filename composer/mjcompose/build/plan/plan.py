@@ -23,12 +23,12 @@ from mjcompose.build.plan.steps import (
 )
 from mjcompose.language.attach import Attachment
 from mjcompose.language.check import Check
+from mjcompose.language.datasheets import Sheet
 from mjcompose.language.distribution import Operation
-from mjcompose.language.motors import Motor
+from mjcompose.language.form import shown
 from mjcompose.language.randomize import DrawField, Randomize
 from mjcompose.language.used_model import Drop, KeyPolicy
 from mjcompose.language.value import attribute_and_index
-from mjcompose.language.verbs.collision import in_words
 from mjcompose.model.grammar import number_text
 from mjcompose.model.merged_settings import Adopted, ReadRow
 from mjcompose.mujoco.attributes import arrays_of
@@ -243,6 +243,18 @@ def of_part(members: Iterable[PartRecord], part: str | None, separator: str) -> 
     ]
 
 
+def in_words(method: str, wanted: Any) -> str:
+    """Return how shapes are made of a mesh, and with which settings, as in plans and manifests.
+
+    >>> in_words("decompose", {"parts": 8, "threshold": 0.05, "vertices": None, "seed": 1})
+    'decompose (parts 8, threshold 0.05, seed 1)'
+    """
+    if isinstance(wanted, str):
+        return f"{method} {wanted}"
+    written = [f"{name} {shown(value)}" for name, value in wanted.items() if value is not None]
+    return f"{method} ({', '.join(written)})" if written else method
+
+
 MESH_VERBS = frozenset({"collision", "simplify"})
 """The verbs of `edit` that make something of meshes."""
 BASE = "base"
@@ -294,7 +306,7 @@ class Plan:
     steps: tuple[Step, ...]
     settled: frozenset[str]
     checks: tuple[Check, ...] = ()
-    motors: Mapping[str, Motor] = field(default_factory=dict)
+    datasheets: Mapping[str, Sheet] = field(default_factory=dict)
     """The data sheets of motors that the recipe has."""
     scope: Mapping[str, Value] = field(default_factory=dict)
     """The parameters of the recipe and the chosen variants, by name."""

@@ -212,7 +212,7 @@ class _Planner:
             scope=concrete.scope if concrete else {},
             variants=concrete.variants if concrete else {},
             checks=tuple(checks_of(recipe.check)),
-            motors=recipe.motors,
+            datasheets=recipe.datasheets,
             **draws._asdict(),
             worlds=self.worlds,
             source=found.source,

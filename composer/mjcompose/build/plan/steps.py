@@ -11,6 +11,7 @@ from typing import ClassVar, Literal
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Path, Span
 from mjcompose.base.sink import Sink
+from mjcompose.language.edit import Edit
 from mjcompose.language.expand import Concrete
 from mjcompose.language.form import Element
 from mjcompose.language.fragment import names_in
@@ -20,7 +21,6 @@ from mjcompose.language.randomize import DrawField, Randomize
 from mjcompose.language.recipe import Recipe, sections_of
 from mjcompose.language.sections import Elements, Singleton
 from mjcompose.language.select import Collisions
-from mjcompose.language.used_model import Edit
 from mjcompose.language.validate import judge
 from mjcompose.text.node import Mapping, Node, locate, to_python
 

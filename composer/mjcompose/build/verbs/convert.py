@@ -7,17 +7,25 @@ activation. The attributes of the new kind are written from these.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import Any
+from typing import Annotated, Any, ClassVar
 
 from lxml.etree import _Element as Node
+from pydantic import Field, GetCoreSchemaHandler, GetJsonSchemaHandler, ValidationInfo
+from pydantic_core import CoreSchema, core_schema
 
 from mjcompose.base.diagnostic import Fault, Note, Path
+from mjcompose.base.suggest import closest, exists_note, renaming
 from mjcompose.build.compose.actuators import INPUTS, PLUGIN, ActuatorModel, actuator_models
 from mjcompose.build.compose.editing import Editing
 from mjcompose.build.compose.values import UnusableValue, Values, report_unusable
 from mjcompose.build.verbs.values import Entry
+from mjcompose.language.assign import Checker
+from mjcompose.language.edit import For, Verb, listed
+from mjcompose.language.element_schema import attribute_schema
+from mjcompose.language.form import Schema, kind_of, settings, validation_error
+from mjcompose.language.forms.model import IT, WHOLE
+from mjcompose.language.select import unknown_attribute
 from mjcompose.language.value import read_value
-from mjcompose.language.verbs.convert import FROM
 from mjcompose.link import numbers
 from mjcompose.link.key_layout import element_of
 from mjcompose.link.keyframes import part_keys
@@ -39,25 +47,126 @@ _INSTEAD = {"kv": ("dampratio",), "dampratio": ("kv",), "ctrlrange": ("inheritra
 _UNSAID = ("actrange", "actearly", "actdim")
 
 
-def carry_out(entry: Entry, written: Mapping[str, Any], at: Path) -> None:
-    """Convert each actuator to the kind `to`, with the given attributes."""
-    editing, found = entry.editing, entry.found
-    to = str(written["to"])
-    models = actuator_models(editing.linking, editing.sink, found)
-    if models is None:
-        raise UnusableValue
-    lost: dict[str, list[str]] = {}
-    for index, node in enumerate(found):
-        model = models.get(node)
-        if model is None:
-            message = f"{editing.called(node)} cannot be converted: MuJoCo does not say what it does"
-            report_unusable(editing, node, Fault("not-supported", message, at), it="it")
-        given = _given(editing, node, index, to=to, model=model, written=written, at=at)
-        was = editing.called(node)
-        for loss in _converted(editing, node, to, model=model, given=given, at=at):
-            lost.setdefault(loss, []).append(was)
-    if lost:
-        _report(editing, to, lost, at=at)
+_KINDS = ("general", "motor", "pid", "position", "velocity")
+FROM = "from-"
+_TO = "to"
+_KIND: Schema = {"enum": [*_KINDS], "description": "the kind of actuator that it becomes"}
+
+
+class _Conversion:
+    """A kind of actuator in `to`, with attributes of it, each a value or `from-ATTRIBUTE`."""
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.with_info_plain_validator_function(self._read)
+
+    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> Schema:
+        return {"type": "object", "properties": {_TO: _KIND}, "required": [_TO], "allOf": _conditions()}
+
+    def _read(self, value: Any, info: ValidationInfo) -> dict[str, Any]:
+        faults: list[Fault] = []
+        if not isinstance(value, dict) or not value:
+            message = f"{IT} expects a mapping, got {kind_of(value) if value != {} else 'an empty one'}"
+            faults.append(Fault("wrong-type", message, help="write `convert: {to: motor}`"))
+        elif value.get(_TO) not in _KINDS:
+            faults.append(_no_target(value))
+        else:
+            faults += _attribute_faults(value, settings(info.context).bare_angles)
+        if faults:
+            raise validation_error(faults, value)
+        return dict(value)
+
+
+def _attribute_faults(value: Mapping[str, Any], bare_angles: bool) -> list[Fault]:
+    faults: list[Fault] = []
+    checker = Checker(bare_angles, faults)
+    to = str(value[_TO])
+    kind = GRAMMAR.element(f"actuator/{to}")
+    for name, item in value.items():
+        if name == _TO:
+            continue
+        if name not in kind.attributes or name == "name":
+            faults.append(unknown_attribute(name, to, (kind,), at=(name,)))
+        elif isinstance(item, str) and item.startswith(FROM):
+            if item.removeprefix(FROM) not in GRAMMAR.element("actuator/general").attributes:
+                help = "write for instance `ctrlrange: from-forcerange`"
+                message = f"`{item}` names no attribute of an actuator"
+                faults.append(Fault("unknown-attribute", message, (name,), help=help))
+        else:
+            checker.value("set", [kind.attributes[name]], None, value=item, tag=to, at=(name,))
+    return faults
+
+
+def _no_target(value: Mapping[str, Any]) -> Fault:
+    known = ", ".join(f"`{name}`" for name in _KINDS)
+    if _TO not in value:
+        help = f"write `to:` and one of {known}"
+        return Fault("missing-key", f"{IT} lacks `to`", key=True, help=help, lacks=_TO)
+    to = str(value[_TO])
+    near = closest(to, _KINDS)
+    return Fault(
+        "wrong-keyword",
+        f"an actuator cannot be converted to {kind_of(value[_TO])}",
+        (_TO,),
+        notes=(exists_note("kind", _KINDS, to),),
+        help=f"write `to: {near[0]}`" if near else None,
+        fix=renaming(to, _KINDS),
+    )
+
+
+def _conditions() -> list[Schema]:
+    taken: Schema = {"type": "string", "pattern": f"^{FROM}"}
+    found: list[Schema] = []
+    for kind in _KINDS:
+        attributes = GRAMMAR.element(f"actuator/{kind}").attributes.values()
+        given = {
+            each.name: _either(attribute_schema(each), taken) for each in attributes if each.name != "name"
+        }
+        target: Schema = {"properties": {_TO: {"const": kind}}, "required": [_TO]}
+        then: Schema = {"properties": {_TO: _KIND, **given}, "additionalProperties": False}
+        found.append({"if": target, "then": then})
+    return found
+
+
+def _either(schema: Schema, other: Schema) -> Schema:
+    both: Schema = {"anyOf": [{key: each for key, each in schema.items() if key != "description"}, other]}
+    return {**both, "description": schema["description"]} if "description" in schema else both
+
+
+class Convert(Verb):
+    """another kind of actuator, and attributes of it"""
+
+    rules: ClassVar = (For("actuator/", what="for actuators, and `{tag}` is not one"),)
+    reshapes: ClassVar = True
+
+    written: Annotated[dict[str, Any], _Conversion()] = Field(alias=WHOLE)
+    """the kind, and attributes of it"""
+
+    @property
+    def to(self) -> str:
+        """The kind of actuator that it becomes."""
+        return str(self.written[_TO])
+
+    def words(self) -> str:
+        return f"convert to {self.to}{listed({name: each for name, each in self.written.items() if name != _TO})}"
+
+    def carry_out(self, entry: Entry, at: Path) -> None:
+        editing, found = entry.editing, entry.found
+        to, written = self.to, self.written
+        models = actuator_models(editing.linking, editing.sink, found)
+        if models is None:
+            raise UnusableValue
+        lost: dict[str, list[str]] = {}
+        for index, node in enumerate(found):
+            model = models.get(node)
+            if model is None:
+                message = f"{editing.called(node)} cannot be converted: MuJoCo does not say what it does"
+                report_unusable(editing, node, Fault("not-supported", message, at), it="it")
+            given = _given(editing, node, index, to=to, model=model, written=written, at=at)
+            was = editing.called(node)
+            for loss in _converted(editing, node, to, model=model, given=given, at=at):
+                lost.setdefault(loss, []).append(was)
+        if lost:
+            _report(editing, to, lost, at=at)
 
 
 def _given(
@@ -112,8 +221,8 @@ def _given(
     return found
 
 
-# The numbers of an entry are those of the joint, as with `motor`. The force of an actuator moves the joint `gear` times
-# as strong, and its length is `gear` times the position of the joint: the power of the gear by which to multiply.
+# The numbers of an entry are those of the joint, as with `datasheet`. The force of an actuator moves the joint `gear`
+# times as strong, and its length is `gear` times the position of the joint: the power of the gear by which to multiply.
 _POWERS = {
     "kp": -2,
     "kv": -2,
@@ -491,3 +600,6 @@ def _report(editing: Editing, to: str, lost: Mapping[str, list[str]], at: Path) 
 
 def _few(names: list[str], shown: int = 8) -> str:
     return f" ({', '.join(names[:shown])}{', …' if len(names) > shown else ''})"
+
+
+VERB = Convert

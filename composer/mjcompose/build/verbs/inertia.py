@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
+from typing import Annotated, ClassVar, Literal
 
 from lxml.etree import _Element as Node
+from pydantic import Field
 
 from mjcompose.base.diagnostic import Fault, Path
 from mjcompose.base.sink import Sink
@@ -12,7 +14,9 @@ from mjcompose.build.compose.editing import Editing
 from mjcompose.build.compose.keys import without_keys
 from mjcompose.build.compose.values import UnusableValue, report_unusable
 from mjcompose.build.verbs.values import Entry
-from mjcompose.language.verbs.inertia import Inertia
+from mjcompose.language.assign import Changed
+from mjcompose.language.edit import For, Verb, listed
+from mjcompose.language.forms.scalars import Positive, Unit, Whole
 from mjcompose.link import numbers
 from mjcompose.link.inertia import MEASURED
 from mjcompose.link.linking import Linking
@@ -24,23 +28,43 @@ _RULES = (*MEASURED, "inertiafromgeom", "inertiagrouprange")
 _ROWS = dict(zip(BODIES, (1, 3, 4, 3), strict=True))
 
 
-def carry_out(entry: Entry, written: Inertia, at: Path) -> None:
-    """Write onto each body an `<inertial>` that MuJoCo computes from its geoms."""
-    editing, found = entry.editing, entry.found
-    wanted = {body: _geoms(editing, body, written, at=at) for body in found}
-    entry.masses.settle(*_RULES)
-    survey, there = _measured(editing, wanted, written.density, at=at)
-    for body in found:
-        rows = {array: survey.values(there[body], array, width) for array, width in _ROWS.items()}
-        mass, pos, quat, moments = rows.values()
-        if mass is None or pos is None or quat is None or moments is None:
-            message = f"MuJoCo does not say what {editing.called(body)} weighs"
-            report_unusable(editing, body, Fault("selector", message, at, key=True), it="it")
-        if not mass[0] > 0:
-            message = f"the geoms of {editing.called(body)} have no volume"
-            help = "write its mass: `set: {mass: …}`"
-            report_unusable(editing, body, Fault("wrong-type", message, at, key=True, help=help), it="it")
-        _write(editing, body, {"pos": pos, "quat": quat, "mass": mass, "diaginertia": moments}, at=at)
+class Inertia(Verb):
+    """mass and inertia from the geoms, at a density"""
+
+    rules: ClassVar = (
+        For("body", what="for bodies, and `{tag}` is not one", help="write `select: {body: NAME}`"),
+    )
+    example: ClassVar = "{from: mesh, density: 1000}"
+
+    source: Literal["mesh", "geoms"] = Field(alias="from", examples=["mesh"])
+    """from the geoms that are meshes, or from all geoms of the body"""
+    density: Annotated[Positive, Unit("kg/m³")] = Field(examples=[1000])
+    """in kg/m³"""
+    group: Whole | None = None
+    """from the geoms of this group alone"""
+
+    def carry_out(self, entry: Entry, at: Path) -> None:
+        editing, found = entry.editing, entry.found
+        wanted = {body: _geoms(editing, body, self, at=at) for body in found}
+        entry.masses.settle(*_RULES)
+        survey, there = _measured(editing, wanted, self.density, at=at)
+        for body in found:
+            rows = {array: survey.values(there[body], array, width) for array, width in _ROWS.items()}
+            mass, pos, quat, moments = rows.values()
+            if mass is None or pos is None or quat is None or moments is None:
+                message = f"MuJoCo does not say what {editing.called(body)} weighs"
+                report_unusable(editing, body, Fault("selector", message, at, key=True), it="it")
+            if not mass[0] > 0:
+                message = f"the geoms of {editing.called(body)} have no volume"
+                help = "write its mass: `set: {mass: …}`"
+                report_unusable(editing, body, Fault("wrong-type", message, at, key=True, help=help), it="it")
+            _write(editing, body, {"pos": pos, "quat": quat, "mass": mass, "diaginertia": moments}, at=at)
+
+    def words(self) -> str:
+        return f"inertia from {self.source}{listed({'density': self.density, 'group': self.group})}"
+
+    def changes(self, tag: str | None) -> Changed:
+        return [("inertial", name) for name in ("mass", "pos", "quat", "diaginertia")]
 
 
 def _write(editing: Editing, body: Node, values: Mapping[str, Sequence[float]], at: Path) -> None:
@@ -132,3 +156,6 @@ def _made_of(body: Node, geoms: Collection[Node], density: float) -> None:
         geom.set("mass", "nan" if counts else "0")
         if counts:
             geom.set("density", numbers.text([density]))
+
+
+VERB = Inertia

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+from typing import Annotated, Any, ClassVar, Literal
+
 from lxml.etree import _Element as Node
+from pydantic import BeforeValidator, Field
 
 from mjcompose.base.diagnostic import Note, Path
 from mjcompose.build.compose.editing import Editing
 from mjcompose.build.verbs.values import Entry
-from mjcompose.language.verbs.remove import CASCADE
+from mjcompose.language.edit import Verb
+from mjcompose.language.form import shown
+from mjcompose.language.forms.model import WHOLE
 from mjcompose.link.subtree import DroppedElement
 from mjcompose.model.edit import Removal, is_section, whole
 from mjcompose.model.names import declaration, is_list, word
@@ -16,9 +21,25 @@ from mjcompose.model.select import kind_of, naming_attribute, section_of
 _SHOWN = 20
 
 
-def carry_out(entry: Entry, value: bool | str, at: Path) -> None:
-    """Remove every selected element, with `remove: cascade` also what refers to it."""
-    entry.gone += remove(entry.editing, entry.found, cascade=value == CASCADE, at=at)
+def _no_number(value: Any) -> Any:
+    return value if isinstance(value, bool) or not isinstance(value, int | float) else shown(value)
+
+
+class Remove(Verb):
+    """take it out: `true` if nothing refers to it, `cascade` with all that does"""
+
+    alone: ClassVar = True
+    reshapes: ClassVar = True
+
+    # For pydantic, 1 is the word `true`.
+    how: Annotated[Literal[True, "cascade"], BeforeValidator(_no_number)] = Field(alias=WHOLE)
+    """`true` or `cascade`"""
+
+    def carry_out(self, entry: Entry, at: Path) -> None:
+        entry.gone += remove(entry.editing, entry.found, cascade=self.how == "cascade", at=at)
+
+    def words(self) -> str:
+        return "remove" if self.how is True else "remove, with all that refers to it"
 
 
 def remove(editing: Editing, nodes: list[Node], *, cascade: bool, at: Path) -> list[DroppedElement]:
@@ -110,3 +131,6 @@ def _still_needed(removal: Removal[Editing], editing: Editing, at: Path) -> None
         help="write `remove: cascade` to take along what refers to it",
         subjects=[name for _, node in removal.going for name in editing.subjects(node)],
     )
+
+
+VERB = Remove

@@ -4,13 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path as PathlibPath
+from typing import Annotated
 
 from lxml.etree import _Element as Node
+from pydantic import Field
 
 from mjcompose.base.diagnostic import Note, Path
 from mjcompose.build.compose.editing import Editing
 from mjcompose.build.compose.values import UnusableValue, Values
 from mjcompose.build.verbs.values import Entry
+from mjcompose.language.edit import Verb
+from mjcompose.language.forms.model import WHOLE
+from mjcompose.language.forms.scalars import Name
 from mjcompose.model.edit import (
     BadBone,
     NewName,
@@ -48,43 +53,56 @@ def rename_in_skins(editing: Editing, names: Mapping[str, str], at: Path) -> Non
             files[files.index(use)] = use._replace(content=content, shared=False)
 
 
-def carry_out(entry: Entry, written: str, at: Path) -> None:
-    """Give each its name. All names are decided before the first is written, so that two can change places."""
-    entry.check()  # messages name the elements as they are written
-    editing = entry.editing
-    new: dict[Node, str] = {}
-    for index, node in enumerate(entry.found):
-        new[node] = _new_name(editing, node, index, written=written, at=at)
-    _take_twists_along(editing, new)
-    _check_twists(editing, new, at)
-    _check(editing, new, at)
-    renaming = _renaming(editing, new)
-    for reference, name in renaming.unlistable():
-        user = reference.node
-        message = unlistable_message(reference, name, editing.called(user))
-        note = Note("the list is here", editing.span_of(user))
-        editing.sink.error("bad-name", message, editing.span(at), notes=(note,))
-        raise UnusableValue
-    for node in new:
-        naming = naming_attribute(kind_of(node))
-        assert naming is not None
-        editing.forget(node)
-        editing.write(node, {naming.name: at})
-    bodies = {
-        str(node.get("name")): name for node, name in new.items() if node.tag == "body" and node.get("name")
-    }
-    for node, name in new.items():
-        naming = naming_attribute(kind_of(node))
-        assert naming is not None
-        # `explain` is asked by the name that an element has in the end, and shows how it came by it.
-        if old := own_name(node, naming.name):
-            editing.making.origins.renamed.setdefault(node, []).append((old, name))
-        node.set(naming.name, name)
-    for node in new:
-        editing.note(node)
-    renaming.carry_out()
-    if bodies:
-        rename_in_skins(editing, bodies, at)
+class Rename(Verb):
+    """the new name, which every reference follows"""
+
+    name: Annotated[str, Name(computed=True, what="the new name")] = Field(
+        alias=WHOLE, examples=['"${name}_left"']
+    )
+    """the new name"""
+
+    def carry_out(self, entry: Entry, at: Path) -> None:
+        # All names are decided before the first is written, so that two can change places.
+        entry.check()  # messages name the elements as they are written
+        editing = entry.editing
+        new: dict[Node, str] = {}
+        for index, node in enumerate(entry.found):
+            new[node] = _new_name(editing, node, index, written=self.name, at=at)
+        _take_twists_along(editing, new)
+        _check_twists(editing, new, at)
+        _check(editing, new, at)
+        renaming = _renaming(editing, new)
+        for reference, name in renaming.unlistable():
+            user = reference.node
+            message = unlistable_message(reference, name, editing.called(user))
+            note = Note("the list is here", editing.span_of(user))
+            editing.sink.error("bad-name", message, editing.span(at), notes=(note,))
+            raise UnusableValue
+        for node in new:
+            naming = naming_attribute(kind_of(node))
+            assert naming is not None
+            editing.forget(node)
+            editing.write(node, {naming.name: at})
+        bodies = {
+            str(node.get("name")): name
+            for node, name in new.items()
+            if node.tag == "body" and node.get("name")
+        }
+        for node, name in new.items():
+            naming = naming_attribute(kind_of(node))
+            assert naming is not None
+            # `explain` is asked by the name that an element has in the end, and shows how it came by it.
+            if old := own_name(node, naming.name):
+                editing.making.origins.renamed.setdefault(node, []).append((old, name))
+            node.set(naming.name, name)
+        for node in new:
+            editing.note(node)
+        renaming.carry_out()
+        if bodies:
+            rename_in_skins(editing, bodies, at)
+
+    def words(self) -> str:
+        return f"rename to {self.name}"
 
 
 def _new_name(editing: Editing, node: Node, index: int, written: str, at: Path) -> str:
@@ -196,3 +214,6 @@ def _renaming(editing: Editing, new: dict[Node, str]) -> Renaming[Editing]:
         if (old := own_name(node, naming.name)) is not None:
             names.append(NewName(editing, naming.declares, old, new=name))
     return Renaming.of(names)
+
+
+VERB = Rename

@@ -1,14 +1,147 @@
-"""Verb `set`: give attributes new values."""
+"""Verb `set`: give attributes new values, or take them out.
+
+Attributes that an element then lacks are reported when its entry is done.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Annotated, Any, ClassVar
 
-from mjcompose.base.diagnostic import Path
+from lxml.etree import _Element as Node
+from pydantic import Field
+
+from mjcompose.base.diagnostic import Fault, Note, Path
+from mjcompose.build.compose.editing import Editing
+from mjcompose.build.compose.values import UnusableValue
 from mjcompose.build.verbs.values import SET, Entry, change_all
+from mjcompose.language.assign import Changed, Values, changes_of, flat
+from mjcompose.language.edit import Verb
+from mjcompose.language.forms.model import WHOLE
+from mjcompose.language.fragment import report_clashing, report_missing
+from mjcompose.model.classes import chain
+from mjcompose.model.edit import assign
+from mjcompose.model.select import kind_of
+
+# An actuator must have one of these: else MuJoCo 4.0 says "missing transmission target for actuator".
+_MOVED = ("joint", "jointinparent", "tendon", "site", "body", "cranksite")
 
 
-def carry_out(entry: Entry, value: Mapping[str, Any], at: Path) -> None:
-    """Write the values on every selected element."""
-    change_all(entry, SET, value, at=at)
+class Set(Verb):
+    """attributes and their new values, `friction[0]` for one number, null to take one out"""
+
+    values: ClassVar = "settable"
+
+    written: Annotated[dict[str, Any], Values("set")] = Field(alias=WHOLE)
+    """attributes and their new values"""
+
+    def carry_out(self, entry: Entry, at: Path) -> None:
+        going, values = _parted(self.written)
+        if going:
+            _take_out(entry, going, at)
+        if values:
+            change_all(entry, SET, values, at=at)
+
+    def words(self) -> str:
+        return f"set {', '.join(f'{attribute} = {each}' for attribute, each in flat(self.written))}"
+
+    def changes(self, tag: str | None) -> Changed:
+        return changes_of(tag, self.written)
+
+
+def _parted(written: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Return the attributes that go, and the others with their values.
+
+    >>> _parted({"mass": None, "geom": {"rgba": None, "size": 1}})
+    ({'mass': None, 'geom': {'rgba': None}}, {'geom': {'size': 1}})
+    """
+    going: dict[str, Any] = {}
+    values: dict[str, Any] = {}
+    for name, each in written.items():
+        if each is None:
+            going[name] = each
+        elif isinstance(each, Mapping):
+            inner = _parted(each)
+            for found, kept in zip((going, values), inner, strict=True):
+                if kept:
+                    found[name] = kept
+        else:
+            values[name] = each
+    return going, values
+
+
+def _take_out(entry: Entry, going: Mapping[str, Any], at: Path) -> None:
+    """Remove attributes. Required ones that are missing afterwards are reported at the end of the entry."""
+    names = tuple(name for name, each in going.items() if each is None)
+    if names:
+        lacked = {node: _missing_attributes(entry.editing, node) for node in entry.found}
+        entry.checks.append(lambda: _report_newly_missing(entry.editing, lacked, names, at=at))
+    _remove(entry.editing, entry.found, going, at=at)
+
+
+def _remove(editing: Editing, found: list[Node], going: Mapping[str, Any], at: Path) -> None:
+    """Remove attributes. Report one that no selected element writes."""
+    for name, inner in going.items():
+        path = (*at, name)
+        if isinstance(inner, Mapping):
+            _remove(editing, [child for node in found for child in node.iterchildren(name)], inner, at=path)
+            continue
+        writing = [node for node in found if node.get(name) is not None]
+        if not writing:
+            given = next((node for node in found if editing.effective(node, name) is not None), None)
+            by_class = given is not None and kind_of(given).takes_class and _by_class(editing, given, name)
+            help = "its class gives it: change it there, `select: {default: CLASS}`" if by_class else None
+            editing.sink.error(
+                "unknown-attribute",
+                f"`{name}` is written on none of the selected elements",
+                editing.span(path, key=True),
+                help=help,
+                subjects=(name,),
+            )
+            raise UnusableValue
+        for node in writing:
+            editing.write(node, {name: path})
+            assign(editing, node, {name: None})
+
+
+def _missing_attributes(editing: Editing, node: Node) -> list[Fault]:
+    """Return a fault for each required attribute that an element lacks."""
+    kind = kind_of(node)
+    present = [str(name) for name in node.keys()]  # noqa: SIM118 (an element is not a mapping)
+    if kind.takes_class:
+        present += [name for name in kind.attributes if _by_class(editing, node, name)]
+    faults: list[Fault] = []
+    report_missing(kind, present, editing.called(node), at=(), faults=faults)
+    report_clashing(kind.constraints, present, editing.called(node), at=(), faults=faults)
+    if kind.family == "actuator" and not any(name in present for name in _MOVED):
+        faults.append(Fault("missing-key", f"{editing.called(node)} lacks what it moves", names=_MOVED))
+    return faults
+
+
+def _report_newly_missing(
+    editing: Editing, before: Mapping[Node, list[Fault]], names: tuple[str, ...], at: Path
+) -> None:
+    """Report the first element that lacks something now that it did not lack `before`."""
+    for node, lacked in before.items():
+        for fault in _missing_attributes(editing, node):
+            if fault in lacked:
+                continue
+            name = next((each for each in names if each in fault.names), names[0])
+            notes = fault.all_notes()
+            notes.append(Note("it is written here", editing.span_of(node)))
+            editing.sink.error(
+                fault.code,
+                fault.message,
+                editing.span((*at, name), key=True),
+                notes=notes,
+                help=f"leave `{name}` where it is, or set what takes its place in the same entry",
+                subjects=(*fault.names, *editing.subjects(node)),
+            )
+            raise UnusableValue
+
+
+def _by_class(editing: Editing, node: Node, name: str) -> bool:
+    return any(step.lookup(str(node.tag), name) for step in chain(node, editing.classes))
+
+
+VERB = Set

@@ -2,16 +2,36 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
+from typing import Annotated, ClassVar
+
+from pydantic import BeforeValidator, Field
 
 from mjcompose.base.diagnostic import Path
+from mjcompose.build.plan.plan import in_words
 from mjcompose.build.verbs.values import Entry
+from mjcompose.language.edit import For, Verb
+from mjcompose.language.forms.scalars import whole
 
 
-def carry_out(entry: Entry, value: Mapping[str, Any], at: Path) -> None:
-    """Give the selected meshes fewer faces. All values that the entry writes are checked before."""
-    from mjcompose.build.compose.shapes import simplify_meshes
+class Simplify(Verb):
+    """fewer faces for its mesh"""
 
-    entry.check()
-    entry.records += simplify_meshes(entry.editing, entry.workshop, entry.found, value=value, at=at)
+    rules: ClassVar = (For("geom", "mesh", what="for meshes and their geoms, and `{tag}` is neither"),)
+    example: ClassVar = "{faces: 500}"
+    reshapes: ClassVar = True
+
+    faces: Annotated[int, Field(ge=4, le=10**9), BeforeValidator(whole)] = Field(examples=[500])
+    """the most faces"""
+
+    def carry_out(self, entry: Entry, at: Path) -> None:
+        # All values that the entry writes are checked before.
+        from mjcompose.build.compose.shapes import simplify_meshes
+
+        entry.check()
+        entry.records += simplify_meshes(entry.editing, entry.workshop, entry.found, faces=self.faces, at=at)
+
+    def words(self) -> str:
+        return in_words("simplify", {"faces": self.faces})
+
+
+VERB = Simplify

@@ -18,9 +18,9 @@ from mjcompose.build.bundle.bundle import DRAWS, MODEL, WORLDS, Bundle
 from mjcompose.build.bundle.listing import write_rows
 from mjcompose.build.plan.plan import ElementDraws, Plan
 from mjcompose.build.verify.compile import WHOLE
+from mjcompose.language.assign import MASS
 from mjcompose.language.distribution import CHOICE
 from mjcompose.language.randomize import DrawField
-from mjcompose.language.verbs.values import MASS
 from mjcompose.model.values import is_in_degrees
 from mjcompose.mujoco import engine
 from mjcompose.mujoco.addresses import rows_of

@@ -10,7 +10,7 @@ from pydantic_core import CoreSchema, core_schema
 from mjcompose.base.diagnostic import Fault
 from mjcompose.language.element_schema import attribute_schema
 from mjcompose.language.form import Schema, reference, settings, validation_error
-from mjcompose.language.forms.model import IT, OWNER
+from mjcompose.language.forms.model import OWNER
 from mjcompose.language.select import check_template, read_selector
 from mjcompose.language.value import bare_angle, read_value
 from mjcompose.model.grammar import GRAMMAR
@@ -65,7 +65,7 @@ class Selects:
 
     def _read(self, value: Any) -> Selector | None:
         faults: list[Fault] = []
-        selector = read_selector(value, (), IT, faults=faults)
+        selector = read_selector(value, (), f"`select` of {OWNER}", faults=faults)
         if faults:
             raise validation_error(faults, value)
         return selector

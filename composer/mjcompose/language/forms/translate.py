@@ -11,7 +11,7 @@ from pydantic import ValidationError
 from mjcompose.base.diagnostic import Fault, Fix, Path
 from mjcompose.base.suggest import closest, exists_note, renaming
 from mjcompose.language.form import kind_of, shown, unknown_key
-from mjcompose.language.forms.model import IT, KEY, OWNER, Model
+from mjcompose.language.forms.model import IT, KEY, OWNER, Model, is_whole
 from mjcompose.language.forms.scalars import Expects, Keywords, Name, Unit
 from mjcompose.language.forms.walk import Spot, is_model, spot
 from mjcompose.language.value import without_space, without_unit
@@ -95,6 +95,8 @@ def named(place: Spot) -> str:
     if is_model(place.kind):
         subject: str = place.kind.subject(place.at)
         return subject
+    if isinstance(place.model, type) and issubclass(place.model, Model) and is_whole(place.model):
+        return place.model.subject(place.above)
     if place.key is None:
         return f"`{place.at[-1]}`" if place.at else "the recipe"
     owner, name = _owner(place), f"`{place.key}`"
@@ -102,7 +104,8 @@ def named(place: Spot) -> str:
 
 
 def _owner(place: Spot) -> str:
-    return place.model.owner(place.above) if place.model is not None and is_model(place.model) else ""  # type: ignore[attr-defined]
+    ours = isinstance(place.model, type) and issubclass(place.model, Model)
+    return place.model.owner(place.above) if ours else ""  # type: ignore[union-attr]
 
 
 def _filled(fault: Fault, root: Any, loc: Path, data: Any, start: Path) -> Fault:
@@ -163,8 +166,10 @@ def _keyword(place: Spot, value: Any) -> Fault:
     words = [shown(each) for each in get_args(place.kind)]
     name = named(place)
     if not isinstance(value, str):
-        listed = f"write one of {', '.join(f'`{each}`' for each in words)}"
-        return Fault("wrong-type", f"{name} expects a keyword, got {kind_of(value)}", place.at, help=listed)
+        quoted = [f"`{each}`" for each in words]
+        what = " or ".join(quoted) if len(quoted) < 3 else "a keyword"
+        listed = f"write one of {', '.join(quoted)}" if len(quoted) > 2 else None
+        return Fault("wrong-type", f"{name} expects {what}, got {kind_of(value)}", place.at, help=listed)
     near = closest(value, words) or [each for each in words if len(value) > 1 and each.startswith(value)]
     key = "" if isinstance(place.at[-1], int) else f"{place.key}: "
     help: str | None = f"write `{key}{near[0]}`" if near else None

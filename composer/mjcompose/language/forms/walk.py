@@ -103,7 +103,7 @@ def _stepped(place: Spot, step: str | int, is_there: bool) -> Spot:
         if step == WHOLE:
             return replace(place, kind=way.kind, metadata=tuple(way.metadata), model=kind, above=place.at)
         if is_hidden(step):
-            return replace(place, kind=way.kind, metadata=tuple(way.metadata))
+            return replace(place, kind=way.kind, metadata=tuple(way.metadata), model=kind, above=place.at)
         return Spot(at, way.kind, tuple(way.metadata), model=kind, above=place.at, key=str(step), info=info)
     rows = next((each for each in marks if isinstance(each, Rows)), None)
     if rows is not None:
@@ -180,7 +180,7 @@ def name_scopes(root: Any) -> dict[Path, Name]:
 def key_order(root: Any) -> dict[Path, list[str]]:
     """Return the keys of every mapping with fixed keys in the order in which `fmt` writes them.
 
-    >>> from mjcompose.language.verbs.move import Move
+    >>> from mjcompose.build.verbs.move import Move
     >>> key_order(Move)[("to",)]
     ['frame']
     """

@@ -30,7 +30,6 @@ from mjcompose.tools.importing.elements import (
     differing,
     effective,
     flow,
-    flow_list,
     items,
     named,
     nested,
@@ -280,12 +279,12 @@ class Comparison:
 
     def change(self, pair: Pair) -> None:
         attributes = pair.item.kind.attributes
-        written = {
+        gone = {name: "null" for name, value in pair.changes.items() if value is None}
+        written = gone | {
             k: written_value(attributes[k], self.name(attributes[k], v))
             for k, v in pair.changes.items()
             if v is not None
         }
-        unset = [k for k, v in pair.changes.items() if v is None]
         before = effective(pair.item, self.parts[pair.each.part])
         for name, value in pair.changes.items():
             if value is not None or name in before:
@@ -295,8 +294,7 @@ class Comparison:
                 )  # fmt: skip
                 self.found_changes.append(place)
         if pair.changes or pair.moved:
-            verbs = {"select": pair.select} | ({"unset": flow_list(unset)} if unset else {})
-            verbs |= {"set": flow(written)} if written else {}
+            verbs = {"select": pair.select} | ({"set": flow(written)} if written else {})
             self.edit(verbs | ({"move": flow(pair.moved)} if pair.moved else {}))
 
     def called(self, pair: Pair) -> str:

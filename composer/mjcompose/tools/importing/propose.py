@@ -375,7 +375,7 @@ def of_urdf(path: Path, target: Path, context: Context) -> OfUrdf | None:
         reader = UrdfReader(replace(source, urdf=choices), Sink(), session, shown=context.shown)
         unit = reader.unit()
         if unit is None and {each.code for each in reader.sink.errors} == {INERTIA}:
-            choices = replace(choices, inertia="mend")
+            choices = replace(choices, inertia="repair")
             reader = UrdfReader(replace(source, urdf=choices), Sink(), session, shown=context.shown)
             unit = reader.unit()
     for each in reader.sink.diagnostics:

@@ -9,7 +9,7 @@ from build.compose.arm import Case
 
 def test_angles_are_in_the_unit_of_the_recipe(arm: Case, own: bool) -> None:
     """Bare ones, and what is there now."""
-    edits = "{select: {joint: elbow}, set: {range: [-45, 30]}}, {select: {joint: elbow}, offset: {range: [5, -10]}}"
+    edits = "{select: {joint: elbow}, set: {range: [-45, 30]}}, {select: {joint: elbow}, set: {'range[0]': '${value + 5}', 'range[1]': '${value - 10}'}}"
     model = arm.edited(edits, own, "angle: degree\n")
     assert model.joint("elbow").range == pytest.approx(np.radians([-40, 20]), abs=1e-12)
     doubled = "{select: {joint: shoulder}, set: {range: ['${value - 10}', '${value}']}}"
@@ -28,7 +28,7 @@ def test_without_a_unit_values_are_in_radians_and_say_so(arm: Case) -> None:
 def test_degrees_where_mujoco_has_them(radian: Case) -> None:
     eye = "add: [{to: world, camera: {name: eye, fovy: 40}}, {to: world, light: {name: lamp, cutoff: 30}}]\n"
     model = radian.edited(
-        "{select: {camera: '*', where: {fovy: 40deg}}, offset: {fovy: 0.1rad}}, {select: {light: lamp}, offset: {cutoff: 10deg}}",
+        "{select: {camera: '*', where: {fovy: 40deg}}, set: {fovy: '${value + deg(0.1)}'}}, {select: {light: lamp}, set: {cutoff: '${value + 10}'}}",
         head=eye,
     )
     assert model.camera("eye").fovy[0] == pytest.approx(40 + np.degrees(0.1))

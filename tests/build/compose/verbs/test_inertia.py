@@ -128,7 +128,7 @@ def test_then_a_mass(tmp_path: Path) -> None:
         ("from: mesh, density: 1, group: 3", "selector", "has no meshes in the group 3"),
         ("density: 1", "missing-key", "`inertia` lacks `from`"),
         ("from: mesh", "missing-key", "`inertia` lacks `density`"),
-        ("from: meshes, density: 1", "wrong-keyword", "`from` is `mesh` or `geoms`"),
+        ("from: meshes, density: 1", "wrong-keyword", "`from` of `inertia` cannot be `meshes`"),
         ("from: mesh, density: -1", "out-of-range", "must be more than 0"),
         ("from: mesh, density: steel", "wrong-type", "expects a number"),
         ("from: mesh, density: 1, groups: 2", "unknown-key", "`inertia` has no key `groups`"),

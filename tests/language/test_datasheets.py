@@ -1,8 +1,8 @@
-"""The table in `docs/motors.md` is that of the library."""
+"""The table in `docs/datasheets.md` is that of the library."""
 
 from __future__ import annotations
 
-from mjcompose.language.motors import PAGE, library, table, with_table
+from mjcompose.language.datasheets import PAGE, library, table, with_table
 
 
 def test_the_page_has_the_table() -> None:

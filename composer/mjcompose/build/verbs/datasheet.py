@@ -1,12 +1,12 @@
-"""Verb `motor`: what a data sheet says, as attributes of an actuator and its joint."""
+"""Verb `datasheet`: what a data sheet says, as attributes of an actuator and its joint."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from typing import Any, NoReturn
+from typing import Annotated, Any, ClassVar, Literal, NoReturn
 
 from lxml.etree import _Element as Node
+from pydantic import Field
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Fault, Path
@@ -14,8 +14,11 @@ from mjcompose.base.suggest import did_you_mean, exists_note
 from mjcompose.build.compose.editing import Editing
 from mjcompose.build.compose.values import UnusableValue, report_unusable
 from mjcompose.build.verbs.values import SET, Change, Entry
-from mjcompose.language.motors import SHEETS, Motor, library
-from mjcompose.language.verbs.motor import BANDWIDTH, ERROR, MODEL
+from mjcompose.language.assign import Changed
+from mjcompose.language.datasheets import SHEETS, Sheet, library
+from mjcompose.language.edit import For, Verb, listed
+from mjcompose.language.forms.rules import Exclusive
+from mjcompose.language.forms.scalars import Name, NotNegative, Positive, Unit
 from mjcompose.link import numbers
 from mjcompose.link.key_layout import joint_type
 from mjcompose.model.edit import assign
@@ -23,37 +26,72 @@ from mjcompose.model.edit import assign
 _SERVOS, _PLAIN = ("position", "velocity"), ("motor",)
 
 
-def carry_out(entry: Entry, written: Mapping[str, Any], at: Path) -> None:
-    """Write the data sheet onto each actuator and its joint."""
-    editing = entry.editing
-    sheet = _sheet(editing, written[MODEL], (*at, MODEL))
-    effort = sheet.effort
-    if written.get("effort") == "rated":
-        if sheet.rated is None:
-            message = f"the data sheet of `{written[MODEL]}` has no rated torque"
-            editing.sink.error(
-                "missing-key", message, editing.span((*at, "effort")), help="leave `effort` out"
-            )
-            raise UnusableValue
-        effort = sheet.rated
-    for index, node in enumerate(entry.found):
-        joint, gear = _joint(editing, node, at)
-        _without_other(editing, node, at)
-        change = Change(editing, SET, entry.masses)
-        change.carry_out(joint, index, _of_joint(sheet), at=at)
-        values = _Drive(
-            editing, node, joint, gear=gear, sheet=sheet, effort=effort, written=written, at=at
-        ).values()
-        change.carry_out(node, index, values, at=at)
+_CHANGED = (
+    *(("actuator", name) for name in "kp kv dampratio forcerange forcelimited delay nsample".split()),
+    *(("joint", name) for name in ("armature", "frictionloss", "damping")),
+)
 
 
-def _sheet(editing: Editing, name: str, at: Path) -> Motor:
-    known = {**library(), **SHEETS, **editing.motors}
+class Datasheet(Verb):
+    """the torque, gains and armature of a motor, from its data sheet"""
+
+    rules: ClassVar = (
+        For(
+            "actuator/",
+            what="for actuators, and `{tag}` is not one",
+            help="select the actuator of the joint: `select: {actuator: NAME}`",
+        ),
+        Exclusive("bandwidth", "error"),
+    )
+    example: ClassVar = "{model: NAME, bandwidth: 5}"
+
+    model: Annotated[str, Name("datasheet", what="the name of a data sheet")] = Field(examples=["NAME"])
+    """a data sheet of the section `datasheets`, or one that comes with mjcompose"""
+    bandwidth: Annotated[Positive, Unit("Hz")] | None = None
+    """how fast it follows, in Hz: `kp` and `kv` follow from this and from the inertia at the output"""
+    error: Annotated[Positive, Unit("rad")] | None = None
+    """in place of `bandwidth`: the error in rad at which it gives its greatest torque"""
+    damping_ratio: NotNegative | None = None
+    """1 without it: how fast it comes to rest, with `bandwidth`"""
+    inertia: Annotated[NotNegative, Unit("kg·m²")] | None = None
+    """what it moves besides its own armature, in kg·m², with `bandwidth`"""
+    effort: Literal["peak", "rated"] = "peak"
+    """whether it gives its peak or its rated torque"""
+
+    def carry_out(self, entry: Entry, at: Path) -> None:
+        editing = entry.editing
+        sheet = _sheet(editing, self.model, (*at, "model"))
+        effort = sheet.effort
+        if self.effort == "rated":
+            if sheet.rated is None:
+                message = f"the data sheet of `{self.model}` has no rated torque"
+                span = editing.span((*at, "effort"))
+                editing.sink.error("missing-key", message, span, help="leave `effort` out")
+                raise UnusableValue
+            effort = sheet.rated
+        for index, node in enumerate(entry.found):
+            joint, gear = _joint(editing, node, at)
+            _without_other(editing, node, at)
+            change = Change(editing, SET, entry.masses)
+            change.carry_out(joint, index, _of_joint(sheet), at=at)
+            drive = _Drive(editing, node, joint, gear=gear, sheet=sheet, effort=effort, written=self, at=at)
+            change.carry_out(node, index, drive.values(), at=at)
+
+    def words(self) -> str:
+        written = {name: getattr(self, name) for name in self.key_names() if name in self.model_fields_set}
+        return f"datasheet {self.model}{listed({name: each for name, each in written.items() if name != 'model'})}"
+
+    def changes(self, tag: str | None) -> Changed:
+        return _CHANGED
+
+
+def _sheet(editing: Editing, name: str, at: Path) -> Sheet:
+    known = {**library(), **SHEETS, **editing.datasheets}
     if name not in known:
-        note = exists_note("motor", sorted(known), name)
-        help = did_you_mean(name, known) or "describe it in the section `motors`"
+        note = exists_note("data sheet", sorted(known), name)
+        help = did_you_mean(name, known) or "write it in the section `datasheets`"
         editing.sink.error(
-            "unknown-name", f"the motor `{name}` does not exist", editing.span(at), notes=(note,), help=help,
+            "unknown-name", f"there is no data sheet `{name}`", editing.span(at), notes=(note,), help=help,
             subjects=(name,),
         )  # fmt: skip
         raise UnusableValue
@@ -76,7 +114,7 @@ def _joint(editing: Editing, node: Node, at: Path) -> tuple[Node, float]:
     return joint, gear
 
 
-def _of_joint(sheet: Motor) -> dict[str, Any]:
+def _of_joint(sheet: Sheet) -> dict[str, Any]:
     """Return the known attributes of the joint. The others stay as they are."""
     values = {"armature": sheet.reflected, "frictionloss": sheet.friction, "damping": sheet.damping}
     return {name: value for name, value in values.items() if value is not None}
@@ -93,9 +131,9 @@ class _Drive:
     node: Node
     joint: Node
     gear: float
-    sheet: Motor
+    sheet: Sheet
     effort: float
-    written: Mapping[str, Any]
+    written: Datasheet
     at: Path
 
     def values(self) -> dict[str, Any]:
@@ -116,28 +154,30 @@ class _Drive:
     def _gains(self) -> tuple[float, float]:
         """Return the stiffness and damping of the joint, in N·m/rad and N·m·s/rad."""
         written = self.written
-        if ERROR in written:
+        if written.error is not None:
             if self.sheet.speed is None:
-                message = f"the data sheet of `{written[MODEL]}` has no speed, from which `kv` would follow"
-                self._lacks(message, "write `bandwidth` in place of `error`", ERROR)
+                message = f"the data sheet of `{written.model}` has no speed, from which `kv` would follow"
+                self._lacks(message, "write `bandwidth` in place of `error`", "error")
             # A motor gives its whole torque at rest and none at its greatest speed.
-            return self.effort / written[ERROR], self.effort / self.sheet.speed
+            return self.effort / written.error, self.effort / self.sheet.speed
         called = self.editing.called(self.node)
-        if BANDWIDTH not in written:
+        if written.bandwidth is None:
             help = (
                 "write `bandwidth: 5`, in Hz; or `error: 0.1`, in rad, at which it gives its greatest torque"
             )
             self._lacks(f"{called} is a servo, and nothing says how fast it is", help)
         armature = numbers.read(self.editing.effective(self.joint, "armature") or "0")[0]
-        moved = armature + written.get("inertia", 0.0)
+        moved = armature + (written.inertia or 0.0)
         if not moved > 0:
             message = f"nothing says what inertia {called} moves: the data sheet has none of the rotor"
             help = "write `inertia: …` of what it moves, in kg·m²; or `error: 0.1` in place of `bandwidth`"
             self._lacks(message, help)
-        omega = 2 * math.pi * written[BANDWIDTH]
+        omega = 2 * math.pi * written.bandwidth
         if self.node.tag == "velocity":
             return 0.0, moved * omega
-        return moved * omega**2, 2 * written.get("damping_ratio", 1.0) * moved * omega
+        return moved * omega**2, 2 * (
+            1.0 if written.damping_ratio is None else written.damping_ratio
+        ) * moved * omega
 
     def _lacks(self, message: str, help: str, *key: str) -> NoReturn:
         fault = Fault("missing-key", message, (*self.at, *key), key=True, help=help)
@@ -151,7 +191,9 @@ def _without_dampratio(editing: Editing, node: Node, at: Path) -> None:
         assign(editing, node, {"dampratio": None})
     if any(numbers.read(editing.effective(node, "dampratio") or "0")):
         message = f"a class gives {editing.called(node)} a `dampratio`, beside which there can be no `kv`"
-        help = "`unset` it in the class first: `{select: {default: CLASS}, unset: {position: [dampratio]}}`"
+        help = (
+            "take it out of the class first: `{select: {default: CLASS}, set: {position: {dampratio: null}}}`"
+        )
         report_unusable(editing, node, Fault("wrong-type", message, at, key=True, help=help), it="it")
 
 
@@ -166,3 +208,6 @@ def _without_other(editing: Editing, node: Node, at: Path) -> None:
 def _timestep(editing: Editing) -> float:
     option = next(editing.root.iterchildren("option"), None)
     return numbers.read(str(option.get("timestep") or "0.002") if option is not None else "0.002")[0]
+
+
+VERB = Datasheet

@@ -1,4 +1,4 @@
-"""The verb `motor`: gains, limits and armature from a data sheet."""
+"""The verb `datasheet`: gains, limits and armature from a data sheet."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import mujoco
 import numpy as np
 import pytest
 from mjcompose.build.stages import Request, build
-from mjcompose.language.motors import library
+from mjcompose.language.datasheets import library
 from mjcompose.sources.context import Context
 
 MODEL = """<mujoco>
@@ -23,7 +23,7 @@ MODEL = """<mujoco>
     <intvelocity name="i" joint="j" actrange="-1 1"/>
   </actuator>
 </mujoco>"""
-SHEETS = """motors:
+SHEETS = """datasheets:
   known: {effort: 10, rated: 4, speed: 5, gear: 10, rotor_inertia: 1e-4, friction: 0.2, damping: 0.1, source: a bench}
   bare: {effort: 10, speed: 5, source: a bench}
   late: {effort: 10, armature: 0.02, delay: 0.005, source: a bench}
@@ -46,7 +46,7 @@ def made(edit: str, folder: Path, sheets: str = SHEETS) -> mujoco.MjModel | list
 
 def one(name: str, given: str, folder: Path) -> tuple[mujoco.MjModel, float, float, list[float]]:
     """The model, and what the actuator does to the joint: stiffness, damping, and the range of its torque."""
-    model = made(f"{{select: {{actuator: {name}}}, motor: {{{given}}}}}", folder)
+    model = made(f"{{select: {{actuator: {name}}}, datasheet: {{{given}}}}}", folder)
     assert isinstance(model, mujoco.MjModel), model
     actuator, gear = model.actuator(name), model.actuator(name).gear[0]
     limits = sorted((gear * actuator.forcerange).tolist())
@@ -93,11 +93,11 @@ def test_a_damping_ratio_goes(tmp_path: Path) -> None:
 
 
 def test_a_damping_ratio_of_a_class_does_not(tmp_path: Path) -> None:
-    edit = "{select: {actuator: c}, motor: {model: known, bandwidth: 3}}"
+    edit = "{select: {actuator: c}, datasheet: {model: known, bandwidth: 3}}"
     ((code, message),) = made(edit, tmp_path)  # type: ignore[misc]
     assert code == "wrong-type" and message.startswith("a class gives position `c` a `dampratio`")
-    unset = "{select: {default: servo}, unset: {position: [dampratio]}}"
-    assert isinstance(made(f"{unset}, {edit}", tmp_path), mujoco.MjModel)
+    without = "{select: {default: servo}, set: {position: {dampratio: null}}}"
+    assert isinstance(made(f"{without}, {edit}", tmp_path), mujoco.MjModel)
 
 
 def test_velocity_and_torque(tmp_path: Path) -> None:
@@ -121,15 +121,20 @@ def test_a_delay(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("name", "given", "code", "told"),
     [
-        ("p", "model: knwn, bandwidth: 1", "unknown-name", "the motor `knwn` does not exist"),
+        ("p", "model: knwn, bandwidth: 1", "unknown-name", "there is no data sheet `knwn`"),
         ("p", "model: known", "missing-key", "is a servo, and nothing says how fast it is"),
         ("p", "model: bare, bandwidth: 1, error: 0.1", "exclusive-keys", "both `bandwidth` and `error`"),
         ("p", "model: late, error: 0.1", "missing-key", "has no speed, from which `kv` would follow"),
         ("p", "model: bare, effort: rated, error: 1", "missing-key", "has no rated torque"),
-        ("p", "model: bare, effort: full, error: 1", "wrong-keyword", "`effort` is `peak` or `rated`"),
+        (
+            "p",
+            "model: bare, effort: full, error: 1",
+            "wrong-keyword",
+            "`effort` of `datasheet` cannot be `full`",
+        ),
         ("p", "model: bare, bandwidth: 0", "out-of-range", "must be more than 0"),
-        ("p", "model: bare, bandwith: 3", "unknown-key", "`motor` has no key `bandwith`"),
-        ("p", "bandwidth: 3", "missing-key", "`motor` lacks `model`"),
+        ("p", "model: bare, bandwith: 3", "unknown-key", "`datasheet` has no key `bandwith`"),
+        ("p", "bandwidth: 3", "missing-key", "`datasheet` lacks `model`"),
         ("s", "model: bare, error: 0.1", "wrong-type", "does not turn a hinge"),
         (
             "i",
@@ -140,14 +145,14 @@ def test_a_delay(tmp_path: Path) -> None:
     ],
 )
 def test_faults(name: str, given: str, code: str, told: str, tmp_path: Path) -> None:
-    found = made(f"{{select: {{actuator: {name}}}, motor: {{{given}}}}}", tmp_path)
+    found = made(f"{{select: {{actuator: {name}}}, datasheet: {{{given}}}}}", tmp_path)
     assert isinstance(found, list), found
     ((first, message),) = found
     assert told in message and (first == code or code == "exclusive-keys")
 
 
 def test_what_moves_is_to_be_known(tmp_path: Path) -> None:
-    edit = "{select: {joint: j}, set: {armature: 0}}, {select: {actuator: p}, motor: {model: bare, bandwidth: 3}}"
+    edit = "{select: {joint: j}, set: {armature: 0}}, {select: {actuator: p}, datasheet: {model: bare, bandwidth: 3}}"
     ((code, message),) = made(edit, tmp_path)  # type: ignore[misc]
     assert code == "missing-key" and message.startswith("nothing says what inertia position `p` moves")
 
@@ -155,20 +160,28 @@ def test_what_moves_is_to_be_known(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("sheet", "code", "told"),
     [
-        ("{effort: 1}", "missing-key", "motor `m` lacks `source`"),
-        ("{source: x}", "missing-key", "motor `m` lacks `effort`"),
-        ("{effort: 0, source: x}", "out-of-range", "`effort` of motor `m` is 0, and must be more than 0"),
-        ("{effort: x, source: x}", "wrong-type", "`effort` of motor `m` expects a number"),
-        ("{effort: 1, source: 3}", "wrong-type", "`source` of motor `m` expects text"),
-        ("{effort: 1, source: x, torque: 3}", "unknown-key", "motor `m` has no key `torque`"),
-        ("{effort: 1, source: x, rotor_inertia: 1}", "missing-key", "has a `rotor_inertia`, and no `gear`"),
+        ("{effort: 1}", "missing-key", "data sheet `m` lacks `source`"),
+        ("{source: x}", "missing-key", "data sheet `m` lacks `effort`"),
+        (
+            "{effort: 0, source: x}",
+            "out-of-range",
+            "`effort` of data sheet `m` is 0, and must be more than 0",
+        ),
+        ("{effort: x, source: x}", "wrong-type", "`effort` of data sheet `m` expects a number"),
+        ("{effort: 1, source: 3}", "wrong-type", "`source` of data sheet `m` expects text"),
+        ("{effort: 1, source: x, torque: 3}", "unknown-key", "data sheet `m` has no key `torque`"),
+        (
+            "{effort: 1, source: x, rotor_inertia: 1}",
+            "unknown-key",
+            "`rotor_inertia` of data sheet `m` belongs to `gear`",
+        ),
         ("{effort: 1, source: x, armature: 1, gear: 1, rotor_inertia: 1}", "", "has both `armature` and"),
-        ("4", "wrong-type", "motor `m` expects a mapping"),
+        ("4", "wrong-type", "data sheet `m` expects a mapping"),
     ],
 )
 def test_faults_of_a_sheet(sheet: str, code: str, told: str, tmp_path: Path) -> None:
-    edit = "{select: {actuator: p}, motor: {model: m, error: 1}}"
-    found = made(edit, tmp_path, f"motors: {{m: {sheet}}}\n")
+    edit = "{select: {actuator: p}, datasheet: {model: m, error: 1}}"
+    found = made(edit, tmp_path, f"datasheets: {{m: {sheet}}}\n")
     assert isinstance(found, list), found
     ((first, message),) = found
     assert told in message and code in ("", first)

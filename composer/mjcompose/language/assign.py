@@ -1,20 +1,33 @@
-"""The definition of a verb of `edit`, and how its values are checked.
+"""Attributes and the values that `edit` gives them: how they are checked, and their JSON Schema by the selector's tag.
 
-The JSON Schema of the attributes that `edit` can change, by the tag of the selector.
-
-For rare tags, any attribute is accepted.
+For rare tags, the JSON Schema accepts any attribute.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any, TypeAlias
+
+from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler, ValidationInfo
+from pydantic_core import CoreSchema, core_schema
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Fault, Path
 from mjcompose.base.suggest import closest
 from mjcompose.language.element_schema import TEMPLATE_PATTERN, attribute_schema
-from mjcompose.language.form import EXCLUSIVE, Schema, definition, kind_of, reference, shown
+from mjcompose.language.form import (
+    EXCLUSIVE,
+    REFERENCE,
+    Schema,
+    define,
+    definition,
+    kind_of,
+    reference,
+    settings,
+    shown,
+    validation_error,
+)
+from mjcompose.language.forms.model import IT
 from mjcompose.language.placing import ORIENTATIONS
 from mjcompose.language.select import check_template, kinds_of, unknown_attribute
 from mjcompose.language.value import attribute_and_index, bare_angle, read_value
@@ -28,26 +41,29 @@ MASS = "mass"
 
 @dataclass(slots=True)
 class Checker:
-    """Checks the values of `set`, `scale` and `offset`. With `bare_angles`, angles without a unit are allowed."""
+    """Checks the values of `set` and `scale`, and of what is drawn; with `bare_angles`, angles need no unit."""
 
     bare_angles: bool
     faults: list[Fault]
 
     def attributes(self, verb: str, value: Mapping[str, Any], selector: Selector | None, at: Path) -> None:
-        """Check the mapping that `set`, `scale` or `offset` is given."""
+        """Check the mapping that `set` or `scale` is given; `offset` is what draws add."""
         kinds = () if selector is None else kinds_of(selector.tag)
         self._attributes(verb, value, kinds, tag=selector.tag if selector else "", at=at)
 
     def _attributes(
         self, verb: str, value: Mapping[str, Any], kinds: tuple[ElementType, ...], tag: str, at: Path
     ) -> None:
-        turned = [name for name in value if name in ORIENTATIONS]
+        turned = [name for name in value if name in ORIENTATIONS and value[name] is not None]
         if len(turned) > 1 and verb == "set":
             message = f"`{tag}` can have one orientation, and there are `{turned[0]}` and `{turned[1]}`"
             self.faults.append(Fault(EXCLUSIVE, message, (*at, turned[1]), key=True,
                                      help=f"leave `{turned[0]}` or `{turned[1]}` out"))  # fmt: skip
         for name, item in value.items():
             path = (*at, name)
+            if item is None:
+                self._nothing(verb, name, kinds, tag=tag, at=path)
+                continue
             below = tuple(kind.children[name] for kind in kinds if name in kind.children)
             if isinstance(item, dict) and (below or not kinds):
                 self._attributes(verb, item, below, tag=name, at=path)
@@ -65,6 +81,24 @@ class Checker:
                 self.faults.append(self.unknown(attribute, tag, kinds, at=path))
                 continue
             self.value(verb, fitting, index, value=item, tag=tag, at=path)
+
+    def _nothing(self, verb: str, name: str, kinds: tuple[ElementType, ...], tag: str, at: Path) -> None:
+        """Check an attribute that shall no longer be written."""
+        fitting = [kind.attributes[name] for kind in kinds if name in kind.attributes]
+        if verb != "set":
+            self.faults.append(Fault("wrong-type", f"`{name}` has no value", at))
+        elif name == "name" and fitting:
+            help = "write `rename: …` for another name"
+            self.faults.append(Fault("unknown-key", "`set` cannot take a name away", at, key=True, help=help))
+        elif attribute_and_index(name)[1] is not None:
+            message = f"one number of `{attribute_and_index(name)[0]}` cannot be taken out"
+            help = "write the numbers that stay"
+            self.faults.append(Fault("wrong-type", message, at, help=help))
+        elif kinds and not fitting:
+            self.faults.append(self.unknown(name, tag, kinds, at=at))
+        elif fitting and all(attribute.required for attribute in fitting):
+            message = f"`{name}` of `{tag}` is required"
+            self.faults.append(Fault("missing-key", message, at, help="write another value"))
 
     def unknown(self, name: str, tag: str, kinds: tuple[ElementType, ...], at: Path) -> Fault:
         """Return the fault of a name that is not an attribute of what is selected."""
@@ -167,67 +201,31 @@ Changed: TypeAlias = Iterable[tuple[str | None, str]]
 """Attributes, each with its tag, or None where the selector does not say the tag."""
 
 
-@dataclass(frozen=True, slots=True)
-class Selected:
-    """What a verb is applied to: the selector, or None if it has a fault, and the verb's path in the recipe."""
+class Values:
+    """The values that `set` or `scale` gives to attributes of what is selected: a mapping from these.
 
-    selector: Selector | None
-    at: Path
-    checker: Checker
-
-    @property
-    def tag(self) -> str:
-        return self.selector.tag if self.selector else ""
-
-    @property
-    def kinds(self) -> tuple[ElementType, ...]:
-        """Return the elements that the selector's tag means, or none if it does not say."""
-        return kinds_of(self.selector.tag) if self.selector else ()
-
-    def add(self, fault: Fault) -> None:
-        self.checker.faults.append(fault)
-
-
-@dataclass(frozen=True, slots=True)
-class Verb:
-    """A verb, as a recipe writes it. What carries it out is in `composer/mjcompose/build/verbs`.
-
-    `description` is for editors and the reference page. `read` returns the value as `Edit` keeps it, and reports
-    faults. `words` returns the value on one line, for `plan` and `explain`. `changes` returns which attributes
-    follow from the value, if the selector has a tag. It is None for a verb that makes or removes elements, after
-    which a part cannot be compared with its source. `schema` is the JSON Schema of the value; `schema_of_tag` has
-    further conditions if the selector has a tag, and `schema_of_classes` if it selects default classes. A verb that
-    is `alone` cannot be combined with others.
+    Those of a class or a section have a mapping inside. Values stay as they are written.
     """
 
-    name: str
-    description: str
-    read: Callable[[Any, Selected], Any]
-    words: Callable[[Any], str]
-    changes: Callable[[str | None, Any], Changed] | None
-    schema: Callable[[], Schema]
-    schema_of_tag: Callable[[str], Schema] | None = None
-    schema_of_classes: Callable[[], Schema] | None = None
-    alone: bool = False
+    def __init__(self, verb: str) -> None:
+        self.verb = verb
 
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.with_info_plain_validator_function(self._read)
 
-def read_mapping(name: str, value: Any, example: str, selected: Selected) -> dict[str, Any] | None:
-    """Return the value of a verb that must be a mapping with entries, or None after a reported fault."""
-    if isinstance(value, dict) and value:
-        return value
-    message = f"`{name}` expects a mapping, got {kind_of(value) if value != {} else 'an empty one'}"
-    selected.add(Fault("wrong-type", message, selected.at, help=f"write `{name}: {example}`"))
-    return None
+    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> Schema:
+        return {"type": "object", "minProperties": 1}
 
-
-def with_values(value: Mapping[str, Any], but: str) -> str:
-    """Return all entries of a mapping but one, as the end of a line.
-
-    >>> with_values({"to": "motor", "gear": [2]}, "to")
-    ' with gear = [2]'
-    """
-    given = [f"{name} = {shown(each)}" for name, each in value.items() if name != but]
-    return f" with {', '.join(given)}" if given else ""
+    def _read(self, value: Any, info: ValidationInfo) -> dict[str, Any]:
+        context, faults = settings(info.context), list[Fault]()
+        if isinstance(value, dict) and value:
+            Checker(context.bare_angles, faults).attributes(self.verb, value, context.selected, at=())
+        else:
+            message = f"{IT} expects a mapping, got {kind_of(value) if value != {} else 'an empty one'}"
+            faults.append(Fault("wrong-type", message, help=f"write `{self.verb}: {{ATTRIBUTE: VALUE}}`"))
+        if faults:
+            raise validation_error(faults, value)
+        return dict(value)
 
 
 def flat(written: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, str]]:
@@ -242,53 +240,13 @@ def flat(written: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, str
 _CLASSES = "default"
 
 
-def assigning(name: str, sign: str, description: str, values: str) -> Verb:
-    """Return a verb that gives attributes new values.
-
-    `sign` is written between attribute and value in words. `values` is the kind of definition of the values in the
-    JSON Schema.
-    """
-
-    def words(value: Mapping[str, Any]) -> str:
-        return f"{name} {', '.join(f'{attribute} {sign} {each}' for attribute, each in flat(value))}"
-
-    def of_tag(tag: str) -> Schema:
-        return reference(f"{values}:{tag}")
-
-    return Verb(
-        name,
-        description,
-        _reader(name),
-        words=words,
-        changes=_changes,
-        schema=lambda: {"type": "object", "minProperties": 1},
-        schema_of_tag=of_tag,
-        schema_of_classes=_of_classes,
-    )
-
-
-def _reader(name: str) -> Callable[[Any, Selected], dict[str, Any]]:
-    def read(value: Any, selected: Selected) -> dict[str, Any]:
-        given = read_mapping(name, value, "{ATTRIBUTE: VALUE}", selected=selected)
-        if given is None:
-            return {}
-        selected.checker.attributes(name, given, selected.selector, at=selected.at)
-        return dict(given)
-
-    return read
-
-
-def _changes(tag: str | None, value: Mapping[str, Any]) -> Changed:
+def changes_of(tag: str | None, value: Mapping[str, Any]) -> Changed:
+    """Yield the attributes to which values are given, if the selector has that tag."""
     for name, each in value.items():
         if isinstance(each, Mapping):  # of a class or of a section
             yield from ((name, attribute_and_index(inner)[0]) for inner in each)
         else:
             yield tag, attribute_and_index(name)[0]
-
-
-def _of_classes() -> Schema:
-    rows = [tag for tag in GRAMMAR.section(_CLASSES).children if tag != _CLASSES]
-    return {"propertyNames": {"enum": rows}, "additionalProperties": {"type": "object"}}
 
 
 # The tags that people edit. Each further one makes the schema longer.
@@ -298,15 +256,45 @@ TAGS = (
 )  # fmt: skip
 
 
+@definition("of")
+def _definition_of_classes(_: str) -> Schema:
+    """Return the condition on the values that are given to default classes."""
+    rows = [tag for tag in GRAMMAR.section(_CLASSES).children if tag != _CLASSES]
+    return {"propertyNames": {"enum": rows}, "additionalProperties": {"type": "object"}}
+
+
 @definition("settable")
 def settable(tag: str) -> Schema:
-    """Return the schema of a mapping from the attributes of a tag, and from single numbers of them, to their values."""
+    """Return the schema of a mapping from the attributes of a tag, and from single numbers of them, to their values.
+
+    Null takes an attribute out that need not be there.
+    """
     found: dict[str, Schema] = {}
     for name, attributes in attributes_of(tag).items():
         schemas = [attribute_schema(each) for each in attributes]
         same = all({**each, "description": ""} == {**schemas[0], "description": ""} for each in schemas)
         found[name] = schemas[0] if same else {"description": schemas[0].get("description", "")}
+        if not all(each.required for each in attributes):
+            found[name] = _or_null(found[name])
     return _numbered(tag, found, reference("number"))
+
+
+def _or_null(schema: Schema) -> Schema:
+    """Return the schema that allows null as well, as one type of several and no alternative where that can be."""
+    if REFERENCE in schema:
+        return {**schema, **reference(f"null:{schema[REFERENCE]}")}
+    if "type" in schema:
+        types = schema["type"] if isinstance(schema["type"], list) else [schema["type"]]
+        return {**schema, "type": [*types, "null"]}
+    # Not one alternative more: an editor can explain only few.
+    inner = {key: each for key, each in schema.items() if key != "description"}
+    about = {key: each for key, each in schema.items() if key == "description"}
+    return {"if": {"type": "null"}, "else": inner, **about} if inner else schema
+
+
+@definition("null")
+def _definition_of_null(name: str) -> Schema:
+    return _or_null(define(name))
 
 
 @definition("scalable")

@@ -1,0 +1,219 @@
+"""The section `edit`: ordered changes to what selectors find, by verbs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+
+from pydantic import Field
+
+from mjcompose.base.diagnostic import Fault, Path
+from mjcompose.base.extensions import Table
+from mjcompose.base.suggest import closest
+from mjcompose.language.assign import TAGS, Changed
+from mjcompose.language.codes import Allowed
+from mjcompose.language.form import EXCLUSIVE, Schema, Settings, reference, shown
+from mjcompose.language.forms.attribute import Selects
+from mjcompose.language.forms.model import IT, Model
+from mjcompose.language.forms.rows import Rows, first_line
+from mjcompose.language.forms.scalars import Count, Expects, Items, Text
+from mjcompose.language.select import NARROWING, kinds_of
+from mjcompose.model.selector import Selector
+
+if TYPE_CHECKING:
+    from mjcompose.build.verbs.values import Entry
+
+
+class For:
+    """A verb is for elements of these paths of the grammar alone, or of paths that begin so.
+
+    `what` says it: "for bodies, and `{tag}` is not one".
+    """
+
+    alone = True
+
+    def __init__(self, *paths: str, what: str, help: str | None = None) -> None:
+        self.paths, self.what, self.help = paths, what, help
+
+    def fits(self, path: str) -> bool:
+        """Return whether elements of a path are meant."""
+        return any(path == each or (each.endswith("/") and path.startswith(each)) for each in self.paths)
+
+    def faults(self, value: Mapping[str, Any], model: type[Model], context: Settings) -> Iterator[Fault]:
+        kinds = kinds_of(context.selected.tag) if context.selected is not None else ()
+        if kinds and context.selected is not None and not any(self.fits(kind.path) for kind in kinds):
+            message = f"{IT} is {self.what.format(tag=context.selected.tag)}"
+            yield Fault("wrong-type", message, help=self.help)
+
+    def schema(self) -> Iterator[Schema]:
+        yield from ()  # `_ByTag` says it of the whole entry
+
+
+class Verb(Model):
+    """What an entry of `edit` does with each element that it selects.
+
+    A verb that `reshapes` makes, removes or moves elements, after which a part cannot be compared with its source. One
+    that is `alone` cannot be combined with others. `values` is the kind of definition of its values in the JSON Schema,
+    by the selector's tag.
+    """
+
+    reshapes: ClassVar[bool] = False
+    alone: ClassVar[bool] = False
+    values: ClassVar[str | None] = None
+
+    def carry_out(self, entry: Entry, at: Path) -> None:
+        """Do it with what the entry has selected. `at` is the verb's path in the recipe.
+
+        Raises Unusable after a reported error.
+        """
+        raise NotImplementedError
+
+    def words(self) -> str:
+        """Return what it does on one line, as `plan` and `explain` print it."""
+        raise NotImplementedError
+
+    def changes(self, tag: str | None) -> Changed:
+        """Return the attributes that it changes, if the selector has a tag."""
+        return ()
+
+
+def listed(values: Mapping[str, Any]) -> str:
+    """Return the values that are written, as the end of a line.
+
+    >>> listed({"gear": [2], "group": None}), listed({})
+    (' with gear = [2]', '')
+    """
+    given = [f"{name} = {shown(each)}" for name, each in values.items() if each is not None]
+    return f" with {', '.join(given)}" if given else ""
+
+
+VERBS: Table[type[Verb]] = Table(
+    "verbs",
+    {},
+    "VERB",
+    kind=Verb,
+    modules={
+        name: f"mjcompose.build.verbs.{name}"
+        for name in "set scale simplify collision inertia convert datasheet move rename remove".split()
+    },
+)
+"""All verbs, in the order in which an entry carries them out and `fmt` writes them: the form of each value.
+
+One of ours is imported when a recipe writes it, like one of another package.
+"""
+
+
+class _DoesSomething:
+    """An entry has a verb, and one that stands alone has no other beside it."""
+
+    def faults(self, value: Mapping[str, Any], model: type[Model], context: Settings) -> Iterator[Fault]:
+        verbs = [name for name in VERBS if name in value]
+        known = model.key_names()
+        select = value.get("select")
+        misplaced = isinstance(select, dict) and any(key in VERBS for key in select)  # which is said there
+        misspelt = any(key in model.instead or closest(key, VERBS) for key in value if key not in known)
+        if not verbs and not misplaced and not misspelt:
+            help = f"write one of {', '.join(f'`{name}`' for name in VERBS)}"
+            yield Fault("missing-key", f"{IT} says nothing to be done", help=help)
+        alone = next((name for name in verbs if VERBS[name].alone), None)
+        if alone is not None and len(verbs) > 1:
+            other = next(name for name in verbs if name != alone)
+            yield Fault(
+                EXCLUSIVE,
+                f"`{alone}` stands alone, and there is `{other}` as well",
+                (alone,),
+                key=True,
+                related=((f"`{other}` is written here", (other,)),),
+                help=f"leave `{alone}` or `{other}` out",
+            )
+
+    def schema(self) -> Iterator[Schema]:
+        for verb in VERBS.own:
+            if VERBS[verb].alone:
+                others: Schema = {**dict.fromkeys((name for name in VERBS.own if name != verb), False)}
+                then = {"properties": others, "errorMessage": f"`{verb}` stands alone"}
+                yield {"if": {"required": [verb]}, "then": then}
+        none: Schema = {**dict.fromkeys(VERBS.own, False)}
+        message = f"write one of {', '.join(VERBS.own)}"
+        yield {"if": {"properties": none}, "then": {"required": ["set"], "errorMessage": message}}
+
+
+class _ByTag:
+    """Which verbs there are, and which attributes they may name, by the tag of the selector. The verbs read it."""
+
+    def faults(self, value: Mapping[str, Any], model: type[Model], context: Settings) -> Iterator[Fault]:
+        yield from ()
+
+    def schema(self) -> Iterator[Schema]:
+        forms = {name: VERBS[name] for name in VERBS.own}
+        for tag in TAGS:
+            values = {name: reference(f"{form.values}:{tag}") for name, form in forms.items() if form.values}
+            refused = {name: _for_no(tag, rule) for name, rule in _strange(tag, forms)}
+            yield _where_selected(tag, {**values, **refused}, forms)
+        values = {name: reference("of-classes") for name, form in forms.items() if form.values}
+        yield _where_selected("default", values, forms)
+
+
+def _strange(tag: str, forms: Mapping[str, Any]) -> Iterator[tuple[str, For]]:
+    """Yield the verbs that are not for what a tag means, each with the rule that says so."""
+    for name, form in forms.items():
+        for rule in form.rules:
+            if isinstance(rule, For) and not any(rule.fits(kind.path) for kind in kinds_of(tag)):
+                yield name, rule
+
+
+def _for_no(tag: str, rule: For) -> Schema:
+    return {"not": {}, "errorMessage": f"it is {rule.what.format(tag=tag)}"}
+
+
+def _where_selected(tag: str, values: Mapping[str, Schema], forms: Mapping[str, Any]) -> Schema:
+    selected: Schema = {"properties": {"select": {"required": [tag]}}, "required": ["select"]}
+    verbs = {name: {**each, "description": first_line(forms[name].__doc__)} for name, each in values.items()}
+    return {"if": selected, "then": {"properties": verbs}}
+
+
+class Edit(Model):
+    """One entry of `edit`: a selector, and what is done to what it selects."""
+
+    rules: ClassVar = (_DoesSomething(), _ByTag())
+    example: ClassVar = "{select: {TAG: NAME}, set: {ATTRIBUTE: VALUE}}"
+    instead: ClassVar = {
+        **{name: f"write it inside `select`: `select: {{TAG: NAME, {name}: …}}`" for name in NARROWING},
+        "unset": "write `set: {ATTRIBUTE: null}`",
+        "offset": 'write `set: {ATTRIBUTE: "${value + 0.1}"}`',
+        "motor": "datasheet",
+    }
+
+    id: Text | None = None
+    """a name by which a recipe that extends this one can replace the entry"""
+    select: Annotated[Selector, Selects()] = Field(examples=["{TAG: NAME}"])
+    """which elements are meant"""
+    expect: Count | None = None
+    """how many elements must be selected"""
+    optional: bool = False
+    """whether it may be that nothing is selected"""
+    verbs: Annotated[Mapping[str, Verb], Rows(lambda: VERBS, selects="select")] = Field(
+        default_factory=dict, alias="<verbs>"
+    )
+    """what is done, in the order in which it is done"""
+    allow: Annotated[tuple[str, ...], Allowed()] = ()
+    """the codes of warnings about it that are meant to be there"""
+    when: Any = None
+    """the builds that it belongs to"""
+
+    @classmethod
+    def subject(cls, at: Path) -> str:
+        return "an entry of `edit`"
+
+    @classmethod
+    def listed(cls) -> list[str]:
+        # Messages list the first few: what does something comes first.
+        return ["select", *VERBS.own, "expect", "optional", "id", "allow", "when"]
+
+    @property
+    def words(self) -> str:
+        """The entry on one line, as `plan` prints it."""
+        return f"edit {self.select}: {'; '.join(each.words() for each in self.verbs.values())}"
+
+
+Edits = Annotated[tuple[Edit, ...], Items(), Expects("a list of entries")]

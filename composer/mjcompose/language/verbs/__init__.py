@@ -1,1 +1,0 @@
-"""What the verbs of `edit` accept, one file each."""
