@@ -138,7 +138,7 @@ def test_what_is_written_is_counted(folder: Path, monkeypatch: pytest.MonkeyPatc
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)
-        process._asked.clear()  # which are for a process that ends
+        process._exit_codes.clear()  # which are for a process that ends
         runtime._heard.clear()
     assert result.exit_code == 130 and "interrupted: 2 of 3 are written and whole" in result.stderr
     assert len(list(folder.glob("out/ball*"))) == 2

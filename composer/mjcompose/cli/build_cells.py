@@ -251,7 +251,7 @@ class _Failed(Exception):
 
 
 def build_worlds(task: Task, options: Options, table: Path) -> int:
-    """Build all models into `table`, and their common model if it is wanted. Return the exit code."""
+    """Build all models into `table`, and with `--as union` their common model. Return the exit code."""
     spec, context = task.spec, task.run.context
     chosen, code = options.cells.chosen(
         task.maker.recipe, task.given, context=context, verb="build", worlds=task.maker.options.worlds

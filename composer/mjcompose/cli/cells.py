@@ -247,15 +247,15 @@ def counting(items: Iterable[Item], total: int, name: Callable[[Item], str]) -> 
     if is_quiet():
         yield from items
         return
-    start = said = time.monotonic()
+    start = shown = time.monotonic()
     terminal = on_terminal()
     for done, item in enumerate(items, 1):
         if terminal:
             click.echo("\r\x1b[K", err=True, nl=False)
         yield item
         now = time.monotonic()
-        if terminal or now - said >= _EVERY:
-            said = now
+        if terminal or now - shown >= _EVERY:
+            shown = now
             line = f"{done}/{total} {done / max(now - start, 1e-9):.1f}/s {name(item)}"
             click.echo(f"{_bar(done, total)} {line}" if terminal else line, err=True, nl=not terminal)
     if terminal:
@@ -291,11 +291,11 @@ class Tally:
 
     def say(self, form: str, *, err: bool = False) -> None:
         """Print the tally: always in JSON, else only if a cell failed."""
-        words = self._said(form)
+        words = self._text(form)
         if words is not None:
             click.echo(words, err=err or form == "text")
 
-    def _said(self, form: str) -> str | None:
+    def _text(self, form: str) -> str | None:
         if form == "json":
             answer = {
                 "recipe": str(self.recipe),

@@ -24,8 +24,8 @@ _KINDS = (
 ).split()
 
 
-def _no_all(_context: click.Context, _option: click.Parameter, wanted: bool) -> None:
-    if wanted:
+def _no_all(_context: click.Context, _option: click.Parameter, is_given: bool) -> None:
+    if is_given:
         raise click.UsageError(
             "No such option '--all'. '--computed' lists also numbers that MuJoCo computes from others; "
             "'--pick CELL' compares one cell of a matrix."

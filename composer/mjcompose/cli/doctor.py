@@ -79,17 +79,17 @@ def _mujoco() -> Iterator[Finding]:
             return
         yield Finding("mujoco", str(compiled.mujoco_version))
         answer = call(session, pictures, ["model", "model"], argument=str(folder))
-        said = answer.value.get("no OpenGL") if answer.ok else answer.error or answer.crash
-        said = session.no_opengl or said
-    yield Finding("OpenGL", f"none: {said}" if said else "renders", None if said else True)
+        reason = answer.value.get("no OpenGL") if answer.ok else answer.error or answer.crash
+        reason = session.no_opengl or reason
+    yield Finding("OpenGL", f"none: {reason}" if reason else "renders", None if reason else True)
 
 
 def _git() -> Finding:
     found = shutil.which("git")
     if found is None:
         return Finding("git", "is not installed: `git+…` references and `diff REV:path` need it", None)
-    said = subprocess.run([found, "--version"], capture_output=True, text=True, check=False).stdout.strip()
-    return Finding("git", said.removeprefix("git version "))
+    version = subprocess.run([found, "--version"], capture_output=True, text=True, check=False).stdout.strip()
+    return Finding("git", version.removeprefix("git version "))
 
 
 def _store() -> Finding:
@@ -105,8 +105,8 @@ def _store() -> Finding:
         store.folder.mkdir(parents=True, exist_ok=True)
         tempfile.TemporaryFile(dir=store.folder).close()
     except OSError as error:
-        said = f"cannot be written: {(error.strerror or str(error)).lower()}; `MJCOMPOSE_CACHE` names another folder"
-        return Finding("store", f"{store.folder} {said}", None)
+        reason = f"cannot be written: {(error.strerror or str(error)).lower()}; `MJCOMPOSE_CACHE` names another folder"
+        return Finding("store", f"{store.folder} {reason}", None)
     fetched, built = (sum(each.size for each in found) for found in (store.entries(), blobs_in(store.folder)))
     return Finding("store", f"{store.folder}, {(fetched + built) / 1e6:.1f} MB")
 

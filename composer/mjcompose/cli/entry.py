@@ -29,8 +29,8 @@ def main() -> None:
     try:
         from mjcompose.base.limits import in_force
 
-        if (said := too_little()) is not None:
-            sys.exit(said)
+        if (message := too_little()) is not None:
+            sys.exit(message)
         bound(in_force().memory)
         from mjcompose.cli.main import main as command
 
@@ -106,13 +106,13 @@ def end_in_order() -> None:
 def end_in_a_second() -> None:
     """Let both signals end this process within a second, whatever it is doing then."""
     if os.name == "posix":
-        heard, told = os.pipe()
-        os.set_blocking(told, False)
-        signal.set_wakeup_fd(told, warn_on_full_buffer=False)
-        threading.Thread(target=_end_anyway, args=(heard,), daemon=True).start()
+        read_end, write_end = os.pipe()
+        os.set_blocking(write_end, False)
+        signal.set_wakeup_fd(write_end, warn_on_full_buffer=False)
+        threading.Thread(target=_end_anyway, args=(read_end,), daemon=True).start()
 
 
-def _end_anyway(heard: int) -> None:
+def _end_anyway(read_end: int) -> None:
     """End this process a moment after a signal, even if it waits for something that does not end.
 
     Its children end with it, and outputs are whole, as after `kill -9`. The system reports the signal here even if the
@@ -120,7 +120,7 @@ def _end_anyway(heard: int) -> None:
     """
     codes = {signal.SIGTERM: _TERMINATED, signal.SIGINT: INTERRUPTED}
     while True:
-        for number in os.read(heard, 64):
+        for number in os.read(read_end, 64):
             if number in codes:
                 time.sleep(_SECONDS_TO_END)
                 with contextlib.suppress(Exception):
@@ -130,21 +130,21 @@ def _end_anyway(heard: int) -> None:
                 os._exit(codes[signal.Signals(number)])
 
 
-_asked: list[int] = []
+_exit_codes: list[int] = []
 
 
-def exit_code_asked() -> int | None:
+def requested_exit_code() -> int | None:
     """Return the exit code if a signal asked this process to end and other code replaced the exception."""
-    return _asked[-1] if _asked else None
+    return _exit_codes[-1] if _exit_codes else None
 
 
 def _terminate(number: int, frame: FrameType | None) -> None:
-    _asked.append(_TERMINATED)
+    _exit_codes.append(_TERMINATED)
     sys.exit(_TERMINATED)
 
 
 def _interrupt(number: int, frame: FrameType | None) -> None:
-    _asked.append(INTERRUPTED)
+    _exit_codes.append(INTERRUPTED)
     signal.default_int_handler(number, frame)
 
 

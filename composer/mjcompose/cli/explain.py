@@ -61,13 +61,13 @@ def explain(options: Options, run: Run) -> Answer:
     from mjcompose.tools.explain.query import read
 
     context = run.context
-    asked = read(query, options.attribute, context.sink)
-    if asked is None:
+    selection = read(query, options.attribute, context.sink)
+    if selection is None:
         raise Stop(USAGE)
     given = options.choices.given(run)
     options.cell.check(model, is_recipe=model.suffix.lower() != ".xml")
     given, sample = options.cell.values(model, given, run=run, verb="explain")
-    explained = explain(model, asked, context, sample=sample, given=given)
+    explained = explain(model, selection, context, sample=sample, given=given)
     if explained is None:
         raise Stop(run.code_of_failure(model))
     return Answer(
@@ -80,11 +80,11 @@ def explain(options: Options, run: Run) -> Answer:
 _WIDEST = 100
 
 
-def _page(asked: Path) -> Answer:
+def _page(word: Path) -> Answer:
     """Return the page of a code. Raises UsageError if it is not a code."""
-    code = code_of(str(asked))
+    code = code_of(str(word))
     if code is None:
-        raise click.UsageError(_no_code(asked))
+        raise click.UsageError(_no_code(word))
     text, url = page(code), address(code)
     width = min(shutil.get_terminal_size((_WIDEST, 24)).columns, _WIDEST)
 
@@ -111,12 +111,12 @@ def _check_model(model: Path) -> None:
         )
 
 
-def _no_code(asked: Path) -> str:
-    if os.path.exists(asked) or asked.suffix or len(asked.parts) > 1:
+def _no_code(word: Path) -> str:
+    if os.path.exists(word) or word.suffix or len(word.parts) > 1:
         return (
             "Missing argument 'QUERY'. Say which element:"
-            f" `mjcompose explain {asked} 'joint NAME'`. `mjcompose tree {asked}` lists them."
+            f" `mjcompose explain {word} 'joint NAME'`. `mjcompose tree {word}` lists them."
         )
-    near = closest(str(asked), CODES)
+    near = closest(str(word), CODES)
     help = f"Did you mean `{near[0]}`?" if near else "`mjcompose explain --codes` lists them."
-    return f"`{asked}` is neither a code nor a file that exists. {help}"
+    return f"`{word}` is neither a code nor a file that exists. {help}"

@@ -14,7 +14,7 @@ import click
 
 from mjcompose.base import files
 from mjcompose.base.version import __version__
-from mjcompose.cli.entry import exit_code_asked, ran_out
+from mjcompose.cli.entry import ran_out, requested_exit_code
 
 _GROUPS = {
     "Build": {
@@ -168,7 +168,7 @@ class _Verbs(click.Group):
             ctx.exit(_FAILED)
         except Exception as error:
             # Pydantic 2.14 replaces any exception that ends it by its own.
-            if (code := exit_code_asked()) is not None:
+            if (code := requested_exit_code()) is not None:
                 ctx.exit(code)
             if _is_reported(error):
                 ctx.exit(_FAILED)
@@ -267,9 +267,9 @@ def _bug(error: Exception) -> str:
     while trace is not None and trace.tb_next is not None:
         trace = trace.tb_next
     where = "" if trace is None else f" in {trace.tb_frame.f_code.co_filename}:{trace.tb_lineno}"
-    said = " ".join(str(error).split())
+    message = " ".join(str(error).split())
     return (
-        f"this is a bug in mjcompose: {type(error).__name__}{where}: {said}\n"
+        f"this is a bug in mjcompose: {type(error).__name__}{where}: {message}\n"
         "please report it; with MJCOMPOSE_TRACEBACK=1 the whole trace is shown"
     )
 

@@ -287,7 +287,7 @@ def put(
 
 
 def add_picture(result: BuildResult, spec: OutputSpec, context: Context) -> None:
-    """Draw a picture next to a written model, if one is wanted; errors go to the context's sink."""
+    """Draw a picture next to a written model with `--picture`; errors go to the context's sink."""
     if spec.picturing is not None:
         target = spec.target(result.name, result.mujoco)
         spec.picturing.put(target, result.name, is_known=result.is_written, context=context)
