@@ -45,7 +45,6 @@ def test_sites_of_the_parts_by_final_name_with_where_they_are(editor: Editor) ->
         (f"keyframe:\n  k:\n    from: {{{MARK}", "base", "arm/base"),
         (f"keyframe:\n  k:\n    from: {{arm: {MARK}", "home", "base"),
         (f"check:\n  c: {{reachable: {{site: {MARK}", "table/mount", "arm/base"),
-        (f"check:\n  c: {{mass: {{subtree: {MARK}", "table/table", "table/mount"),
         (f"edit:\n  - {{select: {{part: {MARK}", "base", "arm/base"),
         (f"add:\n  - to: world\n    body:\n      geom: {{material: {MARK}", "floor", "arm/base"),
     ],

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
+from functools import cache
 from typing import TYPE_CHECKING, Any
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.build.plan.plan import BASE, AttachPart, Plan, part_name
+from mjcompose.language.check import CheckEntry
+from mjcompose.language.forms.walk import name_scopes
 from mjcompose.language.keyframe import FROM, VECTORS
 from mjcompose.language.select import NARROWING, read_selector
 from mjcompose.lsp.analysis import Known, Names, Question
@@ -106,19 +109,23 @@ _ROWS: tuple[tuple[Path, Wanted], ...] = (
     (("edit", ANY, "move", "to"), Wanted(("body", "frame"))),
     (("attach", ANY, "edit", ANY, "move", "to"), Wanted(("body", "frame"))),
     (("base", "edit", ANY, "move", "to"), Wanted(("body", "frame"))),
-    (("check", ANY, "reachable", "site"), Wanted(("site",))),
-    (("check", ANY, "clearance", "between", ANY), Wanted(("body", "geom"), pattern=True)),
-    (("check", ANY, "clearance", "between", ANY, ANY), Wanted(("body", "geom"), pattern=True)),
-    (("check", ANY, "clearance", "except", ANY, ANY), Wanted(("body", "geom"), pattern=True)),
-    (("check", ANY, "lint", "select", "inertia-implausible", "body"), Wanted(("body",), pattern=True)),
-    (("check", ANY, "lint", "select", "joint-unactuated", "joint"), Wanted(("joint",), pattern=True)),
-    (("check", ANY, "unchanged", "part"), Wanted((PART,))),
-    (("check", ANY, ANY, "key"), Wanted((KEY,))),
-    (("check", ANY, ANY, "key", ANY), Wanted((KEY,), pattern=True)),
     (("contact", "collide", "between", ANY), Wanted((PART,))),
     (("contact", "exclude", ANY, "between", ANY), Wanted((PART,))),
 )
 """The keys of recipes themselves that take names; what MJCF has is in its grammar."""
+
+
+@cache
+def _rows_of_checks() -> tuple[tuple[Path, Wanted], ...]:
+    """Return the same of checks, from what they declare. A name may stand for a list of one."""
+    rows: dict[Path, Wanted] = {}
+    for at, name in name_scopes(CheckEntry).items():
+        rows[at] = Wanted(name.scope, pattern=name.glob)
+        if at[-1] == ANY:
+            rows.setdefault(at[:-1], rows[at])
+    return tuple((("check", ANY, *at), wanted) for at, wanted in rows.items())
+
+
 _OWN = (("attach", ANY, "mate"), ("attach", ANY, "subtree"), ("attach", ANY, "edit"), ("attach", ANY, "drop"),
         ("base", "mate"), ("base", "subtree"), ("base", "edit"), ("base", "drop"))  # fmt: skip
 _PLACES = ("site", "body", "frame")
@@ -133,7 +140,7 @@ def wanted_value(path: Path, forms: list[Form], around: Any) -> Wanted | None:
         at, rest = inner
         found = wanted_value(rest, forms, around)
         return None if found is None or found.of else replace(found, of=at, not_of=())
-    found = next((wanted for row, wanted in _ROWS if _fits(row, path)), None)
+    found = next((wanted for row, wanted in (*_ROWS, *_rows_of_checks()) if _fits(row, path)), None)
     if found is None and len(path) > 2 and path[-2] == FROM and path[0] == "keyframe":
         return Wanted((KEY,), part=str(path[-1]))
     found = found or _selector(path, forms) or _of_mjcf(path, forms, around)

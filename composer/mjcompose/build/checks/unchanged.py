@@ -50,7 +50,7 @@ class Unchanged(Check):
     is_in_mujoco: ClassVar = False
     example: ClassVar = "{}"
 
-    part: Annotated[str, Name(what="the prefix of a part")] | None = None
+    part: Annotated[str, Name("part", what="the prefix of a part")] | None = None
     """the part, by its prefix; `base` is the base; without it, all of them"""
     excepted: Annotated[
         tuple[Annotated[Text, Checked(_known), Expects("an attribute of MJCF")], ...],
