@@ -15,22 +15,11 @@ from mjcompose.base.sink import Sink
 from mjcompose.build.plan.read import read_recipe
 from mjcompose.language.expand import expand
 from mjcompose.language.recipe import Recipe
-from mjcompose.language.validate import faults, real_path, validate, validate_what_remains
+from mjcompose.language.validate import faults, validate, validate_what_remains
 from mjcompose.sources.context import Context
 from mjcompose.text.load import load
 from mjcompose.text.node import Key, Mapping, Node, Scalar, Sequence, to_python
 from pydantic import ValidationError
-
-
-def test_real_path_keeps_a_missing_last_step() -> None:
-    data = {"attach": {"a": {"joint": [{}]}}}
-    assert real_path(data, ("attach", "a", "tagged", "joint", 0, "name")) == (
-        "attach",
-        "a",
-        "joint",
-        0,
-        "name",
-    )
 
 
 def test_related_places_are_moved_with_their_fault() -> None:

@@ -18,6 +18,7 @@ from mjcompose.language.datasheets import Datasheets
 from mjcompose.language.edit import Edits
 from mjcompose.language.element import FRAGMENT, Reader, label, path_of
 from mjcompose.language.element_schema import mapping
+from mjcompose.language.expand import SETTLED
 from mjcompose.language.form import (
     EXCLUSIVE,
     Choice,
@@ -32,13 +33,13 @@ from mjcompose.language.form import (
     reference,
     unprintable,
 )
+from mjcompose.language.forms.model import Model
 from mjcompose.language.forms.rows import Lazy
 from mjcompose.language.forms.scalars import Expects
 from mjcompose.language.fragment import missing_key
 from mjcompose.language.keyframe import Keyframe, Keyframes
 from mjcompose.language.sections import ByTag, DefaultClass, Defaults, Extension, Singleton, Typed
 from mjcompose.language.select import Collisions, Contacts
-from mjcompose.language.used_model import Model
 from mjcompose.model.grammar import GRAMMAR, ElementType
 
 TO = "to"
@@ -256,7 +257,11 @@ class Recipe(Model):
     """What happens where parts disagree in `option`, `size`, `statistic` or `visual`."""
     base: Annotated[Attachment | None, Start()] = None
     """The model to start from: a part without a prefix, at the world; without it, an empty one."""
-    attach: Annotated[Mapping[str, Attachment], Prefixes()] = Field(default_factory=dict)
+    attach: Annotated[
+        Mapping[str, Attachment],
+        Prefixes(),
+        Expects("a mapping from prefix to part", "{PREFIX: {model: …}}"),
+    ] = Field(default_factory=dict)
     """The parts: a mapping from the prefix of their names to what they are and where they hang."""
     compiler: Annotated[Element | None, Singleton("compiler", SETTABLE)] = None
     """Compiler settings that a whole model has; each part keeps its own of the others."""
@@ -306,6 +311,14 @@ class Recipe(Model):
     """What must hold of the model: a mapping from a name to a check."""
     allow: Annotated[tuple[str, ...], Allowed()] = ()
     """The codes of warnings that are meant to be there: they are not reported. Parts and edits can have it, too."""
+
+    @classmethod
+    def owner(cls, at: Path) -> str:
+        return ""
+
+    @classmethod
+    def listed(cls) -> list[str]:
+        return [*cls.key_names(), *SETTLED]
 
 
 def sections_of(form: type[object]) -> tuple[str, ...]:

@@ -29,7 +29,6 @@ from mjcompose.language.randomize import Randomize
 from mjcompose.language.recipe import ID, TO, Additions, Recipe, sections_of
 from mjcompose.language.schema import recipe_schema
 from mjcompose.language.sections import PARENT, TYPE, Defaults, Typed
-from mjcompose.language.used_model import key_names
 from mjcompose.language.variation import Declaration, Grid
 from mjcompose.model.classes import ORIENTATIONS
 from mjcompose.model.grammar import GRAMMAR, ElementType
@@ -86,7 +85,7 @@ def text() -> str:
 
 
 def _top() -> list[str]:
-    keys = key_names(Recipe)
+    keys = Recipe.key_names()
     for key, before in _AFTER.items():
         keys.insert(keys.index(before) + 1, key)
     return keys

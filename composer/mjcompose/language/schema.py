@@ -5,12 +5,9 @@
 
 from __future__ import annotations
 
-import ast
-import inspect
 import itertools
 import json
 import sys
-import textwrap
 from collections import Counter
 from collections.abc import Callable, Iterator
 from copy import deepcopy
@@ -24,7 +21,6 @@ from mjcompose.language.parameters import NO_PIECE
 from mjcompose.language.placing import OF_A_FILE
 from mjcompose.language.recipe import Recipe, sections_of
 from mjcompose.language.sections import Singleton
-from mjcompose.language.used_model import Model
 from mjcompose.language.variation import VALUE, Declaration, Grid
 
 _DEFS = "#/$defs/"
@@ -284,7 +280,6 @@ def _into(schema: Any, key: str, value: Schema) -> None:
 
 
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
-MODELS: tuple[type[Model], ...] = (Recipe,)
 WIDTH = 110
 
 _ORDER = (
@@ -300,9 +295,6 @@ def recipe_schema() -> Schema:
     """Return the schema of a whole recipe, as JSON Schema 2020-12. It is the same every time."""
     schema = Recipe.model_json_schema(schema_generator=Generator)
     definitions: dict[str, Schema] = schema.pop("$defs")
-    for model in MODELS:
-        target = schema if model is Recipe else definitions[model.__name__]
-        _describe(model, target.get("properties") or target["anyOf"][-1]["properties"])
     schema = _tidy(schema)
     definitions = {name: _tidy(each) for name, each in definitions.items()}
     needed = definitions[Attachment.__name__].pop("required")
@@ -365,27 +357,6 @@ def _tidy(schema: Any, properties: bool = False) -> Any:
         del tidy["anyOf"]
         tidy = {**alternatives[0], **tidy}
     return tidy
-
-
-def _describe(model: type[Model], properties: dict[str, Schema]) -> None:
-    """Use the text below each field of a model as the description of its key, also for inherited fields."""
-    for each in reversed(model.__mro__[: model.__mro__.index(Model)]):
-        for field, text in _texts(each):
-            properties[model.model_fields[field].alias or field]["description"] = text
-
-
-def _texts(model: type) -> Iterator[tuple[str, str]]:
-    """Yield the fields that a class itself declares, each with the text below it."""
-    (body,) = ast.parse(textwrap.dedent(inspect.getsource(model))).body
-    assert isinstance(body, ast.ClassDef)
-    for field, text in zip(body.body, body.body[1:], strict=False):
-        if (
-            isinstance(field, ast.AnnAssign)
-            and isinstance(field.target, ast.Name)
-            and isinstance(text, ast.Expr)
-            and isinstance(text.value, ast.Constant)
-        ):
-            yield field.target.id, inspect.cleandoc(str(text.value.value))
 
 
 def _layout(value: Any, indent: str, in_order: bool) -> str:

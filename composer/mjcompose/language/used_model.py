@@ -4,11 +4,6 @@ from __future__ import annotations
 
 from typing import Any, Literal
 
-from pydantic import (
-    BaseModel,
-    ConfigDict,
-)
-
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Fault, Note, Path
 from mjcompose.base.suggest import advised
@@ -24,31 +19,13 @@ from mjcompose.language.form import (
     reference,
 )
 from mjcompose.language.form import SCHEMAS as COUNTS
-from mjcompose.language.forms.model import Model as FormModel
+from mjcompose.language.forms.model import Model
 from mjcompose.language.select import GLOB, NARROWING, read_selector
 from mjcompose.model.grammar import GRAMMAR
 from mjcompose.model.selector import EVERYTHING, Selector, known_tags, paths_of
 
 
-class Model(BaseModel):
-    """A mapping with fixed keys: frozen, no other keys, nothing converted."""
-
-    model_config = ConfigDict(
-        frozen=True,
-        extra="forbid",
-        strict=True,
-        # Most models are never validated on their own. Building their validators would be most of the import time.
-        defer_build=True,
-        hide_input_in_errors=True,
-    )
-
-
-def key_names(model: type[Model]) -> list[str]:
-    """Return the keys of a mapping as a recipe writes them, in the order of the fields."""
-    return [field.alias or name for name, field in model.model_fields.items()]
-
-
-class UrdfKeys(FormModel):
+class UrdfKeys(Model):
     """What becomes of what MuJoCo leaves out, or leaves to others; without it, it is as the file or MuJoCo says."""
 
     visuals: Literal["keep", "drop"] | None = None

@@ -14,18 +14,14 @@ from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Fault, Fix, Note, Path, Span
 from mjcompose.base.limits import in_force
 from mjcompose.base.sink import Sink
-from mjcompose.base.suggest import advised, closest, exists_note
+from mjcompose.base.suggest import closest
 from mjcompose.language.attach import Attachment
 from mjcompose.language.element import raw
-from mjcompose.language.expand import SETTLED
 from mjcompose.language.form import Settings, kind_of, shown
 from mjcompose.language.forms.translate import misspelt, translated
-from mjcompose.language.forms.walk import is_model, spot
 from mjcompose.language.placing import faults_in_place
 from mjcompose.language.recipe import VERSION, Recipe, sections_of
 from mjcompose.language.sections import ByTag, Lists, Typed
-from mjcompose.language.used_model import key_names
-from mjcompose.language.value import without_space
 from mjcompose.model.grammar import GRAMMAR
 from mjcompose.text.node import Key, Mapping, Node, Scalar, find, locate, texts, to_python
 from mjcompose.text.node import Sequence as List
@@ -152,9 +148,6 @@ def _texts(node: Node, path: Path) -> Iterator[str]:
     yield from texts(node)
 
 
-_NOTHING = object()
-
-
 def faults(error: ValidationError, data: Any) -> Iterator[Fault]:
     """Yield the faults of a validation, one for each mistake, with paths from the top of `data`.
 
@@ -168,107 +161,18 @@ def faults(error: ValidationError, data: Any) -> Iterator[Fault]:
     for each in errors:
         if id(each) in meant:
             continue
-        loc = real_path(data, each["loc"])
-        place = spot(Recipe, each["loc"], data)
-        if is_model(place.kind) or is_model(place.model):
-            yield translated(each, Recipe, data)
-        elif each["type"] == "fault":
-            yield _moved(each["ctx"]["fault"], loc, each["loc"], data=data)
-        elif each["type"] == "extra_forbidden":
-            if loc[0] not in stray[1:]:  # the keys of a part at the top are one mistake
-                yield _extra(loc, typos.get(id(each)), data, parts=parts)
-        else:
-            yield _missing(loc) if each["type"] == "missing" else _other(each, loc)
-
-
-def real_path(data: Any, loc: Path) -> Path:
-    """Return the path without steps that are no keys of the data, such as pydantic's names of alternatives.
-
-    The last step stays, because it may be a missing key.
-
-    >>> real_path({"sensor": {"imu": {"site": 1}}}, ("sensor", "imu", "force", "site"))
-    ('sensor', 'imu', 'site')
-    """
-    path: list[str | int] = []
-    for index, step in enumerate(loc):
-        below = _below(data, step)
-        if below is not _NOTHING:
-            data = below
-        elif index < len(loc) - 1:
-            continue
-        path.append(step)
-    return tuple(path)
-
-
-def _below(data: Any, step: str | int) -> Any:
-    """Return the value at a step, or `_NOTHING`."""
-    if isinstance(data, AbcMapping):
-        return data.get(step, _NOTHING)
-    if isinstance(data, list) and isinstance(step, int) and step < len(data):
-        return data[step]
-    return _NOTHING
-
-
-def _moved(fault: Fault, loc: Path, raw: Path, data: Any) -> Fault:
-    """Return a fault whose paths start at the top, given the path of the value in which it was found."""
-    start = raw[: len(raw) - len(fault.at)]
-    related = tuple((message, real_path(data, (*start, *at))) for message, at in fault.related)
-    return replace(fault, at=loc, related=related)
-
-
-def _extra(loc: Path, meant: Any | None, data: Any, parts: AbcMapping[str, Any]) -> Fault:
-    name = str(loc[-1])
-    owner = _called(loc[:-1])
-    known = [*key_names(Recipe), *SETTLED]
-    help, fix = advised(name, known if meant is None else [str(meant["loc"][-1])])
-    if len(loc) == 1 and (elsewhere := advice_at_top(name, data[name], parts)):
-        help, fix = elsewhere, None
-    note = exists_note("key", known, name)
-    return Fault(
-        "unknown-key", f"{owner} has no key `{name}`", loc, key=True, notes=(note,), help=help, fix=fix
-    )
-
-
-def _called(path: Path) -> str:
-    """Return how messages call a mapping of the recipe itself."""
-    return f"`{path[-1]}`" if path else "the recipe"
-
-
-def _missing(loc: Path) -> Fault:
-    if loc == ("recipe",):
-        message = "the recipe does not say which version of the language it is written in"
-        help = f"write `recipe: {VERSION}` as its first line"
-        return Fault("missing-key", message, help=help, fix=Fix(f"recipe: {VERSION}\n"))
-    name = str(loc[-1])
-    owner = _called(loc[:-1])
-    return Fault(
-        "missing-key",
-        f"{owner} lacks `{name}`",
-        loc[:-1],
-        key=True,
-        help=f"write `{name}: …`",
-        lacks=name,
-    )
-
-
-def _other(error: Any, loc: Path) -> Fault:
-    """Return the fault for any other error, such as a value that is not a mapping or not an allowed word."""
-    owner = _called(loc)
-    value = error["input"]
-    if loc == ("attach",):
-        help = None
-        if isinstance(value, list):
-            help = "the key is the prefix: write `PREFIX: {model: …}` instead of a list"
-        message = f"`attach` expects a mapping from prefix to part, got {kind_of(value)}"
-        return Fault("wrong-type", message, loc, help=help)
-    if error["type"] in ("model_type", "model_attributes_type", "dict_type", "mapping_type"):
-        help = None
-        if isinstance(value, str) and (spaced := without_space(value, Attachment.model_fields)):
-            help = f"put a space behind the colon: `{spaced}`"
-        elif isinstance(value, str) and "\n" not in value:
-            help = f"write `{{model: {value}}}`"
-        return Fault("wrong-type", f"{owner} expects a mapping, got {kind_of(value)}", loc, help=help)
-    return Fault("wrong-type", f"{owner}: {error['msg'][:1].lower()}{error['msg'][1:]}", loc)
+        fault = translated(each, Recipe, data)
+        if each["type"] == "missing" and each["loc"] == ("recipe",):
+            message = "the recipe does not say which version of the language it is written in"
+            help = f"write `recipe: {VERSION}` as its first line"
+            fault = Fault("missing-key", message, help=help, fix=Fix(f"recipe: {VERSION}\n"))
+        elif each["type"] == "extra_forbidden" and len(each["loc"]) == 1:
+            name = str(each["loc"][0])
+            if name in stray[1:]:  # the keys of a part at the top are one mistake
+                continue
+            if advice := advice_at_top(name, data[name], parts):
+                fault = replace(fault, help=advice, fix=None)
+        yield fault
 
 
 _PART_KEYS = frozenset(

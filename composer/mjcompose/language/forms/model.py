@@ -126,8 +126,8 @@ class Model(BaseModel):
                     raise validation_error(faults, value)
             faults += [
                 Fault("wrong-type", f"`{key}` of {OWNER} has no value", (key,))
-                for key in value
-                if value[key] is None
+                for key in (cls.key_names() if None in value.values() else ())
+                if value.get(key, ...) is None
             ]
             value = _with_rows(cls, value)
         made = validated_with(handler, value, faults)
