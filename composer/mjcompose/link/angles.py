@@ -59,7 +59,7 @@ def angles(linking: Linking) -> None:
     >>> print_after(angles, part, base)
     part: <worldbody><body euler="3.141592653589793 0 0"><joint range="0 1.5707963267948966"/></body></worldbody>
     """
-    unit, sequence = model_angle(linking), linking.base.settings.eulerseq
+    unit, sequence = linking.angle, linking.base.settings.eulerseq
     for part in linking.units:
         settings = part.settings
         to_radians = settings.angle == "degree" and unit == "radian"
@@ -67,10 +67,6 @@ def angles(linking: Linking) -> None:
             _orientations(linking, part, to_radians, sequence=sequence)
         if to_radians:
             _joints(part)
-
-
-def model_angle(linking: Linking) -> str:
-    return linking.angle
 
 
 def _orientations(linking: Linking, unit: Unit, to_radians: bool, sequence: str) -> None:

@@ -11,7 +11,7 @@ from lxml.etree import _Element as Node
 from mjcompose.base.diagnostic import Note, Span
 from mjcompose.base.suggest import closest, exists_note, renaming
 from mjcompose.link import numbers
-from mjcompose.link.angles import model_angle, undo_settings
+from mjcompose.link.angles import undo_settings
 from mjcompose.link.inertia import has_mass
 from mjcompose.link.key_layout import JOINTS, joint_type
 from mjcompose.link.linking import Linking, Part, Sense
@@ -448,7 +448,7 @@ def _aligned_by(linking: Linking, mount: Node) -> Node | None:
 
 
 def _angle_units(linking: Linking) -> tuple[bool, str]:
-    return model_angle(linking) == "degree", linking.base.settings.eulerseq
+    return linking.angle == "degree", linking.base.settings.eulerseq
 
 
 def effective_pose(site: Node, classes: Classes) -> dict[str, str]:

@@ -294,6 +294,11 @@ class FileUse(NamedTuple):
 _path = lru_cache(maxsize=4096)(Path)  # a model has the same files in each of its samples
 
 
+def common_angle(units: Iterable[Unit]) -> str:
+    """Return the unit of angle of a model that is made of these: `degree` if all use degrees, else `radian`."""
+    return "degree" if all(unit.settings.angle == "degree" for unit in units) else "radian"
+
+
 @dataclass(eq=False)
 class Linking:
     """The state that the passes share, from separate units to one flat model.
@@ -327,8 +332,8 @@ class Linking:
 
     @cached_property
     def angle(self) -> str:
-        """The model's unit of angle: `degree` if all units use degrees, else `radian`."""
-        return "degree" if all(unit.settings.angle == "degree" for unit in self.units) else "radian"
+        """The model's unit of angle."""
+        return common_angle(self.units)
 
     def find_node(self, namespace: str, name: str) -> Node | None:
         """Return the element of the model with this name, or None."""

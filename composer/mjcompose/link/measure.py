@@ -19,7 +19,6 @@ from mjcompose.base.rotation import Pose
 from mjcompose.base.scratch import scratch
 from mjcompose.base.sink import Sink
 from mjcompose.link import numbers
-from mjcompose.link.angles import model_angle
 from mjcompose.link.key_layout import (
     BLOCK,
     Copy,
@@ -482,7 +481,7 @@ class Reference:
 
     @cached_property
     def degrees(self) -> bool:
-        return model_angle(self.linking) == "degree"
+        return self.linking.angle == "degree"
 
     @cached_property
     def class_refs(self) -> bool:

@@ -20,7 +20,6 @@ from dataclasses import replace
 from lxml.etree import _Element as Node
 
 from mjcompose.base.diagnostic import Note
-from mjcompose.link.angles import model_angle
 from mjcompose.link.inertia import MEASURED
 from mjcompose.link.linking import Linking, MemoryRequest
 from mjcompose.model.classes import through_frames, walk_bodies
@@ -158,7 +157,7 @@ def compiler(linking: Linking) -> None:
         if linking.notes.aligned:
             written["alignfree"] = "true"
     if linking.parts:
-        written["angle"] = model_angle(linking)
+        written["angle"] = linking.angle
         if model_autolimits(linking) == "true":
             written.pop("autolimits", None)
     if not written and not children:

@@ -11,7 +11,6 @@ from lxml.etree import _Element as Node
 from mjcompose.base.diagnostic import Note
 from mjcompose.base.rotation import Pose, Quat, multiply, normalise, rotate
 from mjcompose.link import numbers
-from mjcompose.link.angles import model_angle
 from mjcompose.link.key_layout import joint_type
 from mjcompose.link.linking import Floating, Linking, Part
 from mjcompose.link.numbers import pose_below, pose_in_world
@@ -213,7 +212,7 @@ def worlds(linking: Linking) -> None:
     >>> print_after(worlds, part, '<worldbody><site name="s" pos="3 0 0"/></worldbody>', on="s")
     part: <equality><connect body1="world" body2="p/b" anchor="3 0 1"/></equality>
     """
-    degrees, sequence = model_angle(linking) == "degree", linking.base.settings.eulerseq
+    degrees, sequence = linking.angle == "degree", linking.base.settings.eulerseq
     for part in linking.parts:
         if part.content is not None:
             pose, holder, copied = pose_below(part.content, degrees, sequence)

@@ -12,7 +12,6 @@ from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Note
 from mjcompose.base.sink import Sink
 from mjcompose.base.suggest import did_you_mean, exists_note, unknown_attribute
-from mjcompose.link.angles import model_angle
 from mjcompose.link.linking import AttachmentPlace, Joint, Linking, Part
 from mjcompose.link.numbers import joint_radians, read, read_pose
 from mjcompose.link.numbers import text as number_text
@@ -337,7 +336,7 @@ class Mounting:
         """Set the joints of each part from its attachment frame. The linker must have named the top classes before."""
         tops = {each.part.prefix: each.part.top_class for each in self.mounted}
         tops[""] = linking.base_class or MAIN
-        in_radians = model_angle(linking) == "radian"
+        in_radians = linking.angle == "radian"
         for each in self.mounted:
             to_radians = in_radians and each.parent_unit.settings.angle == "degree"
             each.part.joints = tuple(

@@ -71,11 +71,10 @@ from mjcompose.build.plan.steps import (
 )
 from mjcompose.language.form import check_rows
 from mjcompose.link.agreement import SINGLETONS, common_settings, of_base, requested_settings, set_value
-from mjcompose.link.angles import model_angle
 from mjcompose.link.files import add_file
 from mjcompose.link.key_layout import joint_type
 from mjcompose.link.link import finish, link
-from mjcompose.link.linking import FileUse, Linking, Measure, Part, Request
+from mjcompose.link.linking import FileUse, Linking, Measure, Part, Request, common_angle
 from mjcompose.link.measure import measure_with
 from mjcompose.link.replicates import spare_added
 from mjcompose.link.source_check import INVALID_SOURCE, check_source, repair
@@ -300,7 +299,7 @@ class Composer:
         if plan.base_keys == "none" and BASE not in plan.key_sources:
             remove_keys(base)
         self.watch([base, *units], plan)
-        making = ElementBuilder.of(plan, base, self.context, model_angle="radian")
+        making = ElementBuilder.of(plan, base, self.context, model_angle=common_angle([base, *units]))
         linking = self._linking(plan, base, units, making=making)
         early = EarlyAdditions(plan, linking, making)
         linking.later_places = early
@@ -349,8 +348,6 @@ class Composer:
         self.watch(linking.units, linking)
         if self.notes_parts:
             self._note_parts(plan, units)
-        # Whether the model is in degrees is known only with all parts.
-        making.model_angle = model_angle(linking)
         for step, part in zip(plan.parts, parts, strict=True):
             add_joints(step, part, linking, making=making)
         return linking

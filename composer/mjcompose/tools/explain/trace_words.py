@@ -22,7 +22,7 @@ from mjcompose.language.assign import MASS
 from mjcompose.language.form import shown
 from mjcompose.link import numbers
 from mjcompose.link.agreement import agreement
-from mjcompose.link.angles import angles, model_angle
+from mjcompose.link.angles import angles
 from mjcompose.link.bodies import bodies
 from mjcompose.link.body_reduction import body_reduction
 from mjcompose.link.defaults import defaults
@@ -336,7 +336,7 @@ class PassWords:
         if change.attribute in _FOLDERS:
             return Reason("every file is named by its path in the bundle")
         if change.attribute == "angle" and linking is not None:
-            return Reason(f"one unit for all parts: {model_angle(linking)}s")
+            return Reason(f"one unit for all parts: {linking.angle}s")
         if change.attribute == "autolimits" and linking is not None and model_autolimits(linking) == "true":
             return Reason("made explicit where it matters")
         return Reason("made explicit in what it governs, so that it does not reach other parts")
