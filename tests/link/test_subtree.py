@@ -44,7 +44,7 @@ class Taken:
     @property
     def left(self) -> set[str]:
         assert self.found is not None
-        return {f"{each.what} {each.name}" for each in self.found.left if each.lacks is None}
+        return {f"{each.what} {each.name}" for each in self.found.dropped if each.lacks is None}
 
     @property
     def cut(self) -> dict[str, str | None]:

@@ -200,7 +200,7 @@ class Build:
             cell=request.name,
             drawn=composed.drawn,
             pictured=request.pictured,
-            made=composed.shapes,
+            shapes=composed.shapes,
             tables=composed.tables,
         )
         final = self._exported(add_manifest(bundle, making, context), composed)

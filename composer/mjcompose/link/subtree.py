@@ -300,12 +300,12 @@ class Subtree:
     """
 
     body: str | None
-    left: tuple[DroppedElement, ...]
+    dropped: tuple[DroppedElement, ...]
 
     @property
     def cut(self) -> tuple[DroppedElement, ...]:
         """The elements that belong to both the subtree and the rest, and would have been cut in two."""
-        return tuple(each for each in self.left if each.lacks is not None)
+        return tuple(each for each in self.dropped if each.lacks is not None)
 
 
 def take_subtree(

@@ -44,7 +44,7 @@ def test_what_is_dropped_is_listed(radian: Case) -> None:
     plan = make_plan(Path("recipe.yaml"), context)
     assert plan is not None
     (found,) = preview_plan(plan, context).subtrees.values()
-    listed = {(each.what, each.name) for each in found.left}
+    listed = {(each.what, each.name) for each in found.dropped}
     assert {("body", "link2"), ("joint", "elbow"), ("site", "tip"), ("actuator", "a2")} <= listed
     assert not {"frame", "inertial"} & {what for what, _ in listed}, "they are no more than poses and numbers"
 

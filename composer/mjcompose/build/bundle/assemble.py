@@ -33,7 +33,7 @@ from mjcompose.build.bundle.manifest import (
     with_manifest,
 )
 from mjcompose.build.plan.extensions import packages_of
-from mjcompose.build.plan.plan import Drawn, MadeShapes, PartRecord, Plan, Tables
+from mjcompose.build.plan.plan import Drawn, GeneratedShapes, PartRecord, Plan, Tables
 from mjcompose.link.files import Merged
 from mjcompose.link.linking import FileUse
 from mjcompose.model.classes import through_frames
@@ -71,12 +71,12 @@ def written_in(
     }
     found: dict[tuple[str, int], tuple[str, str]] = {}
     for kind, compiled in names.items():
-        for number, node in _matched(list(_elements(model.root, kind)), compiled):
+        for number, node in _matching_elements(list(_elements(model.root, kind)), compiled):
             found[kind, number] = (str(node.tag), place(model.origins.span(node, model.file)))
     return found
 
 
-def _matched(elements: Sequence[Node], names: Sequence[str]) -> Iterator[tuple[int, Node]]:
+def _matching_elements(elements: Sequence[Node], names: Sequence[str]) -> Iterator[tuple[int, Node]]:
     """Yield elements by number: in order if each became one element, by name if some became several."""
     if [str(each.get("name") or "") for each in elements] == list(names):
         yield from enumerate(elements)
@@ -252,7 +252,7 @@ class ManifestInput:
     cell: str | None = None
     drawn: tuple[Drawn, ...] = ()
     pictured: bool = False
-    made: tuple[MadeShapes, ...] = ()
+    shapes: tuple[GeneratedShapes, ...] = ()
     tables: Tables = field(default_factory=dict)
 
 
@@ -301,7 +301,7 @@ def add_manifest(bundle: Bundle, making: ManifestInput, context: Context) -> Bun
         files=files_of(bundle),
         merged=making.merged,
         picture=picture_of(plan.name) if making.pictured else None,
-        made=tuple(_made(each, names) for each in making.made),
+        made=tuple(_generated_shape(each, names) for each in making.shapes),
         checks=tuple(
             Check(name=each.name, kind=each.kind, values=dict(each.values), origin=names.place(each.span))
             for each in making.checks
@@ -434,7 +434,7 @@ def _part(member: PartRecord, number: int, renamed: Renamed) -> Part:
     )
 
 
-def _made(made: MadeShapes, names: Portable) -> GeneratedShape:
+def _generated_shape(made: GeneratedShapes, names: Portable) -> GeneratedShape:
     return GeneratedShape(
         mesh=made.mesh,
         geom=made.of,

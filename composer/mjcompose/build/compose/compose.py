@@ -92,7 +92,7 @@ from mjcompose.text.node import locate
 if TYPE_CHECKING:
     from mjcompose.build.compose.edits import ModelEdits
     from mjcompose.build.compose.mesh_jobs import MeshWorkshop
-    from mjcompose.build.plan.plan import MadeShapes
+    from mjcompose.build.plan.plan import GeneratedShapes
     from mjcompose.link.subtree import Subtree
     from mjcompose.mujoco.engine import Session
 
@@ -126,7 +126,7 @@ class Composed:
     members: tuple[PartRecord, ...] = ()
     drawn: tuple[Drawn, ...] = ()
     tabled: tuple[ElementDraws, ...] = ()
-    shapes: tuple[MadeShapes, ...] = ()
+    shapes: tuple[GeneratedShapes, ...] = ()
     excluded: tuple[Excluded, ...] = ()
     keys: KeyNotes = field(default_factory=KeyNotes)
     tables: Tables = field(default_factory=dict)
@@ -452,7 +452,7 @@ class Composer:
                 from mjcompose.link.subtree import Subtree
 
                 known = self.subtrees.get(plan.place_of(wanted.at), Subtree(None, ()))
-                self.subtrees[plan.place_of(wanted.at)] = Subtree(known.body, (*known.left, *dropped))
+                self.subtrees[plan.place_of(wanted.at)] = Subtree(known.body, (*known.dropped, *dropped))
         return unit
 
     def _whole(self, wanted: PartRequest, span: Span) -> Unit | None:

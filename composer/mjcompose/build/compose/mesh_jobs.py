@@ -18,7 +18,7 @@ from mjcompose.base.scratch import scratch
 from mjcompose.build.bundle.collect import read
 from mjcompose.build.compose.editing import Editing
 from mjcompose.build.compose.shape_store import ShapeStore, parse_shapes, shapes_key
-from mjcompose.build.plan.plan import MadeShapes
+from mjcompose.build.plan.plan import GeneratedShapes
 from mjcompose.link import numbers
 from mjcompose.link.linking import FileUse
 from mjcompose.model.files import written_path
@@ -60,7 +60,7 @@ class MeshResult:
     of: Node
     mesh: Node
     made: tuple[Node, ...]
-    about: MadeShapes
+    about: GeneratedShapes
 
 
 @dataclass(slots=True)
@@ -79,7 +79,7 @@ class MeshWorkshop:
     def __post_init__(self) -> None:
         self.store = ShapeStore(self.context)
 
-    def shapes_in(self, root: Node) -> tuple[MadeShapes, ...]:
+    def shapes_in(self, root: Node) -> tuple[GeneratedShapes, ...]:
         """All that was made and is in a finished model, by the names that things have there."""
         found = []
         for each in self.records:

@@ -22,7 +22,7 @@ from mjcompose.base.rotation import IDENTITY_QUAT, ORIGIN, Pose
 from mjcompose.build.compose.editing import Editing
 from mjcompose.build.compose.mesh_jobs import MeshJob, MeshResult, MeshWorkshop
 from mjcompose.build.compose.values import UnusableValue, report_unusable
-from mjcompose.build.plan.plan import MadeShapes
+from mjcompose.build.plan.plan import GeneratedShapes
 from mjcompose.link import numbers
 from mjcompose.link.files import ASSETS
 from mjcompose.link.inertia import has_mass
@@ -211,7 +211,7 @@ def _collision_result(
         editing.note(geom)
     assign(editing, node, {"contype": "0", "conaffinity": "0"})
     editing.write(node, {"contype": at, "conaffinity": at})
-    about = MadeShapes(
+    about = GeneratedShapes(
         name_of(node) or "",
         mesh_name,
         job.method,
@@ -391,7 +391,7 @@ def _check_textures(editing: Editing, mesh: Node, result: Mapping[str, Any], at:
 def _simplify_result(editing: Editing, job: MeshJob, result: Mapping[str, Any], at: Path) -> MeshResult:
     mesh, name = job.node, name_of(job.node) or ""
     shape = result["shapes"][0]
-    about = MadeShapes(
+    about = GeneratedShapes(
         "",
         name,
         "simplify",

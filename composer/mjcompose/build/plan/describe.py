@@ -20,7 +20,7 @@ from mjcompose.sources.reference import Source
 from mjcompose.text.node import Mapping, Node, Scalar, Sequence, find, locate, spans
 
 if TYPE_CHECKING:
-    from mjcompose.build.plan.plan import MadeShapes
+    from mjcompose.build.plan.plan import GeneratedShapes
     from mjcompose.link.subtree import DroppedElement, Subtree
 
 Shown = Callable[[File], str]
@@ -242,7 +242,7 @@ def _edit_lines(edit: Edit, outcome: EditOutcome | None, indent: str) -> Iterato
 
 def _dropped_lines(subtree: Subtree | None, indent: str) -> Iterator[str]:
     """Yield a line for each kind that is left behind, and one for each element that would be cut in two."""
-    left = [each for each in subtree.left if each.lacks is None] if subtree else []
+    left = [each for each in subtree.dropped if each.lacks is None] if subtree else []
     for kind, names in _by_kind(left).items():
         yield f"{indent}leaves {_listed(kind, names)}"
     for each in subtree.cut if subtree else ():
@@ -361,7 +361,7 @@ def _edits_data(plan: Plan, edits: Iterable[Edit], preview: PlanPreview) -> dict
     return {"edited": edited} if edited else {}
 
 
-def _shapes_data(made: MadeShapes) -> dict[str, Any]:
+def _shapes_data(made: GeneratedShapes) -> dict[str, Any]:
     """Return what was made of a mesh, and how far it is from it."""
     return {
         "mesh": made.mesh,
@@ -375,7 +375,7 @@ def _shapes_data(made: MadeShapes) -> dict[str, Any]:
 def _subtree_data(subtree: Subtree | None) -> dict[str, Any]:
     if subtree is None:
         return {}
-    left = [{"kind": each.what, "name": each.name, "lacks": each.lacks} for each in subtree.left]
+    left = [{"kind": each.what, "name": each.name, "lacks": each.lacks} for each in subtree.dropped]
     return {"subtree": {"body": subtree.body, "left": left}} if subtree.body else {"dropped": left}
 
 

@@ -99,7 +99,7 @@ def arrays_of_draw(step: DrawValues) -> AbstractSet[str]:
 
 
 @dataclass(frozen=True, slots=True)
-class MadeShapes:
+class GeneratedShapes:
     """`shapes` are the geoms that were made for the geom `of`, or the mesh itself where it was simplified.
 
     `error` has the distances in metres and the shares that `mjcompose.mujoco.fit` measures, `faces` how many the
@@ -154,7 +154,7 @@ class EditOutcome:
 
     selected: Mapping[str, int]
     removed: tuple[DroppedElement, ...] = ()
-    shapes: tuple[MadeShapes, ...] = ()
+    shapes: tuple[GeneratedShapes, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

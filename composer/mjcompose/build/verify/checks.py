@@ -16,7 +16,7 @@ from mjcompose.build.bundle.assemble import Renamed
 from mjcompose.build.bundle.bundle import Bundle
 from mjcompose.build.checks.ask import ask
 from mjcompose.build.checks.check import from_json
-from mjcompose.build.plan.plan import BASE, MadeShapes, PartRecord, Plan, arrays_of_draw
+from mjcompose.build.plan.plan import BASE, GeneratedShapes, PartRecord, Plan, arrays_of_draw
 from mjcompose.build.verify.compile import WHOLE
 from mjcompose.build.verify.outcome import Outcome
 from mjcompose.build.verify.parts import PartComparer
@@ -105,7 +105,7 @@ class Checks:
     merged: Merged
     renamed: Renamed
     bundle: Bundle
-    shapes: Sequence[MadeShapes] = ()
+    shapes: Sequence[GeneratedShapes] = ()
 
     @cached_property
     def comparer(self) -> PartComparer:
