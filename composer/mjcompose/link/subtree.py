@@ -296,7 +296,7 @@ class DroppedElement:
 class Subtree:
     """One body is taken from the model, with exactly what it needs.
 
-    `body` is its name, None if all of the unit is taken; `left` lists what is left behind.
+    `body` is its name, None if all of the unit is taken; `dropped` lists the elements that it drops.
     """
 
     body: str | None
