@@ -294,6 +294,9 @@ class Composer:
 
     def _joined(self, plan: Plan, base: Unit, units: list[Unit], is_fixed: bool) -> Composed | None:
         """Attach the parts to the base, add the recipe's own elements, and return the result."""
+        # Each call needs those before it: steps name joined elements, edits also select what steps add, `finish` lays
+        # out keys after edits have reshaped elements, MuJoCo measures poses and contacts on the finished model, and
+        # edits of keys act on their final rows.
         before = self.context.sink.error_count
         base.root.set("model", plan.name)
         if plan.base_keys == "none" and BASE not in plan.key_sources:
