@@ -223,7 +223,7 @@ def test_the_second_text_is_not_linked_and_has_the_same_warnings(monkeypatch: py
     arm.attach(hand)
     with pytest.warns(mjcf.MjcfWarning) as first:
         text = arm.to_xml_string(conflict="base")
-    monkeypatch.setattr(flat, "linked", None)
+    monkeypatch.setattr(flat, "link_checked", None)
     with pytest.warns(mjcf.MjcfWarning) as second:
         assert arm.to_xml_string(conflict="base") == text
     assert [str(each.message) for each in first] == [str(each.message) for each in second]
