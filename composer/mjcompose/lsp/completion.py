@@ -229,12 +229,7 @@ def offer_selectors(question: Question) -> Iterator[Item]:
         return
     found = [known for _, known in fitting(wanted, analysis.names, analysis.plan)]
     if wanted.namespaces != (PART,):
-        yield Item(
-            "**",
-            "pattern",
-            f"all, unnamed ones too ({len(found)} with a name)",
-            rank=5,
-        )
+        yield Item("**", "pattern", f"all, unnamed ones too ({len(found)} with a name)", rank=5)
         for at, (glob, count) in enumerate(_globs(found, analysis.separator)):
             yield Item(glob, "pattern", counted(count, "element"), rank=10 + at / 1000)
     for at, known in enumerate(found):

@@ -245,10 +245,7 @@ def _template(it: ParserStop) -> SyntaxFault | None:
     end = unquoted_end(it.text, start, True)
     shown = it.text[start:end]
     return it.unquoted(
-        start,
-        end,
-        f"`{shown}` inside `[ ]` or `{{ }}` must be in quotes",
-        code="yaml-template-unquoted",
+        start, end, f"`{shown}` inside `[ ]` or `{{ }}` must be in quotes", code="yaml-template-unquoted"
     )
 
 
@@ -275,10 +272,7 @@ def _tab(it: ParserStop) -> SyntaxFault | None:
     count = sum(line.startswith("\t") for line in it.text.splitlines())
     notes = [Note(f"{count} lines of this file begin with a tab")] if count > 1 else []
     return it.fault(
-        "a tab cannot indent YAML",
-        it.span(it.at, end),
-        "indent with spaces, two for each level",
-        notes=notes,
+        "a tab cannot indent YAML", it.span(it.at, end), "indent with spaces, two for each level", notes=notes
     )
 
 

@@ -2,24 +2,7 @@
 
 from __future__ import annotations
 
-from mjcompose.targets.restrictions import (
-    AT_JOINTS,
-    CARRIED_FORCES,
-    NO_CAMERAS,
-    NO_CUSTOM,
-    NO_KEYS,
-    NO_LIGHTS,
-    NO_PAIRS,
-    NO_PLUGINS,
-    NO_POLYNOMIALS,
-    NO_SENSORS,
-    NO_SOFT,
-    NO_TENDONS,
-    NO_YIELD,
-    ONE_FOR_EACH_JOINT,
-    left_out,
-    no_shapes,
-)
+from mjcompose.targets import restrictions as limits
 from mjcompose.targets.solver import GRAVCOMP
 from mjcompose.targets.target import Draft, Limit, Outcome, Target, write_mjcf
 
@@ -42,14 +25,11 @@ def _springs(draft: Draft) -> None:
 
 
 TARGET = Target(
-    "genesis",
-    "Genesis, which reads MJCF with MuJoCo",
-    (
-        NO_SOFT, NO_PLUGINS, NO_CUSTOM, NO_KEYS, NO_SENSORS, NO_CAMERAS, NO_LIGHTS, NO_PAIRS, NO_POLYNOMIALS, NO_YIELD,
-        Limit("springs", Outcome.PARTLY, _springs), no_shapes("hfield"), CARRIED_FORCES, AT_JOINTS, ONE_FOR_EACH_JOINT,
-        left_out("equality", "equality/tendon"), NO_TENDONS, Limit("no armature", Outcome.WRITTEN, _without_armature),
-        GRAVCOMP,
-    ),
-    write=write_mjcf,
-    package="genesis-world",
+    "genesis", "Genesis, which reads MJCF with MuJoCo", (
+        limits.NO_SOFT, limits.NO_PLUGINS, limits.NO_CUSTOM, limits.NO_KEYS, limits.NO_SENSORS, limits.NO_CAMERAS,
+        limits.NO_LIGHTS, limits.NO_PAIRS, limits.NO_POLYNOMIALS, limits.NO_YIELD,
+        Limit("springs", Outcome.PARTLY, _springs), limits.no_shapes("hfield"), limits.CARRIED_FORCES, limits.AT_JOINTS,
+        limits.ONE_FOR_EACH_JOINT, limits.left_out("equality", "equality/tendon"), limits.NO_TENDONS,
+        Limit("no armature", Outcome.WRITTEN, _without_armature), GRAVCOMP,
+    ), write=write_mjcf, package="genesis-world",
 )  # fmt: skip

@@ -2,35 +2,15 @@
 
 from __future__ import annotations
 
-from mjcompose.targets.restrictions import (
-    NO_ACTUATOR_ARMATURE,
-    NO_ACTUATOR_DAMPING,
-    NO_DELAY,
-    NO_PLUGINS,
-    NO_POLYNOMIALS,
-    NO_YIELD,
-)
-from mjcompose.targets.simulators import (
-    MJX_ACTUATORS,
-    MJX_COLLISIONS,
-    MJX_CONTACT_SENSORS,
-    MJX_EQUALITY,
-    MJX_MARGINS,
-    MJX_OPTIONS,
-    MJX_PAIR_MARGINS,
-    MJX_SENSORS,
-    MJX_SOFT,
-)
+from mjcompose.targets import restrictions as limits
+from mjcompose.targets import simulators
 from mjcompose.targets.target import Target, write_mjcf
 
 TARGET = Target(
-    "mjx",
-    "MJX, MuJoCo in JAX",
-    (
-        MJX_SOFT, NO_PLUGINS, NO_POLYNOMIALS, NO_YIELD, NO_ACTUATOR_ARMATURE, NO_ACTUATOR_DAMPING, NO_DELAY,
-        MJX_COLLISIONS, MJX_MARGINS, MJX_PAIR_MARGINS, MJX_ACTUATORS, MJX_EQUALITY, MJX_SENSORS, MJX_CONTACT_SENSORS,
-        MJX_OPTIONS,
-    ),
-    write=write_mjcf,
-    package="mujoco-mjx",
+    "mjx", "MJX, MuJoCo in JAX", (
+        simulators.MJX_SOFT, limits.NO_PLUGINS, limits.NO_POLYNOMIALS, limits.NO_YIELD, limits.NO_ACTUATOR_ARMATURE,
+        limits.NO_ACTUATOR_DAMPING, limits.NO_DELAY, simulators.MJX_COLLISIONS, simulators.MJX_MARGINS,
+        simulators.MJX_PAIR_MARGINS, simulators.MJX_ACTUATORS, simulators.MJX_EQUALITY, simulators.MJX_SENSORS,
+        simulators.MJX_CONTACT_SENSORS, simulators.MJX_OPTIONS,
+    ), write=write_mjcf, package="mujoco-mjx",
 )  # fmt: skip

@@ -2,44 +2,18 @@
 
 from __future__ import annotations
 
-from mjcompose.targets.restrictions import (
-    NO_ARMATURE,
-    NO_CAMERAS,
-    NO_CUSTOM,
-    NO_DAMPING,
-    NO_EFFORT,
-    NO_EQUALITY,
-    NO_EXCLUDES,
-    NO_FRICTION,
-    NO_KEYS,
-    NO_LIGHTS,
-    NO_PAIRS,
-    NO_PLUGINS,
-    NO_REFERENCES,
-    NO_SENSORS,
-    NO_SITES,
-    NO_SOFT,
-    NO_SPRINGS,
-    NO_TENDONS,
-    SINGLE_JOINTS,
-    no_shapes,
-    one_root,
-    refused,
-    servos,
-)
+from mjcompose.targets import restrictions as limits
 from mjcompose.targets.solver import COMPUTING, GRAVCOMP, GRAVITY, SOFTNESS, unread_contacts
 from mjcompose.targets.target import Target, write_mjcf
 
 TARGET = Target(
-    "pybullet",
-    "PyBullet, by its parser of MJCF",
-    (
-        refused("ball", ".//joint[@type='ball']", "PyBullet has no ball joints in MJCF", "convert it to three hinges"),
-        one_root(with_free=False), NO_REFERENCES, SINGLE_JOINTS, NO_KEYS, NO_SENSORS, NO_CAMERAS, NO_LIGHTS, NO_SITES,
-        NO_TENDONS, NO_EQUALITY, NO_PAIRS, NO_EXCLUDES, NO_SOFT, NO_PLUGINS, NO_CUSTOM, NO_DAMPING, NO_FRICTION,
-        NO_ARMATURE, NO_EFFORT, NO_SPRINGS, no_shapes("ellipsoid", "hfield"), servos(),
-        COMPUTING, GRAVITY, GRAVCOMP, SOFTNESS, unread_contacts(but=("condim",)),
-    ),
-    write_mjcf,
-    "pybullet",
+    "pybullet", "PyBullet, by its parser of MJCF", (
+        limits.refused("ball", ".//joint[@type='ball']", "PyBullet has no ball joints in MJCF",
+                       help="convert it to three hinges"),
+        limits.one_root(with_free=False), limits.NO_REFERENCES, limits.SINGLE_JOINTS, limits.NO_KEYS, limits.NO_SENSORS,
+        limits.NO_CAMERAS, limits.NO_LIGHTS, limits.NO_SITES, limits.NO_TENDONS, limits.NO_EQUALITY, limits.NO_PAIRS,
+        limits.NO_EXCLUDES, limits.NO_SOFT, limits.NO_PLUGINS, limits.NO_CUSTOM, limits.NO_DAMPING, limits.NO_FRICTION,
+        limits.NO_ARMATURE, limits.NO_EFFORT, limits.NO_SPRINGS, limits.no_shapes("ellipsoid", "hfield"),
+        limits.servos(), COMPUTING, GRAVITY, GRAVCOMP, SOFTNESS, unread_contacts(but=("condim",)),
+    ), write=write_mjcf, package="pybullet",
 )  # fmt: skip

@@ -2,19 +2,7 @@
 
 from __future__ import annotations
 
-from mjcompose.targets.restrictions import (
-    NO_CAMERAS,
-    NO_CUSTOM,
-    NO_LIGHTS,
-    NO_PAIRS,
-    NO_PLUGINS,
-    NO_POLYNOMIALS,
-    NO_SENSORS,
-    NO_SOFT,
-    NO_SPRINGS,
-    NO_TENDONS,
-    refused,
-)
+from mjcompose.targets import restrictions as limits
 from mjcompose.targets.solver import BITS, COMPUTING, GRAVCOMP, GRAVITY, SOFTNESS, unread_contacts
 from mjcompose.targets.target import Draft, Limit, Outcome, Target
 from mjcompose.targets.urdf import write_urdf
@@ -33,14 +21,10 @@ _IN_WRITING = tuple(
 )  # fmt: skip
 
 TARGET = Target(
-    "urdf",
-    "URDF, in a ROS package with `ros2_control` and SRDF",
-    (
-        refused("ball", ".//joint[@type='ball']", "URDF has no ball joints", help="convert it to three hinges"),
-        *_IN_WRITING, NO_POLYNOMIALS, NO_SENSORS, NO_CAMERAS, NO_LIGHTS, NO_TENDONS, NO_PAIRS,
-        NO_SOFT, NO_PLUGINS, NO_CUSTOM, NO_SPRINGS,
-        COMPUTING, GRAVITY, GRAVCOMP, BITS, SOFTNESS, unread_contacts("sliding", "torsional", "rolling"),
-    ),
-    write=write_urdf,
-    package="pin",
+    "urdf", "URDF, in a ROS package with `ros2_control` and SRDF", (
+        limits.refused("ball", ".//joint[@type='ball']", "URDF has no ball joints", help="convert it to three hinges"),
+        *_IN_WRITING, limits.NO_POLYNOMIALS, limits.NO_SENSORS, limits.NO_CAMERAS, limits.NO_LIGHTS, limits.NO_TENDONS,
+        limits.NO_PAIRS, limits.NO_SOFT, limits.NO_PLUGINS, limits.NO_CUSTOM, limits.NO_SPRINGS, COMPUTING, GRAVITY,
+        GRAVCOMP, BITS, SOFTNESS, unread_contacts("sliding", "torsional", "rolling"),
+    ), write=write_urdf, package="pin",
 )  # fmt: skip

@@ -2,28 +2,14 @@
 
 from __future__ import annotations
 
+from mjcompose.targets import simulators
 from mjcompose.targets.restrictions import NO_YIELD
-from mjcompose.targets.simulators import (
-    WARP_ACTUATOR_PLUGINS,
-    WARP_ACTUATORS,
-    WARP_BESIDE_FLEXES,
-    WARP_EQUALITY,
-    WARP_FLEXES,
-    WARP_OPTIONS,
-    WARP_PLUGINS,
-    WARP_SENSORS,
-    WARP_SLEEP,
-    WARP_VELOCITIES,
-)
 from mjcompose.targets.target import Target, write_mjcf
 
 TARGET = Target(
-    "warp",
-    "MuJoCo Warp, MuJoCo on GPUs of NVIDIA",
-    (
-        NO_YIELD, WARP_ACTUATORS, WARP_EQUALITY, WARP_SENSORS, WARP_OPTIONS, WARP_PLUGINS, WARP_FLEXES,
-        WARP_BESIDE_FLEXES, WARP_VELOCITIES, WARP_ACTUATOR_PLUGINS, WARP_SLEEP,
-    ),
-    write=write_mjcf,
-    package="mujoco-warp",
+    "warp", "MuJoCo Warp, MuJoCo on GPUs of NVIDIA", (
+        NO_YIELD, simulators.WARP_ACTUATORS, simulators.WARP_EQUALITY, simulators.WARP_SENSORS, simulators.WARP_OPTIONS,
+        simulators.WARP_PLUGINS, simulators.WARP_FLEXES, simulators.WARP_BESIDE_FLEXES, simulators.WARP_VELOCITIES,
+        simulators.WARP_ACTUATOR_PLUGINS, simulators.WARP_SLEEP,
+    ), write=write_mjcf, package="mujoco-warp",
 )  # fmt: skip
