@@ -18,6 +18,10 @@ Support = tuple[float, float]
 """The least and the greatest number that may be drawn."""
 
 
+CHOICE = "choice"
+"""The word for a draw among values, which is no distribution of numbers."""
+
+
 class Arithmetic(Protocol):
     """The operations of distributions: those of `float_math.py` on numbers, or of `array_math.py` on arrays."""
 

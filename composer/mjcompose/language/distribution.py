@@ -13,6 +13,7 @@ from pydantic import Field, WithJsonSchema
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Fault, Path
 from mjcompose.base.distribution import (
+    CHOICE,
     Distribution,
     Integers,
     LogNormal,
@@ -24,14 +25,13 @@ from mjcompose.base.distribution import (
 from mjcompose.base.draw_stream import below, bits
 from mjcompose.base.extensions import Table
 from mjcompose.language.form import kind_of, shown
-from mjcompose.language.forms.model import IT, WHOLE, Model
+from mjcompose.language.forms.model import IT, OWNER, WHOLE, Model
 from mjcompose.language.forms.rows import Rows
 from mjcompose.language.forms.rules import OneOf
 from mjcompose.language.forms.scalars import Checked, Expects, Items, Measure, NotNegative, Positive, Whole
 from mjcompose.text.expression_values import Angle
 
 Operation = Literal["set", "scale", "offset"]
-CHOICE = "choice"
 _MAKERS: Mapping[str, Callable[..., Distribution]] = {
     "uniform": Uniform,
     "loguniform": LogUniform,
@@ -333,16 +333,17 @@ class Change(Model):
 
 def read(kind: str, written: Written, operation: Operation) -> FieldDistribution | Fault:
     """Return the distribution that is written, or what is wrong with its numbers together."""
+    called = f"`{kind}` of {OWNER}"
     if isinstance(written, Choice):
         return FieldDistribution(CHOICE, values=written.values)
     neutral = {"scale": 0.0 if kind == "lognormal" else 1.0}.get(operation, 0.0)
     numbers = {name: each if each is not None else (neutral,) for name, each in written.numbers().items()}
     angles = [each for items in numbers.values() for each in items if isinstance(each, Angle)]
     if angles and operation == "scale":
-        return Fault("wrong-type", f"{IT} is of factors, which have no unit")
+        return Fault("wrong-type", f"{called} is of factors, which have no unit")
     for each in (each for items in numbers.values() for each in items if angles):
         if not isinstance(each, Angle) and each != 0:
-            message = f"{IT} has numbers with a unit and {shown(each)} without one"
+            message = f"{called} has numbers with a unit and {shown(each)} without one"
             return Fault("bare-angle", message, help=f"write `{shown(each)}{angles[0].unit}`")
     units = {each.unit for each in angles}
     unit = None if not units else units.pop() if len(units) == 1 else "rad"
@@ -351,10 +352,10 @@ def read(kind: str, written: Written, operation: Operation) -> FieldDistribution
     lengths = {len(each) for each in plain.values()} - {1}
     if len(lengths) > 1:
         counts = " and ".join(map(str, sorted(lengths)))
-        return Fault("wrong-length", f"{IT} has lists of {counts} numbers")
+        return Fault("wrong-length", f"{called} has lists of {counts} numbers")
     found = FieldDistribution(kind, plain, unit=unit)
     wrong = next(filter(None, map(_fault_of, map(found.of, range(found.components or 1)))), None)
-    return found if wrong is None else Fault("out-of-range", f"{IT}: {wrong}")
+    return found if wrong is None else Fault("out-of-range", f"{called}: {wrong}")
 
 
 def _in(value: float | Angle, unit: Literal["deg", "rad"] | None) -> float:

@@ -10,10 +10,10 @@ from typing import Annotated, Any, ClassVar, Literal
 from pydantic import BeforeValidator, Field
 
 from mjcompose.base.diagnostic import Fault, Path
+from mjcompose.base.distribution import CHOICE
 from mjcompose.base.limits import advice, in_force
 from mjcompose.language.assign import MASS, Checker
 from mjcompose.language.distribution import (
-    CHOICE,
     DISTRIBUTIONS,
     KINDS,
     Change,
@@ -29,15 +29,10 @@ from mjcompose.language.forms.rows import Rows
 from mjcompose.language.forms.rules import Bars, Needs, OneOf
 from mjcompose.language.forms.scalars import Checked, Count, Expects, Name, Text, whole
 from mjcompose.language.select import NARROWING, advice_on_narrowing, kinds_of
-from mjcompose.language.value import attribute_and_index
+from mjcompose.language.value import attribute_and_index, must_not_be_negative
 from mjcompose.language.variation import NO_EMIT
 from mjcompose.model.selector import Selector
 
-NOT_NEGATIVE = frozenset(
-    "mass density diaginertia armature damping frictionloss stiffness friction size".split()
-)
-"""Attributes of which a draw must not make a negative number: of the first number, if they are polynomials."""
-_POLYNOMIALS = ("damping", "stiffness")
 _OF_ELEMENTS = ("select", "attr", "per", "expect", "optional")
 _SIGNS = {"set": "=", "scale": "×", "offset": "+"}
 
@@ -140,18 +135,9 @@ class DrawField(Model):
     def contradictions(self, context: Settings) -> Iterator[Fault]:
         at, found = self._of_distribution, self._read[1]
         if isinstance(found, Fault):
-            yield replace(found, at=at, message=found.message.replace(IT, f"`{at[-1]}` of {OWNER}"))
+            yield replace(found, at=at)
         elif self.select is not None:
             yield from _attribute_faults(self, self.select, at, bare_angles=context.bare_angles)
-
-
-def must_not_be_negative(attribute: str, component: int) -> bool:
-    """Return whether a negative number has no meaning there.
-
-    >>> must_not_be_negative("damping", 0), must_not_be_negative("damping", 1), must_not_be_negative("pos", 0)
-    (True, False, False)
-    """
-    return attribute in NOT_NEGATIVE and (component == 0 or attribute not in _POLYNOMIALS)
 
 
 def _attribute_faults(

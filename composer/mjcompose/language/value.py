@@ -324,3 +324,19 @@ def _printable(attribute: Attribute, value: object, at: Path, subject: str, faul
         return True
     faults.append(unprintable(subject, at, name=attribute.type in ("name", "reference", "references")))
     return False
+
+
+NOT_NEGATIVE = frozenset(
+    "mass density diaginertia armature damping frictionloss stiffness friction size".split()
+)
+"""Attributes of which a draw must not make a negative number: of the first number, if they are polynomials."""
+_POLYNOMIALS = ("damping", "stiffness")
+
+
+def must_not_be_negative(attribute: str, component: int) -> bool:
+    """Return whether a negative number has no meaning there.
+
+    >>> must_not_be_negative("damping", 0), must_not_be_negative("damping", 1), must_not_be_negative("pos", 0)
+    (True, False, False)
+    """
+    return attribute in NOT_NEGATIVE and (component == 0 or attribute not in _POLYNOMIALS)

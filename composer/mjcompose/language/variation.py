@@ -11,7 +11,7 @@ from pydantic import Field, ValidationError, WithJsonSchema
 from mjcompose.base.diagnostic import Diagnostic, Fault, Note, Path, Span
 from mjcompose.base.sink import Sink
 from mjcompose.language.form import Schema, Settings, kind_of
-from mjcompose.language.forms.model import IT, OWNER, Model
+from mjcompose.language.forms.model import IT, Model
 from mjcompose.language.forms.rows import validated
 from mjcompose.language.forms.scalars import AtLeastOne, Checked, Expects, Items, Keywords, Measure, Text
 from mjcompose.language.forms.translate import faults
@@ -119,11 +119,6 @@ class Declaration(Model):
                 return
         if parameter.low is not None and parameter.high is not None and parameter.low > parameter.high:
             yield Fault("out-of-range", f"`max` of {IT} is below its `min`", ("max",))
-        elif parameter.default is not None:
-            read = parameter.read(parameter.default)
-            if isinstance(read, Diagnostic):
-                message = read.message.replace("parameter ``", OWNER)
-                yield Fault(read.code, message, ("default",), help=read.help)
 
     def parameter(self, name: str, span: Span) -> Parameter:
         """Return the parameter. Its default is as it is written, and may have a type that it does not allow."""
@@ -207,8 +202,10 @@ def read_params(document: Located, sink: Sink) -> dict[str, Parameter]:
             continue
         parameter = declared.parameter(key.name, key.span)
         settled = None if parameter.default is None else parameter.read(parameter.default)
-        assert not isinstance(settled, Diagnostic)
-        found[key.name] = replace(parameter, default=settled)
+        if isinstance(settled, Diagnostic):
+            sink.add(replace(settled, span=locate(document, ("params", key.name, "default"))))
+        else:
+            found[key.name] = replace(parameter, default=settled)
     return found
 
 

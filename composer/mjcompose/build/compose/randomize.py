@@ -12,6 +12,7 @@ from lxml.etree import _Element as Node
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Note
+from mjcompose.base.distribution import CHOICE
 from mjcompose.base.draw_stream import bits
 from mjcompose.build.compose.editing import Editing, cost_of_draws
 from mjcompose.build.compose.keys import report_only_zeros, zero_attributes
@@ -21,9 +22,7 @@ from mjcompose.build.plan.plan import BASE, Drawn, ElementDraws
 from mjcompose.build.plan.steps import AngleSettings, DrawValues
 from mjcompose.build.verbs.values import OPERATIONS, Change
 from mjcompose.language.assign import MASS
-from mjcompose.language.distribution import CHOICE
-from mjcompose.language.randomize import must_not_be_negative
-from mjcompose.language.value import attribute_and_index
+from mjcompose.language.value import attribute_and_index, must_not_be_negative
 from mjcompose.model.select import kind_of, name_of, numbered, parent_of
 from mjcompose.model.values import is_in_degrees
 from mjcompose.text.expression_values import Angle, Value

@@ -5,23 +5,25 @@ from __future__ import annotations
 from collections.abc import Mapping as Map
 from dataclasses import replace
 from pathlib import Path
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Diagnostic, Note
+from mjcompose.base.distribution import CHOICE
 from mjcompose.base.draw_stream import bits
 from mjcompose.base.sink import Sink
 from mjcompose.base.suggest import unknown_name
 from mjcompose.build.plan.plan import Drawn, Plan
 from mjcompose.build.plan.read import expanded_recipe, read_recipe
-from mjcompose.language.distribution import CHOICE
 from mjcompose.language.expand import Cell, Concrete, cells, scope_of, settled_name
 from mjcompose.language.parameters import Parameter, node_of
-from mjcompose.language.randomize import DrawField, Randomize
 from mjcompose.language.validate import judge
 from mjcompose.sources.context import Context, as_text
 from mjcompose.text.expression_values import Angle, Value, kind
 from mjcompose.text.node import Mapping, Node, Scalar, find, is_template, locate
+
+if TYPE_CHECKING:
+    from mjcompose.language.randomize import DrawField, Randomize
 
 
 def draw_parameters(

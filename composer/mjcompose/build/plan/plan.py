@@ -24,9 +24,7 @@ from mjcompose.build.plan.steps import (
 from mjcompose.language.attach import Attachment
 from mjcompose.language.check import Check
 from mjcompose.language.datasheets import Sheet
-from mjcompose.language.distribution import Operation
 from mjcompose.language.form import shown
-from mjcompose.language.randomize import DrawField, Randomize
 from mjcompose.language.used_model import Drop, KeyPolicy
 from mjcompose.language.value import attribute_and_index
 from mjcompose.model.grammar import number_text
@@ -37,6 +35,8 @@ from mjcompose.text.expression_values import Value
 from mjcompose.text.node import Mapping as Located
 
 if TYPE_CHECKING:
+    from mjcompose.language.distribution import Operation
+    from mjcompose.language.randomize import DrawField, Randomize
     from mjcompose.link.subtree import DroppedElement, Subtree
 
 

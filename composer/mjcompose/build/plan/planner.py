@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from collections.abc import Mapping as Map
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Note, Span
@@ -31,7 +31,6 @@ from mjcompose.language.attach import Attachment
 from mjcompose.language.check import checks_of
 from mjcompose.language.expand import Concrete
 from mjcompose.language.placing import with_inherited
-from mjcompose.language.randomize import Randomize
 from mjcompose.language.recipe import Recipe
 from mjcompose.language.validate import validate_what_remains
 from mjcompose.sources import ros
@@ -40,6 +39,9 @@ from mjcompose.sources.lock import resolve
 from mjcompose.sources.reference import Source, SourceError
 from mjcompose.sources.ros import UrdfChoices
 from mjcompose.text.node import Mapping, find, locate
+
+if TYPE_CHECKING:
+    from mjcompose.language.randomize import Randomize
 
 Outer = tuple[tuple[Path, "Span | None"], ...]
 """The recipe files around a nested one, outermost first, each with the place that names it."""

@@ -6,7 +6,7 @@ import dataclasses
 from abc import ABC, abstractmethod
 from collections.abc import Container, Iterator, Sequence
 from collections.abc import Mapping as Map
-from typing import ClassVar, Literal
+from typing import TYPE_CHECKING, ClassVar, Literal
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Path, Span
@@ -17,12 +17,14 @@ from mjcompose.language.form import Element
 from mjcompose.language.fragment import names_in
 from mjcompose.language.keyframe import Keyframe
 from mjcompose.language.parameters import Substitution
-from mjcompose.language.randomize import DrawField, Randomize
 from mjcompose.language.recipe import Recipe, sections_of
 from mjcompose.language.sections import Elements, Singleton
 from mjcompose.language.select import Collisions
 from mjcompose.language.validate import judge
 from mjcompose.text.node import Mapping, Node, locate, to_python
+
+if TYPE_CHECKING:
+    from mjcompose.language.randomize import DrawField, Randomize
 
 SETTINGS = ("angle", "eulerseq")
 

@@ -9,18 +9,17 @@ import zipfile
 from collections.abc import Callable, Iterator, Sequence
 from io import BytesIO
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from mjcompose.base.distribution import CHOICE
 from mjcompose.base.scratch import scratch
 from mjcompose.build.bundle.bundle import DRAWS, MODEL, WORLDS, Bundle
 from mjcompose.build.bundle.listing import write_rows
 from mjcompose.build.plan.plan import ElementDraws, Plan
 from mjcompose.build.verify.compile import WHOLE
 from mjcompose.language.assign import MASS
-from mjcompose.language.distribution import CHOICE
-from mjcompose.language.randomize import DrawField
 from mjcompose.model.values import is_in_degrees
 from mjcompose.mujoco import engine
 from mjcompose.mujoco.addresses import rows_of
@@ -32,6 +31,9 @@ from mjcompose.mujoco.varying import Numbers, Recorder, arrays, flat, put, store
 from mjcompose.sources.context import Context
 from mjcompose.text.expression_values import UNITS, Angle
 from mjcompose.text.node import locate
+
+if TYPE_CHECKING:
+    from mjcompose.language.randomize import DrawField
 
 SAMPLES = "samples.csv"
 SAMPLE = "sample"
