@@ -3,19 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import asdict, field
-from functools import cache, cached_property
+from functools import cached_property
 from typing import Any
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Fault, Note
 from mjcompose.base.suggest import did_you_mean, exists_note, unknown_name
-from mjcompose.model.grammar import GRAMMAR
 from mjcompose.model.pattern import fitter
-from mjcompose.model.selector import paths_of
-from mjcompose.mujoco.arrays import words
-from mjcompose.mujoco.attributes import ENUMERATED, ON_BODIES, Model, NameTable, array_of, holder
+from mjcompose.mujoco.attributes import ON_BODIES, Model, NameTable, holder
 
 
 def failed(
@@ -199,78 +196,6 @@ class Scope:
     def joints(self) -> frozenset[int]:
         """The ids of the recipe's joints."""
         return frozenset(self.own("joint"))
-
-
-_NAMING = ("geom", "site", "camera", "light", "skin", "material", "pair", "exclude", "equality", "tendon", "actuator",
-           "sensor")  # fmt: skip
-_NOT_COMPILED = ("default", "instance")
-
-
-@cache
-def keywords(tag: str) -> Mapping[str, tuple[str, ...]]:
-    """Return the attributes of a tag that have keywords, with these. The keywords of a family's `type` are its tags."""
-    paths = paths_of(tag)
-    found: dict[str, tuple[str, ...]] = {}
-    for name in sorted(ENUMERATED.get(tag, ())):
-        words = {word for path in paths for word in _words(path, name)}
-        found[name] = tuple(sorted(words or {GRAMMAR.element(path).tag for path in paths}))
-    return found
-
-
-def _words(path: str, name: str) -> tuple[str, ...]:
-    attribute = GRAMMAR.element(path).attributes.get(name)
-    return attribute.keywords if attribute is not None else ()
-
-
-@cache
-def naming(tag: str) -> Mapping[str, str | None]:
-    """Return the attributes of a tag that name another element, with its kind.
-
-    The kind is None if another attribute gives it.
-    """
-    if tag not in _NAMING:
-        return {}
-    return {
-        name: attribute.refers
-        for path in sorted(paths_of(tag))
-        for name, attribute in GRAMMAR.element(path).attributes.items()
-        if (attribute.is_reference or attribute.refers_by) and attribute.refers not in _NOT_COMPILED
-    }
-
-
-_SECOND = ("refsite", "slidersite", "refname")
-
-
-def words_of(scope: Scope, tag: str, index: int, attr: str) -> Iterator[str]:
-    """Yield the value of an attribute.
-
-    There are several if MuJoCo does not store which of two it is, and none if the attribute is not set.
-    """
-    if attr in ENUMERATED.get(tag, ()):
-        array = array_of(tag, attr)
-        values = getattr(scope.model, array, None)
-        if values is not None:
-            yield words(scope.mujoco, array)[int(values[index])]
-        return
-    from mjcompose.mujoco.references import links
-
-    kind = naming(tag)[attr]
-    for link in links(scope.model, tag, index):
-        if link.index >= 0 and (kind is None or link.kind == kind) and _is_meant(link.field, tag, attr):
-            yield scope.written(link.kind, link.index)
-
-
-def _is_meant(field: str, tag: str, attr: str) -> bool:
-    """Return whether the attribute writes the reference that the field of mjModel stores."""
-    if attr == "target":
-        return "target" in field
-    if tag == "sensor":
-        return field == ("sensor_refid" if attr in _SECOND or attr.endswith("2") else "sensor_objid")
-    if tag == "equality":
-        return field == ("eq_obj2id" if attr.endswith("2") else "eq_obj1id")
-    if tag == "actuator":
-        return field == f"actuator_trnid[{int(attr in _SECOND)}]"
-    return True
 
 
 def keys_named(scope: Scope, globs: Sequence[str]) -> list[str] | Fault:

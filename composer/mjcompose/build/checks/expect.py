@@ -4,18 +4,31 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import replace
 from typing import Annotated, Any, ClassVar
 
 from pydantic import Field
 from pydantic_core import PydanticKnownError
 
-from mjcompose.base.dataclass import dataclass
-from mjcompose.base.diagnostic import Fault, Note
+from mjcompose.base.diagnostic import Fault
 from mjcompose.base.extensions import Table
 from mjcompose.base.suggest import advised, closest, exists_note
-from mjcompose.build.checks.check import Scope, failed, keywords, naming, unknown, words_of
+from mjcompose.build.checks.check import Scope, failed, unknown
+from mjcompose.build.checks.values import (
+    ROUNDING,
+    SUBTREE_MASS,
+    Number,
+    equal,
+    keywords,
+    like,
+    naming,
+    pair_of,
+    plain,
+    quantity,
+    unit_of,
+    words_of,
+)
 from mjcompose.language.check import Check, CheckPart
 from mjcompose.language.form import Schema, Settings, kind_of, reference, shown
 from mjcompose.language.forms.model import IT, OWNER, Model
@@ -23,9 +36,7 @@ from mjcompose.language.forms.rows import Rows
 from mjcompose.language.forms.rules import Belongs, Exclusive, OneOf
 from mjcompose.language.forms.scalars import Checked, Count, Expects, Items, Measure, Name, Text
 from mjcompose.language.select import pattern_fault
-from mjcompose.model.values import is_in_degrees
-from mjcompose.mujoco.arrays import JOINT_TYPES
-from mjcompose.mujoco.attributes import ANGLES, ENUMERATED, HOLDERS, KINDS, array_of, attributes, holder
+from mjcompose.mujoco.attributes import ENUMERATED, HOLDERS, KINDS, attributes, holder
 from mjcompose.mujoco.attributes import TAGS as WITH_NUMBERS
 from mjcompose.text.expression_values import Angle
 
@@ -34,7 +45,7 @@ TAGS = (
     "pair", "exclude", "equality", "tendon", "actuator", "sensor", "numeric", "text", "tuple", "plugin", "key",
 )  # fmt: skip
 """What a compiled model has names for; families stand for all of their tags."""
-MASS, SUBTREE_MASS = "mass", "subtree_mass"
+MASS = "mass"
 COUNTS: Mapping[str, str] = {
     "nq": "entries of `qpos`",
     "nv": "degrees of freedom",
@@ -70,8 +81,6 @@ COUNTS: Mapping[str, str] = {
 OF_THE_MODEL = (MASS, *COUNTS)
 WHERE = "where"
 _INDEXED = re.compile(r"([A-Za-z]\w*)(?:\[(\d{1,3})\])?")
-Number = tuple[float, str | None]
-"""A number and the unit that is written behind it, `deg` or `rad`."""
 _BY_TAG: Table[Any] = Table(
     "tags",
     {
@@ -378,36 +387,9 @@ def _word(tag: str, attr: str, value: Any) -> str | Fault:
     )
 
 
-_ROUNDING = {4: 1e-6, 8: 1e-9}
-"""Rounding tolerance by the bytes of a number, relative to the larger of 1 and the value."""
 _SHOWN = 8
 _UNITS = {MASS: " kg", SUBTREE_MASS: " kg"}
 _COUNTED = {kind.size: word for word, kind in KINDS.items() if word not in ("body", "key")}
-
-
-@dataclass(frozen=True, slots=True)
-class Quantity:
-    """A number with its unit as written; `per_unit` is one such unit in the unit of the compiled model."""
-
-    number: float
-    unit: str | None
-    per_unit: float
-
-    @property
-    def value(self) -> float:
-        """The number in the compiled model's unit."""
-        return self.number * self.per_unit
-
-    def __str__(self) -> str:
-        if isinstance(self.number, bool):
-            return str(self.number).lower()
-        return f"{self.number:.9g}{self.unit or ''}"
-
-    def like(self, value: float) -> str:
-        """Return a value of the compiled model as text, in the unit of this quantity."""
-        if isinstance(value, bool):
-            return str(value).lower()
-        return str(Quantity(value / self.per_unit, self.unit, self.per_unit))
 
 
 def check(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
@@ -489,11 +471,11 @@ def _fits(scope: Scope, index: int, select: dict[str, Any], angle: str | None) -
             if not scope.fitting(each["word"], words):
                 return False
             continue
-        pair = _pair(scope, tag, index, {**each, "angle": angle}, each["value"])
+        pair = pair_of(scope, tag, index, {**each, "angle": angle}, each["value"])
         if isinstance(pair, Fault):
             return False if pair.code == "wrong-length" else replace(pair, at=("select", WHERE, each["key"]))
         actual, expected = pair
-        if len(expected) != actual.size or not _equal(actual, expected, None):
+        if len(expected) != actual.size or not equal(actual, expected, None):
             return False
     return True
 
@@ -505,21 +487,21 @@ def _differing(scope: Scope, asked: dict[str, Any], elements: list[int]) -> list
     expected = ""
     key = "range" if asked["equals"] is None else "equals"
     for index in elements:
-        pair = _pair(scope, tag, index, asked, asked[key])
+        pair = pair_of(scope, tag, index, asked, asked[key])
         if isinstance(pair, Fault):
             return [replace(pair, at=pair.at or (key,))]
         actual, quantities = pair
-        scope.values[scope.written(tag, index)] = _plain(actual)
+        scope.values[scope.written(tag, index)] = plain(actual)
         if key == "equals" and len(quantities) != actual.size:
             name = asked["select"]["glob"]
             message = f"`{asked['attr']}` of {tag} `{name}` has {actual.size} numbers, `equals` has {len(quantities)}"
             return [Fault("wrong-length", message, ("equals",))]
         unit = _UNITS.get(asked["attr"], "")
-        have = _listed(_like(quantities, actual.tolist())) + unit
+        have = _listed(like(quantities, actual.tolist())) + unit
         if key == "equals":
-            own = _unit_of(tag, asked["attr"])
-            tol = None if asked["tol"] is None else _quantity(asked["tol"][0], asked["tol"][1], own)
-            holds = _equal(actual, quantities, None if tol is None else tol.value)
+            own = unit_of(tag, asked["attr"])
+            tol = None if asked["tol"] is None else quantity(asked["tol"][0], asked["tol"][1], own)
+            holds = equal(actual, quantities, None if tol is None else tol.value)
             expected = _listed([str(each) for each in quantities]) + unit
             expected += "" if tol is None else f" ± {tol}{unit}"
         else:
@@ -548,7 +530,7 @@ def _of_the_model(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
     unit = _UNITS.get(attr, "")
     if key == "equals":
         (number,) = numbers if len(numbers) == 1 else (math.nan,)
-        slack = _ROUNDING[8] * max(1.0, abs(number)) if asked["tol"] is None else asked["tol"][0]
+        slack = ROUNDING[8] * max(1.0, abs(number)) if asked["tol"] is None else asked["tol"][0]
         low, high = number - slack, number + slack
         expected = f"{number:.9g}{unit}" + ("" if asked["tol"] is None else f" ± {slack:g}{unit}")
     else:
@@ -581,94 +563,6 @@ def _size(scope: Scope, size: str) -> int | None:
         if summed == size:
             return sum(len(span(model, vector, index)) for index in scope.own(kind))
     return None
-
-
-def _pair(
-    scope: Scope, tag: str, index: int, asked: Mapping[str, Any], numbers: Sequence[Number]
-) -> tuple[Any, list[Quantity]] | Fault:
-    """Return the numbers that an element has, as a flat array, and those that are written."""
-    actual = _values(scope, tag, index, asked)
-    if isinstance(actual, Fault):
-        return actual
-    quantities = _quantities(scope, tag, index, asked, numbers)
-    return quantities if isinstance(quantities, Fault) else (actual, quantities)
-
-
-def _values(scope: Scope, tag: str, index: int, asked: Mapping[str, Any]) -> Any | Fault:
-    """Return the numbers of an attribute as a flat array, or the one of its `index`."""
-    import numpy as np
-
-    from mjcompose.mujoco.addresses import rows_of
-
-    attr = asked["attr"]
-    name = "body_subtreemass" if attr == SUBTREE_MASS else array_of(tag, attr)
-    array = getattr(scope.model, name, None)
-    if array is None:
-        return Fault("unknown-attribute", f"this MuJoCo has no `{attr}` of a {tag}", ("attr",))
-    row = rows_of(
-        scope.model, tag, name, index=index
-    ).start  # a joint has one value; for an actuator the first counts
-    numbers = np.atleast_1d(array[row]).ravel()
-    if asked["index"] is None:
-        return numbers
-    if asked["index"] >= numbers.size:
-        message = f"`{attr}` of {scope.called(tag, index)} has {numbers.size} numbers"
-        return Fault("wrong-length", message, ("attr",), notes=(Note(f"the first is `{attr}[0]`"),))
-    return numbers[asked["index"]][None]
-
-
-def _quantities(
-    scope: Scope, tag: str, index: int, asked: Mapping[str, Any], numbers: Sequence[Number]
-) -> list[Quantity] | Fault:
-    """Return the expected numbers in the unit of the compiled model."""
-    attr = asked["attr"]
-    joint = JOINT_TYPES[int(scope.model.jnt_type[index])].word if tag == "joint" else ""
-    angular = attr in ANGLES.get(joint, ())
-    quantities: list[Quantity] = []
-    for number, unit in numbers:
-        if unit is None and angular and number != 0:
-            unit = {"degree": "deg", "radian": "rad", None: None}[asked["angle"]]
-            if unit is None:
-                help = f"write `{number:.9g}deg` or `{number:.9g}rad`, or `angle: degree` at the top of the recipe"
-                message = f"`{attr}` of {joint} {scope.called(tag, index)} is an angle, and `{number:.9g}` has no unit"
-                return Fault("bare-angle", message, help=help)
-        quantities.append(_quantity(number, unit, _unit_of(tag, attr)))
-    return quantities
-
-
-def _unit_of(tag: str, attr: str) -> str:
-    return "deg" if is_in_degrees(tag, attr) else "rad"
-
-
-def _quantity(number: float, unit: str | None, own: str) -> Quantity:
-    if unit in (None, own):
-        return Quantity(number, unit, 1.0)
-    return Quantity(number, unit, math.radians(1) if own == "rad" else math.degrees(1))
-
-
-def _equal(actual: Any, expected: Sequence[Quantity], tol: float | None) -> bool:
-    import numpy as np
-
-    meant = np.array([each.value for each in expected], dtype=np.float64)
-    apart = np.abs(actual.astype(np.float64) - meant)
-    if tol is None:
-        part = _ROUNDING[4 if actual.dtype == np.float32 else 8]
-        return bool(np.all(apart <= part * np.maximum(1.0, np.abs(meant))))
-    return bool(np.all(apart <= tol))
-
-
-def _plain(numbers: Any) -> Any:
-    """Return one number or a list of numbers for JSON; single-precision numbers are rounded to six digits."""
-    plain = [float(f"{each:.6g}") if numbers.dtype.itemsize == 4 and numbers.dtype.kind == "f" else each
-             for each in numbers.tolist()]  # fmt: skip
-    return plain[0] if len(plain) == 1 else plain
-
-
-def _like(quantities: Sequence[Quantity], numbers: Sequence[float]) -> list[str]:
-    """Return numbers as text, each in the unit of its quantity, or all in that of the first."""
-    if len(quantities) != len(numbers):
-        quantities = [quantities[0]] * len(numbers)
-    return [each.like(number) for each, number in zip(quantities, numbers, strict=True)]
 
 
 def _listed(words: list[str]) -> str:
