@@ -6,7 +6,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from copy import deepcopy
 from dataclasses import field
-from typing import Any, get_args
+from typing import Any
 
 from pydantic import (
     GetCoreSchemaHandler,
@@ -19,7 +19,7 @@ from pydantic_core import CoreSchema, InitErrorDetails, PydanticCustomError, cor
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Diagnostic, Fault, Fix, Path
-from mjcompose.base.suggest import advised, closest, exists_note, renaming
+from mjcompose.base.suggest import advised, closest, exists_note
 from mjcompose.model.grammar import number_text
 from mjcompose.model.selector import Selector
 from mjcompose.text.expression_values import Angle
@@ -353,58 +353,3 @@ class Text(Form):
         if is_unprintable(value):
             return unprintable(f"`{self.key}`", ())
         return None if self.check is None else self.check(value)
-
-
-@dataclass(frozen=True, slots=True)
-class Choice:
-    """Form of a `Literal` of keywords. `key` is its name in messages.
-
-    If it is `chosen`, it may also be a `${…}`, for editors too. `former` has keywords that are no more, each with the
-    one to write instead.
-    """
-
-    key: str
-    chosen: bool = False
-    former: tuple[tuple[str, str], ...] = ()
-
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        words = _words(source)
-
-        def read(value: Any, handler: ValidatorFunctionWrapHandler) -> str:
-            if isinstance(value, str) and value in words:
-                return value
-            raise validation_error([self.fault(value, words)], value)
-
-        # The inner schema is only used for the JSON Schema.
-        return core_schema.no_info_wrap_validator_function(read, core_schema.literal_schema(list(words)))
-
-    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> Schema:
-        words = handler(schema)
-        return words if not self.chosen else {"anyOf": [words, {"type": "string", "pattern": r"\$\{"}]}
-
-    def fault(self, value: Any, words: tuple[str, ...]) -> Fault:
-        if not isinstance(value, str):
-            return Fault(
-                "wrong-type", f"`{self.key}` expects a keyword, got {kind_of(value)}", help=_one_of(words)
-            )
-        instead = dict(self.former).get(value)
-        near = [instead] if instead else closest(value, words)
-        near = near or [word for word in words if len(value) > 1 and word.startswith(value)]
-        return Fault(
-            "wrong-keyword",
-            f"`{self.key}` cannot be `{value}`",
-            notes=(exists_note("keyword", words, value),),
-            help=f"write `{self.key}: {near[0]}`" if near else None,
-            fix=Fix(instead, value) if instead else renaming(value, words),
-        )
-
-
-def _words(source: Any) -> tuple[str, ...]:
-    """Return the keywords of `Literal[…]`, or of `Literal[…] | None`."""
-    return tuple(
-        word for each in get_args(source) for word in ([each] if isinstance(each, str) else get_args(each))
-    )
-
-
-def _one_of(words: tuple[str, ...]) -> str:
-    return f"write one of {', '.join(f'`{word}`' for word in words)}"

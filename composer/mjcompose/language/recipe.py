@@ -21,21 +21,19 @@ from mjcompose.language.element_schema import mapping
 from mjcompose.language.expand import SETTLED
 from mjcompose.language.form import (
     EXCLUSIVE,
-    Choice,
     Element,
     Form,
     Schema,
     Settings,
-    Text,
     definition,
     is_unprintable,
     kind_of,
     reference,
     unprintable,
 )
-from mjcompose.language.forms.model import Model
+from mjcompose.language.forms.model import IT, Model
 from mjcompose.language.forms.rows import Lazy
-from mjcompose.language.forms.scalars import Expects
+from mjcompose.language.forms.scalars import Checked, Expects, Name
 from mjcompose.language.fragment import missing_key
 from mjcompose.language.keyframe import Keyframe, Keyframes
 from mjcompose.language.sections import ByTag, DefaultClass, Defaults, Extension, Singleton, Typed
@@ -223,6 +221,10 @@ class Version(Form):
         return VERSION
 
 
+def _unprintable(text: str) -> Fault | None:
+    return unprintable(IT, (), name=False) if is_unprintable(text) else None
+
+
 def _sequence_fault(text: str) -> Fault | None:
     """Return the fault of a sequence of rotations, or None."""
     if len(text) == 3 and set(text.lower()) <= set("xyz"):
@@ -243,17 +245,17 @@ class Recipe(Model):
 
     recipe: Annotated[Literal[1], Version()]
     """The version of the language: 1."""
-    name: Annotated[str | None, Text("name")] = None
+    name: Annotated[str, Name(what="text")] | None = None
     """The model's name; without it, the stem of the recipe's file."""
-    description: Annotated[str | None, Text("description", empty=True)] = None
+    description: Annotated[str, Checked(_unprintable)] | None = None
     """Free text that reaches the manifest."""
-    angle: Annotated[Literal["degree", "radian"] | None, Choice("angle")] = None
+    angle: Literal["degree", "radian"] | None = None
     """The unit of angles without a unit in this file. Without it, such an angle is an error."""
-    eulerseq: Annotated[str, Text("eulerseq", check=_sequence_fault)] = "xyz"
+    eulerseq: Annotated[str, Checked(_sequence_fault)] = "xyz"
     """The sequence of rotations of `euler` in this file: lower case for moving axes, upper case for fixed."""
-    separator: Annotated[Literal["/", ":", ".", "-", "_", "__"], Choice("separator")] = "/"
+    separator: Literal["/", ":", ".", "-", "_", "__"] = "/"
     """What stands between a prefix and a name."""
-    conflict: Annotated[Literal["error", "base", "mujoco"], Choice("conflict")] = "error"
+    conflict: Literal["error", "base", "mujoco"] = "error"
     """What happens where parts disagree in `option`, `size`, `statistic` or `visual`."""
     base: Annotated[Attachment | None, Start()] = None
     """The model to start from: a part without a prefix, at the world; without it, an empty one."""

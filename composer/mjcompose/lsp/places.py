@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.build.plan.plan import BASE, AttachPart, Plan, part_name
-from mjcompose.language.check import CheckEntry
 from mjcompose.language.forms.walk import name_scopes
 from mjcompose.language.keyframe import FROM, VECTORS
+from mjcompose.language.recipe import Recipe
 from mjcompose.language.select import NARROWING, read_selector
 from mjcompose.lsp.analysis import Known, Names, Question
 from mjcompose.lsp.cursor import Path
@@ -96,38 +96,34 @@ class Wanted:
     pattern: bool = False
 
 
-_ROWS: tuple[tuple[Path, Wanted], ...] = (
-    (("attach", ANY, "site"), Wanted(("site",))),
-    (("attach", ANY, "body"), Wanted(("body",))),
-    (("attach", ANY, "frame"), Wanted(("frame",))),
-    (("attach", ANY, "mate"), Wanted(("site", "body", "frame"))),
-    (("attach", ANY, "subtree"), Wanted(("body",))),
-    (("base", "subtree"), Wanted(("body",))),
-    (("base", "mate"), Wanted(("site", "body", "frame"))),
+_OF_ELEMENTS: tuple[tuple[Path, Wanted], ...] = (
     (("add", ANY, "to"), Wanted(("body",))),
     (("add", ANY, "to", "frame"), Wanted(("frame",))),
-    (("edit", ANY, "move", "to"), Wanted(("body", "frame"))),
-    (("attach", ANY, "edit", ANY, "move", "to"), Wanted(("body", "frame"))),
-    (("base", "edit", ANY, "move", "to"), Wanted(("body", "frame"))),
     (("contact", "collide", "between", ANY), Wanted((PART,))),
     (("contact", "exclude", ANY, "between", ANY), Wanted((PART,))),
 )
-"""The keys of recipes themselves that take names; what MJCF has is in its grammar."""
+"""The keys that take names in sections which are read by MJCF's grammar; the others declare them."""
 
 
 @cache
-def _rows_of_checks() -> tuple[tuple[Path, Wanted], ...]:
-    """Return the same of checks, from what they declare. A name may stand for a list of one."""
+def _rows() -> tuple[tuple[Path, Wanted], ...]:
+    """Return which names the keys of recipes take, from what they declare. A name may stand for a list of one."""
     rows: dict[Path, Wanted] = {}
-    for at, name in name_scopes(CheckEntry).items():
+    for at, name in name_scopes(Recipe).items():
         rows[at] = Wanted(name.scope, pattern=name.glob)
         if at[-1] == ANY:
             rows.setdefault(at[:-1], rows[at])
-    return tuple((("check", ANY, *at), wanted) for at, wanted in rows.items())
+    return (*_OF_ELEMENTS, *rows.items())
 
 
-_OWN = (("attach", ANY, "mate"), ("attach", ANY, "subtree"), ("attach", ANY, "edit"), ("attach", ANY, "drop"),
-        ("base", "mate"), ("base", "subtree"), ("base", "edit"), ("base", "drop"))  # fmt: skip
+@cache
+def _rows_inside_parts() -> tuple[Path, ...]:
+    """Return the keys whose names, or those below them, are the part's own."""
+    declared = (at for at, name in name_scopes(Recipe).items() if name.inside is not None)
+    whole = ((*part, key) for part in (("attach", ANY), (BASE,)) for key in ("edit", "drop"))
+    return (*declared, *whole)
+
+
 _PLACES = ("site", "body", "frame")
 
 
@@ -140,7 +136,7 @@ def wanted_value(path: Path, forms: list[Form], around: Any) -> Wanted | None:
         at, rest = inner
         found = wanted_value(rest, forms, around)
         return None if found is None or found.of else replace(found, of=at, not_of=())
-    found = next((wanted for row, wanted in (*_ROWS, *_rows_of_checks()) if _fits(row, path)), None)
+    found = next((wanted for row, wanted in _rows() if _fits(row, path)), None)
     if found is None and len(path) > 2 and path[-2] == FROM and path[0] == "keyframe":
         return Wanted((KEY,), part=str(path[-1]))
     found = found or _selector(path, forms) or _of_mjcf(path, forms, around)
@@ -202,7 +198,7 @@ def _in_place(path: Path) -> tuple[Path, Path] | None:
 
 def own_part(path: Path) -> Path:
     """Return the path of the part whose own names a place uses, or an empty path where final names are used."""
-    row = next((row for row in _OWN if _fits(row, path[: len(row)])), None)
+    row = next((row for row in _rows_inside_parts() if _fits(row, path[: len(row)])), None)
     return () if row is None else path[: len(row) - 1]
 
 
