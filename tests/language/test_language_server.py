@@ -157,7 +157,7 @@ HOVERED = [
     ("attach: {arm: {mo|del: a}}", "`menagerie:…`"),
     ("base: {sub|tree: a, model: b}", "The one body of the model"),
     ("attach: {arm: {model: a, ma|te: b}}", "is to coincide with that place"),
-    ("attach: {arm: {model: a, replicate: [{co|unt: 3}]}}", "number of copies"),
+    ("attach: {arm: {model: a, replicate: [{co|unt: 3}]}}", "how many"),
     ("edit: [{sel|ect: {joint: a}, remove: true}]", "which elements are meant"),
     (
         "edit: [{select: {joint: a, wh|ere: {type: hinge}}, remove: true}]",
