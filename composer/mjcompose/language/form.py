@@ -276,9 +276,12 @@ class Settings:
         return cls(bare_angles, separator if isinstance(separator, str) and separator else DEFAULT_SEPARATOR)
 
 
+_LENIENT = Settings()
+
+
 def settings(context: Any) -> Settings:
     """Return the settings in a pydantic context, or lenient ones if there are none."""
-    return context if isinstance(context, Settings) else Settings()
+    return context if isinstance(context, Settings) else _LENIENT
 
 
 @dataclass(frozen=True, slots=True)

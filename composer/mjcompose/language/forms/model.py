@@ -7,6 +7,7 @@ have marks for what they cannot know: `IT` is the value itself, `OWNER` the mapp
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from functools import cache
 from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 from pydantic import (
@@ -126,7 +127,7 @@ class Model(BaseModel):
                     raise validation_error(faults, value)
             faults += [
                 Fault("wrong-type", f"`{key}` of {OWNER} has no value", (key,))
-                for key in (cls.key_names() if None in value.values() else ())
+                for key in (cls.key_names() if any(each is None for each in value.values()) else ())
                 if value.get(key, ...) is None
             ]
             value = _with_rows(cls, value)
@@ -149,6 +150,7 @@ def fields_of(model: type[BaseModel]) -> dict[str, FieldInfo]:
     return {info.alias or name: info for name, info in model.model_fields.items()}
 
 
+@cache
 def is_whole(model: type[Model]) -> bool:
     """Return whether a model is written as the value of its only field."""
     return any(info.alias == WHOLE for info in model.model_fields.values())
@@ -161,11 +163,17 @@ def rows_of(info: FieldInfo) -> Rows | None:
 
 def _with_rows(model: type[Model], value: dict[str, Any]) -> dict[str, Any]:
     """Return the mapping with the keys that are words of a table put into the field for these."""
-    for info in model.model_fields.values():
-        if info.alias is not None and is_hidden(info.alias) and (rows := rows_of(info)) is not None:
-            table = rows.table()
-            words = {key: each for key, each in value.items() if key in table}
-            value = {key: each for key, each in value.items() if key not in words}
-            if words:
-                value[info.alias] = words
+    for alias, rows in _tables(model):
+        table = rows.table()
+        words = {key: each for key, each in value.items() if key in table}
+        value = {key: each for key, each in value.items() if key not in words}
+        if words:
+            value[alias] = words
     return value
+
+
+@cache
+def _tables(model: type[Model]) -> list[tuple[str, Rows]]:
+    """Return the tables whose words are keys of the mapping, each with the alias of its field."""
+    hidden = [info for info in model.model_fields.values() if info.alias is not None and is_hidden(info.alias)]
+    return [(str(info.alias), rows) for info in hidden if (rows := rows_of(info)) is not None]
