@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+import ast
+import inspect
+import sys
+from functools import cache
+from itertools import pairwise
 from typing import Any
 
 from pydantic import GetJsonSchemaHandler
@@ -97,6 +102,8 @@ def of_model(model: type[Model], schema: CoreSchema, handler: GetJsonSchemaHandl
         else:
             properties[key] = found["properties"][key]
             properties[key].pop("examples", None)  # an editor would offer them as values
+            if (about := descriptions(model).get(key)) is not None:
+                properties[key]["description"] = about
     if is_whole(model):
         (whole,) = (each for key, each in properties.items() if is_hidden(key))
         return whole
@@ -107,6 +114,41 @@ def of_model(model: type[Model], schema: CoreSchema, handler: GetJsonSchemaHandl
         return found
     short = {key: each for key, each in properties[model.short].items() if key != "description"}
     return {"anyOf": [short, found]}
+
+
+@cache
+def descriptions(model: type[Model]) -> dict[str, str]:
+    """Return what the text below each field says, by its key.
+
+    Pydantic can read these texts too, but does so for each class that a command imports.
+    """
+    names = {name: info.alias or name for name, info in model.model_fields.items()}
+    found: dict[str, str] = {}
+    for each in reversed(model.__mro__):
+        if issubclass(each, Model):
+            found |= {names[name]: text for name, text in _texts_below(each).items() if name in names}
+    return found
+
+
+def _texts_below(model: type[Model]) -> dict[str, str]:
+    tree = _syntax_tree(model.__module__)
+    declared = next(
+        (each for each in ast.walk(tree) if isinstance(each, ast.ClassDef) and each.name == model.__name__),
+        None,
+    )
+    if declared is None:  # created by a function
+        return {}
+    return {
+        field.target.id: inspect.cleandoc(text.value.value)
+        for field, text in pairwise(declared.body)
+        if isinstance(field, ast.AnnAssign) and isinstance(field.target, ast.Name)
+        and isinstance(text, ast.Expr) and isinstance(text.value, ast.Constant) and isinstance(text.value.value, str)
+    }  # fmt: skip
+
+
+@cache
+def _syntax_tree(module: str) -> ast.Module:
+    return ast.parse(inspect.getsource(sys.modules[module]))
 
 
 _MODELS: dict[str, Schema] = {}

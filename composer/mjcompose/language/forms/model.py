@@ -62,7 +62,6 @@ class Model(BaseModel):
         extra="forbid",
         strict=True,
         allow_inf_nan=False,
-        use_attribute_docstrings=True,
         protected_namespaces=(),
         # Most models are never validated on their own. Building their validators would be most of the import time.
         defer_build=True,
@@ -175,5 +174,7 @@ def _with_rows(model: type[Model], value: dict[str, Any]) -> dict[str, Any]:
 @cache
 def _tables(model: type[Model]) -> list[tuple[str, Rows]]:
     """Return the tables whose words are keys of the mapping, each with the alias of its field."""
-    hidden = [info for info in model.model_fields.values() if info.alias is not None and is_hidden(info.alias)]
+    hidden = [
+        info for info in model.model_fields.values() if info.alias is not None and is_hidden(info.alias)
+    ]
     return [(str(info.alias), rows) for info in hidden if (rows := rows_of(info)) is not None]
