@@ -19,13 +19,11 @@ import sys
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
-from mjcompose.language.attach import Attachment
-from mjcompose.language.edit import Edit
 from mjcompose.language.expand import SETTLED
 from mjcompose.language.form import Schema, check_rows
+from mjcompose.language.forms.walk import key_order as key_order_of
 from mjcompose.language.keyframe import KEYS as KEYFRAME
 from mjcompose.language.keyframe import Keyframes
-from mjcompose.language.randomize import Randomize
 from mjcompose.language.recipe import ID, TO, Additions, Recipe, sections_of
 from mjcompose.language.schema import recipe_schema
 from mjcompose.language.sections import PARENT, TYPE, Defaults, Typed
@@ -52,18 +50,14 @@ def key_order() -> dict[str, dict[str, list[str]]]:
     In the mappings of `whole`, each key has a place. In those of `first`, only some keys have one, and come first;
     the author orders the others.
     """
-    edit = Edit.key_names()
+    declared = {".".join(map(str, at)): keys for at, keys in key_order_of(Recipe).items()}
     whole = {
+        **declared,
         "": _top(),
-        "base": [*Attachment.key_names(), _WHEN],
-        "attach.*": [*Attachment.key_names(), _WHEN],
-        "edit.*": edit,
-        "base.edit.*": edit,
-        "attach.*.edit.*": edit,
+        **{part: [*declared[part], _WHEN] for part in ("base", "attach.*")},
         "params.*": Declaration.key_names(),
         **{f"{section}.*": list(KEYFRAME) for section in sections_of(Keyframes)},
         "matrix": Grid.key_names(),
-        "randomize": Randomize.key_names(),
     }
     first = {
         **_each(sections_of(Additions), ID, TO),
