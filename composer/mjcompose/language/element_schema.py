@@ -154,11 +154,6 @@ def _words(attribute: Attribute) -> list[Any]:
     return [*words, *(int(word) for word in attribute.keywords if word.isdigit())]
 
 
-def at_most_one(names: Iterable[str]) -> list[Schema]:
-    """Return the condition that at most one of some keys is written."""
-    return _rule(Constraint("exclusive", tuple((name,) for name in names)))
-
-
 @definition("element")
 def _definition_of_element(path: str) -> Schema:
     return element(GRAMMAR.element(path))

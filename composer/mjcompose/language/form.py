@@ -188,13 +188,6 @@ def reference(name: str) -> Schema:
     return {REFERENCE: name}
 
 
-def or_template(schema: Schema) -> Schema:
-    """The schema of a value that `${…}` may compute; its description stands above both."""
-    inner = {key: each for key, each in schema.items() if key not in ("description", "default")}
-    outer = {key: each for key, each in schema.items() if key not in inner}
-    return {"anyOf": [inner, reference("template")], **outer}
-
-
 def definition_key(name: str) -> str:
     """Return the key of a definition in `$defs`.
 

@@ -70,15 +70,6 @@ def report_clashing(
             faults.append(fault)
 
 
-def report_exclusive(
-    names: Iterable[str], present: Collection[str], owner: str, at: Path, faults: list[Fault]
-) -> None:
-    """Report if more than one of the names is given."""
-    report_clashing(
-        [Constraint("exclusive", tuple((name,) for name in names))], present, owner, at=at, faults=faults
-    )
-
-
 def _exclusive(rule: Constraint, present: Collection[str], owner: str, at: Path) -> Fault | None:
     """Return the fault of the last of several exclusive keys in the file, or None."""
     bundles = {name: index for index, bundle in enumerate(rule.bundles) for name in bundle}

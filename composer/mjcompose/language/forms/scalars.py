@@ -259,7 +259,6 @@ def _in_order(pair: tuple[float, float]) -> Fault | None:
     return Fault("out-of-range", message, help=f"write `{KEY}: [{high:g}, {low:g}]`")
 
 
-Number = float
 Positive = Annotated[float, Field(gt=0)]
 NotNegative = Annotated[float, Field(ge=0)]
 # `BeforeValidator` stands behind the bounds, which the JSON Schema has only then.
