@@ -97,7 +97,7 @@ WRITES_ITSELF = {
         targets/table.py:<module> mjcf/stub.py:_main language/reference_page.py:write""",
     "no file: it links models, or names elements": """
         build/bundle/write.py:write build/compose/compose.py:Composer._joined tools/diff/models.py:contrast
-        mjcf/flat.py:linked targets/urdf.py:write_urdf""",
+        mjcf/flat.py:link_checked targets/urdf.py:write_urdf""",
 }
 """What opens files for writing, copies or moves them beside `bundle/staging.py`, and why."""
 

@@ -64,19 +64,23 @@ def _members(recipe: Path, prefix: str, place: Place, keys: tuple[str, ...] | No
     if base is not None:
         if isinstance(base, str):
             base = {"model": base}
-        own = None if "key" in base.get("drop", ()) else keys
+        own = None if _drops_keys(base) else keys
         yield from _source(recipe.parent / base["model"], prefix, place, own)
     for name, part in (given.get("attach") or {}).items():
         inner = part.get("prefix", name)
         inner += separator if inner else ""
         apart = (inner,) if part.get("keys") == "prefix" else ()
-        kept = None if keys is None or "key" in part.get("drop", ()) else apart + keys
+        kept = None if keys is None or _drops_keys(part) else apart + keys
         where = _place(recipe, given, part, prefix, prefix + inner, place)
         added = frozenset(
             prefix + inner + each["name"] for each in part.get("joint", ()) if isinstance(each, dict)
         )
         for member in _source(recipe.parent / part["model"], prefix + inner, where, kept):
             yield Member(member.prefix, member.file, member.place, member.keys, member.added | added)
+
+
+def _drops_keys(part: dict[str, Any]) -> bool:
+    return "key" in part.get("drop", ()) or {"key": "**", "optional": True} in part.get("drop", ())
 
 
 def _source(file: Path, prefix: str, place: Place, keys: tuple[str, ...] | None) -> Iterator[Member]:

@@ -32,6 +32,9 @@ class MjcfKeyError(MjcfError, KeyError):
 class MjcfFileError(MjcfError, OSError):
     """A file cannot be read."""
 
+    # Programs that copy exceptions (tblib, with Dask) call it, and the one of ValueError refuses an OSError.
+    __new__ = OSError.__new__  # type: ignore[assignment]
+
 
 class MjcfFileNotFoundError(MjcfFileError, FileNotFoundError):
     """A file does not exist."""

@@ -124,7 +124,7 @@ def test_what_was_chosen_and_what_was_found(folder: Path, session: engine.Sessio
     found = manifest(folder, session)
     assert (found.cell, found.variants, found.params) == (None, {"light": "dim"}, {"weight": 2, "label": "x"})
     assert [(each.name, each.kind, each.origin) for each in found.checks] == [
-        ("sizes", "size", "cell.yaml:13"), ("there", "exists", "cell.yaml:14"), ("still", "stable", "cell.yaml:15"),
+        ("sizes", "expect", "cell.yaml:13"), ("there", "expect", "cell.yaml:14"), ("still", "settles", "cell.yaml:15"),
     ]  # fmt: skip
     assert found.checks[0].values == {"nu": 2}
     assert found.checks[1].values == {"joint **": 2}

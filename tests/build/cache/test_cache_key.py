@@ -41,6 +41,7 @@ OPTIONS = {
     "offline": True,
     "pictured": True,
     "target": "mjx",
+    "worlds": True,
 }
 
 
