@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field
 
@@ -242,6 +242,8 @@ class Recipe(Model):
     form are carried out. Sections hold their elements in the order of the file. A section that is not written is None
     or empty.
     """
+
+    instead: ClassVar = {"motors": "datasheets"}
 
     recipe: Annotated[Literal[1], Version()]
     """The version of the language: 1."""

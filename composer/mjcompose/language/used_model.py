@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Fault, Note, Path
@@ -20,6 +20,7 @@ from mjcompose.language.form import (
 )
 from mjcompose.language.form import SCHEMAS as COUNTS
 from mjcompose.language.forms.model import Model
+from mjcompose.language.forms.scalars import Keywords
 from mjcompose.language.select import GLOB, NARROWING, read_selector
 from mjcompose.model.grammar import GRAMMAR
 from mjcompose.model.selector import EVERYTHING, Selector, known_tags, paths_of
@@ -37,7 +38,7 @@ class UrdfKeys(Model):
     actuators: Literal["declared", "all", "none"] = "declared"
     """Which joints get an actuator: those that `<ros2_control>` and `<transmission>` command, every joint that moves by
     itself, or none."""
-    inertia: Literal["repair", "keep"] | None = None
+    inertia: Annotated[Literal["repair", "keep"], Keywords({"mend": "repair"})] | None = None
     """Whether inertias that no body can have, which MuJoCo refuses, are changed as little as possible; each is a
     warning."""
 
