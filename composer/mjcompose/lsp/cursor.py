@@ -207,10 +207,11 @@ class _Scan:
         if self.in_flow:
             return self.in_brackets(text, 0, line, column)
         if blank:
-            return self.on_blank(text, line, column)
+            return self.of_key(text, line, column, at=column)
         at = self.begin(before, indent)
-        if self.has_begun(before, indent, at):
-            return self.of_key(text, line, column, at)
+        # The first word on its line is a key without its colon, or a value below its key.
+        if at == indent and not before[at:].startswith("-"):
+            return self.of_key(text, line, column, at=at)
         properties = _PROPERTIES.match(before, at)
         at = properties.end() if properties else at
         if before[at : at + 1] in _CLOSING and at < column:
@@ -218,10 +219,6 @@ class _Scan:
         role: Role = "either" if self.stack and self.stack[-1].is_list else "value"
         cursor = self.word(text, line, column, at, _end_of_value(text, column), role)
         return self.as_key(cursor, text) if role == "either" else cursor
-
-    def has_begun(self, before: str, indent: int, at: int) -> bool:
-        """Return whether a word is the first on its line: a key without its colon, or a value below its key."""
-        return at == indent and not before[at:].startswith("-")
 
     def of_key(self, text: str, line: int, column: int, at: int) -> Cursor:
         """Return the cursor at a word at the start of a line: a key, unless the key above still needs a value."""
@@ -234,12 +231,6 @@ class _Scan:
         """Return the cursor, with the information whether the colon of the key is already written."""
         rest = text[cursor.end + len(cursor.quote) :].lstrip()
         return replace(cursor, has_colon=rest.startswith(":"))
-
-    def on_blank(self, text: str, line: int, column: int) -> Cursor:
-        self.settle(column)
-        role: Role = "either" if self.is_open(column) else "key"
-        end = column + len(re.match(r"[^\s:#]*", text[column:]).group())  # type: ignore[union-attr]
-        return self.as_key(self.word(text, line, column, column, end, role), text)
 
     def settle(self, indent: int) -> None:
         """Close everything that a word with this indent cannot belong to."""

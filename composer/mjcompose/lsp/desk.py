@@ -94,13 +94,10 @@ def by_file(
             continue
         files.setdefault(span.file, []).append(each)
         if span.file != own and uses is not None:
-            files[own].append(_at_use(each, span, uses.get(span.file) or Span(own, 1, 1, 1, 1)))
+            use = uses.get(span.file) or Span(own, 1, 1, 1, 1)
+            notes = (Note("it is found here", span), *each.notes)
+            files[own].append(replace(each, span=use, notes=notes, fix=None))
     return files
-
-
-def _at_use(found: Diagnostic, span: Span, use: Span) -> Diagnostic:
-    """Return a diagnostic about a file at the place that uses the file."""
-    return replace(found, span=use, notes=(Note("it is found here", span), *found.notes), fix=None)
 
 
 def uses_of(analysis: Analysis) -> dict[str, Span]:

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator
 from collections.abc import Sequence as AbcSequence
 from dataclasses import replace
 from pathlib import Path as File
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from mjcompose.base.diagnostic import Span
 from mjcompose.base.sink import Sink
@@ -172,9 +172,10 @@ def hints(analysis: Analysis) -> list[Hint]:
     return list(_walk(tree, data, (), forms_at((), data), _Around(analysis, tree, unit)))
 
 
-class _Around:
-    def __init__(self, analysis: Analysis, tree: Mapping, unit: str) -> None:
-        self.analysis, self.tree, self.unit = analysis, tree, unit
+class _Around(NamedTuple):
+    analysis: Analysis
+    tree: Mapping
+    unit: str
 
 
 def _walk(node: Node, data: Any, path: Path, forms: list[Form], around: _Around) -> Iterator[Hint]:
@@ -225,11 +226,8 @@ def _angles(name: str, value: Node, data: dict[str, Any], forms: list[Form], uni
         for index in angle_places(attribute, len(items), joint):
             each = numbers[index]
             if isinstance(each.value, int | float) and not isinstance(each.value, bool) and each.value:
-                yield Hint(
-                    each.span,
-                    unit,
-                    f"an angle, in the unit of `angle: {'degree' if unit == 'deg' else 'radian'}`",
-                )
+                word = "degree" if unit == "deg" else "radian"
+                yield Hint(each.span, unit, f"an angle, in the unit of `angle: {word}`")
         return
 
 
@@ -278,11 +276,9 @@ def _of_lenses(tree: Mapping, analysis: Analysis) -> Iterator[Lens]:
     if at is not None:
         for command in COMMANDS:
             yield Lens(at, command, f"mjcompose.{command}", (str(analysis.path),))
-    at = (
-        None
-        if "matrix" not in tree.entries
-        else analysis.now(locate(tree, ("matrix",), key=True), analysis.tree_of)
-    )
+    if "matrix" not in tree.entries:
+        return
+    at = analysis.now(locate(tree, ("matrix",), key=True), analysis.tree_of)
     if at is None:
         return
     named = find(tree, ("name",))

@@ -142,7 +142,9 @@ def wanted_value(path: Path, forms: list[Form], around: Any) -> Wanted | None:
     found = found or _selector(path, forms) or _of_mjcf(path, forms, around)
     if found is None:
         return None
-    return replace(found, of=own_part(path), not_of=_itself(path))
+    # A part cannot be attached to itself.
+    itself = path[:2] if len(path) == 3 and path[0] == "attach" and path[2] in _PLACES else ()
+    return replace(found, of=own_part(path), not_of=itself)
 
 
 def wanted_key(path: Path) -> Wanted | None:
@@ -238,15 +240,6 @@ def tags_of(tag: str) -> frozenset[str]:
     return frozenset(path.rpartition("/")[2] for path in paths_of(tag))
 
 
-def is_selector_key(forms: list[Form]) -> bool:
-    return any(form.role in ("selector", "dropped") or form.role.endswith("@select") for form in forms)
-
-
-def _itself(path: Path) -> Path:
-    """Return the path of the part around a place, which cannot be attached to itself."""
-    return path[:2] if len(path) == 3 and path[0] == "attach" and path[2] in _PLACES else ()
-
-
 def _fits(row: Path, path: Path) -> bool:
     return len(row) == len(path) and all(a in (ANY, b) for a, b in zip(row, path, strict=True))
 
@@ -254,7 +247,7 @@ def _fits(row: Path, path: Path) -> bool:
 def _selector(path: Path, forms: list[Form]) -> Wanted | None:
     """Return the names that fit behind a tag of a selector, or behind a key that narrows it down; None elsewhere."""
     last = str(path[-1])
-    if not is_selector_key(forms):
+    if not any(form.role in ("selector", "dropped") or form.role.endswith("@select") for form in forms):
         return None
     if last == "part":
         return Wanted((PART,), pattern=True)
@@ -291,6 +284,4 @@ def _by_type(attribute: str, around: Any) -> Wanted | None:
     """Return the namespace that a sibling such as `objtype` names, or all of them if it names none."""
     said = around.get(attribute) if isinstance(around, dict) else None
     namespace = GRAMMAR.objtypes.get(str(said or ""))
-    if namespace is not None:
-        return Wanted((namespace,))
-    return Wanted(tuple(dict.fromkeys(GRAMMAR.objtypes.values())))
+    return Wanted(tuple(dict.fromkeys(GRAMMAR.objtypes.values())) if namespace is None else (namespace,))

@@ -92,10 +92,8 @@ class Frames:
             if text.isdigit() and len(text) < 16 and int(text):
                 return int(text)
             said = ", ".join(each.decode("ascii", "replace")[:40] for each in found[:3])
-            wrong = (
-                f"`{said}` is not the length of a message" if found else "a message has no `Content-Length`"
-            )
-            self._answer(None, PARSE_ERROR, wrong)
+            wrong = f"`{said}` is not the length of a message"
+            self._answer(None, PARSE_ERROR, wrong if found else "a message has no `Content-Length`")
             found, is_head = [], False
         return None
 

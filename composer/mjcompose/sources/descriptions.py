@@ -63,18 +63,13 @@ def _resolve(reference: Reference, lookup: Lookup) -> Source:
     description = _load(reference, lookup.fetching)
     path = _model_file(description, reference)
     owner = distribution(_PACKAGE)
-    repository = getattr(description, "REPOSITORY_PATH", None)
+    written = getattr(description, "REPOSITORY_PATH", None)
+    repository = Path(written) if written else None
+    commit = None if repository is None else _commit(repository)
     return Source(
-        path,
-        reference.kind,
-        reference.text,
-        package=_PACKAGE,
-        version=owner.version if owner is not None else None,
-        licenses=license.find(path, Path(repository) if repository else None),
-        origin=Origin(
-            reference.id, reference.kind, Path(repository) if repository else path.parent,
-            commit=_commit(Path(repository)) if repository else None,
-        ),
+        path, reference.kind, reference.text, package=_PACKAGE, version=owner.version if owner is not None else None,
+        licenses=license.find(path, repository),
+        origin=Origin(reference.id, reference.kind, repository or path.parent, commit=commit),
     )  # fmt: skip
 
 
@@ -140,21 +135,9 @@ def _unknown(name: str, names: list[str]) -> SourceError:
 
 
 KIND = SourceKind(
-    name="descriptions",
-    forms=(_FORM,),
-    local_schemes=(),
-    separator="/",
-    is_local=False,
-    is_fetched=False,
-    runs_code=True,
-    pins=frozenset({"commit", "tree", "package", "version"}),
+    name="descriptions", forms=(_FORM,), local_schemes=(), separator="/", is_local=False, is_fetched=False,
+    runs_code=True, pins=frozenset({"commit", "tree", "package", "version"}),
     # The last two name the folder of the package's clones.
-    variables=(
-        "ROBOT_DESCRIPTIONS_CACHE", "ROBOT_DESCRIPTION_COMMIT", "PYTHONPATH", "XDG_CACHE_HOME", "HOME",
-    ),
-    libraries=(Library(_PACKAGE),),
-    parse=_parse,
-    resolve=_resolve,
-    host=no_host,
-    is_of_this_machine=always,
+    variables=("ROBOT_DESCRIPTIONS_CACHE", "ROBOT_DESCRIPTION_COMMIT", "PYTHONPATH", "XDG_CACHE_HOME", "HOME"),
+    libraries=(Library(_PACKAGE),), parse=_parse, resolve=_resolve, host=no_host, is_of_this_machine=always,
 )  # fmt: skip

@@ -69,11 +69,7 @@ def _resolve(reference: Reference, lookup: Lookup) -> Source:
     # The files in a given folder need not be those of the installed version.
     is_own = not environment.get("MENAGERIE_ROOT")
     return Source(
-        path,
-        reference.kind,
-        reference.text,
-        package=_PACKAGE,
-        version=library.__version__ if is_own else None,
+        path, reference.kind, reference.text, package=_PACKAGE, version=library.__version__ if is_own else None,
         licenses=license.find(path, folder),
         origin=Origin(
             reference.id, reference.kind, folder,
@@ -168,19 +164,9 @@ def _folder(
 
 
 KIND = SourceKind(
-    name="menagerie",
-    forms=(_FORM,),
-    local_schemes=(),
-    separator="/",
-    is_local=False,
-    is_fetched=False,
-    runs_code=False,
-    pins=frozenset({"commit", "tree", "package", "version"}),
+    name="menagerie", forms=(_FORM,), local_schemes=(), separator="/", is_local=False, is_fetched=False,
+    runs_code=False, pins=frozenset({"commit", "tree", "package", "version"}),
     # The last two determine the folder of the package's downloads.
     variables=("MENAGERIE_ROOT", "MENAGERIE_CACHE_DIR", "MENAGERIE_BASE_URL", "XDG_CACHE_HOME", "HOME"),
-    libraries=(Library(_PACKAGE, "menagerie"),),
-    parse=_parse,
-    resolve=_resolve,
-    host=no_host,
-    is_of_this_machine=never,
-)
+    libraries=(Library(_PACKAGE, "menagerie"),), parse=_parse, resolve=_resolve, host=no_host, is_of_this_machine=never,
+)  # fmt: skip

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -43,9 +43,8 @@ MJCF = ".xml"
 def export(mujoco: Any, argument: dict[str, str]) -> dict[str, Any]:
     """Write what the target `name` reads of the file `model` into the folder `out`.
 
-    It is called by `mjcompose.mujoco.engine.call`. It returns the losses, the differences between the plain
-    text and the
-    model (with any, no file is written), the names of the elements by kind, and, if MuJoCo can read what was
+    It is called by `mjcompose.mujoco.engine.call`. It returns the losses, the differences between the plain text
+    and the model (with any, no file is written), the names of the elements by kind, and, if MuJoCo can read what was
     written, its index.
     """
     model, out = Path(argument["model"]), Path(argument["out"])
@@ -81,6 +80,21 @@ def _put(folder: Path, files: dict[str, bytes]) -> None:
         (folder / path).write_bytes(content)
 
 
+def exported(bundle: Bundle, target: str, folder: Path, *, session: Session) -> dict[str, Any] | str:
+    """Return the answer of `export`, which writes into `out` in a folder, or why nothing can be written."""
+    source, out = folder / "in", folder / "out"
+    source.mkdir()
+    out.mkdir()
+    write_files(bundle, source)
+    asked = {"name": target, "model": str(source / bundle.model), "out": str(out)}
+    answer = engine.call(session, export, (), argument=asked)
+    wrong = answer.value["error"] if answer.ok else answer.error or answer.crash
+    if wrong is not None:
+        return engine.without_folder(engine.without_folder(wrong, out), source)
+    found: dict[str, Any] = answer.value
+    return found
+
+
 CANNOT, LOSS, FAILED = "target-cannot", "target-loss", "target-failed"
 
 
@@ -98,19 +112,11 @@ def aimed(
         context.sink.error(CANNOT, message, at, help="build without `--as worlds`")
         return None
     with scratch("target") as folder:
-        source, out = Path(folder, "in"), Path(folder, "out")
-        source.mkdir()
-        out.mkdir()
-        write_files(bundle, source)
-        asked = {"name": target, "model": str(source / bundle.model), "out": str(out)}
-        answer = engine.call(session, export, (), argument=asked)
-        wrong = answer.error if not answer.ok else answer.value["error"]
-        if wrong is not None:
-            said = engine.without_folder(engine.without_folder(wrong, out), source)
-            context.sink.error(FAILED, f"the model cannot be written for `{target}`: {said}", at)
+        found = exported(bundle, target, Path(folder), session=session)
+        if isinstance(found, str):
+            context.sink.error(FAILED, f"the model cannot be written for `{target}`: {found}", at)
             return None
-        made = _files(out)
-    found: dict[str, Any] = answer.value
+        made = _files(Path(folder, "out"))
     for each in found["differences"]:
         context.sink.error(
             FAILED, f"MuJoCo reads the plain text of the model back as another one: {each}", at,
@@ -170,18 +176,11 @@ def _bundle(
         for group in grouped(losses)
     )  # fmt: skip
     index = None if found["index"] is None else index_of(Index.from_data(found["index"]))
-    return with_manifest(
-        aimed,
-        manifest.model_copy(
-            update={
-                "model": aimed.model,
-                "target": TargetRecord(name=target, left_out=left_out),
-                "files": files_of(aimed),
-                "index": index,
-                "parts": (),
-            }
-        ),
-    )
+    changed = {
+        "model": aimed.model, "target": TargetRecord(name=target, left_out=left_out), "files": files_of(aimed),
+        "index": index, "parts": (),
+    }  # fmt: skip
+    return with_manifest(aimed, manifest.model_copy(update=changed))
 
 
 @dataclass(slots=True)
@@ -202,9 +201,6 @@ class _Places:
         nodes = self._order.get(loss.kind, ())
         if len(nodes) == len(self.names.get(loss.kind, ())) and None not in nodes:
             return nodes[loss.number]
-        return next(self._called(nodes, loss.name), None)
-
-    def _called(self, nodes: Sequence[Node | None], name: str) -> Iterator[Node]:
-        for node in nodes:
-            if name and node is not None and node.get("name") == name:
-                yield node
+        if not loss.name:
+            return None
+        return next((node for node in nodes if node is not None and node.get("name") == loss.name), None)

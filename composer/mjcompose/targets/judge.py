@@ -194,7 +194,7 @@ def _attributes(
         if (
             attribute not in mine
             or (feature, name) in lost
-            or (("gears", name) in lost and feature == "gains")
+            or (feature == "gains" and ("gears", name) in lost)
         ):
             continue
         if not _close(value, mine[attribute], tolerance):

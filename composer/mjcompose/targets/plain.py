@@ -264,21 +264,11 @@ def simple_actuators(root: Node, *, any_input: bool = False) -> None:
             continue
         if not affine and gain[0] == 1 and actuator.get("biastype", "none") == "none" and not said:
             _rename(actuator, "motor", {})
-        elif affine and said in ("pos", unsaid) and _is_position(gain[0], bias):
+        elif affine and said in ("pos", unsaid) and not bias[0] and bias[1] == -gain[0] < 0 and bias[2] <= 0:
             kv = {"kv": -bias[2]} if bias[2] else {}
             _rename(actuator, "position", {"kp": gain[0], **kv})
-        elif (
-            affine
-            and not bias[0]
-            and not bias[1]
-            and bias[2] == -gain[0]
-            and said in ("vel", unsaid and "vel")
-        ):
+        elif affine and bias[:3] == [0, 0, -gain[0]] and said in ("vel", unsaid and "vel"):
             _rename(actuator, "velocity", {"kv": gain[0]})
-
-
-def _is_position(gain: float, bias: list[float]) -> bool:
-    return not bias[0] and bias[1] == -gain and gain > 0 and bias[2] <= 0
 
 
 def _rename(actuator: Node, tag: str, values: dict[str, float]) -> None:

@@ -20,10 +20,9 @@ from mjcompose.base.limits import in_force
 from mjcompose.base.processes import Process
 from mjcompose.base.scratch import scratch
 from mjcompose.build.bundle.bundle import Bundle
-from mjcompose.build.bundle.staging import write_files
 from mjcompose.language.form import check_rows
 from mjcompose.mujoco import engine
-from mjcompose.targets.export import export
+from mjcompose.targets.export import exported
 from mjcompose.targets.judge import asked_of, judged
 from mjcompose.targets.names import CONSUMERS, READ_IN
 from mjcompose.targets.table import TARGETS
@@ -111,11 +110,9 @@ def read_back(reader: Reader, python: str, model: Path, questions: dict[str, Any
             process.end()
             return f"it took longer than {seconds:g} seconds"
     if process.returncode or not os.path.isfile(out):
-        lines = [line for line in said.decode("utf-8", "replace").splitlines() if line.strip(" -")]
+        lines: list[str] = [line for line in said.decode("utf-8", "replace").splitlines() if line.strip(" -")]
         raised = [line for line in lines if _RAISED.match(line)]  # JAX and Genesis write more after it
-        return (
-            (raised or lines)[-1][:_LAST_WORDS] if lines else f"it ended with the code {process.returncode}"
-        )
+        return (raised or lines or [f"it ended with the code {process.returncode}"])[-1][:_LAST_WORDS]
     facts: dict[str, Any] = json.loads(out.read_bytes())
     return facts
 
@@ -175,7 +172,10 @@ def _about(
     lacked = [each for each in written.losses if not each.otherwise]
     if lacked and asked["losses"] == "error":
         return [_lacking(name, lacked)], len(lacked)
-    losses = [_warned(name, lacked)] if lacked else []
+    losses: list[Fault] = []
+    if lacked:
+        first, *others = _sentences(name, lacked)
+        losses.append(Fault(LOSS, first, notes=(Note("\n".join(others)),) if others else ()))
     if reader is None or python is None:
         return losses, len(lacked)
     refused = next((each for each in written.losses if each.refused), None)
@@ -194,11 +194,6 @@ def _about(
     wrong = list(answer.value) if answer.ok else [str(answer.error or answer.crash)]
     version = str(facts["version"])
     return [*([_another(name, version, wrong)] if wrong else []), *losses], version
-
-
-def _warned(name: str, lacked: Sequence[Loss]) -> Fault:
-    first, *others = _sentences(name, lacked)
-    return Fault(LOSS, first, notes=(Note("\n".join(others)),) if others else ())
 
 
 def _lacking(name: str, lacked: Sequence[Loss]) -> Fault:
@@ -254,17 +249,9 @@ class _Written:
 
 def _written(work: Work, target: str, folder: Path) -> _Written | str:
     """Return what is written for a target, or an error message."""
-    source, out = folder / "in", folder / "out"
-    source.mkdir()
-    out.mkdir()
-    write_files(work.bundle, source)
-    asked = {"name": target, "model": str(source / work.bundle.model), "out": str(out)}
-    answer = engine.call(work.session, export, (), argument=asked)
-    wrong = answer.error or answer.crash if not answer.ok else answer.value["error"]
-    if wrong is not None:
-        return engine.without_folder(engine.without_folder(wrong, out), source)
-    if answer.value["differences"]:
-        return (
-            f"MuJoCo reads the plain text of the model back as another one: {answer.value['differences'][0]}"
-        )
-    return _Written(out, answer.value["model"], [Loss(**each) for each in answer.value["losses"]])
+    found = exported(work.bundle, target, folder, session=work.session)
+    if isinstance(found, str):
+        return found
+    if found["differences"]:
+        return f"MuJoCo reads the plain text of the model back as another one: {found['differences'][0]}"
+    return _Written(folder / "out", found["model"], [Loss(**each) for each in found["losses"]])

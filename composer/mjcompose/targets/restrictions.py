@@ -41,9 +41,8 @@ def _one_root(with_free: bool, draft: Draft) -> None:
         etree.SubElement(root, "inertial", _EMPTY)
         root.extend(held)
         for body in held:
-            draft.lose(
-                "roots", body, f"a body `{NAME}` holds the bodies of the world", outcome=Outcome.WRITTEN
-            )
+            why = f"a body `{NAME}` holds the bodies of the world"
+            draft.lose("roots", body, why, outcome=Outcome.WRITTEN)
 
 
 def _is_free(body: Node) -> bool:
@@ -68,9 +67,8 @@ def _split(mass: str, draft: Draft) -> None:
         place = {"pos": str(body.get("pos")), "quat": str(body.get("quat"))}
         for joint in joints[:-1]:
             between = etree.Element("body", {"name": f"{body.get('name')}__{joint.get('name')}", **place})
-            etree.SubElement(
-                between, "inertial", _EMPTY | {"mass": mass, "diaginertia": f"{mass} {mass} {mass}"}
-            )
+            heavy = {"mass": mass, "diaginertia": f"{mass} {mass} {mass}"}
+            etree.SubElement(between, "inertial", _EMPTY | heavy)
             between.append(joint)
             holder.insert(at, between)
             holder, at, place = between, len(between), {"pos": "0 0 0", "quat": "1 0 0 0"}
@@ -96,12 +94,8 @@ def _zeroed(draft: Draft) -> None:
         body.set("quat", text(quat(turned)))
         for joint in joints:
             if joint.attrib.pop("ref", ""):
-                draft.lose(
-                    "references",
-                    joint,
-                    "their bodies are where the joints are at zero",
-                    outcome=Outcome.WRITTEN,
-                )
+                why = "their bodies are where the joints are at zero"
+                draft.lose("references", joint, why, outcome=Outcome.WRITTEN)
 
 
 def _moved(joint: Node, by: float) -> Pose:
@@ -144,7 +138,7 @@ def left_out(feature: str, *paths: str, why: str = "") -> Limit:
 
 def only(feature: str, path: str, tags: Collection[str], why: str = "") -> Limit:
     """Return a limit that removes the elements at a path whose tag is none of these."""
-    return Limit(feature, Outcome.PARTLY, partial(_only, feature, path, frozenset(tags), why))
+    return Limit(feature, Outcome.PARTLY, partial(_leave_out, feature, (path,), why, but=tags))
 
 
 def refused(feature: str, path: str, why: str, help: str) -> Limit:
@@ -175,18 +169,14 @@ def unread_in(joints: str, *attributes: str) -> tuple[Limit, ...]:
     )
 
 
-def _leave_out(feature: str, paths: Collection[str], why: str, draft: Draft) -> None:
+def _leave_out(
+    feature: str, paths: Collection[str], why: str, draft: Draft, *, but: Collection[str] = ()
+) -> None:
     for path in paths:
         for element in list(draft.root.iterfind(path)):
-            draft.lose(feature, element, why)
-            draft.remove(element)
-
-
-def _only(feature: str, path: str, tags: frozenset[str], why: str, draft: Draft) -> None:
-    for element in list(draft.root.iterfind(path)):
-        if element.tag not in tags:
-            draft.lose(feature, element, why)
-            draft.remove(element)
+            if element.tag not in but:
+                draft.lose(feature, element, why)
+                draft.remove(element)
 
 
 def _refuse(feature: str, path: str, why: str, help: str, draft: Draft) -> None:
@@ -208,11 +198,8 @@ def _take(
 def _without_shapes(kinds: Collection[str], draft: Draft) -> None:
     for _, geom in list(draft.of("geom")):
         if geom.get("type") in kinds:
-            draft.lose(
-                "shapes",
-                geom,
-                what=f"the {'height field' if geom.get('type') == 'hfield' else geom.get('type')}",
-            )
+            shape = "height field" if geom.get("type") == "hfield" else geom.get("type")
+            draft.lose("shapes", geom, what=f"the {shape}")
             draft.remove(geom)
     used = {geom.get("hfield") for geom in draft.root.iterfind(".//geom")}
     for field in list(draft.root.iterfind("asset/hfield")):
@@ -235,9 +222,8 @@ def _linear(draft: Draft) -> None:
                 first, *rest = str(element.get(name) or "0").split()
                 if rest:
                     element.set(name, first)
-                    draft.lose(
-                        "polynomials", element, "what is linear is read", what=f"the higher terms of {name}"
-                    )
+                    what = f"the higher terms of {name}"
+                    draft.lose("polynomials", element, "what is linear is read", what=what)
 
 
 def _plain_colors(draft: Draft) -> None:
@@ -416,9 +402,8 @@ def _greatest(model: Any, actuator: int) -> float | None:
 def _geared(draft: Draft) -> None:
     for actuator in draft.root.iterfind("actuator/*"):
         if actuator.get("joint") and _gear(actuator) != 1:
-            draft.lose(
-                "gears", actuator, "its solvers other than MuJoCo take the gains as they are", what="`gear`"
-            )
+            why = "its solvers other than MuJoCo take the gains as they are"
+            draft.lose("gears", actuator, why, what="`gear`")
 
 
 ONE_FOR_EACH_JOINT = Limit("actuators", Outcome.PARTLY, _one_for_each_joint)

@@ -104,11 +104,8 @@ def differences(model: Any, again: Any) -> Iterator[str]:
 
 def _close(before: Any, after: Any, rows: Any) -> bool:
     if not isinstance(before, np.ndarray) or not isinstance(after, np.ndarray):
-        return (
-            isinstance(before, float)
-            and isinstance(after, float)
-            and bool(np.isclose(before, after, rtol=TOLERANCE, atol=0))
-        )
+        both = isinstance(before, float) and isinstance(after, float)
+        return both and bool(np.isclose(before, after, rtol=TOLERANCE, atol=0))
     if before.shape != after.shape or not np.issubdtype(before.dtype, np.floating):
         return before.shape == after.shape and bool((before[rows] == after[rows]).all())
     before, after = before[rows].astype(float), after[rows].astype(float)
@@ -181,9 +178,8 @@ def _surface(kind: str, model: Any, number: int) -> dict[tuple[str, float], Any]
         ("normals", 1000 * TOLERANCE): rotated(quat, normals),
     }
     if (start := int(model.mesh_texcoordadr[mesh])) >= 0:
-        found["texture coordinates", 10 * TOLERANCE] = corners(
-            model.mesh_texcoord, start, model.mesh_facetexcoord
-        )
+        coordinates = corners(model.mesh_texcoord, start, model.mesh_facetexcoord)
+        found["texture coordinates", 10 * TOLERANCE] = coordinates
     return found
 
 

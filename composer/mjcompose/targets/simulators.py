@@ -137,10 +137,8 @@ def _pair_margins(mujoco: Any, model: Any) -> Iterator[tuple[int, str]]:
     shapes = words(mujoco, "geom_type")
     for pair in range(model.npair):
         geoms = int(model.pair_geom1[pair]), int(model.pair_geom2[pair])
-        if model.pair_margin[pair] and {shapes[int(model.geom_type[each])] for each in geoms} & {
-            "mesh",
-            "hfield",
-        }:
+        kinds = {shapes[int(model.geom_type[each])] for each in geoms}
+        if model.pair_margin[pair] and kinds & {"mesh", "hfield"}:
             yield pair, "MJX has no margin for contacts with meshes and height fields"
 
 
@@ -232,12 +230,6 @@ def _simple(mujoco: Any, model: Any, flex: int) -> bool:
     return True
 
 
-def _is_elastic(model: Any, flex: int) -> bool:
-    bends = model.flex_bendingadr[flex] >= 0
-    at = int(model.flex_stiffnessadr[flex])
-    return bool(bends or (model.flex_dim[flex] > 1 and at >= 0 and model.flex_stiffness[at] != 0))
-
-
 WARP_OPTIONS = refused_options(
     "MuJoCo Warp",
     (("solver", "mjtSolver", ("mjSOL_PGS",)),),
@@ -273,12 +265,8 @@ def _flexes_warp(mujoco: Any, model: Any) -> Iterator[tuple[int, str]]:
         for name in ("flex_interp", "flex_rigid", "flex_internal", "flex_passive")
     )
     discrete = getattr(mujoco.mjtIntegrator, "mjINT_DISCRETE", None)
-    newton = (
-        discrete is not None
-        and model.opt.integrator == int(discrete)
-        and model.opt.solver == int(mujoco.mjtSolver.mjSOL_NEWTON)
-        and hasattr(model, "flex_stiffnessadr")
-    )
+    newton = model.opt.solver == int(mujoco.mjtSolver.mjSOL_NEWTON) and hasattr(model, "flex_stiffnessadr")
+    newton = newton and discrete is not None and model.opt.integrator == int(discrete)
     touching = (model.flex_contype & model.flex_conaffinity) != 0
     for number in range(model.nflex):
         if abs(int(interpolated[number])) == 2:
@@ -291,16 +279,12 @@ def _flexes_warp(mujoco: Any, model: Any) -> Iterator[tuple[int, str]]:
             yield number, "MuJoCo Warp has no contacts of an interpolated flex with itself: `selfcollide`"
         elif interpolated[number] and passive[number] and model.flex_dim[number] >= 2:
             yield number, "MuJoCo Warp has no passive contacts of an interpolated flex: `passive`"
-        elif (
-            newton
-            and not interpolated[number]
-            and _is_elastic(model, number)
-            and not _simple(mujoco, model, number)
-        ):
-            yield (
-                number,
-                "MuJoCo Warp has no elastic flex on moving bodies with `discrete` and the solver `Newton`",
-            )
+        elif newton and not interpolated[number] and not _simple(mujoco, model, number):
+            bends = model.flex_bendingadr[number] >= 0
+            at = int(model.flex_stiffnessadr[number])
+            if bends or (model.flex_dim[number] > 1 and at >= 0 and model.flex_stiffness[at] != 0):
+                why = "no elastic flex on moving bodies with `discrete` and the solver `Newton`"
+                yield number, f"MuJoCo Warp has {why}"
 
 
 def _beside_flexes(mujoco: Any, model: Any) -> Iterator[tuple[int, str]]:

@@ -157,9 +157,8 @@ def _contacts(friction: Collection[str], but: Collection[str], draft: Draft) -> 
     for number, node in draft.of("geom"):
         if not model.geom_contype[number] and not model.geom_conaffinity[number]:
             continue
-        changed = [
-            each for each in _changed(model, plain, number, names=_SOFTNESS, kind="geom") if each not in but
-        ]
+        names = [each for each in _SOFTNESS if each not in but]
+        changed = list(_changed(model, plain, number, names=names, kind="geom"))
         for word in friction:
             at = _FRICTION[word]
             if model.geom_friction[number][at] != plain.geom_friction[0][at]:

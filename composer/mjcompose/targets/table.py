@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Mapping
-from functools import partial
 from pathlib import Path
 
 from mjcompose.base.extensions import Table
@@ -135,12 +134,8 @@ def read_back() -> str:
 def with_tables(page: str) -> str:
     for name, table in (("features", features()), ("read back", read_back())):
         inside = re.compile(rf"(?<=<!-- {name} -->\n).*?(?=<!-- end of {name} -->)", re.DOTALL)
-        page = inside.sub(partial(_instead, table), page)
+        page = inside.sub(table.replace("\\", r"\\"), page)
     return page
-
-
-def _instead(table: str, _: re.Match[str]) -> str:
-    return table
 
 
 if __name__ == "__main__":

@@ -145,19 +145,14 @@ class Builder:
                 if not self._alias(event):
                     return None
             elif kind is DocumentStartEvent and self._root is not None:
-                self._sink.error(
-                    "yaml-documents",
-                    "a second YAML document begins here; a file holds one",
-                    self._marks.span(event),
-                    help="move what follows `---` into a file of its own, or remove the `---`",
-                )
+                message = "a second YAML document begins here; a file holds one"
+                help = "move what follows `---` into a file of its own, or remove the `---`"
+                self._sink.error("yaml-documents", message, self._marks.span(event), help=help)
                 return self._root
             if self._total > self._most:
+                message = f"more than {self._most} values in one file"
                 self._sink.error(
-                    "yaml-too-large",
-                    f"more than {self._most} values in one file",
-                    self._marks.span(event),
-                    help=advice("yaml-values"),
+                    "yaml-too-large", message, self._marks.span(event), help=advice("yaml-values")
                 )
                 return None
         for lone in self._lone:  # if reading stops, this is the reason
@@ -205,12 +200,8 @@ class Builder:
                 parent.key = _DROPPED
                 is_key = True
         if len(self._stack) >= self._deepest:
-            self._sink.error(
-                "yaml-too-deep",
-                f"more than {self._deepest} lists and mappings within each other",
-                self._marks.span(event),
-                help=advice("yaml-depth"),
-            )
+            message = f"more than {self._deepest} lists and mappings within each other"
+            self._sink.error("yaml-too-deep", message, self._marks.span(event), help=advice("yaml-depth"))
             return False
         line, column = event.start_mark.line + 1, event.start_mark.column + 1
         if event.anchor is not None or event.tag is not None:

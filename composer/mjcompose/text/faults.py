@@ -295,11 +295,8 @@ def _colon_in_flow(it: ParserStop) -> SyntaxFault | None:
     end = max(unquoted_end(it.text, start, True), it.at + 1)
     key, _, value = it.text[start:end].partition(":")
     if _KEY.fullmatch(key) and value[:1] in ("[", "{", '"', "'"):
-        return it.fault(
-            f"a space is missing behind the colon of `{key}`",
-            it.span(start, start + len(key) + 1),
-            f"write `{key}: {value}`",
-        )
+        colon = it.span(start, start + len(key) + 1)
+        return it.fault(f"a space is missing behind the colon of `{key}`", colon, f"write `{key}: {value}`")
     message = f"`{it.text[start:end]}` has a colon, and inside `[ ]` or `{{ }}` must be in quotes"
     return it.unquoted(start, end, message)
 
@@ -315,10 +312,8 @@ def _glob_choice(it: ParserStop) -> SyntaxFault | None:
         return None
     end = unquoted_end(it.text, start, in_flow(it.text, start, it.outer))
     shown = it.text[start:end]
-    message = (
-        f"`{shown}` begins with `{opening}`, which is a {'list' if opening == '[' else 'mapping'} in YAML"
-    )
-    return it.unquoted(start, end, message)
+    kind = "list" if opening == "[" else "mapping"
+    return it.unquoted(start, end, f"`{shown}` begins with `{opening}`, which is a {kind} in YAML")
 
 
 def _mapping_not_allowed(it: ParserStop) -> SyntaxFault | None:
@@ -354,7 +349,8 @@ def _mapping_not_allowed(it: ParserStop) -> SyntaxFault | None:
 def _below_value(it: ParserStop, lead: str, above_begin: int, above: str) -> SyntaxFault:
     """Report a key in the continuation of the value on the line above."""
     key = lead.strip()
-    place = Note("the line above is this", _line_span(it, above_begin, above))
+    first = above_begin + len(above) - len(above.lstrip())
+    place = Note("the line above is this", it.span(first, above_begin + len(above.rstrip())))
     begin = it.line_start(it.at)
     span = it.span(begin + len(lead) - len(lead.lstrip()), it.at)
     holder = re.match(r"[ \t]*(?:- +)*([^:\r\n]*[^:\s]): +(\S.*)", above)
@@ -373,11 +369,6 @@ def _below_value(it: ParserStop, lead: str, above_begin: int, above: str) -> Syn
     )
 
 
-def _line_span(it: ParserStop, begin: int, line: str) -> Span:
-    lead = len(line) - len(line.lstrip())
-    return it.span(begin + lead, begin + len(line.rstrip()))
-
-
 def _no_colon(it: ParserStop) -> SyntaxFault | None:
     if "could not find expected ':'" not in it.problem:
         return None
@@ -394,11 +385,8 @@ def _no_colon(it: ParserStop) -> SyntaxFault | None:
 def _list_in_line(it: ParserStop) -> SyntaxFault | None:
     if "sequence entries are not allowed" not in it.problem:
         return None
-    return it.fault(
-        "a list with `-` cannot begin on the line of its key",
-        it.span(it.at),
-        "begin it on a line of its own, or write it as `[a, b]`",
-    )
+    help = "begin it on a line of its own, or write it as `[a, b]`"
+    return it.fault("a list with `-` cannot begin on the line of its key", it.span(it.at), help)
 
 
 def _open_quote(it: ParserStop) -> SyntaxFault | None:
@@ -468,11 +456,8 @@ def _block(it: ParserStop) -> SyntaxFault | None:
                 notes=(Note("it ends here, at the next one", it.span(begin + lead.rindex(quote))),),
             )
         if quote in ("'", '"'):
-            return it.fault(
-                f"{it.shown} follows a closing quote",
-                it.span(it.at),
-                "put the whole value in one pair of quotes",
-            )
+            help = "put the whole value in one pair of quotes"
+            return it.fault(f"{it.shown} follows a closing quote", it.span(it.at), help)
         return it.fault(f"{it.shown} cannot follow a complete value", it.span(it.at), "quote the value")
     in_mapping = "block mapping" in it.context
     opened = Note(f"the {'mapping' if in_mapping else 'list'} is here", it.span(it.since))
@@ -480,11 +465,8 @@ def _block(it: ParserStop) -> SyntaxFault | None:
         message = "the indentation of this line is that of no line above"
         help = "indent keys of one mapping, and items of one list, alike"
     elif in_mapping:
-        message = (
-            "a list item stands among the keys of a mapping"
-            if it.shown[1] == "-"
-            else (f"{it.shown} is not a key, and stands among the keys of a mapping")
-        )
+        what = "a list item" if it.shown[1] == "-" else f"{it.shown} is not a key, and"
+        message = f"{what} stands among the keys of a mapping"
         help = "give the list a key of its own, or write `key: value`"
     elif it.text.startswith("-", it.at):
         message = "the `-` of a list item needs a space behind it"
@@ -524,42 +506,19 @@ def _tag(it: ParserStop) -> SyntaxFault | None:
 def _directive(it: ParserStop) -> SyntaxFault | None:
     if "directive" not in it.context and "YAML document" not in it.problem:
         return None
-    return it.fault(
-        "a line that begins with `%` is a YAML directive, and this one is not known",
-        it.span(it.since),
-        "remove the line",
-    )
+    message = "a line that begins with `%` is a YAML directive, and this one is not known"
+    return it.fault(message, it.span(it.since), "remove the line")
 
 
 def _block_text(it: ParserStop) -> SyntaxFault | None:
     if "block scalar" not in it.context:
         return None
     sign = it.text[it.since : it.since + 1]
-    return it.fault(
-        f"`{sign}` begins a text block, and its text begins on the next line",
-        it.span(it.at),
-        f"if the value is text that begins with `{sign}`, quote it",
-    )
+    message = f"`{sign}` begins a text block, and its text begins on the next line"
+    return it.fault(message, it.span(it.at), f"if the value is text that begins with `{sign}`, quote it")
 
 
 _RULES: tuple[Callable[[ParserStop], SyntaxFault | None], ...] = (
-    _long_key,
-    _template,
-    _alias,
-    _tab,
-    _reserved_start,
-    _colon_in_flow,
-    _glob_choice,
-    _mapping_not_allowed,
-    _no_colon,
-    _list_in_line,
-    _open_quote,
-    _escape,
-    _flow,
-    _block_text,
-    _block,
-    _no_content,
-    _after_end,
-    _tag,
-    _directive,
-)
+    _long_key, _template, _alias, _tab, _reserved_start, _colon_in_flow, _glob_choice, _mapping_not_allowed, _no_colon,
+    _list_in_line, _open_quote, _escape, _flow, _block_text, _block, _no_content, _after_end, _tag, _directive,
+)  # fmt: skip
