@@ -35,11 +35,9 @@ def offer(question: Question) -> Iterator[Item]:
 
 _NAME = re.compile(r"[A-Za-z_]\w*\Z")
 _IN_EDITS = {
-    "value": "what is there now, after defaults",
-    "name": "the name of the element",
-    "parent": "the name of its parent",
-    "index": "its number among those that are selected, from 0",
-}
+    "value": "what is there now, after defaults", "name": "the name of the element",
+    "parent": "the name of its parent", "index": "its number among those that are selected, from 0",
+}  # fmt: skip
 
 
 def begun(question: Question) -> str | None:

@@ -156,12 +156,8 @@ _KINDS = {
 }  # fmt: skip
 _S = lsp.SymbolKind
 _SYMBOLS = {
-    "section": _S.Namespace,
-    "part": _S.Module,
-    "list": _S.Array,
-    "value": _S.Property,
-    "element": _S.Object,
-}
+    "section": _S.Namespace, "part": _S.Module, "list": _S.Array, "value": _S.Property, "element": _S.Object,
+}  # fmt: skip
 
 
 class Converter:

@@ -123,11 +123,9 @@ class _Download:
     def _no_name(self, said: str) -> SourceError:
         """Return the error for an unknown network or server: another try a second later would fail too."""
         return SourceError(
-            "source-fetch",
-            f"`{self.url}` cannot be fetched: the name of its server cannot be resolved",
-            notes=(said,),
-            help="check the network and the address; with `--offline` what is in the store is used",
-        )
+            "source-fetch", f"`{self.url}` cannot be fetched: the name of its server cannot be resolved",
+            notes=(said,), help="check the network and the address; with `--offline` what is in the store is used",
+        )  # fmt: skip
 
     def _untrusted(self, said: str) -> SourceError:
         return SourceError(

@@ -306,11 +306,9 @@ def not_found(text: str, wanted: Path, existing: Iterable[str], *, hint: str | N
         message, note, corrected = _without_folder(text, wanted)
         near = corrected or near
     return SourceError(
-        "source-not-found",
-        message,
-        notes=(f"looked for `{wanted}`", note),
+        "source-not-found", message, notes=(f"looked for `{wanted}`", note),
         help=f"write `{near}`" if near else hint,
-    )
+    )  # fmt: skip
 
 
 def _with_slashes(text: str, near: str | None) -> str:
@@ -378,8 +376,6 @@ def without_suffix(text: str, existing: Iterable[str]) -> SourceError:
         problem = f"ends in `{suffix}`, which is not a model file" if suffix else "has no file suffix"
         fix = "end it in `.yaml` for a recipe, `.xml` for MJCF, `.urdf` for URDF, or write `menagerie:ROBOT`"
     return SourceError(
-        "source-kind",
-        f"the model reference `{text}` {problem}",
-        notes=(exists_note("model file", known).message,) if known else (),
-        help=f"write `{near}`" if near else fix,
-    )
+        "source-kind", f"the model reference `{text}` {problem}",
+        notes=(exists_note("model file", known).message,) if known else (), help=f"write `{near}`" if near else fix,
+    )  # fmt: skip

@@ -163,11 +163,9 @@ class Git:
 def bounded() -> list[str]:
     """Return the options that keep git from holding large files in memory."""
     settings = {
-        "core.bigFileThreshold": "8m",
-        "core.deltaBaseCacheLimit": "16m",
-        "pack.windowMemory": "64m",
+        "core.bigFileThreshold": "8m", "core.deltaBaseCacheLimit": "16m", "pack.windowMemory": "64m",
         "pack.threads": "1",
-    }
+    }  # fmt: skip
     return _options(settings)
 
 
@@ -176,12 +174,9 @@ def _options(settings: Mapping[str, str]) -> list[str]:
 
 
 CONFINED = {
-    "core.hooksPath": os.devnull,
-    "core.fsmonitor": "false",
-    "core.attributesFile": os.devnull,
-    "submodule.recurse": "false",
-    "fetch.recurseSubmodules": "false",
-}
+    "core.hooksPath": os.devnull, "core.fsmonitor": "false", "core.attributesFile": os.devnull,
+    "submodule.recurse": "false", "fetch.recurseSubmodules": "false",
+}  # fmt: skip
 """Settings that keep git from running anything from a repository."""
 # The user's settings apply; the system's may come from somebody else. On Windows they are needed to trust servers.
 NO_SYSTEM = {} if os.name == "nt" else {"GIT_CONFIG_NOSYSTEM": "1", "GIT_ATTR_NOSYSTEM": "1"}

@@ -89,11 +89,9 @@ def _unknown_kind(text: str, scheme: str, rest: str) -> SourceError:
     elif "/" not in scheme and not rest.startswith("//"):
         help = f"if it is a path, write `./{text}`"
     return SourceError(
-        "source-kind",
-        f"`{scheme}:` is not a kind of model reference, in `{text}`",
-        notes=(_forms_note(),),
+        "source-kind", f"`{scheme}:` is not a kind of model reference, in `{text}`", notes=(_forms_note(),),
         help=help,
-    )
+    )  # fmt: skip
 
 
 def _forms_note() -> str:

@@ -156,11 +156,9 @@ def _folder(
         return Path(robot.path(cache))
     except (library.MenagerieError, OSError) as fault:
         raise SourceError(
-            "source-not-found",
-            f"`{reference.text}` could not be fetched",
-            notes=(str(fault),),
+            "source-not-found", f"`{reference.text}` could not be fetched", notes=(str(fault),),
             help=_WITHOUT_NETWORK,
-        ) from fault
+        ) from fault  # fmt: skip
 
 
 KIND = SourceKind(

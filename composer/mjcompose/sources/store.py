@@ -138,11 +138,8 @@ class Store:
                     size += path.stat().st_size
                     path.chmod(stat.S_IREAD | stat.S_IRGRP | stat.S_IROTH)
                 record = {
-                    "origin": origin,
-                    "size": size,
-                    "about": dict(about),
-                    "files": dict(sorted(files.items())),
-                }
+                    "origin": origin, "size": size, "about": dict(about), "files": dict(sorted(files.items())),
+                }  # fmt: skip
                 with (stage / ENTRY).open("w", encoding="utf-8") as stream:
                     json.dump(record, stream, indent=1)
                     stream.flush()
@@ -398,8 +395,6 @@ def _size(text: str) -> int:
     size = parse_size(text)
     if size is None:
         raise SourceError(
-            "store-unusable",
-            f"`MJCOMPOSE_CACHE_SIZE` is not a size: `{text}`",
-            help="write it as `500M` or `10G`",
-        )
+            "store-unusable", f"`MJCOMPOSE_CACHE_SIZE` is not a size: `{text}`", help="write it as `500M` or `10G`",
+        )  # fmt: skip
     return size

@@ -56,10 +56,8 @@ _NAME_MAX, _PATH_MAX = 255, 2048
 """Maximum bytes of a file name, and of a path below the store."""
 _DRIVE = re.compile(r"[A-Za-z]:")
 _OPENERS: tuple[tuple[bytes, Any], ...] = (
-    (b"\x1f\x8b", gzip.open),
-    (b"BZh", bz2.open),
-    (b"\xfd7zXZ\x00", lzma.open),
-)
+    (b"\x1f\x8b", gzip.open), (b"BZh", bz2.open), (b"\xfd7zXZ\x00", lzma.open),
+)  # fmt: skip
 
 
 _BROKEN = (
@@ -130,12 +128,9 @@ def _zip_members(archive: zipfile.ZipFile) -> Iterator[tuple[str, IO[bytes] | No
 
 
 _KINDS = {
-    stat.S_IFLNK: "a link",
-    stat.S_IFCHR: "a device",
-    stat.S_IFBLK: "a device",
-    stat.S_IFIFO: "a pipe",
+    stat.S_IFLNK: "a link", stat.S_IFCHR: "a device", stat.S_IFBLK: "a device", stat.S_IFIFO: "a pipe",
     stat.S_IFSOCK: "a socket",
-}
+}  # fmt: skip
 
 
 def _tar(stream: IO[bytes]) -> tarfile.TarFile:

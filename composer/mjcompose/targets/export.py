@@ -56,10 +56,8 @@ def export(mujoco: Any, argument: dict[str, str]) -> dict[str, Any]:
     except (CannotBePlain, ValueError) as error:
         return {"error": " ".join(str(error).split()), "losses": [], "differences": []}
     found: dict[str, Any] = {
-        "error": None,
-        "differences": list(differences(draft.model, again)),
-        "names": NameTable(draft.model).names,
-    }
+        "error": None, "differences": list(differences(draft.model, again)), "names": NameTable(draft.model).names,
+    }  # fmt: skip
     target = TARGETS[argument["name"]]
     if target is not PLAIN:
         for path in written:

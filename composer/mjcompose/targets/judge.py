@@ -107,11 +107,9 @@ def questions(model: Any, count: int = 50, seed: int = 1) -> Facts:
 
     moves = model.nv > 0 and model.nflex == 0
     return {
-        "poses": [pose(drawn) for _ in range(count)],
-        "home": pose(at_home),
-        "seconds": SECONDS if moves else 0,
+        "poses": [pose(drawn) for _ in range(count)], "home": pose(at_home), "seconds": SECONDS if moves else 0,
         "gravity": model.opt.gravity.tolist(),
-    }
+    }  # fmt: skip
 
 
 def facts_of(mujoco: Any, model: Any, asked: Facts, losses: Sequence[Loss] = ()) -> Facts:

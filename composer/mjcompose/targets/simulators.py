@@ -112,11 +112,9 @@ def _medium(mujoco: Any, model: Any) -> Iterator[tuple[int, str]]:
 
 
 MJX_OPTIONS = refused_options(
-    "MJX",
-    (("integrator", "mjtIntegrator", ("mjINT_IMPLICIT",)), ("solver", "mjtSolver", ("mjSOL_PGS",))),
-    flags=("override", "energy", "fwdinv", "diagexact", "speculative"),
-    together=_medium,
-)
+    "MJX", (("integrator", "mjtIntegrator", ("mjINT_IMPLICIT",)), ("solver", "mjtSolver", ("mjSOL_PGS",))),
+    flags=("override", "energy", "fwdinv", "diagexact", "speculative"), together=_medium,
+)  # fmt: skip
 
 
 def _margins(mujoco: Any, model: Any) -> Iterator[tuple[int, str]]:
@@ -231,11 +229,9 @@ def _simple(mujoco: Any, model: Any, flex: int) -> bool:
 
 
 WARP_OPTIONS = refused_options(
-    "MuJoCo Warp",
-    (("solver", "mjtSolver", ("mjSOL_PGS",)),),
-    flags=("override", "fwdinv", "diagexact", "ipc", "speculative"),
-    together=_options,
-)
+    "MuJoCo Warp", (("solver", "mjtSolver", ("mjSOL_PGS",)),),
+    flags=("override", "fwdinv", "diagexact", "ipc", "speculative"), together=_options,
+)  # fmt: skip
 
 
 WARP_PLUGINS = refused_elements("plugins", "body", with_plugins("body"), help=_OUT)

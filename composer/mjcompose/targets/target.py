@@ -65,11 +65,8 @@ _PLURALS = {
     "exclude": "excluded contacts", "mesh": "meshes",
 }  # fmt: skip
 _SINGULARS = {
-    "equality": "equality constraint",
-    "key": "keyframe",
-    "pair": "contact pair",
-    "exclude": "excluded contact",
-}
+    "equality": "equality constraint", "key": "keyframe", "pair": "contact pair", "exclude": "excluded contact",
+}  # fmt: skip
 _NAMED = 3
 _OPTION = "option"
 

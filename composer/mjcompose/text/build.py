@@ -27,11 +27,9 @@ FREE_EXPANSION = 10_000  # nodes that aliases may add, in addition to one for ea
 
 _STANDARD = "tag:yaml.org,2002:"
 _SCALAR_TAGS: dict[str, tuple[type, ...]] = {
-    _STANDARD + "null": (type(None),),
-    _STANDARD + "bool": (bool,),
-    _STANDARD + "int": (int,),
+    _STANDARD + "null": (type(None),), _STANDARD + "bool": (bool,), _STANDARD + "int": (int,),
     _STANDARD + "float": (int, float),
-}
+}  # fmt: skip
 # Replaces a key whose value is read only to report its faults, and then dropped.
 _DROPPED = Key("", Span("", 0, 0))
 
@@ -250,11 +248,9 @@ class Builder:
             return text if self._restore is None else self._restore(text)
         except UnicodeDecodeError:
             self._sink.error(
-                "yaml-syntax",
-                "an escape here is half of a surrogate pair, which is not a character",
-                span,
+                "yaml-syntax", "an escape here is half of a surrogate pair, which is not a character", span,
                 help="write both halves, as in `\\ud83d\\ude00`, or the character itself",
-            )
+            )  # fmt: skip
             return text.encode("utf-8", "replace").decode("utf-8")
 
     def _resolved(self, text: str, span: Span) -> bool | int | float | str | None:
@@ -295,19 +291,15 @@ class Builder:
         found = entries.get(name)
         if name == "<<" and type(event) is ScalarEvent and not event.style:
             self._sink.error(
-                "yaml-merge-key",
-                "the merge key `<<` is not part of the language",
-                span,
+                "yaml-merge-key", "the merge key `<<` is not part of the language", span,
                 help="write the keys out, or use `extends` or `variants`, which merge recipes",
-            )
+            )  # fmt: skip
         elif found is not None:
             self._sink.error(
-                "yaml-duplicate-key",
-                f"the key `{name}` is written twice in this mapping",
-                span,
+                "yaml-duplicate-key", f"the key `{name}` is written twice in this mapping", span,
                 notes=[Note("it is first written here", found[0].span)],
                 help="keep one of the two, or give one of them another name",
-            )
+            )  # fmt: skip
         else:
             frame.key = Key(name, span)
 
@@ -338,12 +330,9 @@ class Builder:
             return False
         if anchored is None:
             self._sink.error(
-                "yaml-alias",
-                f"`*{name}` is an alias in YAML, and nothing before it is marked `&{name}`",
-                span,
-                help=f"if the text itself is meant, quote it: {quoted('*' + name)}",
-                fix=Fix(quoted("*" + name)),
-            )
+                "yaml-alias", f"`*{name}` is an alias in YAML, and nothing before it is marked `&{name}`", span,
+                help=f"if the text itself is meant, quote it: {quoted('*' + name)}", fix=Fix(quoted("*" + name)),
+            )  # fmt: skip
             anchored = _Anchored(Scalar(f"*{name}", span, f"*{name}", plain=True), 1, 0)
         frame = self._stack[-1] if self._stack else None
         if frame is not None and frame.entries is not None and frame.key is None:
@@ -385,31 +374,25 @@ class Builder:
             self._refuse_tag(tag, self._marks.tag(event))
         elif type(value) not in _SCALAR_TAGS[tag]:
             self._sink.error(
-                "yaml-tag",
-                f"`{text}` is not what its tag `{_shown(tag)}` says",
-                span,
+                "yaml-tag", f"`{text}` is not what its tag `{_shown(tag)}` says", span,
                 help=f"remove the tag `{_shown(tag)}`",
-            )
+            )  # fmt: skip
         return value
 
     def _refuse_tag(self, tag: str, span: Span) -> None:
         self._sink.error(
-            "yaml-tag",
-            f"the tag `{_shown(tag)}` is not part of the language",
-            span,
+            "yaml-tag", f"the tag `{_shown(tag)}` is not part of the language", span,
             help=f"remove `{_shown(tag)}`; if it is meant as text, quote the whole value",
-        )
+        )  # fmt: skip
 
     def _refuse_key(self, event: Any, kind: str) -> None:
         template = kind == "a mapping" and self._text.startswith("{{", event.start_mark.index - 1)
         self._sink.error(
-            "yaml-key",
-            f"{kind} cannot be a key",
-            self._marks.span(event),
+            "yaml-key", f"{kind} cannot be a key", self._marks.span(event),
             help='text with braces must be quoted; an expression is written "${…}"'
             if template
             else "a key is text; quote it if it begins with `[`, `{` or `*`",
-        )
+        )  # fmt: skip
 
 
 def _shown(tag: str) -> str:

@@ -73,11 +73,8 @@ def _utf8(source: bytes, file: str, sink: Sink) -> str | None:
     for mark, encoding in _UTF_16_OR_32:
         if source.startswith(mark):
             sink.error(
-                "yaml-not-utf8",
-                f"`{file}` is {encoding} text",
-                Span(file, 1, 1),
-                help="save the file as UTF-8",
-            )
+                "yaml-not-utf8", f"`{file}` is {encoding} text", Span(file, 1, 1), help="save the file as UTF-8",
+            )  # fmt: skip
             return None
     try:
         return source.decode("utf-8")
@@ -85,11 +82,9 @@ def _utf8(source: bytes, file: str, sink: Sink) -> str | None:
         before = source[: fault.start].decode("utf-8").removeprefix("\ufeff")
         line, column = position(before, len(before))
         sink.error(
-            "yaml-not-utf8",
-            f"the byte 0x{source[fault.start]:02x} is not part of UTF-8 text",
-            Span(file, line, column, end_line=line, end_column=column + 1),
-            help="save the file as UTF-8",
-        )
+            "yaml-not-utf8", f"the byte 0x{source[fault.start]:02x} is not part of UTF-8 text",
+            Span(file, line, column, end_line=line, end_column=column + 1), help="save the file as UTF-8",
+        )  # fmt: skip
         return None
 
 

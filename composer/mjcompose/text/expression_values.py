@@ -69,27 +69,14 @@ def _clamp(value: Number, low: Number, high: Number) -> Number:
 
 CONSTANTS: Mapping[str, Value] = {"pi": math.pi}
 FUNCTIONS: Mapping[str, Function] = {
-    "abs": Function(abs),
-    "min": Function(min, 2, None),
-    "max": Function(max, 2, None),
-    "round": Function(_round, 1, 2),
-    "floor": Function(math.floor),
-    "ceil": Function(math.ceil),
-    "sqrt": Function(math.sqrt),
-    "exp": Function(math.exp),
-    "log": Function(math.log, 1, 2),
-    "sin": Function(math.sin),
-    "cos": Function(math.cos),
-    "tan": Function(math.tan),
-    "asin": Function(math.asin),
-    "acos": Function(math.acos),
-    "atan": Function(math.atan),
-    "atan2": Function(math.atan2, 2, 2),
-    "hypot": Function(math.hypot, 2, None),
-    "clamp": Function(_clamp, 3, 3),
-    "deg": Function(math.degrees),
+    "abs": Function(abs), "min": Function(min, 2, None), "max": Function(max, 2, None),
+    "round": Function(_round, 1, 2), "floor": Function(math.floor), "ceil": Function(math.ceil),
+    "sqrt": Function(math.sqrt), "exp": Function(math.exp), "log": Function(math.log, 1, 2),
+    "sin": Function(math.sin), "cos": Function(math.cos), "tan": Function(math.tan), "asin": Function(math.asin),
+    "acos": Function(math.acos), "atan": Function(math.atan), "atan2": Function(math.atan2, 2, 2),
+    "hypot": Function(math.hypot, 2, None), "clamp": Function(_clamp, 3, 3), "deg": Function(math.degrees),
     "rad": Function(math.radians),
-}
+}  # fmt: skip
 
 
 UNITS: Mapping[str, Literal["deg", "rad"]] = {"deg": "deg", "rad": "rad"}

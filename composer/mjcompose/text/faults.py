@@ -356,17 +356,13 @@ def _below_value(it: ParserStop, lead: str, above_begin: int, above: str) -> Syn
     holder = re.match(r"[ \t]*(?:- +)*([^:\r\n]*[^:\s]): +(\S.*)", above)
     if holder:
         return it.fault(
-            f"`{key}` is indented as if it belonged to `{holder.group(1)}`, which already has a value",
-            span,
-            f"put `{key}` in the column of `{holder.group(1)}`, or remove that value",
-            notes=(place,),
-        )
+            f"`{key}` is indented as if it belonged to `{holder.group(1)}`, which already has a value", span,
+            f"put `{key}` in the column of `{holder.group(1)}`, or remove that value", notes=(place,),
+        )  # fmt: skip
     return it.fault(
-        f"`{key}` cannot be a key here, because the line above is neither a key nor complete",
-        span,
-        "a line of a mapping has the form `key: value`",
-        notes=(place,),
-    )
+        f"`{key}` cannot be a key here, because the line above is neither a key nor complete", span,
+        "a line of a mapping has the form `key: value`", notes=(place,),
+    )  # fmt: skip
 
 
 def _no_colon(it: ParserStop) -> SyntaxFault | None:
@@ -427,17 +423,13 @@ def _flow(it: ParserStop) -> SyntaxFault | None:
     if it.at >= len(it.text) or not it.same_line:
         place = Note("it was expected before this", it.span(it.at)) if it.at < len(it.text) else None
         return it.fault(
-            f"this `{opening}` has no `{closing}`",
-            it.span(it.since),
-            f"add the `{closing}`, or a comma where one is missing",
-            notes=(place,) if place else (),
-        )
+            f"this `{opening}` has no `{closing}`", it.span(it.since),
+            f"add the `{closing}`, or a comma where one is missing", notes=(place,) if place else (),
+        )  # fmt: skip
     return it.fault(
-        f"expected `,` or `{closing}` before {it.shown}",
-        it.span(it.at),
-        "if both are one text, quote it as a whole",
-        notes=(Note(f"the `{opening}` is here", it.span(it.since)),),
-    )
+        f"expected `,` or `{closing}` before {it.shown}", it.span(it.at),
+        "if both are one text, quote it as a whole", notes=(Note(f"the `{opening}` is here", it.span(it.since)),),
+    )  # fmt: skip
 
 
 def _block(it: ParserStop) -> SyntaxFault | None:
@@ -450,11 +442,9 @@ def _block(it: ParserStop) -> SyntaxFault | None:
         if quote in ("'", '"') and lead.count(quote) % 2 and quote in it.text[:begin]:
             opening = it.text.rindex(quote, 0, begin)
             return it.fault(
-                "this quote is not closed on its line",
-                it.span(opening),
-                f"close it with another `{quote}`",
+                "this quote is not closed on its line", it.span(opening), f"close it with another `{quote}`",
                 notes=(Note("it ends here, at the next one", it.span(begin + lead.rindex(quote))),),
-            )
+            )  # fmt: skip
         if quote in ("'", '"'):
             help = "put the whole value in one pair of quotes"
             return it.fault(f"{it.shown} follows a closing quote", it.span(it.at), help)
@@ -496,11 +486,9 @@ def _tag(it: ParserStop) -> SyntaxFault | None:
     found = re.compile(r"[^\s,\[\]{}]*").match(it.text, start)
     end = found.end() if found else start + 1
     return it.fault(
-        f"`{it.text[start:end]}` begins with `!`, which is a tag in YAML",
-        it.span(start, end),
-        "the language has no tags; if it is text, quote it",
-        code="yaml-tag",
-    )
+        f"`{it.text[start:end]}` begins with `!`, which is a tag in YAML", it.span(start, end),
+        "the language has no tags; if it is text, quote it", code="yaml-tag",
+    )  # fmt: skip
 
 
 def _directive(it: ParserStop) -> SyntaxFault | None:

@@ -274,10 +274,8 @@ def lines_of(leaf: Leaf, indent: int) -> list[str]:
     margin = " " * (indent + INDENT)
     inner = (f"{margin}{_cut(line.lstrip(' '))}" for line in lines[1:-1])
     return [
-        _cut(lines[0]),
-        *(line if line.strip(" ") else "" for line in inner),
-        margin + lines[-1].lstrip(" "),
-    ]
+        _cut(lines[0]), *(line if line.strip(" ") else "" for line in inner), margin + lines[-1].lstrip(" "),
+    ]  # fmt: skip
 
 
 def _cut(line: str) -> str:
@@ -541,11 +539,9 @@ def format_recipe(source: bytes, file: str, sink: Sink) -> bytes | None:
         document = read(text)
     except Unusual as unusual:
         sink.error(
-            "cannot-format",
-            f"`{file}` is left as it is: {unusual}",
-            Span(file, unusual.line, 1),
+            "cannot-format", f"`{file}` is left as it is: {unusual}", Span(file, unusual.line, 1),
             help="write it in the usual form",
-        )
+        )  # fmt: skip
         return None
     put_in_order(document.root)
     first = _LINE_BREAK.search(text)
@@ -554,12 +550,10 @@ def format_recipe(source: bytes, file: str, sink: Sink) -> bytes | None:
     changed = _changed(node, text, result, file=file)
     if changed is not None:
         sink.error(
-            "cannot-format",
-            f"`{file}` is left as it is: in the canonical layout it would not say the same",
-            Span(file, 1, 1),
-            notes=(Note(changed),),
+            "cannot-format", f"`{file}` is left as it is: in the canonical layout it would not say the same",
+            Span(file, 1, 1), notes=(Note(changed),),
             help="please report it: this is a fault of `mjcompose fmt`, not of the recipe",
-        )
+        )  # fmt: skip
         return None
     mark = "\ufeff" if source.startswith(b"\xef\xbb\xbf") else ""
     return (mark + result).encode("utf-8")

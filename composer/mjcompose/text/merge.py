@@ -17,11 +17,8 @@ _EDITS: tuple[Path, ...] = (("edit",), ("base", "edit"), ("attach", "*", "edit")
 _OF_ELEMENTS = ("set", "scale", "convert", "move", "rename")
 # Paths with selectors, besides edits.
 _SELECTING: tuple[Path, ...] = (
-    ("base", "drop"),
-    ("attach", "*", "drop"),
-    ("check", "*", "*"),
-    ("randomize", "fields", "*", "select"),
-)
+    ("base", "drop"), ("attach", "*", "drop"), ("check", "*", "*"), ("randomize", "fields", "*", "select"),
+)  # fmt: skip
 
 
 def in_own_model(path: Path) -> Path:
@@ -191,12 +188,10 @@ class _Merge:
 
     def _nothing_to_delete(self, key: Key, lower: Mapping) -> None:
         self.sink.error(
-            "unknown-key",
-            f"`{key.name}` does not exist and cannot be taken out",
-            key.span,
+            "unknown-key", f"`{key.name}` does not exist and cannot be taken out", key.span,
             notes=(exists_note("key", list(lower.entries), key.name),),
             help=did_you_mean(key.name, lower.entries, "{}: null"),
-        )
+        )  # fmt: skip
 
 
 def _pattern(path: MergePath) -> MergePath:

@@ -246,11 +246,9 @@ def check_characters(node: Node, sink: Sink) -> None:
 
 def _refuse(character: str, span: Span, sink: Sink) -> None:
     sink.error(
-        "yaml-syntax",
-        f"an escape here is the character {code_point(character)}, which XML cannot hold",
-        span,
+        "yaml-syntax", f"an escape here is the character {code_point(character)}, which XML cannot hold", span,
         help="leave it out",
-    )
+    )  # fmt: skip
 
 
 OPENING = "${"

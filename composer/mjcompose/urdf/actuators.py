@@ -281,11 +281,8 @@ class Extras:
 
 
 _OF_LINKS: dict[str, Callable[[Extras, Node, Node], str | None]] = {
-    "mu1": Extras._friction,
-    "mu": Extras._friction,
-    "gravity": Extras._gravity,
-    "turnGravityOff": Extras._gravity,
-}
+    "mu1": Extras._friction, "mu": Extras._friction, "gravity": Extras._gravity, "turnGravityOff": Extras._gravity,
+}  # fmt: skip
 _OF_JOINTS: dict[str, Callable[[Extras, Node, Node], str | None]] = {
     "springStiffness": Extras._spring,
     "springReference": Extras._spring,

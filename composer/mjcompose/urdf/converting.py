@@ -103,11 +103,8 @@ def _own(path: str, door: Door) -> dict[str, Any]:
     if not len(faces) or not numpy.isfinite(vertices).all():
         return {"parts": [], "files": [], "lost": []}
     part = {
-        "obj": _obj(vertices, faces, None),
-        "rgba": None,
-        "texture": None,
-        "measures": measures(vertices, faces),
-    }
+        "obj": _obj(vertices, faces, None), "rgba": None, "texture": None, "measures": measures(vertices, faces),
+    }  # fmt: skip
     return {"parts": [part], "files": [], "lost": []}
 
 

@@ -78,11 +78,9 @@ METHODS: Mapping[type, frozenset[str]] = {
         " istitle isupper join lower lstrip partition removeprefix removesuffix replace rfind rindex rpartition rsplit"
         " rstrip split splitlines startswith strip swapcase title upper zfill center ljust rjust".split()
     ),
-    list: frozenset({"count", "index"}),
-    tuple: frozenset({"count", "index"}),
-    dict: frozenset({"get", "items", "keys", "values"}),
-    float: frozenset({"is_integer"}),
-}
+    list: frozenset({"count", "index"}), tuple: frozenset({"count", "index"}),
+    dict: frozenset({"get", "items", "keys", "values"}), float: frozenset({"is_integer"}),
+}  # fmt: skip
 """The methods that may be called. None changes its value, and none gives what the value is made of."""
 _WIDENS = frozenset({"zfill", "center", "ljust", "rjust"})
 _FORMAT = re.compile(r"%(?:\([^()]*\))?[-+ #0]*\d{0,3}(?:\.\d{0,3})?[hlL]?[diouxXeEfFgGcrsa%]")
@@ -427,11 +425,8 @@ class Evaluator:
     def mathematics(self) -> dict[str, Any]:
         """The names of `math`."""
         special: dict[str, Callable[..., Any]] = {
-            "factorial": self._factorial,
-            "prod": self._product,
-            "comb": self._chosen,
-            "perm": self._chosen,
-        }
+            "factorial": self._factorial, "prod": self._product, "comb": self._chosen, "perm": self._chosen,
+        }  # fmt: skip
         found: dict[str, Any] = {}
         each: Any
         for name, each in vars(math).items():

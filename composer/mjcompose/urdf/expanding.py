@@ -116,17 +116,11 @@ class _Work:
         functions = tools.functions() | {"True": True, "False": False}
         mathematics = tools.mathematics()
         special: dict[str, Callable[..., Any]] = {
-            "load_yaml": lambda filename: xacro.load_yaml(filename),
-            "abs_filename": xacro.abs_filename_spec,
-            "dotify": xacro.YamlDictWrapper,
-            "arg": self.argument,
-            "tokenize": tools.tokenized,
-            "message": lambda *words, **_: "",
-            "print_location": lambda *words, **_: "",
-            "warning": self.told,
-            "error": self.told,
-            "fatal": self.fatal,
-        }
+            "load_yaml": lambda filename: xacro.load_yaml(filename), "abs_filename": xacro.abs_filename_spec,
+            "dotify": xacro.YamlDictWrapper, "arg": self.argument, "tokenize": tools.tokenized,
+            "message": lambda *words, **_: "", "print_location": lambda *words, **_: "", "warning": self.told,
+            "error": self.told, "fatal": self.fatal,
+        }  # fmt: skip
         ours = {name: Function(name, apply) for name, apply in special.items()}
         spaces = {"python": functions, "math": mathematics, "xacro": ours}
         found = offered(own, functions | mathematics | ours)
@@ -142,16 +136,12 @@ class _Work:
     def substituted(self, expression: str, context: Mapping[str, Any]) -> str:
         """In the place of what evaluates `$(eval …)`, whose names are functions, and then the arguments."""
         known = {
-            **self.evaluator.functions(),
-            **self.evaluator.mathematics(),
-            "true": True,
-            "false": False,
-            "find": Function("find", self.found),
-            "env": Function("env", self.environment),
+            **self.evaluator.functions(), **self.evaluator.mathematics(), "true": True, "false": False,
+            "find": Function("find", self.found), "env": Function("env", self.environment),
             "optenv": Function("optenv", lambda name, default="": default),
             "arg": Function("arg", lambda name: self.substitution.convert_value(self.argument(name), "auto")),
             "dirname": Function("dirname", lambda: self.folder()),
-        }
+        }  # fmt: skip
         arguments = context.get("arg", {})
 
         def named(name: str) -> Any:
@@ -205,13 +195,9 @@ class _Work:
         root = document.documentElement
         places = [each.getUserData(_PLACE) for each in _elements(root)]
         return {
-            "text": root.toxml(),
-            "places": [self.placed(place) for place in places],
-            "files": self.files,
-            "warnings": self.warnings,
-            "unused": unused,
-            "arguments": sorted(self.declared()),
-        }
+            "text": root.toxml(), "places": [self.placed(place) for place in places], "files": self.files,
+            "warnings": self.warnings, "unused": unused, "arguments": sorted(self.declared()),
+        }  # fmt: skip
 
     def declared(self) -> set[str]:
         return self.asked

@@ -299,11 +299,9 @@ _ADVICE = {
     Topic.INERTIA: "correct it, or write beside `model`: `urdf: {inertia: repair}`",
     Topic.MASS: "give the link an `<inertial>`, or write beside `model`: `urdf: {inertia: repair}`",
     Topic.MESH_FORMAT: "convert it to STL, OBJ, MSH, Collada, glTF, PLY, OFF or 3MF, which are read",
-    Topic.FLAT: FLAT_HELP,
-    Topic.GEOM_SIZE: _SIZES,
-    Topic.SIZE: _SIZES,
+    Topic.FLAT: FLAT_HELP, Topic.GEOM_SIZE: _SIZES, Topic.SIZE: _SIZES,
     Topic.URDF_GEOMETRY: "write a `<box>`, `<cylinder>`, `<sphere>`, `<capsule>` or `<mesh>` in `<geometry>`",
-}
+}  # fmt: skip
 _ELSE = "MuJoCo must be able to load the file by itself: fix it there"
 
 

@@ -77,13 +77,10 @@ class Template:
         """What it stands for, by a process that has read nothing else and can do nothing else."""
         limits = in_force()
         argument = {
-            "path": str(self.path.absolute()),
-            "roots": list(self.door.roots),
-            "sees_all": self.door.sees_all,
+            "path": str(self.path.absolute()), "roots": list(self.door.roots), "sees_all": self.door.sees_all,
             "packages": {name: folder.absolute().as_posix() for name, folder in self.packages.items()},
-            "arguments": dict(self.arguments),
-            "elements": int(limits.elements),
-        }
+            "arguments": dict(self.arguments), "elements": int(limits.elements),
+        }  # fmt: skip
         readable = (os.sep,) if self.door.sees_all else self.door.roots
         seconds, memory = limits.time * _SHARE, int(limits.memory)
         answer = call_confined(_EXPAND, argument, readable, seconds=seconds, memory=memory)

@@ -42,11 +42,9 @@ for index in plant.GetJointActuatorIndices(model):
     effort = actuator.effort_limit()
     gains = actuator.get_controller_gains() if actuator.has_controller() else None
     found["actuators"][actuator.name()] = {
-        "joint": actuator.joint().name(),
-        "kp": gains.p if gains else 0.0,
-        "kd": gains.d if gains else 0.0,
+        "joint": actuator.joint().name(), "kp": gains.p if gains else 0.0, "kd": gains.d if gains else 0.0,
         "effort": [-effort, effort] if np.isfinite(effort) else None,
-    }
+    }  # fmt: skip
     reflected = actuator.default_rotor_inertia() * actuator.default_gear_ratio() ** 2
     found["joints"][actuator.joint().name()]["armature"] = reflected
 inspector = scene.model_inspector()

@@ -37,13 +37,8 @@ def turned(quat):
 
 
 found = {
-    "version": version("genesis-world"),
-    "bodies": {},
-    "joints": {},
-    "actuators": {},
-    "poses": [],
-    "shapes": {},
-}
+    "version": version("genesis-world"), "bodies": {}, "joints": {}, "actuators": {}, "poses": [], "shapes": {},
+}  # fmt: skip
 links = {link.name: link for link in entity.links if link.name != "world"}
 for name, link in links.items():
     axes = turned(link.desc.inertial_quat)

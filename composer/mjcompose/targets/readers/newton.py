@@ -44,10 +44,8 @@ of_body = {names[int(model.joint_child.numpy()[number])]: number for number in j
 found = {"version": version("newton"), "bodies": {}, "joints": {}, "actuators": {}, "poses": [], "shapes": {}}
 for number, name in names.items():
     found["bodies"][name] = {
-        "mass": float(mass[number]),
-        "com": com[number].tolist(),
-        "inertia": inertia[number].tolist(),
-    }
+        "mass": float(mass[number]), "com": com[number].tolist(), "inertia": inertia[number].tolist(),
+    }  # fmt: skip
 single = (int(newton.JointType.REVOLUTE), int(newton.JointType.PRISMATIC))
 for number, name in joints.items():
     if types[number] in single:

@@ -30,23 +30,16 @@ def dynamics(joint, limited=True):
 
 
 found = {
-    "version": pin.__version__,
-    "composite": True,
-    "shapes": {},
-    "bodies": {},
-    "joints": {},
-    "actuators": {},
+    "version": pin.__version__, "composite": True, "shapes": {}, "bodies": {}, "joints": {}, "actuators": {},
     "poses": [],
-}
+}  # fmt: skip
 frames = [frame for frame in model.frames if frame.type == pin.FrameType.BODY]
 for frame in frames:
     if frame.parentJoint:  # what is fixed to a body is part of it
         inertia = frame.placement.actInv(model.inertias[frame.parentJoint])
         found["bodies"][frame.name] = {
-            "mass": inertia.mass,
-            "com": inertia.lever.tolist(),
-            "inertia": inertia.inertia.tolist(),
-        }
+            "mass": inertia.mass, "com": inertia.lever.tolist(), "inertia": inertia.inertia.tolist(),
+        }  # fmt: skip
 names = list(model.names)
 urdf = file.endswith(".urdf")
 for number in range(1, model.njoints):

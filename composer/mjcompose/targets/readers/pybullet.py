@@ -20,13 +20,8 @@ def turned(quat):
 
 
 found = {
-    "version": str(p.getAPIVersion()),
-    "bodies": {},
-    "joints": {},
-    "actuators": {},
-    "poses": [],
-    "shapes": {},
-}
+    "version": str(p.getAPIVersion()), "bodies": {}, "joints": {}, "actuators": {}, "poses": [], "shapes": {},
+}  # fmt: skip
 links, joints, roots = {}, {}, {}
 for model in models:
     base = p.getBodyInfo(model)[0].decode()
@@ -52,10 +47,8 @@ for name, (model, number) in links.items():
     info = p.getDynamicsInfo(model, number)
     axes = turned(info[4])
     found["bodies"][name] = {
-        "mass": info[0],
-        "com": list(info[3]),
-        "inertia": (axes @ np.diag(info[2]) @ axes.T).tolist(),
-    }
+        "mass": info[0], "com": list(info[3]), "inertia": (axes @ np.diag(info[2]) @ axes.T).tolist(),
+    }  # fmt: skip
 if urdf:
     del found["shapes"]  # several shapes may be of one geom
 for joint in found["joints"].values():

@@ -143,11 +143,9 @@ def body(array, number):
 def joint(model, array, number):
     dof = int(model.jnt_dofadr[number])
     found = {
-        "damping": float(array("dof_damping")[dof]),
-        "friction": float(array("dof_frictionloss")[dof]),
-        "armature": float(array("dof_armature")[dof]),
-        "stiffness": float(array("jnt_stiffness")[number]),
-    }
+        "damping": float(array("dof_damping")[dof]), "friction": float(array("dof_frictionloss")[dof]),
+        "armature": float(array("dof_armature")[dof]), "stiffness": float(array("jnt_stiffness")[number]),
+    }  # fmt: skip
     if model.jnt_type[number] in (HINGE, SLIDE):
         ranges, forces = array("jnt_range")[number], array("jnt_actfrcrange")[number]
         found["range"] = np.asarray(ranges).tolist() if model.jnt_limited[number] else None
