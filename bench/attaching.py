@@ -33,10 +33,7 @@ def _name(used: Models, peer: str) -> str:
 def _to_lxml(used: Models) -> Row:
     arm, hand = str(used.arm), str(used.hand)
     best = best_times(
-        {
-            "lxml": lambda: peers.lxml_rewritten(arm, hand),
-            "ours": lambda: ours.attached(used.arm, used.hand, SITE),
-        },
+        {"lxml": lambda: peers.lxml_rewritten(arm, hand), "ours": lambda: ours.attached(used.arm, used.hand, SITE)},
         rounds=1000,
         seconds=6,
     )
@@ -83,10 +80,7 @@ def _to_dm_control(used: Models) -> Row:
 
 def _of_mjcf(used: Models) -> Iterator[Row]:
     """Both have a file with the same bodies afterwards; MjSpec without keys, which would make it compile both."""
-    name, second = (
-        f"mjcompose.mjcf: read, attach, write ({used.name})",
-        "mjcompose.mjcf: the second text / lxml",
-    )
+    name, second = (f"mjcompose.mjcf: read, attach, write ({used.name})", "mjcompose.mjcf: the second text / lxml")
     arm, hand = str(used.arm), str(used.hand)
     policy: Policy = "error" if used.to_lxml else "merge"  # the project's own models do not agree
 

@@ -29,9 +29,7 @@ def rows() -> list[Row]:
     bodies = [joint.parent for joint in joints]
     order = [at for at in (0, 3, 1, 2) if at < len(joints)]
     some = [joints[at] for at in order]
-    theirs = _dm_control(
-        str(hand), [str(joint.name) for joint in joints], [joints.index(each) for each in some]
-    )
+    theirs = _dm_control(str(hand), [str(joint.name) for joint in joints], [joints.index(each) for each in some])
 
     one, all_of_them, mixed = (physics.bind(which) for which in (joints[0], joints, some))
     body, few = physics.bind(bodies[0]), physics.bind([bodies[at] for at in order])
@@ -53,17 +51,12 @@ def rows() -> list[Row]:
             lambda: data.qpos.__setitem__(sequence, 0.1),
         ),
         ("MuJoCo's named qpos of a joint", None, lambda: named.qpos, lambda: data.qpos[q : q + 1]),
-        *(
-            (f"dm_control's {what}", None, read, plain)
-            for what, read, plain in theirs(data, q, sequence, irregular)
-        ),
+        *((f"dm_control's {what}", None, read, plain) for what, read, plain in theirs(data, q, sequence, irregular)),
     ]
     return [_row(what, limit, read, plain, hand.stem) for what, limit, read, plain in table]
 
 
-def _row(
-    what: str, limit: float | None, read: Callable[[], object], plain: Callable[[], object], note: str
-) -> Row:
+def _row(what: str, limit: float | None, read: Callable[[], object], plain: Callable[[], object], note: str) -> Row:
     best = best_times({"read": _often(read), "plain": _often(plain)}, rounds=15, seconds=3)
     return Row(f"{what} / numpy indexing", best["read"] / best["plain"], limit, note)
 

@@ -15,9 +15,7 @@ from bench.timing import processor_time
 
 _FEW, _MANY, _ALL = 200, 1400, 10_000
 _MILLISECONDS, _GROWTH = 5.0, 1.25
-_MODEL = (
-    '<mujoco><worldbody><body name="b"><freejoint/><geom name="g" size="0.1"/></body></worldbody></mujoco>'
-)
+_MODEL = '<mujoco><worldbody><body name="b"><freejoint/><geom name="g" size="0.1"/></body></worldbody></mujoco>'
 _RECIPE = """\
 recipe: 1
 name: ball
@@ -30,10 +28,7 @@ randomize:
 
 
 def rows() -> list[Row]:
-    cost, growth = (
-        "processor time of a cluster's part, ms a model",
-        f"memory at {_ALL} models / at {_ALL // 10}",
-    )
+    cost, growth = ("processor time of a cluster's part, ms a model", f"memory at {_ALL} models / at {_ALL // 10}")
     if find_spec("distributed") is None:
         why = "`distributed` is not installed"
         return [Row(cost, None, _MILLISECONDS, why), Row(growth, None, _GROWTH, why)]
@@ -93,9 +88,7 @@ def _resident(top: int) -> float:
     sizes: dict[int, int] = {}
     for folder in Path("/proc").iterdir():
         with contextlib.suppress(OSError, ValueError, KeyError):
-            about = dict(
-                line.split(":", 1) for line in (folder / "status").read_text().splitlines() if ":" in line
-            )
+            about = dict(line.split(":", 1) for line in (folder / "status").read_text().splitlines() if ":" in line)
             parents[int(folder.name)] = int(about["PPid"])
             sizes[int(folder.name)] = int(about["VmRSS"].split()[0])
 

@@ -25,8 +25,7 @@ def rows() -> list[Row]:
         {
             "draws": lambda: [each.draw_all(7, _SAMPLES, "field", "cube/box", 0, 0) for each in _DRAWN],
             "hashes": lambda: [
-                hashlib.sha256(b'["mjcompose draws 1",7,%d,"field","cube/box",0]' % each).digest()
-                for each in _SAMPLES
+                hashlib.sha256(b'["mjcompose draws 1",7,%d,"field","cube/box",0]' % each).digest() for each in _SAMPLES
             ],
         },
         rounds=5,

@@ -95,9 +95,7 @@ def _worlds() -> Iterator[Row]:
     whole = took[_WORLDS[-1]]
     ours = (whole - took[1_000]) / (_WORLDS[-1] - 1_000)
     theirs = _constants()
-    said = (
-        f"{ours * 1e6:.0f} us against {theirs * 1e6:.0f} us of mj_resetData + mj_setConst on the same model;"
-    )
+    said = f"{ours * 1e6:.0f} us against {theirs * 1e6:.0f} us of mj_resetData + mj_setConst on the same model;"
     said = f"{said} a draw of {_NUMBERS} numbers, the table and all files are ours alone"
     yield Row("a world of `--as worlds` / MuJoCo's constants", ours / theirs, _WORLD, said)
     note = f"{whole:.1f} of {_ALL_WORLDS:.0f} s; three worlds are built and compared"
@@ -152,9 +150,7 @@ def _parts() -> Iterator[Row]:
                 for count in _PARTS
                 if count <= _COPIES_OF_MJSPEC
             }
-    (_PICTURES / "growth_parts.svg").write_text(
-        plot("Copies of a part: processor time", "parts", "s", series)
-    )
+    (_PICTURES / "growth_parts.svg").write_text(plot("Copies of a part: processor time", "parts", "s", series))
 
 
 def _free_bodies() -> Iterator[Row]:
@@ -194,16 +190,12 @@ def _read() -> Row:
         rounds=60, seconds=4, clock=time.process_time,
     )  # fmt: skip
     note = f"{best['ours'] * 1e3:.1f} ms; lxml parses and checks nothing"
-    return Row(
-        "mjcompose.mjcf: from_xml_string of 1,000 bodies / lxml", best["ours"] / best["lxml"], _TO_LXML, note
-    )
+    return Row("mjcompose.mjcf: from_xml_string of 1,000 bodies / lxml", best["ours"] / best["lxml"], _TO_LXML, note)
 
 
 def _equal_arms() -> Row:
     name = f"{_ARMS} equal arms with {20 * _ARMS} meshes / MjSpec, processor time"
-    folder = os.environ.get("MENAGERIE_ROOT") or os.path.join(
-        os.environ.get("MJCOMPOSE_CORPUS", ""), "models"
-    )
+    folder = os.environ.get("MENAGERIE_ROOT") or os.path.join(os.environ.get("MJCOMPOSE_CORPUS", ""), "models")
     arm = Path(folder, "universal_robots_ur5e", "ur5e.xml")
     if not arm.is_file():
         return Row(name, None, _TO_MJSPEC, "MENAGERIE_ROOT is not set")
@@ -216,9 +208,7 @@ def _equal_arms() -> Row:
         },
         rounds=5, seconds=20, clock=processor_time,
     )  # fmt: skip
-    note = (
-        f"{best['ours']:.2f} s against {best['mjspec']:.2f} s: both attach, compile, step, and zip the assets"
-    )
+    note = f"{best['ours']:.2f} s against {best['mjspec']:.2f} s: both attach, compile, step, and zip the assets"
     return Row(name, best["ours"] / best["mjspec"], _TO_MJSPEC, note)
 
 

@@ -38,17 +38,7 @@ def _build(recipe: Path, jobs: int) -> tuple[float, float]:
     """Seconds of processor time and on the wall."""
     clocks: tuple[Clock, ...] = (processor_time, time.perf_counter)
     before = [clock() for clock in clocks]
-    command = [
-        "build",
-        str(recipe),
-        "--all",
-        "--no-cache",
-        "--jobs",
-        str(jobs),
-        "-o",
-        f"{jobs}/{{name}}/",
-        "-q",
-    ]
+    command = ["build", str(recipe), "--all", "--no-cache", "--jobs", str(jobs), "-o", f"{jobs}/{{name}}/", "-q"]
     subprocess.run([sys.executable, "-m", "mjcompose", *command], check=True)
     processor, wall = (clock() - start for clock, start in zip(clocks, before, strict=True))
     return processor, wall

@@ -23,12 +23,7 @@ def attached(arm: Path, hand: Path, site: str) -> bytes:
     base, unit = parse_file(arm, sink), parse_file(hand, sink)
     assert base is not None and unit is not None
     return _linked(
-        Linking(
-            base,
-            [Part(unit, "hand/", AttachmentPlace("site", site))],
-            sink,
-            Request(overridden_options=_SETTLED),
-        )
+        Linking(base, [Part(unit, "hand/", AttachmentPlace("site", site))], sink, Request(overridden_options=_SETTLED))
     )
 
 

@@ -41,11 +41,7 @@ class Pair:
     @property
     def files(self) -> list[str]:
         """Every file that is read, with those that are included."""
-        return [
-            file
-            for model in (self.base, *(part[0] for part in self.parts))
-            for file in peers.read_with(model)
-        ]
+        return [file for model in (self.base, *(part[0] for part in self.parts)) for file in peers.read_with(model)]
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,9 +66,7 @@ class _Remembered:
     answers: list[Mapping[str, list[float]]] = field(default_factory=list)
     at: int = 0
 
-    def __call__(
-        self, unit: Unit, arrays: tuple[str, ...], *, attempt: bool = False
-    ) -> Mapping[str, list[float]]:
+    def __call__(self, unit: Unit, arrays: tuple[str, ...], *, attempt: bool = False) -> Mapping[str, list[float]]:
         if self.at == len(self.answers):
             self.answers.append(self.measure(unit, arrays, attempt=attempt))
         self.at += 1
@@ -90,12 +84,7 @@ def rows() -> list[Row]:
     found = sorted(measured(Path(corpus)), key=lambda each: each.ratio)
     worst, note = found[-1], f"of {len(found)} pairs"
     return [
-        Row(
-            "linking, the median pair / lxml parse + tostring",
-            median(each.ratio for each in found),
-            3.0,
-            note,
-        ),
+        Row("linking, the median pair / lxml parse + tostring", median(each.ratio for each in found), 3.0, note),
         Row("linking, the worst pair / lxml parse + tostring", worst.ratio, _LIMIT, f"{worst.name}, {note}"),
     ]
 
@@ -129,9 +118,7 @@ def _timed(pair: Pair, size: int, remembered: _Remembered) -> Measured:
 def _pairs(corpus: Path) -> list[Pair]:
     described = json.loads((corpus / "pairs.json").read_text())["pairs"]
     pairs = [
-        Pair(
-            each["id"], corpus / each["parent"], tuple(_part(corpus, given) for given in each["attachments"])
-        )
+        Pair(each["id"], corpus / each["parent"], tuple(_part(corpus, given) for given in each["attachments"]))
         for each in described
         if not each["expected_failure"]
     ]

@@ -109,9 +109,7 @@ def main() -> None:
             stages[stage] = min(stages.get(stage, whole), float(seconds))
     lines += stages.items()
     lines.append(("the whole, what overlaps counted once", whole))
-    sys.stdout.write(
-        "| what | s |\n|---|---|\n" + "".join(f"| {what} | {took:.2f} |\n" for what, took in lines)
-    )
+    sys.stdout.write("| what | s |\n|---|---|\n" + "".join(f"| {what} | {took:.2f} |\n" for what, took in lines))
 
 
 if __name__ == "__main__":

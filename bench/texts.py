@@ -23,10 +23,7 @@ def rows() -> list[Row]:
 
 def _of(file: Path) -> list[Row]:
     path, root, tree = str(file), mjcf.from_path(file), etree.parse(str(file))
-    paths = [
-        path,
-        *(os.path.join(os.path.dirname(path), str(each.get("file"))) for each in tree.iter("include")),
-    ]
+    paths = [path, *(os.path.join(os.path.dirname(path), str(each.get("file"))) for each in tree.iter("include"))]
     best = best_times(
         {
             "parse": lambda: [etree.parse(each) for each in paths],
@@ -40,19 +37,14 @@ def _of(file: Path) -> list[Row]:
     return [
         Row("mjcompose.mjcf: from_path / lxml parse", best["from_path"] / best["parse"], _LIMIT, file.stem),
         Row(
-            "mjcompose.mjcf: to_xml_string / lxml tostring",
-            best["to_xml_string"] / best["tostring"],
-            _LIMIT,
-            file.stem,
+            "mjcompose.mjcf: to_xml_string / lxml tostring", best["to_xml_string"] / best["tostring"], _LIMIT, file.stem
         ),
     ]
 
 
 def _files() -> list[Path]:
     """Three robots of the Menagerie and the CMU humanoid, as far as they are at hand; else the project's own arm."""
-    menagerie = os.environ.get("MENAGERIE_ROOT") or os.path.join(
-        os.environ.get("MJCOMPOSE_CORPUS", ""), "models"
-    )
+    menagerie = os.environ.get("MENAGERIE_ROOT") or os.path.join(os.environ.get("MJCOMPOSE_CORPUS", ""), "models")
     found = [Path(menagerie, entry) for entry in _ENTRIES]
     dm_control = importlib.util.find_spec("dm_control")
     if dm_control is not None and dm_control.submodule_search_locations:

@@ -104,9 +104,7 @@ def _recipe_of_parts(count: int, number: int) -> str:
 
 def _row(name: str, found: list[float], limit: float) -> Row:
     middle = median(found)
-    note = (
-        f"median {middle:.0f} ms of {len(found)}, {min(found):.0f} to {max(found):.0f}; at most {limit:.0f}"
-    )
+    note = f"median {middle:.0f} ms of {len(found)}, {min(found):.0f} to {max(found):.0f}; at most {limit:.0f}"
     return Row(name, middle / limit, 1.0, note)
 
 

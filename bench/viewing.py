@@ -85,9 +85,7 @@ def _sheet() -> Row:
     """Nine and three pictures of one recipe: what starting takes is in both."""
     seconds = {count: min(_rendered(count) for _ in range(2)) for count in (3, 9)}
     each = (seconds[9] - seconds[3]) / 6
-    return Row(
-        "a picture of a contact sheet", each / _PICTURE, 1.0, f"{each * 1e3:.0f} of {_PICTURE * 1e3:.0f} ms"
-    )
+    return Row("a picture of a contact sheet", each / _PICTURE, 1.0, f"{each * 1e3:.0f} of {_PICTURE * 1e3:.0f} ms")
 
 
 def _rendered(count: int) -> float:
@@ -113,12 +111,7 @@ def _saves(browser: Any) -> Iterator[Row]:
 def _row(name: str, seconds: list[float], limit: float, what: str = "save to shown") -> Row:
     middle = median(seconds)
     span = f"{min(seconds) * 1e3:.0f} to {max(seconds) * 1e3:.0f}"
-    return Row(
-        f"{what}: {name}",
-        middle / limit,
-        1.0,
-        f"median {middle * 1e3:.0f} ms of {len(seconds)}, {span}",
-    )
+    return Row(f"{what}: {name}", middle / limit, 1.0, f"median {middle * 1e3:.0f} ms of {len(seconds)}, {span}")
 
 
 def _shown(browser: Any, recipe: Path, old: str, new: str) -> tuple[float, list[float]]:
@@ -185,18 +178,11 @@ def _browser() -> Iterator[Any]:
 
 def _command(*words: str | Path) -> None:
     subprocess.run(
-        [sys.executable, "-m", "mjcompose", *map(str, words)],
-        env=_environment(),
-        check=False,
-        capture_output=True,
+        [sys.executable, "-m", "mjcompose", *map(str, words)], env=_environment(), check=False, capture_output=True
     )
 
 
 def _environment() -> dict[str, str]:
     corpus = os.environ.get("MJCOMPOSE_CORPUS")
-    known = (
-        {"MENAGERIE_ROOT": str(Path(corpus) / "models")}
-        if corpus and not os.environ.get("MENAGERIE_ROOT")
-        else {}
-    )
+    known = {"MENAGERIE_ROOT": str(Path(corpus) / "models")} if corpus and not os.environ.get("MENAGERIE_ROOT") else {}
     return {**os.environ, **known, "PYTHONPATH": str(REPOSITORY)}

@@ -31,7 +31,5 @@ def rows() -> list[Row]:
     if find_spec("mujoco.batch") is None:
         return found  # before MuJoCo 3.17
     few = study.take(range(_HANDED))
-    best = best_times(
-        {"batch": lambda: worlds.mujoco(few, nthread=1)}, rounds=5, seconds=5, clock=time.process_time
-    )
+    best = best_times({"batch": lambda: worlds.mujoco(few, nthread=1)}, rounds=5, seconds=5, clock=time.process_time)
     return [*found, Row(f"seconds to hand {_HANDED} of them to mujoco.batch", best["batch"], _SECONDS, note)]

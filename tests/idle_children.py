@@ -64,20 +64,11 @@ class IdleChildren:
             self._close(session)
             return
         state = vars(session).copy()
-        vars(session).update(
-            vars(Session(session.limits, rendering=session.rendering, remembers=session.remembers))
-        )
+        vars(session).update(vars(Session(session.limits, rendering=session.rendering, remembers=session.remembers)))
         self._waiting.setdefault(key, []).append(state)
 
 
 def _key(session: Session) -> Key:
     """What a child is started with."""
     graphics = os.environ.get("MUJOCO_GL")
-    return (
-        session.limits,
-        session.rendering,
-        session.remembers,
-        graphics,
-        sys.executable,
-        tuple(module_path()),
-    )
+    return (session.limits, session.rendering, session.remembers, graphics, sys.executable, tuple(module_path()))

@@ -17,9 +17,7 @@ def rest_slow(values: Iterable[Any], quick: Collection[str], id: Callable[[Any],
     named = [(id(value), value) for value in values]
     unknown = set(quick) - {name for name, _ in named}
     assert not unknown or not named, f"no parameter is called {', '.join(sorted(unknown))}"
-    return [
-        pytest.param(value, id=name, marks=() if name in quick else pytest.mark.slow) for name, value in named
-    ]
+    return [pytest.param(value, id=name, marks=() if name in quick else pytest.mark.slow) for name, value in named]
 
 
 _FACES = ((0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3))
@@ -31,9 +29,7 @@ def _corners(mesh: Path) -> Any:
     if mesh.suffix.lower() == ".obj":
         points = np.array([line.split()[1:4] for line in data.splitlines() if line.startswith(b"v ")], float)
     else:
-        facets = np.frombuffer(
-            data, [("normal", "<f4", 3), ("points", "<f4", (3, 3)), ("more", "<u2")], offset=84
-        )
+        facets = np.frombuffer(data, [("normal", "<f4", 3), ("points", "<f4", (3, 3)), ("more", "<u2")], offset=84)
         points = facets["points"].reshape(-1, 3).astype(float)
     low, high = points.min(axis=0), points.max(axis=0)
     return np.where(np.vstack([np.zeros(3), np.eye(3)]) > 0, high, low)
@@ -47,9 +43,7 @@ def without_meshes(source: str, target: str) -> None:
         return
     corners = _corners(Path(source))
     if suffix == ".obj":
-        lines = [f"v {x} {y} {z}" for x, y, z in corners] + [
-            f"f {a + 1} {b + 1} {c + 1}" for a, b, c in _FACES
-        ]
+        lines = [f"v {x} {y} {z}" for x, y, z in corners] + [f"f {a + 1} {b + 1} {c + 1}" for a, b, c in _FACES]
         Path(target).write_text("\n".join(lines) + "\n", encoding="utf-8")
     else:
         facets = (struct.pack("<12fH", 0, 0, 0, *corners[list(face)].ravel(), 0) for face in _FACES)

@@ -46,9 +46,7 @@ def make_creature(name: str, legs: int, random: np.random.Generator) -> mjcf.Roo
     trunk.rgba = color
     for number in range(legs):
         turn = 2 * np.pi * number / legs
-        hip = creature.worldbody.add(
-            "site", pos=RADIUS * np.array([np.cos(turn), np.sin(turn), 0]), euler=[0, 0, turn]
-        )
+        hip = creature.worldbody.add("site", pos=RADIUS * np.array([np.cos(turn), np.sin(turn), 0]), euler=[0, 0, turn])
         hip.attach(make_leg(f"leg{number}", length, color))
     return creature
 

@@ -72,15 +72,11 @@ def bevelled(outline: Array, low: float, high: float, bevel: float, axis: str = 
     return loft([(low, small), (low + bevel, outline), (high - bevel, outline), (high, small)], axis)
 
 
-def rod(
-    radius: float, low: float, high: float, bevel: float = 0.004, axis: str = "z", count: int = 28
-) -> Solid:
+def rod(radius: float, low: float, high: float, bevel: float = 0.004, axis: str = "z", count: int = 28) -> Solid:
     return bevelled(circle(radius, count), low, high, bevel, axis)
 
 
-def box(
-    x: tuple[float, float], y: tuple[float, float], z: tuple[float, float], bevel: float = 0.002
-) -> Solid:
+def box(x: tuple[float, float], y: tuple[float, float], z: tuple[float, float], bevel: float = 0.002) -> Solid:
     a, b = (x[1] - x[0]) / 2, (y[1] - y[0]) / 2
     corners = np.array([[a, -b], [a, b], [-a, b], [-a, -b]])
     centre = np.array([x[0] + x[1], y[0] + y[1]]) / 2
@@ -164,9 +160,7 @@ def arm() -> None:
         (0.125, squircle(0.05, 0.052, 3)),
         (0.13, squircle(0.047, 0.049, 3)),
     ]
-    elbow = joined(
-        bevelled(cheek, 0.055, 0.076, 0.004, "y"), bevelled(cheek, -0.076, -0.055, 0.004, "y"), loft(block)
-    )
+    elbow = joined(bevelled(cheek, 0.055, 0.076, 0.004, "y"), bevelled(cheek, -0.076, -0.055, 0.004, "y"), loft(block))
     write("arm6/assets/elbow.obj", elbow)
 
     cheek = stadium(0.034, 0.06)
@@ -207,9 +201,7 @@ def gripper() -> None:
     blade = [(0.01, 0.012, 0.008, 0.016), (0.03, 0.012, 0.008, 0.015), (0.05, 0.011, 0.006, 0.0115)]
     tip = [(0.084, 0.011, 0.004, 0.0105), (0.088, 0.009, 0.003, 0.0105)]
     outlines = [(z, squircle(a, b, 6, 24) + np.array([0, y])) for z, a, b, y in [*blade, *tip]]
-    write(
-        "gripper2/meshes/finger.stl", joined(box((-0.014, 0.014), (0.004, 0.032), (0, 0.014)), loft(outlines))
-    )
+    write("gripper2/meshes/finger.stl", joined(box((-0.014, 0.014), (0.004, 0.032), (0, 0.014)), loft(outlines)))
 
     write("gripper2/meshes/pinion.stl", loft([(x, gear(0.02, 0.004, 16)) for x in (-0.003, 0.003)], "x"))
 

@@ -5,16 +5,7 @@ from pathlib import Path
 
 import pytest
 from mjcompose.base import access
-from mjcompose.base.access import (
-    ALL,
-    MARKERS,
-    NOTHING,
-    Door,
-    folder_of_recipe,
-    folders_of_model,
-    own_door,
-    project_of,
-)
+from mjcompose.base.access import ALL, MARKERS, NOTHING, Door, folder_of_recipe, folders_of_model, own_door, project_of
 from mjcompose.base.diagnostic import Span
 from mjcompose.base.files import Refused, read_regular
 from mjcompose.base.sink import Sink
@@ -268,8 +259,5 @@ def test_files_of_one_folder_outside_have_one_cause(tmp_path: Path) -> None:
             door.admit(tmp_path / name)
         refused.value.report(sink, Span("arm.xml", number, 5), shown=lambda path: path.name)
     first, second = sink.diagnostics
-    assert [(each.message, each.span and each.span.line) for each in first.others] == [
-        ("`b.stl`", 2),
-        ("`d.stl`", 4),
-    ]
+    assert [(each.message, each.span and each.span.line) for each in first.others] == [("`b.stl`", 2), ("`d.stl`", 4)]
     assert second.others == () and second.span == Span("arm.xml", 3, 5)

@@ -7,15 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from mjcompose.base import array_math, draw_stream, float_math
-from mjcompose.base.distribution import (
-    Distribution,
-    Integers,
-    LogNormal,
-    LogUniform,
-    Normal,
-    TruncNormal,
-    Uniform,
-)
+from mjcompose.base.distribution import Distribution, Integers, LogNormal, LogUniform, Normal, TruncNormal, Uniform
 from mjcompose.base.draw_stream import log
 
 # The ends, and both sides of where the quantile has its tails.
@@ -69,17 +61,8 @@ def test_below(bits: list[int], count: int) -> None:
 
 @given(st.lists(st.floats(allow_nan=False), min_size=1, max_size=20))
 def test_exponentials_and_logarithms_are_rounded_as_those_of_one_number(numbers: list[float]) -> None:
-    powers = [
-        *(each % 1000 - 500 for each in numbers if abs(each) < 1e15),
-        *numbers,
-        0.0,
-        -0.0,
-        709.7,
-        -745.0,
-    ]
-    assert exact(array_math.exp(np.array(powers)).tolist()) == exact(
-        [float_math.exp(each) for each in powers]
-    )
+    powers = [*(each % 1000 - 500 for each in numbers if abs(each) < 1e15), *numbers, 0.0, -0.0, 709.7, -745.0]
+    assert exact(array_math.exp(np.array(powers)).tolist()) == exact([float_math.exp(each) for each in powers])
     positive = [each for each in map(abs, numbers) if 0 < each < float("inf")]
     positive += [*(each % 1 for each in numbers if each % 1 > 0), 0.5, 0.0749, 5e-324, 1e-300, 1 - 2**-53]
     assert exact(array_math.log(np.array(positive)).tolist()) == exact([log(each) for each in positive])

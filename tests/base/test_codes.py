@@ -9,11 +9,7 @@ import pytest
 from mjcompose.base.codes import CODES, code_of, in_terminal, page
 
 ROOT = Path(__file__).parents[2]
-PAGES = {
-    path.stem: path
-    for path in (ROOT / "docs" / "errors").glob("*.md")
-    if path.stem not in ("index", "README")
-}
+PAGES = {path.stem: path for path in (ROOT / "docs" / "errors").glob("*.md") if path.stem not in ("index", "README")}
 
 
 def test_codes_and_pages_agree() -> None:
@@ -45,9 +41,7 @@ def test_codes_in_use_are_declared() -> None:
     for path in (ROOT / "composer" / "mjcompose").rglob("*.py"):
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
             if isinstance(node, ast.Call) and node.args and isinstance(node.args[0], ast.Constant):
-                name = (
-                    node.func.attr if isinstance(node.func, ast.Attribute) else getattr(node.func, "id", "")
-                )
+                name = node.func.attr if isinstance(node.func, ast.Attribute) else getattr(node.func, "id", "")
                 code = node.args[0].value
                 takes_code = name in ("error", "warning", "note", "Diagnostic", "Fault", "fault")
                 if (takes_code or name.endswith("Error")) and re.fullmatch(r"[a-z]+(-[a-z0-9]+)+", str(code)):

@@ -225,9 +225,7 @@ _LEFT_OUT = {
 
 
 @pytest.mark.parametrize("shape", [*SHAPES, _partly_named])
-def test_a_class_shows_its_parameters_before_and_after_its_first_call(
-    shape: Callable[[Maker], Any],
-) -> None:
+def test_a_class_shows_its_parameters_before_and_after_its_first_call(shape: Callable[[Maker], Any]) -> None:
     mine, theirs = (shape(dataclass) for dataclass in MADE)
     before = inspect.signature(mine)
     assert str(before).removesuffix(" -> None") == str(inspect.signature(theirs)).removesuffix(" -> None")
@@ -285,9 +283,7 @@ def test_an_object_can_be_pickled_before_its_class_was_called() -> None:
     text = f"import pickle; print(pickle.loads({pickle.dumps(Kept(1, (2,)))!r}))"
     path = {"PYTHONPATH": f"{COMPOSER.parent}:{Path(__file__).parent}"}
     module = "import sys; import test_dataclass; sys.modules['tests.test_dataclass'] = test_dataclass; "
-    done = subprocess.run(
-        [sys.executable, "-c", module + text], env=path, capture_output=True, text=True, check=True
-    )
+    done = subprocess.run([sys.executable, "-c", module + text], env=path, capture_output=True, text=True, check=True)
     assert done.stdout == "Kept(a=1, b=(2,))\n"
 
 

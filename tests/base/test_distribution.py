@@ -9,15 +9,7 @@ from statistics import NormalDist
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from mjcompose.base.distribution import (
-    Distribution,
-    Integers,
-    LogNormal,
-    LogUniform,
-    Normal,
-    TruncNormal,
-    Uniform,
-)
+from mjcompose.base.distribution import Distribution, Integers, LogNormal, LogUniform, Normal, TruncNormal, Uniform
 from mjcompose.base.draw_stream import bits
 
 BITS = st.integers(0, 2**64 - 1)
@@ -46,9 +38,7 @@ def test_the_same_bits_everywhere(distribution: Distribution, number: str) -> No
         (LogNormal(1, 0.5), lambda x: NormalDist(1, 0.5).cdf(math.log(x))),
         (
             TruncNormal(0, 1, -1, 2),
-            lambda x: (
-                (NormalDist().cdf(x) - NormalDist().cdf(-1)) / (NormalDist().cdf(2) - NormalDist().cdf(-1))
-            ),
+            lambda x: (NormalDist().cdf(x) - NormalDist().cdf(-1)) / (NormalDist().cdf(2) - NormalDist().cdf(-1)),
         ),
     ],
     ids=lambda each: type(each).__name__,

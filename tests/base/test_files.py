@@ -48,9 +48,7 @@ def test_the_store_of_another_user_is_not_used(tmp_path: Path, monkeypatch: pyte
 
 
 @pytest.mark.own_children
-def test_mujoco_does_not_work_in_a_folder_that_others_change(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_mujoco_does_not_work_in_a_folder_that_others_change(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     tmp_path.chmod(0o777)
     monkeypatch.setattr("tempfile.gettempdir", lambda: str(tmp_path))
     with Session() as session:

@@ -73,9 +73,7 @@ def test_ordinary_files_of_a_folder_are_found_by_one_look(tmp_path: Path) -> Non
     assert list(files.files_among(asked[:3])) == [], "a few are asked one by one"
 
 
-def test_a_folder_of_many_files_is_not_read_to_its_end(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_folder_of_many_files_is_not_read_to_its_end(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(files, "_LISTED", 1)
     for name in "abcdefghij":
         (tmp_path / name).touch()
@@ -89,14 +87,5 @@ def test_where_a_path_leads(tmp_path: Path) -> None:
     (one / "file").touch()
     (tmp_path / "link").symlink_to(one)
     (one / "other").symlink_to(one / "file")
-    for path in (
-        "deep/one/file",
-        "link/file",
-        "link/other",
-        "link",
-        "link/none",
-        "link/../one/file",
-        "link/..",
-        ".",
-    ):
+    for path in ("deep/one/file", "link/file", "link/other", "link", "link/none", "link/../one/file", "link/..", "."):
         assert files.real_path(tmp_path / path) == os.path.realpath(tmp_path / path), path

@@ -37,9 +37,7 @@ def test_what_is_advised_can_be_read_and_suffices(name: str) -> None:
 
 
 def test_the_page_has_every_limit_with_its_default_and_what_it_bounds() -> None:
-    rows = re.findall(
-        r"^\| `([a-z-]+)` \| (\S+)( s)? \| (.+) \|$", PAGE.read_text(encoding="utf-8"), re.MULTILINE
-    )
+    rows = re.findall(r"^\| `([a-z-]+)` \| (\S+)( s)? \| (.+) \|$", PAGE.read_text(encoding="utf-8"), re.MULTILINE)
     assert [(name, default, bounds) for name, default, _, bounds in rows] == [
         (name, written(name, value), NAMES[name].metadata["bounds"]) for name, value in Limits().items()
     ]

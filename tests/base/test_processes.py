@@ -32,9 +32,7 @@ process = Process(["sh", "-c", "sleep 300 & echo $!; exec sleep 300"], stdout=-1
 print(process.pid, int(process.stdout.readline()), flush=True)
 time.sleep(300)
 """
-FORKS = SLEEPS.replace("time.sleep(300)", "os.fork()\ntime.sleep(300)").replace(
-    "import time", "import os\nimport time"
-)
+FORKS = SLEEPS.replace("time.sleep(300)", "os.fork()\ntime.sleep(300)").replace("import time", "import os\nimport time")
 
 
 def is_alive(process: int) -> bool:
@@ -74,9 +72,7 @@ def test_mujoco_ends_with_its_parent_while_it_is_busy(tmp_path: Path, number: in
 def test_a_program_and_what_it_started_end_with_their_parent(program: str) -> None:
     if program is FORKS and not hasattr(os, "pidfd_open"):
         pytest.skip("here a fork of the parent keeps the pipe open")
-    with subprocess.Popen(
-        [sys.executable, "-c", program], stdout=subprocess.PIPE, start_new_session=True
-    ) as parent:
+    with subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE, start_new_session=True) as parent:
         assert parent.stdout is not None
         processes = list(map(int, parent.stdout.readline().split()))
         time.sleep(0.2)
@@ -98,9 +94,7 @@ def test_end_takes_what_the_program_started(tmp_path: Path) -> None:
 
 @posix
 def test_a_program_that_ends_leaves_nobody_watching() -> None:
-    with Process(
-        [sys.executable, "-c", "import os; print(os.getpgid(0))"], stdout=subprocess.PIPE
-    ) as process:
+    with Process([sys.executable, "-c", "import os; print(os.getpgid(0))"], stdout=subprocess.PIPE) as process:
         assert process.stdout is not None
         assert process.stdout.read().strip() == str(process.pid).encode()
     begun = time.monotonic()

@@ -54,22 +54,15 @@ def test_no_end_column_when_the_end_is_on_another_line() -> None:
 
 def test_severities() -> None:
     found = [render_github(Diagnostic("bad-name", "x", severity=severity)) for severity in Severity]
-    assert found == [
-        "::error title=bad-name::x",
-        "::warning title=bad-name::x",
-        "::notice title=bad-name::x",
-    ]
+    assert found == ["::error title=bad-name::x", "::warning title=bad-name::x", "::notice title=bad-name::x"]
 
 
 def test_escapes() -> None:
     line = render_github(
-        Diagnostic(
-            "bad-name", "50% a,b: c\r\nd", Span("C:\\a,b%\n.yaml", 1, 1), notes=(Note("n"),), help="h\ni"
-        )
+        Diagnostic("bad-name", "50% a,b: c\r\nd", Span("C:\\a,b%\n.yaml", 1, 1), notes=(Note("n"),), help="h\ni")
     )
     assert line == (
-        "::error file=C%3A\\a%2Cb%25%0A.yaml,line=1,col=1,title=bad-name"
-        "::50%25 a,b: c%0Ad%0Anote: n%0Ahelp: h%0Ai"
+        "::error file=C%3A\\a%2Cb%25%0A.yaml,line=1,col=1,title=bad-name::50%25 a,b: c%0Ad%0Anote: n%0Ahelp: h%0Ai"
     )
     assert "\n" not in line and "\r" not in line
 
@@ -110,18 +103,12 @@ def test_everything_is_there() -> None:
         "span": {"file": "a b.yaml", "line": 3, "column": 4, "end_line": 3, "end_column": 9},
         "notes": [
             {"message": "n", "span": None},
-            {
-                "message": "m",
-                "span": {"file": "c", "line": 1, "column": 1, "end_line": None, "end_column": None},
-            },
+            {"message": "m", "span": {"file": "c", "line": 1, "column": 1, "end_line": None, "end_column": None}},
         ],
         "help": "h",
         "fix": None,
         "others": [],
-        "cells": [
-            {"name": "a-1-s0002", "cell": "a-1", "sample": 2},
-            {"name": "a-2", "cell": None, "sample": None},
-        ],
+        "cells": [{"name": "a-1-s0002", "cell": "a-1", "sample": 2}, {"name": "a-2", "cell": None, "sample": None}],
         "recipes": [],
     }
 
@@ -134,9 +121,7 @@ def test_keys_are_the_same_for_every_diagnostic() -> None:
     )
 
 
-FAULT = Diagnostic(
-    "check-failed", "`nu` is 8, not <7>", Span("a.yaml", 2, 3, 2, 5), notes=(Note("expected: 7"),)
-)
+FAULT = Diagnostic("check-failed", "`nu` is 8, not <7>", Span("a.yaml", 2, 3, 2, 5), notes=(Note("expected: 7"),))
 
 
 def test_a_suite_for_each_file_and_a_case_for_each_check() -> None:
@@ -362,9 +347,7 @@ def test_no_character_acts_on_who_shows_it(form: str) -> None:
     else:
         said = printable(f"a{HOSTILE}\r\nb\tc\rd\né", colors=form == "line").replace("\ud800", "")
         assert said.count("\n") == 2 and "b\tc" in said and said.endswith("é")
-    acts = [
-        each for each in said if unicodedata.category(each) in ("Cc", "Cs", "Zl", "Zp") and each not in "\n\t"
-    ]
+    acts = [each for each in said if unicodedata.category(each) in ("Cc", "Cs", "Zl", "Zp") and each not in "\n\t"]
     assert acts == [] and not set(said) & set(
         "\u061c\u200e\u200f\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069"
     )

@@ -70,9 +70,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def called(function: str, argument: Any = None, *readable: Path, seconds: float = 20) -> dict[str, Any]:
-    return call_confined(
-        f"attempts:{function}", argument, map(str, readable), seconds=seconds, memory=1 << 30
-    )
+    return call_confined(f"attempts:{function}", argument, map(str, readable), seconds=seconds, memory=1 << 30)
 
 
 def held() -> tuple[str, ...]:
@@ -138,14 +136,7 @@ class Kernel:
     machine = "x86_64"
 
     def __init__(self, **said: int) -> None:
-        self.said = {
-            "version": 7,
-            "create": 1000,
-            "add": 0,
-            "restrict": 0,
-            "there": -errno.EFAULT,
-            "filter": 0,
-        } | said
+        self.said = {"version": 7, "create": 1000, "add": 0, "restrict": 0, "there": -errno.EFAULT, "filter": 0} | said
         self.asked: list[str] = []
 
     def no_new_privileges(self) -> bool:
@@ -185,9 +176,7 @@ def confined_by(monkeypatch: pytest.MonkeyPatch, kernel: Kernel) -> list[str]:
      {"add": -errno.EINVAL}, {"restrict": -errno.EPERM}, {"restrict": -errno.E2BIG}, {"there": -errno.EACCES}, {"there": 0},
      {"filter": -errno.EACCES}, {"filter": -errno.EINVAL}],
 )  # fmt: skip
-def test_what_the_kernel_has_and_refuses_is_an_error(
-    monkeypatch: pytest.MonkeyPatch, said: dict[str, int]
-) -> None:
+def test_what_the_kernel_has_and_refuses_is_an_error(monkeypatch: pytest.MonkeyPatch, said: dict[str, int]) -> None:
     with pytest.raises(Unconfined):
         confined_by(monkeypatch, Kernel(**said))
 
@@ -202,9 +191,7 @@ def test_what_the_kernel_has_and_refuses_is_an_error(
         ({"version": -errno.EOPNOTSUPP, "there": -errno.EINVAL}, ["limits"]),
     ],
 )
-def test_what_the_kernel_has_is_used(
-    monkeypatch: pytest.MonkeyPatch, said: dict[str, int], ways: list[str]
-) -> None:
+def test_what_the_kernel_has_is_used(monkeypatch: pytest.MonkeyPatch, said: dict[str, int], ways: list[str]) -> None:
     assert confined_by(monkeypatch, Kernel(**said)) == ways
 
 

@@ -123,9 +123,7 @@ def test_a_fault_in_the_block_leaves_nothing(tmp_path: Path) -> None:
 
 @posix
 @pytest.mark.parametrize("when", ["before", "between"])
-def test_stages_beside_an_output_are_swept_and_the_older_output_is_put_back(
-    tmp_path: Path, when: str
-) -> None:
+def test_stages_beside_an_output_are_swept_and_the_older_output_is_put_back(tmp_path: Path, when: str) -> None:
     out = tmp_path / "build" / "out"
     bundle = Bundle({"model.xml": b"<mujoco/>"}, "model.xml")
     write_folder(bundle, out)

@@ -12,9 +12,7 @@ def test_keeps_the_order_and_drops_repetitions() -> None:
     sink.error("bad-name", "b", Span("f", 2, 1), notes=(Note("n"),), help="h")
     sink.note("bad-name", "c")
     assert [each.message for each in sink.diagnostics] == ["b", "a", "c"]
-    assert sink.diagnostics[0] == Diagnostic(
-        "bad-name", "b", Span("f", 2, 1), Severity.ERROR, (Note("n"),), "h"
-    )
+    assert sink.diagnostics[0] == Diagnostic("bad-name", "b", Span("f", 2, 1), Severity.ERROR, (Note("n"),), "h")
     assert [each.severity for each in sink.diagnostics] == ["error", "warning", "note"]
 
 

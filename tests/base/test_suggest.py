@@ -97,9 +97,7 @@ def test_long_lists_are_cut_and_counted() -> None:
 
 def test_nearest_names_survive_the_cut() -> None:
     names = [f"j{i}" for i in range(50)] + ["gripper/left_pad"]
-    assert exists_note("joint", names, near="left_pad").message.startswith(
-        "joints that exist: gripper/left_pad, j0"
-    )
+    assert exists_note("joint", names, near="left_pad").message.startswith("joints that exist: gripper/left_pad, j0")
 
 
 def test_names_that_could_be_misread_are_quoted() -> None:

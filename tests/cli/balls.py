@@ -1,8 +1,6 @@
 """A recipe of several cells and samples, of which some have faults."""
 
-MODEL = (
-    '<mujoco><worldbody><body name="b"><freejoint/><geom name="g" size="0.1"/></body></worldbody></mujoco>'
-)
+MODEL = '<mujoco><worldbody><body name="b"><freejoint/><geom name="g" size="0.1"/></body></worldbody></mujoco>'
 # A size of -1 is no model, one of 2 has a check that does not hold.
 RECIPE = """\
 recipe: 1

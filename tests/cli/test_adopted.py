@@ -29,9 +29,7 @@ def test_build_says_it_when_it_builds_and_when_it_does_not(folder: Path) -> None
         lines = run("build", "r.yaml", "-o", "r.zip").stdout.splitlines()
         assert lines[0].startswith(begins)
         assert [line for line in lines if "adopted" in line] == [f"  adopted {words}" for words in SAID]
-    told = json.loads(
-        run("build", "r.yaml", "-o", "r.zip", "--output-format", "json").stdout.splitlines()[-1]
-    )
+    told = json.loads(run("build", "r.yaml", "-o", "r.zip", "--output-format", "json").stdout.splitlines()[-1])
     assert told["adopted"][0] == {"setting": "option.cone", "value": "elliptic", "parts": ["one/", "in/two/"]}
     with ZipFile(folder / "r.zip") as archive:
         manifest = json.loads(archive.read("manifest.json"))
@@ -50,9 +48,7 @@ def test_plan_says_it_without_building(folder: Path) -> None:
 
 def test_plan_knows_what_recipes_set_and_leave_out(folder: Path) -> None:
     _recipe(folder)
-    (folder / "inner.yaml").write_text(
-        "recipe: 1\nattach:\n  two: {model: ./two.xml}\noption: {impratio: 3}\n"
-    )
+    (folder / "inner.yaml").write_text("recipe: 1\nattach:\n  two: {model: ./two.xml}\noption: {impratio: 3}\n")
     (folder / "r.yaml").write_text(
         "recipe: 1\nattach:\n  one: {model: ./one.xml, drop: [option]}\n  in: {model: ./inner.yaml}\n"
     )
@@ -80,8 +76,6 @@ def test_build_says_how_many_pairs_do_not_collide(folder: Path) -> None:
         assert lines[0].startswith(begins)
         assert "  excluded 1 pair of bodies from colliding: `mjcompose plan` names them" in lines
     assert (
-        json.loads(run("build", "r.yaml", "-o", "r.zip", "--output-format", "json").stdout.splitlines()[-1])[
-            "excluded"
-        ]
+        json.loads(run("build", "r.yaml", "-o", "r.zip", "--output-format", "json").stdout.splitlines()[-1])["excluded"]
         == 1
     )

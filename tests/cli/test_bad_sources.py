@@ -80,8 +80,7 @@ def world(tmp_path: Path, robots: Any, web: Any, monkeypatch: pytest.MonkeyPatch
     monkeypatch.setenv("MJCOMPOSE_TIMEOUT", "5")
     web.pages["/good.zip"] = GOOD
     (folder / "good.yaml").write_text(
-        f"recipe: 1\nbase: {robots.reference('main')}\n"
-        f"attach:\n  two: {{model: {web.url}/good.zip#arm.xml}}\n"
+        f"recipe: 1\nbase: {robots.reference('main')}\nattach:\n  two: {{model: {web.url}/good.zip#arm.xml}}\n"
     )
     assert run("build", "good.yaml", "-o", "out/").exit_code == 0
     return World(folder, robots, web)
@@ -231,9 +230,7 @@ def test_a_full_disk(world: World, kind: str) -> None:
     result = process("build", "bad.yaml", "-o", "out/", preexec_fn=small)
     assert result.returncode == 1
     said = result.stderr.decode()
-    assert said.startswith("bad.yaml:2:7: error[store-unusable]") and said.rstrip().endswith("\n1 error"), (
-        said
-    )
+    assert said.startswith("bad.yaml:2:7: error[store-unusable]") and said.rstrip().endswith("\n1 error"), said
     assert ({entry.key for entry in world.store.entries()}, snapshot(world.folder)) == before
     assert run("build", "bad.yaml", "-o", "out/").exit_code == 0
     assert world.store.unfinished() == []
@@ -262,9 +259,7 @@ def test_a_build_that_is_killed_while_it_fetches(world: World) -> None:
             time.sleep(0.02)
         building.kill()
     before = snapshot(world.folder / "out")
-    assert (
-        run("build", "good.yaml", "-o", "out/").exit_code == 0
-    )  # the lock of the store went with the process
+    assert run("build", "good.yaml", "-o", "out/").exit_code == 0  # the lock of the store went with the process
     assert snapshot(world.folder / "out") == before
     world.web.pages["/a.zip"] = large
     assert run("build", "bad.yaml", "-o", "out/").exit_code == 0

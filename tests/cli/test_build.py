@@ -12,12 +12,7 @@ import pytest
 from cli.shell import RECIPE, process, run, snapshot
 from mjcompose.build.bundle import write
 
-MODEL_FILES = {
-    "model.xml",
-    "assets/arm/cover.obj",
-    "LICENSES/arm/LICENSE",
-    "manifest.json",
-}
+MODEL_FILES = {"model.xml", "assets/arm/cover.obj", "LICENSES/arm/LICENSE", "manifest.json"}
 
 
 def names_in(file: Path) -> set[str]:
@@ -85,9 +80,7 @@ def test_warnings_stay_out_of_the_text(folder: Path) -> None:
     text = RECIPE.replace("name: cell", "conflict: mujoco")
     for name, step in (("arm.xml", "0.002"), ("tool.xml", "0.001")):
         model = folder / "models" / name
-        model.write_text(
-            model.read_text().replace("<worldbody>", f'<option timestep="{step}"/>\n<worldbody>')
-        )
+        model.write_text(model.read_text().replace("<worldbody>", f'<option timestep="{step}"/>\n<worldbody>'))
     (folder / "cell.yaml").write_text(text)
     for form in ("text", "json", "github"):
         result = run("build", "cell.yaml", "--no-compile", "-o", "-", "--output-format", form)
@@ -354,9 +347,7 @@ def test_source_date_epoch(folder: Path, monkeypatch: pytest.MonkeyPatch) -> Non
 @pytest.mark.slow
 @pytest.mark.skipif(not Path("/proc/self/task").exists(), reason="needs /proc to see the child process")
 @pytest.mark.parametrize(("sent", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
-def test_an_interruption_while_mujoco_works(
-    folder: Path, tmp_path: Path, sent: signal.Signals, code: int
-) -> None:
+def test_an_interruption_while_mujoco_works(folder: Path, tmp_path: Path, sent: signal.Signals, code: int) -> None:
     import subprocess
     import time
 
@@ -433,9 +424,7 @@ def test_nothing_is_merged_unasked(folder: Path) -> None:
 
 def test_a_model_of_other_values_is_replaced_and_that_is_said(folder: Path) -> None:
     recipe = folder / "cell.yaml"
-    recipe.write_text(
-        recipe.read_text() + "params: {mass: 1}\nedit: [{select: {geom: rod}, set: {mass: '${mass}'}}]\n"
-    )
+    recipe.write_text(recipe.read_text() + "params: {mass: 1}\nedit: [{select: {geom: rod}, set: {mass: '${mass}'}}]\n")
     line = "  replaced the model with mass = 1\n"
     first, again = (run("build", "cell.yaml", "--no-compile") for _ in range(2))
     assert "replaced" not in first.stdout + again.stdout

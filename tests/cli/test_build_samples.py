@@ -12,9 +12,7 @@ import pytest
 from click.testing import CliRunner, Result
 from mjcompose.cli.main import main
 
-MODEL = (
-    '<mujoco><worldbody><body name="b"><freejoint/><geom name="g" size="0.1"/></body></worldbody></mujoco>'
-)
+MODEL = '<mujoco><worldbody><body name="b"><freejoint/><geom name="g" size="0.1"/></body></worldbody></mujoco>'
 DRAWS = """\
 randomize:
   seed: 7
@@ -68,12 +66,7 @@ def test_all_samples_and_their_table(folder: Path) -> None:
 
 def test_one_alone_is_what_it_is_among_all(folder: Path) -> None:
     assert run("build", "r.yaml", "--all", "-o", "all/{name}.zip").exit_code == 0
-    assert (
-        run(
-            "build", "r.yaml", "--pick", "ball-s0003", "--pick", "ball-s0001", "-o", "two/{name}.zip"
-        ).exit_code
-        == 0
-    )
+    assert run("build", "r.yaml", "--pick", "ball-s0003", "--pick", "ball-s0001", "-o", "two/{name}.zip").exit_code == 0
     every, two = digests(folder / "all"), digests(folder / "two")
     assert two.items() < every.items()
     assert not (folder / "two" / "samples.csv").exists()
@@ -88,10 +81,7 @@ def test_cells_share_their_draws(folder: Path) -> None:
 
 
 def test_where_the_table_goes(folder: Path) -> None:
-    assert (
-        run("build", "r.yaml", "--pick", "ball-s0001", "-o", "one/", "--sample-table", "t/one.csv").exit_code
-        == 0
-    )
+    assert run("build", "r.yaml", "--pick", "ball-s0001", "-o", "one/", "--sample-table", "t/one.csv").exit_code == 0
     assert [row["sample"] for row in table(folder / "t" / "one.csv")] == ["1"]
 
 
@@ -109,9 +99,7 @@ def test_parquet(folder: Path) -> None:
 
 
 def test_a_cell_that_a_draw_would_replace(folder: Path) -> None:
-    (folder / "r.yaml").write_text(
-        HEAD + MATRIX + DRAWS.replace("scale: {uniform: [0.5, 2]}", "uniform: [0.5, 2]")
-    )
+    (folder / "r.yaml").write_text(HEAD + MATRIX + DRAWS.replace("scale: {uniform: [0.5, 2]}", "uniform: [0.5, 2]"))
     result = run("build", "r.yaml", "--all")
     assert result.exit_code == 1
     assert "r.yaml:11:19: error[unknown-name]: `size` is an axis of the matrix" in result.stderr
@@ -141,9 +129,7 @@ def test_a_sample_stays_its_parts_but_for_its_draws(folder: Path) -> None:
 def test_the_plan_tells_the_samples(folder: Path) -> None:
     text = run("plan", "r.yaml").stdout
     assert "draw friction: friction of {geom: g} = uniform 0.5 to 1\n" in text
-    assert (
-        "4 models, built by --all or --pick:\n  ball-s0000 … ball-s0003, ball-s0000 without a draw\n" in text
-    )
+    assert "4 models, built by --all or --pick:\n  ball-s0000 … ball-s0003, ball-s0000 without a draw\n" in text
     data = json.loads(run("plan", "r.yaml", "--output-format", "json").stdout)
     assert data["randomize"]["samples"] == 3
     assert [cell["sample"] for cell in data["cells"]] == [0, 1, 2, 3]
@@ -202,9 +188,7 @@ def test_faults_name_the_cell_and_the_sample(folder: Path) -> None:
     check = "check: {light: {expect: {attr: mass, range: [0, 1]}}}\n"
     (folder / "r.yaml").write_text(HEAD + MATRIX + DRAWS + check)
     for form in ("build", "check"):
-        lines = run(
-            form, "r.yaml", "--pick", "ball-2", "--sample", "1", "--output-format", "json"
-        ).stdout.splitlines()
+        lines = run(form, "r.yaml", "--pick", "ball-2", "--sample", "1", "--output-format", "json").stdout.splitlines()
         fault, summary = map(json.loads, lines)
         cell = {"name": "ball-2-s0001", "cell": "ball-2", "sample": 1}
         assert fault["code"] == "check-failed" and fault["cells"] == [cell]

@@ -58,9 +58,7 @@ def cases(text: str) -> dict[str, str | None]:
     for suite in Xml.fromstring(text):
         for case in suite.iter("testcase"):
             failure = case.find("failure")
-            found[f"{suite.get('name')} {case.get('name')}"] = (
-                None if failure is None else failure.get("type")
-            )
+            found[f"{suite.get('name')} {case.get('name')}"] = None if failure is None else failure.get("type")
     return found
 
 
@@ -109,15 +107,11 @@ def test_all_cells_are_checked_and_named(folder: Path) -> None:
     result = run("check", "study.yaml", "cell.yaml", "--all")
     assert result.exit_code == 1 and result.stdout == "cell.yaml: ok\n"
     assert result.stderr.count("error[check-failed]") == 1
-    assert (
-        "  = cells: study-2kg, study-3kg\n" in result.stderr and "  = recipe: study.yaml\n" in result.stderr
-    )
+    assert "  = cells: study-2kg, study-3kg\n" in result.stderr and "  = recipe: study.yaml\n" in result.stderr
     assert "study-3kg: check `light`: `mass` of the model is 3 kg, not 0 to 1.5 kg\n" in result.stderr
     assert "1 of 2 recipes failed: study.yaml\n" in result.stderr
     assert "2 of 3 cells failed: study-2kg, study-3kg\n" in result.stderr
-    told = list(
-        map(json.loads, run("check", "study.yaml", "--all", "--output-format", "json").stdout.splitlines())
-    )
+    told = list(map(json.loads, run("check", "study.yaml", "--all", "--output-format", "json").stdout.splitlines()))
     assert [each.get("cells") for each in told] == [HEAVY, 3]
     assert told[-1] == {"recipe": "study.yaml", "cells": 3, "failed": HEAVY}
     marks = run("check", "study.yaml", "--all", "--output-format", "github").stdout.splitlines()
@@ -163,10 +157,7 @@ def test_cells_that_were_not_checked_are_reported(folder: Path) -> None:
         result = run("check", "study.yaml")
         assert (result.exit_code, result.stdout) == (0, "study.yaml: ok, 1 check holds\n")
         assert "note[cells-not-checked]: one model was checked, and the matrix has 3 cells" in result.stderr
-    assert (
-        json.loads(run("check", "study.yaml", "--output-format", "json").stdout)["code"]
-        == "cells-not-checked"
-    )
+    assert json.loads(run("check", "study.yaml", "--output-format", "json").stdout)["code"] == "cells-not-checked"
     assert "cells-not-checked" not in run("build", "study.yaml").stderr
 
 
@@ -202,11 +193,7 @@ def test_licenses_are_allowed_at_the_top(folder: Path) -> None:
     (folder / "models" / "LICENSE").unlink()
     assert "warning[license-missing]" in run("build", "cell.yaml", "-o", "a.zip").stderr
     result = run("build", "cell.yaml", "-o", "b.zip", "--strict")
-    assert (
-        result.exit_code == 1
-        and "error[license-missing]" in result.stderr
-        and not (folder / "b.zip").exists()
-    )
+    assert result.exit_code == 1 and "error[license-missing]" in result.stderr and not (folder / "b.zip").exists()
     recipe = folder / "cell.yaml"
     recipe.write_text(recipe.read_text() + "allow: [license-missing]\n")
     for _ in range(2):
@@ -241,9 +228,7 @@ def test_several_recipes_at_once(folder: Path) -> None:
         assert result.stderr.count("error[unknown-attribute]") == 1
         assert "  = recipes: one.yaml, two.yaml\n" in result.stderr
         assert result.stderr.endswith("2 of 3 recipes failed: one.yaml, two.yaml\n")
-        told = list(
-            map(json.loads, run("check", *names, "--output-format", "json", "-j", jobs).stdout.splitlines())
-        )
+        told = list(map(json.loads, run("check", *names, "--output-format", "json", "-j", jobs).stdout.splitlines()))
         assert told[0]["recipes"] == ["one.yaml", "two.yaml"]
         assert told[1:] == [{"recipe": each, "ok": each == "cell.yaml"} for each in names]
         marks = run("check", *names, "--output-format", "github", "-j", jobs).stdout

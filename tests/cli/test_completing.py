@@ -54,13 +54,7 @@ def test_what_the_recipe_has(study: Path) -> None:
 def test_values_that_a_parameter_may_have(folder: Path) -> None:
     params = "{tool: {default: hand, choices: [hand, hook]}, lit: true, reach: 2}"
     (folder / "tools.yaml").write_text(f"recipe: 1\nparams: {params}\n")
-    assert offered("build", "tools.yaml", "--set", "") == [
-        "tool=hand",
-        "tool=hook",
-        "lit=true",
-        "lit=false",
-        "reach=",
-    ]
+    assert offered("build", "tools.yaml", "--set", "") == ["tool=hand", "tool=hook", "lit=true", "lit=false", "reach="]
 
 
 def test_what_the_model_has(folder: Path) -> None:
@@ -116,16 +110,12 @@ def test_bash_takes_an_equals_sign_for_the_end_of_a_word(study: Path, line: str,
         capture_output=True, text=True, cwd=study,
     ).stdout  # fmt: skip
     (function,) = {line.split("()")[0] for line in source.splitlines() if line.endswith("completion() {")}
-    (study / "mjcompose").write_text(
-        f"#!/bin/sh\nexec {shlex.quote(sys.executable)} -c {shlex.quote(PROGRAM)}\n"
-    )
+    (study / "mjcompose").write_text(f"#!/bin/sh\nexec {shlex.quote(sys.executable)} -c {shlex.quote(PROGRAM)}\n")
     (study / "mjcompose").chmod(0o755)
     program = (
         f"complete() {{ :; }}; compopt() {{ :; }}\n{source}\n"
         f"COMP_LINE={shlex.quote(line)}; COMP_POINT=${{#COMP_LINE}}; COMP_WORDS=($COMP_LINE); COMP_CWORD=3\n"
         f"{function} ./mjcompose\nprintf '%s\\n' \"${{COMPREPLY[@]}}\"\n"
     )
-    done = subprocess.run(
-        ["bash", "-c", program], env=environment(), capture_output=True, text=True, cwd=study
-    )
+    done = subprocess.run(["bash", "-c", program], env=environment(), capture_output=True, text=True, cwd=study)
     assert (done.stdout.split(), done.stderr) == (told, "")

@@ -89,9 +89,7 @@ def test_a_cell_is_the_same_alone_and_among_others(folder: Path) -> None:
     names = sorted(path.stem for path in (folder / "all").glob("*.zip"))
     assert len(names) == 4
     for name in names:
-        assert (
-            run("build", "--no-cache", "cells.yaml", "--pick", name, "-o", "alone/{name}.zip").exit_code == 0
-        )
+        assert run("build", "--no-cache", "cells.yaml", "--pick", name, "-o", "alone/{name}.zip").exit_code == 0
     turned = [word for name in reversed(names) for word in ("--pick", name)]
     assert run("build", "--no-cache", "cells.yaml", *turned, "-o", "turned/{name}.zip").exit_code == 0
     for name in names:
@@ -101,9 +99,7 @@ def test_a_cell_is_the_same_alone_and_among_others(folder: Path) -> None:
 
 
 @pytest.mark.slow
-def test_fetched_at_different_places_and_times(
-    robots: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_fetched_at_different_places_and_times(robots: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Another store, another umask and a commit that came in between: with the lock the bytes are the same."""
     robots.commit(**{"arm/arm.xml": ARM, "arm/meshes/cover.obj": "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n"
                      "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n", "arm/tool.xml": TOOL})  # fmt: skip
@@ -140,9 +136,7 @@ def test_a_lock_that_is_old_changes_no_model(folder: Path, monkeypatch: pytest.M
 
 
 @pytest.mark.parametrize("out", ["out.zip", "out.mjz", "out/"])
-def test_source_date_epoch_changes_times_alone(
-    folder: Path, monkeypatch: pytest.MonkeyPatch, out: str
-) -> None:
+def test_source_date_epoch_changes_times_alone(folder: Path, monkeypatch: pytest.MonkeyPatch, out: str) -> None:
     def contents() -> dict[str, bytes]:
         if out == "out/":
             return {path.name: path.read_bytes() for path in (folder / out).rglob("*") if path.is_file()}

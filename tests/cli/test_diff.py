@@ -48,9 +48,7 @@ def test_formats(folder: Path) -> None:
     _changed(folder)
     told = json.loads(run("diff", "cell.yaml", "new.yaml", "--output-format", "json").stdout)
     assert told["groups"][0]["changes"][0]["field"] == "timestep"
-    assert run("diff", "cell.yaml", "new.yaml", "--output-format", "markdown").stdout.startswith(
-        "### `cell.yaml`"
-    )
+    assert run("diff", "cell.yaml", "new.yaml", "--output-format", "markdown").stdout.startswith("### `cell.yaml`")
     told = json.loads(run("diff", "cell.yaml", "wrong.yaml", "--output-format", "json").stdout)
     assert told["code"] == "attach-place"
 
@@ -58,9 +56,7 @@ def test_formats(folder: Path) -> None:
 def test_a_cell_of_the_matrix(folder: Path) -> None:
     matrix = "params: {load: 1}\nmatrix: {axes: {load: [1, 2]}, name: 'cell-${load}'}\n"
     (folder / "a.yaml").write_text(RECIPE + matrix)
-    (folder / "b.yaml").write_text(
-        RECIPE + matrix + "option: {timestep: '${0.002 if load == 1 else 0.001}'}\n"
-    )
+    (folder / "b.yaml").write_text(RECIPE + matrix + "option: {timestep: '${0.002 if load == 1 else 0.001}'}\n")
     narrow = "compared at its defaults: of the 2 cells of the matrix, `--pick CELL` compares one"
     result = run("diff", "a.yaml", "b.yaml")
     assert (result.exit_code, result.stdout.splitlines()[3]) == (0, narrow)

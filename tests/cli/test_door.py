@@ -100,9 +100,7 @@ def places(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Path, Pat
     (secret / "include.xml").write_text(
         f'<mujocoinclude><worldbody><body name="{SECRET}"/></worldbody></mujocoinclude>'
     )
-    (secret / "sub.xml").write_text(
-        f'<mujoco model="{SECRET}"><worldbody><body name="x"/></worldbody></mujoco>'
-    )
+    (secret / "sub.xml").write_text(f'<mujoco model="{SECRET}"><worldbody><body name="x"/></worldbody></mujoco>')
     (secret / "own.yaml").write_text("recipe: 1\nbase: ./sub.xml\n")
     if hasattr(os, "mkfifo"):
         os.mkfifo(secret / "pipe.obj")
@@ -155,9 +153,7 @@ def test_the_error_is_at_the_place_that_names_the_file(
     assert "trust: {references:" in result.stderr
 
 
-def test_what_the_own_recipe_trusts_is_read(
-    places: tuple[Path, Path, Path], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_what_the_own_recipe_trusts_is_read(places: tuple[Path, Path, Path], monkeypatch: pytest.MonkeyPatch) -> None:
     secret, robots, work = places
     monkeypatch.chdir(work)
     for name in ("mesh.xml", "edit.yaml", "part.yaml", "mesh.urdf", "absolute.yaml"):
@@ -165,13 +161,8 @@ def test_what_the_own_recipe_trusts_is_read(
         (work / "cell.yaml").write_text(recipe)
         result = run("build", "cell.yaml", "--no-compile", "-o", f"{name}.zip")
         assert result.exit_code == 0, (name, result.stderr)
-    for reference, name in (
-        ("http://localhost:9", "loopback.yaml"),
-        ("package:numpy", "package_of_python.yaml"),
-    ):
-        recipe = (
-            f"recipe: 1\ntrust: {{references: ['{reference}']}}\nbase: 'git+file://{robots}@main#{name}'\n"
-        )
+    for reference, name in (("http://localhost:9", "loopback.yaml"), ("package:numpy", "package_of_python.yaml")):
+        recipe = f"recipe: 1\ntrust: {{references: ['{reference}']}}\nbase: 'git+file://{robots}@main#{name}'\n"
         (work / "cell.yaml").write_text(recipe)
         result = run("build", "cell.yaml", "--no-compile", "--offline", "-o", "out.zip")
         assert "source-outside" not in result.stderr, (name, result.stderr)

@@ -88,9 +88,7 @@ def begun(words: list[str], folder: Path) -> subprocess.Popen[bytes]:
             ("initialize", {"processId": None, "rootUri": folder.as_uri(), "capabilities": {}}), ("initialized", {}),
             ("textDocument/didOpen", {"textDocument": opened}),
         )):  # fmt: skip
-            message = json.dumps(
-                {"jsonrpc": "2.0", "method": method, "params": params} | ({} if number else {"id": 1})
-            )
+            message = json.dumps({"jsonrpc": "2.0", "method": method, "params": params} | ({} if number else {"id": 1}))
             process.stdin.write(f"Content-Length: {len(message)}\r\n\r\n{message}".encode())
         process.stdin.flush()
     return process

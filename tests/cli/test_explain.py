@@ -113,9 +113,7 @@ def test_a_code(folder: Path) -> None:
 
 
 def test_a_code_with_its_address_once_the_package_has_one(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(
-        codes, "_urls", lambda: ("Source, https://a.org", "Documentation, https://b.org/latest")
-    )
+    monkeypatch.setattr(codes, "_urls", lambda: ("Source, https://a.org", "Documentation, https://b.org/latest"))
     url = "https://b.org/latest/errors/bare-angle.html"
     assert run("explain", "bare-angle").stdout.endswith(f"\n\n{url}\n")
     assert json.loads(run("explain", "bare-angle", "--output-format", "json").stdout)["url"] == url
@@ -124,17 +122,11 @@ def test_a_code_with_its_address_once_the_package_has_one(monkeypatch: pytest.Mo
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        (
-            ("bare-angel",),
-            "`bare-angel` is neither a code nor a file that exists. Did you mean `bare-angle`?",
-        ),
+        (("bare-angel",), "`bare-angel` is neither a code nor a file that exists. Did you mean `bare-angle`?"),
         (("qqqqqq",), "`mjcompose explain --codes` lists them."),
         (("cell.yaml",), "Missing argument 'QUERY'."),
         (("gone.yaml",), "Missing argument 'QUERY'."),
-        (
-            ("bare-angle", "geom x"),
-            "`bare-angle` is a code, not a model. Write `mjcompose explain bare-angle` alone.",
-        ),
+        (("bare-angle", "geom x"), "`bare-angle` is a code, not a model. Write `mjcompose explain bare-angle` alone."),
         ((), "Missing argument 'MODEL|CODE'."),
     ],
 )

@@ -110,9 +110,7 @@ def test_a_command_says_so_at_once(project: Path, place: str) -> None:
             assert "memory" not in result.stderr and "Traceback" not in result.stderr, (command, kind)
             assert does_without or len(result.stderr) > 10, (command, kind)
         if kind != "a folder":
-            assert path.lstat().st_size in (0, 9, 10 << 30) or place == "made.zip", (
-                kind
-            )  # nobody wrote into it
+            assert path.lstat().st_size in (0, 9, 10 << 30) or place == "made.zip", kind  # nobody wrote into it
 
 
 @pytest.mark.parametrize("file", ["made.mjb", "made.manifest.json", "made.zip"])
@@ -124,6 +122,4 @@ def test_load_says_so_at_once(project: Path, file: str) -> None:
         make(path)
         with _in_time(), pytest.raises(LoadError) as caught:
             load(bundle)
-        assert caught.value.diagnostics[0].code in ("file-unreadable", "file-not-found", "bundle-manifest"), (
-            kind
-        )
+        assert caught.value.diagnostics[0].code in ("file-unreadable", "file-not-found", "bundle-manifest"), kind

@@ -61,30 +61,21 @@ def test_what_is_left_is_told_for_the_file_as_it_would_be(broken: Path) -> None:
 
 
 def test_as_json(broken: Path) -> None:
-    change, summary = map(
-        json.loads, run("fix", "broken.yaml", "--output-format", "json").stdout.splitlines()
-    )
+    change, summary = map(json.loads, run("fix", "broken.yaml", "--output-format", "json").stdout.splitlines())
     assert (change["file"], change["written"]) == ("broken.yaml", False) and "+  tool:" in change["diff"]
     assert summary == {
-        "fixed": [
-            {"code": "attach-place", "message": "the site `flang` to attach `tool/` to does not exist"}
-        ],
+        "fixed": [{"code": "attach-place", "message": "the site `flang` to attach `tool/` to does not exist"}],
         "left": 0,
     }
 
 
 def test_check_hands_the_fix_to_programs(broken: Path) -> None:
-    told = json.loads(
-        run("check", "broken.yaml", "--output-format", "json", "--no-compile").stdout.splitlines()[0]
-    )
+    told = json.loads(run("check", "broken.yaml", "--output-format", "json", "--no-compile").stdout.splitlines()[0])
     assert told["fix"] == {
         "replacement": "flange",
         "span": {"file": "broken.yaml", "line": 5, "column": 42, "end_line": 5, "end_column": 47},
     }
-    assert (
-        json.loads(run("check", "rejected.yaml", "--output-format", "json").stdout.splitlines()[0])["fix"]
-        is None
-    )
+    assert json.loads(run("check", "rejected.yaml", "--output-format", "json").stdout.splitlines()[0])["fix"] is None
 
 
 def test_bad_input(folder: Path) -> None:
@@ -103,9 +94,7 @@ def test_what_cannot_be_written_is_told(broken: Path, monkeypatch: pytest.Monkey
 
     monkeypatch.setattr("mjcompose.build.bundle.staging.staged_file", refused)
     result = run("fix", "broken.yaml", "--write")
-    assert (
-        result.exit_code == 1 and "error[output-unwritable]" in result.stderr and broken.read_text() == WRONG
-    )
+    assert result.exit_code == 1 and "error[output-unwritable]" in result.stderr and broken.read_text() == WRONG
 
 
 def test_the_guide_shows_what_is_printed(folder: Path) -> None:

@@ -47,19 +47,14 @@ def test_check_shows_the_difference_and_writes_nothing(folder: Path) -> None:
 
 def test_check_tells_a_missing_line_break(folder: Path) -> None:
     (folder / "untidy.yaml").write_text("recipe: 1")
-    assert (
-        "-recipe: 1\n\\ No newline at end of file\n+recipe: 1\n"
-        in run("fmt", "--check", "untidy.yaml").stdout
-    )
+    assert "-recipe: 1\n\\ No newline at end of file\n+recipe: 1\n" in run("fmt", "--check", "untidy.yaml").stdout
 
 
 def test_standard_input(folder: Path) -> None:
     done = process("fmt", "-", input=UNTIDY.replace("\n", "\r\n").encode())
     assert (done.returncode, done.stdout, done.stderr) == (0, TIDY.replace("\n", "\r\n").encode(), b"")
     wrong = process("fmt", "-", input=b"a: [\n")
-    assert (
-        wrong.returncode == 1 and wrong.stdout == b"" and b"<stdin>:2:1: error[yaml-syntax]" in wrong.stderr
-    )
+    assert wrong.returncode == 1 and wrong.stdout == b"" and b"<stdin>:2:1: error[yaml-syntax]" in wrong.stderr
 
 
 def test_faults_leave_the_file_alone_and_the_others_are_formatted(folder: Path) -> None:
@@ -88,7 +83,5 @@ def test_closed_streams(folder: Path) -> None:
         (f"{command} <&-", b"error[file-unreadable]: standard input is closed\n\n1 error\n"),
         (f"{command} < cell.yaml >&-", b"cannot go on: standard output is closed\n"),
     ):
-        result = subprocess.run(
-            line, shell=True, env=environment(), capture_output=True, timeout=60, check=False
-        )
+        result = subprocess.run(line, shell=True, env=environment(), capture_output=True, timeout=60, check=False)
         assert (result.returncode, result.stderr, result.stdout) == (1, said, b""), line

@@ -55,9 +55,7 @@ def test_what_has_no_name_gets_none(folder: Path) -> None:
 
 
 def test_what_still_differs_fails(folder: Path) -> None:
-    text = MERGED.format(height="0.01").replace(
-        "<worldbody>", '<custom><text name="t" data="x"/></custom><worldbody>'
-    )
+    text = MERGED.format(height="0.01").replace("<worldbody>", '<custom><text name="t" data="x"/></custom><worldbody>')
     (folder / "merged.xml").write_text(text)
     result = run("import", "merged.xml", "models/tool.xml")
     assert result.exit_code == 1
@@ -93,9 +91,7 @@ HAND = '<body name="{0}palm"><geom size="0.1"/><body name="{0}finger"><geom size
         ("arm.USDZ", "USD", "take the MJCF or URDF that it was made from"),
     ],
 )
-def test_formats_of_others_are_one_error_with_a_way_out(
-    folder: Path, file: str, name: str, help: str
-) -> None:
+def test_formats_of_others_are_one_error_with_a_way_out(folder: Path, file: str, name: str, help: str) -> None:
     (folder / file).write_bytes(b"PXR-USDC\0")
     result = run("import", file)
     assert (result.exit_code, result.stdout) == (1, "") and not (folder / "arm.yaml").exists()

@@ -39,9 +39,7 @@ def test_help_imports_nothing_heavy(arguments: tuple[str, ...]) -> None:
 
 
 def test_a_plan_needs_no_mujoco_and_no_numpy(repository: Path) -> None:
-    assert imported("plan", str(repository / "recipes" / "arm_gripper.yaml")).intersection(HEAVY) == {
-        "pydantic"
-    }
+    assert imported("plan", str(repository / "recipes" / "arm_gripper.yaml")).intersection(HEAVY) == {"pydantic"}
 
 
 def test_a_known_model_needs_nothing_that_reads_or_builds_one(repository: Path, tmp_path: Path) -> None:

@@ -84,9 +84,7 @@ def test_shards_are_the_whole_together(folder: Path) -> None:
     assert counts == [2, 2, 2]
     assert digests(folder / "parts", "model.xml") == digests(folder / "all", "model.xml")
     rows = [row for n in range(1, 4) for row in table(folder / "parts" / f"samples-{n}-of-3.csv")]
-    assert {row["model"]: row for row in rows} == {
-        row["model"]: row for row in table(folder / "all" / "samples.csv")
-    }
+    assert {row["model"]: row for row in rows} == {row["model"]: row for row in table(folder / "all" / "samples.csv")}
 
 
 def table(path: Path) -> list[dict[str, str]]:
@@ -150,18 +148,7 @@ def test_what_is_written_is_counted(folder: Path, monkeypatch: pytest.MonkeyPatc
 def test_an_interruption(folder: Path, number: int, code: int) -> None:
     """Whole models stay, no worker does, and the command says how to go on."""
     (folder / "r.yaml").write_text(RECIPE.replace("samples: 2", "samples: 400").replace("[1, 2, -1]", "[1]"))
-    command = [
-        sys.executable,
-        "-m",
-        "mjcompose",
-        "build",
-        "r.yaml",
-        "--all",
-        "--jobs",
-        "3",
-        "-o",
-        "out/{name}/",
-    ]
+    command = [sys.executable, "-m", "mjcompose", "build", "r.yaml", "--all", "--jobs", "3", "-o", "out/{name}/"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
         for _ in range(600):
             if len(list(folder.glob("out/ball*"))) >= 12:

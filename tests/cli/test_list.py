@@ -12,9 +12,7 @@ import pytest
 from click.testing import CliRunner, Result
 from mjcompose.cli.main import main
 
-MODEL = (
-    '<mujoco><worldbody><body name="b"><freejoint/><geom name="g" size="0.1"/></body></worldbody></mujoco>'
-)
+MODEL = '<mujoco><worldbody><body name="b"><freejoint/><geom name="g" size="0.1"/></body></worldbody></mujoco>'
 RECIPE = """\
 recipe: 1
 name: ball
@@ -51,9 +49,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
             run("build", "r.yaml", "--all", "--shard", f"{number}/2", "-o", "parts/{name}.zip")
     finally:
         os.chdir(before)
-    assert result.exit_code == 0 and "wrote out/models.csv: the index of 9 models" in result.stdout, (
-        result.output
-    )
+    assert result.exit_code == 0 and "wrote out/models.csv: the index of 9 models" in result.stdout, result.output
     return found
 
 
@@ -85,9 +81,7 @@ def test_a_line_says_what_sets_a_model_apart(folder: Path, monkeypatch: pytest.M
     lines = listed("out", "--where", "size == 3 and sample == 0")
     (name,) = [each.name for each in (folder / "out").glob("ball-3*-s0000")]
     assert lines == [f"out/{name} size=3 at[0]=0 at[1]=0 at[2]=1"]
-    (data,) = map(
-        json.loads, listed("out", "--where", "size == 1 and sample == 0", "--output-format", "json")
-    )
+    (data,) = map(json.loads, listed("out", "--where", "size == 1 and sample == 0", "--output-format", "json"))
     assert (data["value path"], data["path"], data["nv"]) == (5, "out/ball-1-5-s0000", 6)
 
 
@@ -108,9 +102,7 @@ def test_what_has_no_such_value_is_counted(folder: Path) -> None:
         (("model.xml",), "has no column `path`"),
     ],
 )
-def test_what_is_wrong(
-    folder: Path, words: tuple[str, ...], said: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_what_is_wrong(folder: Path, words: tuple[str, ...], said: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(folder)
     result = run("list", *words)
     assert result.exit_code in (1, 2) and said in result.stderr and "Traceback" not in result.output
@@ -149,9 +141,7 @@ def test_models_are_loaded_one_by_one(folder: Path, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("words", [("nowhere", None), (".", None), ("out", "size >"), ("out", "sice > 1")])
-def test_load_many_raises(
-    folder: Path, words: tuple[str, str | None], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_load_many_raises(folder: Path, words: tuple[str, str | None], monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(folder)
     with pytest.raises(mjcompose.LoadError):
         list(mjcompose.load_many(words[0], where=words[1]))
@@ -160,9 +150,7 @@ def test_load_many_raises(
 TEXTS = ("=cmd()|' /C calc'!A0", "-0.5", "'quoted", "@sum(1)", "+1 way", "\t=1", "＝1", "plain")
 
 
-def test_no_text_of_a_table_is_a_formula_and_none_is_lost(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_no_text_of_a_table_is_a_formula_and_none_is_lost(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     Path("model.xml").write_text(MODEL)
     Path("study.yaml").write_text(
@@ -180,11 +168,7 @@ def test_no_text_of_a_table_is_a_formula_and_none_is_lost(
 
 @pytest.mark.parametrize(
     ("names", "out"),
-    [
-        ("[A, a]", "out/{name}.zip"),
-        ("[a b, a_b]", "out/{name}/"),
-        ("[straße, STRASSE]", "out/{name}.xml"),
-    ],
+    [("[A, a]", "out/{name}.zip"), ("[a b, a_b]", "out/{name}/"), ("[straße, STRASSE]", "out/{name}.xml")],
 )
 def test_no_two_models_are_written_to_one_place(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, names: str, out: str

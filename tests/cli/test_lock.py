@@ -33,12 +33,7 @@ def work(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     robots.mkdir()
     git(robots, "init", "-q", "-b", "main")
     nested = "recipe: 1\nbase: ./arm.xml\nattach:\n  tool: {model: ../tool.xml, site: flange}\n"
-    files = {
-        "arm/arm.xml": ARM,
-        "arm/meshes/cover.obj": COVER,
-        "arm/LICENSE": "As you like.\n",
-        "tool.xml": TOOL,
-    }
+    files = {"arm/arm.xml": ARM, "arm/meshes/cover.obj": COVER, "arm/LICENSE": "As you like.\n", "tool.xml": TOOL}
     commit(robots, **files, **{"arm/cell.yaml": nested})
     work = tmp_path / "cell"
     work.mkdir()
@@ -138,9 +133,7 @@ def test_what_nothing_uses_any_more_makes_a_lock_stale(work: Path) -> None:
     for command in (("build", "--no-compile"), ("check",), ("build", "--frozen", "--all")):
         result = run(*command, "cell.yaml", "--locked")
         assert result.exit_code == 1
-        assert (
-            "error[lock-stale]: `./tool.xml` is in the lock `cell.lock`, and nothing uses it" in result.stderr
-        )
+        assert "error[lock-stale]: `./tool.xml` is in the lock `cell.lock`, and nothing uses it" in result.stderr
     run("lock", "cell.yaml")
     assert run("build", "cell.yaml", "--no-compile", "--locked").exit_code == 0
 
@@ -155,9 +148,7 @@ def test_what_nothing_uses_any_more_makes_a_lock_stale(work: Path) -> None:
 )
 def test_what_another_choice_may_use_does_not_make_a_lock_stale(work: Path, choice: str) -> None:
     run("lock", "cell.yaml")
-    lines = [
-        line for line in (work / "cell.yaml").read_text().splitlines(keepends=True) if "tool" not in line
-    ]
+    lines = [line for line in (work / "cell.yaml").read_text().splitlines(keepends=True) if "tool" not in line]
     (work / "cell.yaml").write_text("".join(lines) + choice)
     assert run("build", "cell.yaml", "--no-compile", "--locked").exit_code == 0
 
@@ -246,9 +237,7 @@ def test_a_merge_keeps_what_both_sides_pin(work: Path) -> None:
     theirs = (work / "cell.lock").read_text()
     pins |= {id: each.get("commit") for id, each in told(work).items()}
     (work / "cell.lock").write_text(f"<<<<<<< HEAD\n{ours}=======\n{theirs}>>>>>>> theirs\n")
-    (work / "cell.yaml").write_text(
-        one + f"  more: {{model: git+file://{robots}@v2#tool.xml, pos: [1, 0, 0]}}\n"
-    )
+    (work / "cell.yaml").write_text(one + f"  more: {{model: git+file://{robots}@v2#tool.xml, pos: [1, 0, 0]}}\n")
     commit(robots, **{"tool.xml": TOOL})
     assert "run `mjcompose lock`, which keeps what both sides pin" in run("build", "cell.yaml").stderr
     assert run("lock", "cell.yaml").exit_code == 0
@@ -292,9 +281,7 @@ def test_what_is_fetched_to_be_extended_is_locked(work: Path) -> None:
                       "dark.yaml": "recipe: 1\noption: {timestep: 0.005}\n"})  # fmt: skip
     source = f"git+file://{robots}@main"
     (work / "beside.yaml").write_text(f"recipe: 1\nextends: {source}#slow.yaml\n")
-    (work / "cell.yaml").write_text(
-        "recipe: 1\nextends: ./beside.yaml\nbase: ./tool.xml\noption: {timestep: 0.001}\n"
-    )
+    (work / "cell.yaml").write_text("recipe: 1\nextends: ./beside.yaml\nbase: ./tool.xml\noption: {timestep: 0.001}\n")
     assert run("lock", "cell.yaml").exit_code == 0
     locked = told(work)
     assert set(locked) == {source, "./tool.xml"}  # a recipe beside this one is as free as this one
@@ -317,17 +304,11 @@ def test_what_a_nested_recipe_extends_is_locked(work: Path) -> None:
     (work / "cell.yaml").write_text("recipe: 1\nattach:\n  in: {model: ./inner.yaml}\n")
     assert run("lock", "cell.yaml").exit_code == 0
     used_by = {id: locked["used_by"] for id, locked in told(work).items()}
-    assert used_by == {
-        "./common.yaml": ["in/extends"],
-        "./inner.yaml": ["in"],
-        "./tool.xml": ["in/base"],
-    }
+    assert used_by == {"./common.yaml": ["in/extends"], "./inner.yaml": ["in"], "./tool.xml": ["in/base"]}
     (work / "common.yaml").write_text("recipe: 1\nname: other\nbase: ./tool.xml\n")
     result = run("build", "cell.yaml", "-o", "out/", "--locked")
     assert result.exit_code == 1
-    assert (
-        "cell.yaml:3:3: error[source-changed]: `./common.yaml` is not what `cell.lock` pins" in result.stderr
-    )
+    assert "cell.yaml:3:3: error[source-changed]: `./common.yaml` is not what `cell.lock` pins" in result.stderr
     assert "`common.yaml` changed" in result.stderr
 
 
@@ -342,13 +323,8 @@ def test_a_part_without_a_prefix_is_locked_by_its_key(work: Path) -> None:
 
 def test_an_extended_recipe_of_the_matrix_is_pinned_too(work: Path) -> None:
     robots = work.parent / "robots"
-    commit(
-        robots,
-        **{"all.yaml": "recipe: 1\nvariants: {size: {s: {}, l: {}}}\nmatrix: {axes: {size: [s, l]}}\n"},
-    )
-    (work / "cell.yaml").write_text(
-        f"recipe: 1\nextends: git+file://{robots}@main#all.yaml\nbase: ./tool.xml\n"
-    )
+    commit(robots, **{"all.yaml": "recipe: 1\nvariants: {size: {s: {}, l: {}}}\nmatrix: {axes: {size: [s, l]}}\n"})
+    (work / "cell.yaml").write_text(f"recipe: 1\nextends: git+file://{robots}@main#all.yaml\nbase: ./tool.xml\n")
     assert run("lock", "cell.yaml").exit_code == 0
     commit(robots, **{"all.yaml": "recipe: 1\nvariants: {size: {s: {}}}\n"})
     assert run("build", "cell.yaml", "--all", "--locked").exit_code == 0
@@ -399,9 +375,7 @@ def test_parts_that_a_fetched_recipe_has_beside_it(work: Path) -> None:
     assert run("build", "cell.yaml", "-o", "out/").exit_code == 0
     manifest = json.loads((work / "out" / "manifest.json").read_text())
     source = f"git+file://{work.parent}/robots@main"
-    origins = {
-        (each["path"], each["origin"]["id"] if each["origin"] else None) for each in manifest["inputs"]
-    }
+    origins = {(each["path"], each["origin"]["id"] if each["origin"] else None) for each in manifest["inputs"]}
     assert origins == {("arm/arm.xml", source), ("tool.xml", source), ("tool.xml", None)}
     read = {each["path"] for each in manifest["read"]}
     assert {"tool.xml", f"{source}#tool.xml", f"{source}#arm/cell.yaml"} <= read
@@ -448,9 +422,7 @@ def test_a_matrix_hashes_every_file_once(work: Path, monkeypatch: pytest.MonkeyP
     assert hashed and len(hashed) == len(set(hashed))
 
 
-@pytest.mark.parametrize(
-    ("key", "value"), [("tree", "0" * 40), ("kind", "archive"), ("kind", "path"), ("tree", None)]
-)
+@pytest.mark.parametrize(("key", "value"), [("tree", "0" * 40), ("kind", "archive"), ("kind", "path"), ("tree", None)])
 def test_a_lock_that_contradicts_itself_is_an_error(work: Path, key: str, value: str | None) -> None:
     run("lock", "cell.yaml")
     lock = json.loads((work / "cell.lock").read_text())
@@ -491,9 +463,7 @@ def test_a_lock_of_other_versions_is_told_to_who_asks_for_it(work: Path, command
     assert "was made with mjcompose 0.0.9 and MuJoCo 2.3.7, this is mjcompose " in result.stderr
 
 
-def test_another_version_of_a_package_with_the_same_bytes(
-    work: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_another_version_of_a_package_with_the_same_bytes(work: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     site = work.parent / "site"
     (site / "arms").mkdir(parents=True)
     (site / "arms" / "tool.xml").write_text(TOOL)
@@ -531,9 +501,7 @@ def test_what_is_fetched_reaches_no_file_of_this_machine(work: Path, locked: boo
         "arm/element.yaml": f"recipe: 1\nasset: {{mesh: {{m: {{file: {secret}}}}}}}\n",
     })  # fmt: skip
     for name in ("mesh.xml", "far.xml", "include.xml", "recipe.yaml", "element.yaml"):
-        (work / "evil.yaml").write_text(
-            f"recipe: 1\nattach: {{x: {{model: git+file://{robots}@main#arm/{name}}}}}\n"
-        )
+        (work / "evil.yaml").write_text(f"recipe: 1\nattach: {{x: {{model: git+file://{robots}@main#arm/{name}}}}}\n")
         result = run("build", "evil.yaml", "--no-compile", "-o", "out.zip")
         assert result.exit_code == 1, name
         assert "error[source-outside]: " in result.stderr, (name, result.stderr)

@@ -57,9 +57,7 @@ def test_a_bug_is_told_without_a_trace(folder: Path, monkeypatch: pytest.MonkeyP
     def broken(*_: object, **__: object) -> None:
         raise KeyError("a thing\nnobody thought of")
 
-    monkeypatch.setattr(
-        "mjcompose.cli.output.progress", broken
-    )  # first: it imports the module, which takes the other
+    monkeypatch.setattr("mjcompose.cli.output.progress", broken)  # first: it imports the module, which takes the other
     monkeypatch.setattr(reporting, "progress", broken)
     result = CliRunner().invoke(main, ["build", "cell.yaml"])
     assert result.exit_code == 70
@@ -76,9 +74,7 @@ def test_it_runs_as_a_module(folder: Path) -> None:
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a device that is always full")
-@pytest.mark.parametrize(
-    "arguments", [["plan", "cell.yaml"], ["build", "cell.yaml", "--no-compile", "-o", "-"]]
-)
+@pytest.mark.parametrize("arguments", [["plan", "cell.yaml"], ["build", "cell.yaml", "--no-compile", "-o", "-"]])
 def test_an_output_that_takes_nothing(folder: Path, arguments: list[str]) -> None:
     with open("/dev/full", "wb") as full:
         result = process(*arguments, capture_output=False, stdout=full, stderr=subprocess.PIPE)
@@ -96,9 +92,7 @@ def test_outputs_that_are_closed(folder: Path) -> None:
         (f"{command} build cell.yaml --no-compile -o - >&- 2>&-", 1),
         (f"{command} build cell.yaml --no-compile -o - | true", 0),
     ):
-        result = subprocess.run(
-            line, shell=True, env=environment(), capture_output=True, timeout=60, check=False
-        )
+        result = subprocess.run(line, shell=True, env=environment(), capture_output=True, timeout=60, check=False)
         assert (result.returncode, result.stderr) == (code, b""), line
 
 
@@ -174,18 +168,7 @@ def test_options_are_listed_in_groups() -> None:
     ]
     assert [told.index(word) for word in order] == sorted(told.index(word) for word in order)
     told = run("--help").stdout
-    order = [
-        "Build:",
-        "check ",
-        "Look:",
-        "view ",
-        "Change:",
-        "fmt ",
-        "Sources:",
-        "lock ",
-        "Set up:",
-        "doctor ",
-    ]
+    order = ["Build:", "check ", "Look:", "view ", "Change:", "fmt ", "Sources:", "lock ", "Set up:", "doctor "]
     assert [told.index(word) for word in order] == sorted(told.index(word) for word in order)
 
 
@@ -216,9 +199,7 @@ SAME = {
 @pytest.mark.parametrize("option", list(SAME))
 def test_options_are_the_same_everywhere(option: str) -> None:
     told = {verb: run(verb, "--help").stdout for verb in main_module._VERBS}
-    having = {
-        verb for verb, help in told.items() if re.search(rf"{option}\b(?!-)", help.partition("Options:")[2])
-    }
+    having = {verb for verb, help in told.items() if re.search(rf"{option}\b(?!-)", help.partition("Options:")[2])}
     assert having - {"diff"} == SAME[option] - {"diff"}
     assert "diff" in having or "diff" not in SAME[option]
 
@@ -255,9 +236,7 @@ def test_quiet(folder: Path) -> None:
     assert run("build", "cell.yaml", "-q", "--output-format", "json").stdout.startswith("{")
 
 
-def test_too_little_memory_is_reported_where_the_process_begins(
-    folder: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_too_little_memory_is_reported_where_the_process_begins(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def none(*_: object, **__: object) -> None:
         raise MemoryError
 

@@ -65,10 +65,7 @@ def test_what_is_included_changes_where_it_stands(folder: Path) -> None:
     (folder / "two.xml").write_text(IN_TWO)
     (folder / "rest.xml").write_text(REST)
     alone = run("migrate", "two.xml", "--from", "3.2.2", "-o", "new.xml")
-    assert (
-        alone.exit_code == 1
-        and "`rest.xml`, which it includes or attaches, is another one, too" in alone.stderr
-    )
+    assert alone.exit_code == 1 and "`rest.xml`, which it includes or attaches, is another one, too" in alone.stderr
     result = run("migrate", "two.xml", "--from", "3.2.2", "--in-place")
     assert result.exit_code == 0, result.output
     assert "mpr" not in (folder / "rest.xml").read_text()
@@ -140,9 +137,7 @@ def test_models_that_attach_one_another_end(folder: Path) -> None:
     (folder / "parts/tip.xml").write_text(HAND.replace("tip.xml", "../all.xml").replace('"palm"', '"tip"'))
     result = run("migrate", "all.xml", "--from", "3.2.2", "-o", "new")
     assert result.exit_code == 1
-    assert (
-        "parts/tip.xml:2:34: error[source-cycle]: the model `../all.xml` is made of itself" in result.stderr
-    )
+    assert "parts/tip.xml:2:34: error[source-cycle]: the model `../all.xml` is made of itself" in result.stderr
 
 
 def test_an_attached_urdf_is_left(folder: Path) -> None:
@@ -155,7 +150,9 @@ def test_an_attached_urdf_is_left(folder: Path) -> None:
 def test_a_file_that_would_be_two(folder: Path) -> None:
     """The class around it gives another orientation in one of the two models."""
     attaching(folder)
-    shared = '<mujocoinclude><worldbody><body name="{}"><geom size=".1" quat="1 0 0 1"/></body></worldbody></mujocoinclude>'
+    shared = (
+        '<mujocoinclude><worldbody><body name="{}"><geom size=".1" quat="1 0 0 1"/></body></worldbody></mujocoinclude>'
+    )
     (folder / "parts/shared.xml").write_text(shared.format("s"))
     turned = '<default><geom euler="1 0 0"/></default><include file="shared.xml"/>'
     (folder / "parts/hand.xml").write_text(HAND.replace("<asset>", turned + "<asset>"))
@@ -183,10 +180,7 @@ def test_the_version_has_to_be_said(folder: Path) -> None:
     )
     assert "`--from 3.2.2`" in result.stderr
     wrong = run("migrate", "old.xml", "--from", "2.3")
-    assert (
-        wrong.exit_code == 1
-        and "`--from 2.3` is not a MuJoCo that models can be migrated from" in wrong.stderr
-    )
+    assert wrong.exit_code == 1 and "`--from 2.3` is not a MuJoCo that models can be migrated from" in wrong.stderr
 
 
 @pytest.mark.slow
@@ -203,7 +197,9 @@ def test_what_cannot_be_is_an_error_at_its_place(folder: Path) -> None:
 
 @pytest.mark.slow
 def test_warnings_with_strict_are_errors(folder: Path) -> None:
-    text = '<mujoco><option integrator="RK4"/><worldbody><body><freejoint/><geom size=".1"/></body></worldbody></mujoco>'
+    text = (
+        '<mujoco><option integrator="RK4"/><worldbody><body><freejoint/><geom size=".1"/></body></worldbody></mujoco>'
+    )
     (folder / "old.xml").write_text(text)
     loose = run("migrate", "old.xml", "--from", "3.17", "--mujoco", "4", "-o", "new.xml")
     assert loose.exit_code == 0 and "old.xml:1:9: warning[migrate-changed]: `RK4`" in loose.stderr
@@ -225,12 +221,7 @@ def test_json_has_each_step(folder: Path) -> None:
     (folder / "old.xml").write_text(OLD)
     result = run("migrate", "old.xml", "--from", "3.2.2", "--output-format", "json")
     answer = json.loads(result.stdout.splitlines()[0])
-    assert (answer["from"], answer["to"], answer["output"], answer["proof"]) == (
-        "3.2.2",
-        installed(),
-        None,
-        None,
-    )
+    assert (answer["from"], answer["to"], answer["output"], answer["proof"]) == ("3.2.2", installed(), None, None)
     step = next(each for each in answer["steps"] if each["change"] == "ccd-names")
     assert step["words"] == '`mpr_iterations="20"` is `ccd_iterations="20"` at `<option>`'
     assert "ccd_iterations" in answer["diff"]["old.xml"]

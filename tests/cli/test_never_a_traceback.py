@@ -123,9 +123,7 @@ def test_recipe(folder: Path, edit: Text, name: str) -> None:
 @QUICK
 @given(
     edit=_edits(ODD_XML, ' \n"=<>/'),
-    name=st.sampled_from(
-        ("arm6/arm6", "gripper2/gripper2", "table/table", "props/cube", "camera_mount/camera_mount")
-    ),
+    name=st.sampled_from(("arm6/arm6", "gripper2/gripper2", "table/table", "props/cube", "camera_mount/camera_mount")),
     policy=st.sampled_from(("error", "warning", "merge")),
 )
 def test_source(folder: Path, edit: Text, name: str, policy: str) -> None:

@@ -22,9 +22,7 @@ def test_default_name(folder: Path) -> None:
     assert (folder / "model.yaml").read_text(encoding="utf-8").count("name: model\n") == 1
 
 
-@pytest.mark.parametrize(
-    "stem", ["01", "a: b", "#1", "true", "x - y", "é", '"', "1e3", "null", "{x}", "my-arm_2"]
-)
+@pytest.mark.parametrize("stem", ["01", "a: b", "#1", "true", "x - y", "é", '"', "1e3", "null", "{x}", "my-arm_2"])
 def test_any_name(folder: Path, stem: str) -> None:
     assert run("new", f"{stem}.yaml").exit_code == 0
     result = run("plan", f"{stem}.yaml")
@@ -67,10 +65,7 @@ def test_what_is_no_name(folder: Path, name: str, meant: str) -> None:
 def test_a_link_that_leads_to_itself(folder: Path) -> None:
     (folder / "loop").mkdir()
     (folder / "loop" / "x").symlink_to("x")
-    for words in (
-        ("new", "loop/x", "--project"),
-        ("new", "loop/x/a.yaml"),
-    ):
+    for words in (("new", "loop/x", "--project"), ("new", "loop/x/a.yaml")):
         result = run(*words)
         assert result.exit_code in (1, 2), (words, result.stderr)
         assert "error[output-unwritable]" in result.stderr or "Error: " in result.stderr

@@ -78,9 +78,7 @@ def test_more_faults_than_are_looked_for(recipe: str, tmp_path: Path) -> None:
     geoms = "".join(f'<geom name="{number}" size=".1" material="m{number}"/>' for number in range(9))
     (tmp_path / "m.xml").write_text(f"<mujoco><worldbody>{geoms}</worldbody></mujoco>")
     code, said = run("check", recipe, "--limit", "faults=5")
-    assert code == 1 and "there are more than 5 errors" in said and "`m5`" in said and "`m6`" not in said, (
-        said
-    )
+    assert code == 1 and "there are more than 5 errors" in said and "`m5`" in said and "`m6`" not in said, said
     code, said = run("check", recipe, "--limit", "faults=5", "--output-format", "json")
     assert code == 1 and said.count('"code": "unknown-name"') == 6, said
 
@@ -101,9 +99,7 @@ def test_a_folder_for_another_program(folder: Path) -> None:
     manifest = json.loads((folder / "out" / "manifest.json").read_text())
     assert manifest["target"] == {"name": "plain", "left_out": []}
     model = mujoco.MjModel.from_xml_path(str(folder / "out" / "model.xml"))
-    assert [each["name"] for each in manifest["index"]["joints"]] == [
-        model.joint(n).name for n in range(model.njnt)
-    ]
+    assert [each["name"] for each in manifest["index"]["joints"]] == [model.joint(n).name for n in range(model.njnt)]
     assert run_shell("verify", "out").exit_code == 0
     again = run_shell("build", "cell.yaml", "--target", "plain", "-o", "out/")
     assert "up to date" in again.stdout

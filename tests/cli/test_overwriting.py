@@ -95,32 +95,19 @@ def test_no_report_or_page_takes_the_place_of_a_source(table: Path) -> None:
     """Under any of its names, read or only named; the second time the cache has the model."""
     assert run("lock", "table.yaml").exit_code == 0
     before = _contents(table)
-    asked = [
-        ("check", "table.yaml", "--set-file", "values.yaml", "--junit", each)
-        for each in (*SOURCES, "a far.xml")
-    ]
-    asked += [
-        ("build", "table.yaml", "-o", each)
-        for each in ("link.xml", "hard.xml", "here/light.xml", "a far.xml")
-    ]
+    asked = [("check", "table.yaml", "--set-file", "values.yaml", "--junit", each) for each in (*SOURCES, "a far.xml")]
+    asked += [("build", "table.yaml", "-o", each) for each in ("link.xml", "hard.xml", "here/light.xml", "a far.xml")]
     asked += [
         ("diff", "table.xml", "second.xml", "--html", each)
         for each in ("table.xml", "second.xml", "here/wood.png", "hard.xml")
     ]
-    asked.append(
-        ("build", "table.yaml", "--all", "--jobs", "1", "-o", "{name}.xml", "--sample-table", "values.yaml")
-    )
+    asked.append(("build", "table.yaml", "--all", "--jobs", "1", "-o", "{name}.xml", "--sample-table", "values.yaml"))
     for arguments in asked:
         result = run(*arguments)
         option, name = arguments[-2:]
         if option != "--sample-table":
-            assert result.exit_code == (1 if arguments[0] != "diff" else 2) or arguments[0] == "diff", (
-                arguments
-            )
-            assert f"`{option} {table / name}` is one of the files" in result.stderr, (
-                arguments,
-                result.stderr,
-            )
+            assert result.exit_code == (1 if arguments[0] != "diff" else 2) or arguments[0] == "diff", arguments
+            assert f"`{option} {table / name}` is one of the files" in result.stderr, (arguments, result.stderr)
         assert {name: text for name, text in _contents(table).items() if name in before} == before, arguments
     assert run("build", "table.yaml", "-o", "said.xml").exit_code == 0  # a comment names it
     assert run("build", "table.yaml", "-o", "said.xml", "--no-cache").exit_code == 0

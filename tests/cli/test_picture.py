@@ -30,10 +30,7 @@ def test_a_picture_stands_beside_the_bundle_and_in_its_manifest(folder: Path) ->
     with ZipFile(folder / "out" / "other.zip") as bundle:
         assert "picture" not in json.loads(bundle.read("manifest.json"))
     picture.unlink()
-    assert (
-        json.loads(_build("cell.yaml", "-o", "out/arm.zip", "--output-format", "json"))["picture"]
-        == "cell.png"
-    )
+    assert json.loads(_build("cell.yaml", "-o", "out/arm.zip", "--output-format", "json"))["picture"] == "cell.png"
     first = picture.read_bytes()
     (folder / "models" / "tool.xml").write_text(
         (folder / "models" / "tool.xml").read_text().replace("0.03 0.03 0.01", "0.3 0.3 0.1")

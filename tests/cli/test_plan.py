@@ -138,9 +138,7 @@ def test_an_axis_may_be_a_parameter_without_a_default(folder: Path) -> None:
     (folder / "study.yaml").write_text(REQUIRED)
     told = run("plan", "study.yaml", "--set", "load=5")
     assert told.exit_code == 0
-    assert (
-        "`mass` as in the cell m2-l5: without a default" in told.stdout and "m3-l5  mass = 3" in told.stdout
-    )
+    assert "`mass` as in the cell m2-l5: without a default" in told.stdout and "m3-l5  mass = 3" in told.stdout
     assert json.loads(run("plan", "study.yaml", "--output-format", "json").stdout)["as_cell"] == "m2-l1"
     built = run("build", "study.yaml", "--all", "--set", "load=5", "--no-compile")
     assert built.exit_code == 0 and "wrote build/m2-l5.zip" in built.stdout
@@ -150,9 +148,7 @@ def test_an_axis_may_be_a_parameter_without_a_default(folder: Path) -> None:
 
 
 def test_what_must_be_given_can_be_given(folder: Path) -> None:
-    (folder / "study.yaml").write_text(
-        REQUIRED.replace("load: {type: float, default: 1}", "load: {type: float}")
-    )
+    (folder / "study.yaml").write_text(REQUIRED.replace("load: {type: float, default: 1}", "load: {type: float}"))
     for command in (("plan",), ("lock",), ("lock", "--upgrade"), ("build", "--all", "--no-compile")):
         assert run(*command, "study.yaml").exit_code == 1
         assert run(*command, "study.yaml", "--set", "load=5").exit_code == 0
@@ -213,10 +209,7 @@ def test_edits_are_counted_and_removals_listed(folder: Path) -> None:
     assert told["parts"][0]["edited"] == [
         {"words": "edit {geom: palm}: set condim = 4", "selected": {"geom": 1}, "removed": []}
     ]
-    assert told["edited"][2]["removed"] == [
-        {"kind": "joint", "name": "shoulder"},
-        {"kind": "sensor", "name": "angle"},
-    ]
+    assert told["edited"][2]["removed"] == [{"kind": "joint", "name": "shoulder"}, {"kind": "sensor", "name": "angle"}]
     (folder / "e.yaml").unlink()
     assert snapshot(folder) == before
 

@@ -58,9 +58,7 @@ while True:
 @pytest.mark.parametrize(("sent", "ended"), [("SIGTERM", 143), ("SIGINT", 130)])
 def test_whatever_a_process_does_it_ends_within_a_second(sent: str, ended: int) -> None:
     words = [sys.executable, "-c", DEAF.format(sent=sent)]
-    with subprocess.Popen(
-        words, env=environment(), stdout=subprocess.PIPE, stderr=subprocess.PIPE
-    ) as process:
+    with subprocess.Popen(words, env=environment(), stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
         try:
             assert process.stdout is not None and process.stderr is not None
             child = int(process.stdout.readline())
@@ -91,16 +89,12 @@ resource = pytest.importorskip("resource")
 MODEL = '<mujoco><worldbody><geom size=".1"/></worldbody></mujoco>'
 
 
-def check(
-    folder: Path, kilobytes: int, *options: str, model: str = MODEL
-) -> subprocess.CompletedProcess[str]:
+def check(folder: Path, kilobytes: int, *options: str, model: str = MODEL) -> subprocess.CompletedProcess[str]:
     """The command in a process that may have so much memory."""
     (folder / "m.xml").write_text(model)
     (folder / "r.yaml").write_text("recipe: 1\nbase: ./m.xml\n")
     command = f'ulimit -d {kilobytes}; exec "$0" -m mjcompose check r.yaml --no-cache "$@"'
-    return subprocess.run(
-        ["bash", "-c", command, sys.executable, *options], cwd=folder, capture_output=True, text=True
-    )
+    return subprocess.run(["bash", "-c", command, sys.executable, *options], cwd=folder, capture_output=True, text=True)
 
 
 @pytest.mark.slow

@@ -40,9 +40,7 @@ def test_github(folder: Path) -> None:
     result = run("check", "wrong.yaml", "--output-format", "github")
     assert result.exit_code == 1 and result.stderr == ""
     (line,) = result.stdout.splitlines()
-    assert line.startswith(
-        "::error file=wrong.yaml,line=5,col=42,endLine=5,endColumn=47,title=attach-place::the site"
-    )
+    assert line.startswith("::error file=wrong.yaml,line=5,col=42,endLine=5,endColumn=47,title=attach-place::the site")
 
 
 def test_paths_are_those_of_the_users_folder(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -61,9 +61,7 @@ def test_a_broken_manifest_is_told(folder: Path) -> None:
     assert run("build", "cell.yaml", "--no-compile", "-o", "out/").exit_code == 0
     (folder / "out" / "manifest.json").write_text("{}")
     result = run("tree", "out")
-    assert (
-        result.exit_code == 0 and "warning[bundle-manifest]" in result.stderr and "tool/palm" in result.stdout
-    )
+    assert result.exit_code == 0 and "warning[bundle-manifest]" in result.stderr and "tool/palm" in result.stdout
 
 
 def test_the_guide_shows_what_is_printed(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -15,10 +15,7 @@ from mjcompose.cli import run as runner
 from mjcompose.mujoco.engine import Session
 from mjcompose.tools.view.builder import Watch, marks
 
-pytestmark = [
-    pytest.mark.slow,
-    pytest.mark.skipif(sys.platform == "win32", reason="interrupts with a POSIX signal"),
-]
+pytestmark = [pytest.mark.slow, pytest.mark.skipif(sys.platform == "win32", reason="interrupts with a POSIX signal")]
 
 
 class Watching:
@@ -91,9 +88,7 @@ def test_it_builds_again_when_an_included_file_is_saved(folder: Path, watch: Cal
     assert 'size="2"' in (folder / "out.xml").read_text()
 
 
-def test_it_checks_again_from_a_recipe_that_fails_at_first(
-    folder: Path, watch: Callable[..., Watching]
-) -> None:
+def test_it_checks_again_from_a_recipe_that_fails_at_first(folder: Path, watch: Callable[..., Watching]) -> None:
     (folder / "bad.yaml").write_text("recipe: 1\nbase: ./models/arm.xml\nattach: [\n")
     command = watch("check", "cell.yaml", "bad.yaml")
     assert "bad.yaml:4" in (said := command.until_it_watches()) and "cell.yaml: ok" in said
@@ -109,9 +104,7 @@ def test_all_runs_have_one_process_for_mujoco(folder: Path, monkeypatch: pytest.
     started: list[Session] = []
     spawn = Session._spawn
     monkeypatch.setattr(Session, "_spawn", lambda self: (started.append(self), spawn(self)))
-    saves = iter(
-        (RECIPE + "option: {timestep: 0.001}\n", RECIPE + "option: {timestep: 0.002}\n", WRONG, RECIPE)
-    )
+    saves = iter((RECIPE + "option: {timestep: 0.001}\n", RECIPE + "option: {timestep: 0.002}\n", WRONG, RECIPE))
 
     def save(before: object) -> None:
         assert started[0]._process is not None

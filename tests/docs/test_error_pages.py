@@ -57,9 +57,7 @@ CUT = """\
 """
 CLASSES = "<default><default class='visual'/><default class='collision'/></default>"
 HOME = "<keyframe><key name='home' time='{}' qpos='0.1'/></keyframe>"
-SCENE = PROP.format("palm", "", "").replace(
-    "<worldbody>", '<worldbody><geom name="floor" type="plane" size="1 1 1"/>'
-)
+SCENE = PROP.format("palm", "", "").replace("<worldbody>", '<worldbody><geom name="floor" type="plane" size="1 1 1"/>')
 
 MODELS = {
     "arm.xml": ARM.format("", ""),
@@ -106,14 +104,7 @@ MODELS_OF = {
 
 NOT_A_BUILD = {
     **dict.fromkeys(
-        (
-            "archive-refused",
-            "source-changed",
-            "source-fetch",
-            "source-offline",
-            "source-outside",
-            "source-revision",
-        ),
+        ("archive-refused", "source-changed", "source-fetch", "source-offline", "source-outside", "source-revision"),
         "needs a host that answers: tests/sources",
     ),
     **dict.fromkeys(
@@ -128,9 +119,7 @@ NOT_A_BUILD = {
     **dict.fromkeys(
         ("cluster-missing", "cluster-unreachable", "cluster-worker"), "need a cluster: tests/tools/cluster"
     ),
-    **dict.fromkeys(
-        ("not-a-world", "not-installed", "not-per-world"), "is not about a build: tests/tools/worlds"
-    ),
+    **dict.fromkeys(("not-a-world", "not-installed", "not-per-world"), "is not about a build: tests/tools/worlds"),
     "output-full": "needs a disk that is full: tests/kills",
     **dict.fromkeys(
         ("migrate-cannot", "migrate-changed", "migrate-differs", "migrate-python", "migrate-version"),
@@ -138,8 +127,7 @@ NOT_A_BUILD = {
     ),
     **dict.fromkeys(("target-cannot", "target-failed", "target-loss"), "needs `--target`: tests/targets"),
     **dict.fromkeys(
-        ("mesh-look", "mesh-shape", "mesh-size", "mesh-unreadable", "xacro"),
-        "needs files beside it: tests/urdf",
+        ("mesh-look", "mesh-shape", "mesh-size", "mesh-unreadable", "xacro"), "needs files beside it: tests/urdf"
     ),
     "cells-not-checked": "is a note of `check`: tests/cli/test_check.py",
     "git-revision": "needs a repository: tests/tools/diff",
@@ -197,15 +185,11 @@ MENDED = [
     for text in blocks(parts(code)[1], "yaml") + blocks(parts(code)[1], "xml")
     if re.match(r"(#.*\n)*recipe:|<mujoco>", text)
 ]
-SESSIONS = [
-    (code, text) for code in sorted(set(PAGES) - set(NOT_A_BUILD)) for text in blocks(parts(code)[0], "sh")
-]
+SESSIONS = [(code, text) for code in sorted(set(PAGES) - set(NOT_A_BUILD)) for text in blocks(parts(code)[0], "sh")]
 
 
 @pytest.mark.parametrize(("code", "text"), EXAMPLES, ids=[code for code, _ in EXAMPLES])
-def test_the_example_has_the_error_and_no_other(
-    code: str, text: str, tmp_path: Path, menagerie_root: Path
-) -> None:
+def test_the_example_has_the_error_and_no_other(code: str, text: str, tmp_path: Path, menagerie_root: Path) -> None:
     lay_out(code, tmp_path)
     assert codes(text, code, tmp_path, menagerie_root) == {code}
 

@@ -63,9 +63,7 @@ def test_creatures() -> None:
 
 @pytest.mark.slow
 def test_a_picture_of_the_creatures(tmp_path: Path) -> None:
-    probe = subprocess.run(
-        [sys.executable, "-c", PROBE], capture_output=True, env={**os.environ, "MUJOCO_GL": "egl"}
-    )
+    probe = subprocess.run([sys.executable, "-c", PROBE], capture_output=True, env={**os.environ, "MUJOCO_GL": "egl"})
     if probe.returncode != 0:
         pytest.skip("MuJoCo cannot render by EGL here")
     run("creatures.py", tmp_path / "creatures.png", MUJOCO_GL="egl")

@@ -73,11 +73,7 @@ def installed(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def _run_in(folder: Path, *sites: Path) -> Run:
     path = os.pathsep.join([str(ROOT / "composer"), *map(str, sites)])
-    named = {
-        "PYTHONPATH": path,
-        "MJCOMPOSE_CACHE": str(folder / "store"),
-        "SHARED_MODELS": str(folder / "models"),
-    }
+    named = {"PYTHONPATH": path, "MJCOMPOSE_CACHE": str(folder / "store"), "SHARED_MODELS": str(folder / "models")}
 
     def run(*words: str) -> subprocess.CompletedProcess[str]:
         return subprocess.run(
@@ -112,9 +108,7 @@ def test_one_of_each_is_used(run: Run, tmp_path: Path) -> None:
     assert locked.returncode == 0, locked.stderr
     assert "mjcompose-lab" in (tmp_path / "cell.lock").read_text()
     doctor = run("-m", "mjcompose", "doctor").stdout
-    assert all(
-        word in doctor for word in ("mjcompose-lab 0.4.0", "shared", "named", "hide", "sapien", "x200")
-    )
+    assert all(word in doctor for word in ("mjcompose-lab 0.4.0", "shared", "named", "hide", "sapien", "x200"))
 
 
 def test_a_check_of_a_package_finds_what_is_wrong(run: Run, tmp_path: Path) -> None:
@@ -146,9 +140,7 @@ def test_a_fetched_recipe_loads_nothing(run: Run, tmp_path: Path, piece: str) ->
     assert done.stderr.rstrip().endswith("[]")
 
 
-def test_a_row_that_is_none_and_a_word_of_two_packages_are_told(
-    installed: Path, run: Run, tmp_path: Path
-) -> None:
+def test_a_row_that_is_none_and_a_word_of_two_packages_are_told(installed: Path, run: Run, tmp_path: Path) -> None:
     broken = tmp_path / "site"
     shutil.copytree(installed, broken)
     (broken / "mjcompose_lab" / "named.py").write_text("KIND = None.word\n")
@@ -157,9 +149,7 @@ def test_a_row_that_is_none_and_a_word_of_two_packages_are_told(
     assert "Traceback" not in done.stderr
     other = tmp_path / "other"
     (other / "tall-1.0.dist-info").mkdir(parents=True)
-    (other / "tall-1.0.dist-info" / "METADATA").write_text(
-        "Metadata-Version: 2.1\nName: tall\nVersion: 1.0\n"
-    )
+    (other / "tall-1.0.dist-info" / "METADATA").write_text("Metadata-Version: 2.1\nName: tall\nVersion: 1.0\n")
     (other / "tall-1.0.dist-info" / "entry_points.txt").write_text("[mjcompose.checks]\nnamed = tall\n")
     done = _run_in(tmp_path, installed, other)("-m", "mjcompose", "plan", "cell.yaml")
     assert "error[extension-clash]" in done.stderr and "tall 1.0" in done.stderr

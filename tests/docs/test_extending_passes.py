@@ -30,9 +30,7 @@ def copied(tmp_path_factory: pytest.TempPathFactory) -> Path:
     (folder / "composer/mjcompose/link/part_files.py").write_text(BLOCKS[0], encoding="utf-8")
     (folder / "arm.xml").write_text('<mujoco><worldbody><site name="tool"/></worldbody></mujoco>')
     (folder / "hand.xml").write_text("<mujoco/>")
-    (folder / "recipe.yaml").write_text(
-        "recipe: 1\nbase: arm.xml\nattach:\n  hand: {model: hand.xml, site: tool}\n"
-    )
+    (folder / "recipe.yaml").write_text("recipe: 1\nbase: arm.xml\nattach:\n  hand: {model: hand.xml, site: tool}\n")
     return folder
 
 
@@ -41,17 +39,11 @@ def add_row(folder: Path, row: str, *, above: str = ABOVE) -> None:
     text = text.replace("from mjcompose.link.agreement", f"{BLOCKS[1]}from mjcompose.link.agreement")
     assert text.count(above) == 1
     row = textwrap.indent(row.rstrip(), "    ") + ",\n"
-    (folder / "composer/mjcompose/link/link.py").write_text(
-        text.replace(above, row + above), encoding="utf-8"
-    )
+    (folder / "composer/mjcompose/link/link.py").write_text(text.replace(above, row + above), encoding="utf-8")
 
 
 def command(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
-    environment = {
-        **os.environ,
-        "PYTHONPATH": str(folder / "composer"),
-        "MJCOMPOSE_CACHE": str(folder / "store"),
-    }
+    environment = {**os.environ, "PYTHONPATH": str(folder / "composer"), "MJCOMPOSE_CACHE": str(folder / "store")}
     return subprocess.run(
         [sys.executable, "-P", "-m", "mjcompose", *arguments],
         cwd=folder,

@@ -75,9 +75,7 @@ def run(package: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
         "MJCOMPOSE_STORE": str(package / "store"),
     }
     command = [sys.executable, "-m", "mjcompose", *arguments]
-    done = subprocess.run(
-        command, cwd=package, env=environment, capture_output=True, text=True, encoding="utf-8"
-    )
+    done = subprocess.run(command, cwd=package, env=environment, capture_output=True, text=True, encoding="utf-8")
     assert str(ROOT / "composer") not in done.stderr  # it is the copy that runs
     return done
 
@@ -149,15 +147,13 @@ def test_all_of_it_works(package: Path) -> None:
 
 def test_a_command_counts_and_reports(package: Path) -> None:
     extend(package, "Add a command")
-    (package / "recipe.yaml").write_text(
-        "recipe: 1\nadd:\n  - {to: world, geom: {size: [0.1]}}\n", encoding="utf-8"
-    )
+    (package / "recipe.yaml").write_text("recipe: 1\nadd:\n  - {to: world, geom: {size: [0.1]}}\n", encoding="utf-8")
     assert "Count the elements of a model." in run(package, "--help").stdout
     assert "--only KIND" in run(package, "count", "--help").stdout
     assert "\ngeom 1\n" in run(package, "count", "recipe.yaml").stdout
-    assert json.loads(
-        run(package, "count", "recipe.yaml", "--only", "geom", "--output-format", "json").stdout
-    ) == {"geom": 1}
+    assert json.loads(run(package, "count", "recipe.yaml", "--only", "geom", "--output-format", "json").stdout) == {
+        "geom": 1
+    }
     failed = run(package, "count", "none.yaml")
     assert failed.returncode == 2 and "error[file-not-found]" in failed.stderr and not failed.stdout
 

@@ -23,8 +23,7 @@ ROOT = Path(__file__).resolve().parents[2]
 PAGE = (ROOT / "docs" / "from_mjspec.md").read_text(encoding="utf-8")
 ROW = re.compile(r"\| \[\w+\]\(\.\./(.+?)\) \| (\d+) \| \[.+?\]\((.+?)\) \| (\d+) \|")
 JOBS = {
-    Path(program).stem: (recipe, int(lines), program, int(more))
-    for recipe, lines, program, more in ROW.findall(PAGE)
+    Path(program).stem: (recipe, int(lines), program, int(more)) for recipe, lines, program, more in ROW.findall(PAGE)
 }
 CORPUS = Path(os.environ["MJCOMPOSE_CORPUS"], "models") if os.environ.get("MJCOMPOSE_CORPUS") else None
 # The cell of a matrix that the program makes last.
@@ -47,14 +46,7 @@ def lines_of_recipe(text: str) -> int:
 
 def lines_of_program(text: str) -> int:
     """Lines with code on them; a string that is a statement is a docstring."""
-    nothing = {
-        tokenize.COMMENT,
-        tokenize.NL,
-        tokenize.NEWLINE,
-        tokenize.INDENT,
-        tokenize.DEDENT,
-        tokenize.ENDMARKER,
-    }
+    nothing = {tokenize.COMMENT, tokenize.NL, tokenize.NEWLINE, tokenize.INDENT, tokenize.DEDENT, tokenize.ENDMARKER}
     lines: set[int] = set()
     fresh = True
     for token in tokenize.generate_tokens(io.StringIO(text).readline):

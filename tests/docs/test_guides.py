@@ -79,9 +79,7 @@ def test_links_lead_somewhere(guide: Path) -> None:
 
 
 RECIPES = [
-    (name, number, text)
-    for name in ("README.md", "docs/recipes.md")
-    for number, text in enumerate(recipes_of(name))
+    (name, number, text) for name in ("README.md", "docs/recipes.md") for number, text in enumerate(recipes_of(name))
 ]
 
 

@@ -37,9 +37,7 @@ def test_a_page_is_true(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPa
     for shown, made in replay.pictures.items():
         if os.environ.get("UPDATE_PICTURES"):
             shown.write_bytes(made)
-        ours, now = (
-            np.asarray(Image.open(BytesIO(each)).convert("RGB"), float) for each in (shown.read_bytes(), made)
-        )
+        ours, now = (np.asarray(Image.open(BytesIO(each)).convert("RGB"), float) for each in (shown.read_bytes(), made))
         assert ours.shape == now.shape and np.abs(ours - now).mean() < DIFFERENT, shown
     if replay.lacking:
         pytest.skip(f"ran all but what needs {', '.join(sorted(replay.lacking))}")

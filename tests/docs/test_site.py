@@ -34,33 +34,20 @@ def test_every_page_is_in_the_menu() -> None:
 @pytest.mark.slow
 def test_links_lead_somewhere_on_the_site() -> None:
     made = subprocess.run(
-        [sys.executable, ".ci/site", "--pages"],
-        cwd=ROOT,
-        capture_output=True,
-        text=True,
-        timeout=120,
-        check=False,
+        [sys.executable, ".ci/site", "--pages"], cwd=ROOT, capture_output=True, text=True, timeout=120, check=False
     )
     assert made.returncode == 0, made.stderr
     assert (ROOT / "build" / "site_pages" / "live" / "demo.html").is_file()
     assert "--set" in (ROOT / "build" / "site_pages" / "commands.md").read_text(encoding="utf-8")
-    assert "::: mjcompose.mjcf.from_path" in (ROOT / "build" / "site_pages" / "api.md").read_text(
-        encoding="utf-8"
-    )
-    assert "asset-missing" in (ROOT / "build" / "site_pages" / "errors" / "index.md").read_text(
-        encoding="utf-8"
-    )
+    assert "::: mjcompose.mjcf.from_path" in (ROOT / "build" / "site_pages" / "api.md").read_text(encoding="utf-8")
+    assert "asset-missing" in (ROOT / "build" / "site_pages" / "errors" / "index.md").read_text(encoding="utf-8")
 
 
 def test_each_release_has_its_pages_beside_the_latest(tmp_path: Path) -> None:
     (tmp_path / ".ci").mkdir()
     shutil.copy(ROOT / ".ci" / "versions", tmp_path / ".ci")
     build = tmp_path / "build"
-    for folder, text in {
-        "site": "now",
-        "mjcompose-docs-v0.2.0": "two",
-        "mjcompose-docs-v0.10.0": "ten",
-    }.items():
+    for folder, text in {"site": "now", "mjcompose-docs-v0.2.0": "two", "mjcompose-docs-v0.10.0": "ten"}.items():
         (build / folder).mkdir(parents=True)
         (build / folder / "index.html").write_text(f'{text} {{"version":null}}', encoding="utf-8")
     for tag in ("v0.2.0", "v0.10.0"):

@@ -36,14 +36,7 @@ def code_server(
     for name in ("User", "Machine"):
         (home / "data" / name).mkdir(parents=True)
         (home / "data" / name / "settings.json").write_text(json.dumps({**SETTINGS, **settings}))
-    command = [
-        "node",
-        entry,
-        "--user-data-dir",
-        str(home / "data"),
-        "--extensions-dir",
-        str(home / "extensions"),
-    ]
+    command = ["node", entry, "--user-data-dir", str(home / "data"), "--extensions-dir", str(home / "extensions")]
     for package in packages:
         subprocess.run([*command, "--install-extension", str(package)], check=True, capture_output=True)
     port = _free_port()
@@ -55,9 +48,7 @@ def code_server(
     try:
         _await(port)
         with sync_playwright() as playwright:
-            browser = playwright.chromium.launch(
-                executable_path=shutil.which("chromium"), args=_BROWSER.split()
-            )
+            browser = playwright.chromium.launch(executable_path=shutil.which("chromium"), args=_BROWSER.split())
             yield f"http://127.0.0.1:{port}/?folder={folder}", browser
             browser.close()
     finally:

@@ -32,10 +32,7 @@ def test_the_suite_passes_in_vscode(tmp_path: Path) -> None:
     with code_server(str(ENTRY), tmp_path, folder, {}) as (address, browser):
         host = address.split("/")[2]
         remote = f"vscode-remote://{host}{EXTENSION}"
-        payload = [
-            ["extensionDevelopmentPath", remote],
-            ["extensionTestsPath", f"{remote}/build/vscode/suite.js"],
-        ]
+        payload = [["extensionDevelopmentPath", remote], ["extensionTestsPath", f"{remote}/build/vscode/suite.js"]]
         said: list[str] = []
         page = browser.new_page()
         page.on("console", lambda message: said.append(message.text))

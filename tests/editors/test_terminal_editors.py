@@ -49,12 +49,7 @@ def _found(editor: str, folder: Path) -> Any:
     """What a program in the editor writes down."""
     out = folder / "found.json"
     command = json.dumps([sys.executable, "-P", "-m", "mjcompose", "lsp"])
-    environment = {
-        "COMMAND": command,
-        "FOUND": str(out),
-        "RECIPE": str(folder / "demo.yaml"),
-        "HOME": str(folder),
-    }
+    environment = {"COMMAND": command, "FOUND": str(out), "RECIPE": str(folder / "demo.yaml"), "HOME": str(folder)}
     ran = subprocess.run(
         [editor, *FLAGS[editor]],
         cwd=folder,

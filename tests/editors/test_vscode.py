@@ -27,9 +27,7 @@ def extension(tmp_path_factory: pytest.TempPathFactory) -> Path:
     shutil.copy(ROOT / "LICENSE", root)
     shutil.copytree(ROOT / "recipes", root / "recipes")
     folder = root / "editors" / "vscode"
-    shutil.copytree(
-        EXTENSION, folder, ignore=shutil.ignore_patterns("node_modules", "build", "dist", "*.vsix")
-    )
+    shutil.copytree(EXTENSION, folder, ignore=shutil.ignore_patterns("node_modules", "build", "dist", "*.vsix"))
     if (EXTENSION / "node_modules").is_dir():
         (folder / "node_modules").symlink_to(EXTENSION / "node_modules")
     elif (ran := _run(INSTALL, folder)).returncode:

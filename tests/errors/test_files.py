@@ -47,10 +47,7 @@ def place_of(fault: Diagnostic) -> tuple[str, int, int] | None:
 
 
 def test_all_is_well_without_a_fault(folder: Path) -> None:
-    assert (
-        build(Request(folder / "recipe.yaml", verified=False), Context(environment={}, folder=folder))
-        is not None
-    )
+    assert build(Request(folder / "recipe.yaml", verified=False), Context(environment={}, folder=folder)) is not None
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="links need a privilege there")
@@ -104,10 +101,7 @@ def test_a_recipe_that_nobody_writes(folder: Path) -> None:
     (folder / "recipe.yaml").unlink()
     os.mkfifo(folder / "recipe.yaml")
     fault = told(folder)
-    assert (fault.code, fault.message.partition(",")[0]) == (
-        "file-unreadable",
-        "`recipe.yaml` is a named pipe",
-    )
+    assert (fault.code, fault.message.partition(",")[0]) == ("file-unreadable", "`recipe.yaml` is a named pipe")
 
 
 @pytest.mark.skipif(not Path("/dev/fd").exists(), reason="needs the shell's way to name a pipe")

@@ -72,9 +72,7 @@ def _members(recipe: Path, prefix: str, place: Place, keys: tuple[str, ...] | No
         apart = (inner,) if part.get("keys") == "prefix" else ()
         kept = None if keys is None or _drops_keys(part) else apart + keys
         where = _place(recipe, given, part, prefix, prefix + inner, place)
-        added = frozenset(
-            prefix + inner + each["name"] for each in part.get("joint", ()) if isinstance(each, dict)
-        )
+        added = frozenset(prefix + inner + each["name"] for each in part.get("joint", ()) if isinstance(each, dict))
         for member in _source(recipe.parent / part["model"], prefix + inner, where, kept):
             yield Member(member.prefix, member.file, member.place, member.keys, member.added | added)
 

@@ -20,8 +20,6 @@ NOT_YET: dict[str, str] = {}
 """What has to be refused with a diagnostic until it works."""
 
 OTHERWISE = {
-    "22-sensors-every-reference": (
-        "sensor/c_fl/ref",
-    ),  # the world of a part that hangs on a body is that body
+    "22-sensors-every-reference": ("sensor/c_fl/ref",)  # the world of a part that hangs on a body is that body
 }
 """Facts of feature cases that mjcompose has decided otherwise than the corpus, by path."""

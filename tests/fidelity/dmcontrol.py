@@ -29,8 +29,7 @@ def version() -> str | None:
 def renamed(composition: Composition) -> Composition:
     """The same with the prefixes that dm_control can give: always a name and `/`."""
     attachments = tuple(
-        replace(each, prefix=_name(each.prefix, number) + "/")
-        for number, each in enumerate(composition.attachments)
+        replace(each, prefix=_name(each.prefix, number) + "/") for number, each in enumerate(composition.attachments)
     )
     return replace(composition, attachments=attachments)
 

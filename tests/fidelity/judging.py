@@ -61,9 +61,7 @@ class Verdict:
     def fine(self) -> bool:
         if self.error:
             return False
-        return (
-            not self.built and bool(self.diagnostics) if self.refused else self.unchanged and self.like_rival
-        )
+        return not self.built and bool(self.diagnostics) if self.refused else self.unchanged and self.like_rival
 
     @property
     def first_differences(self) -> list[str]:
@@ -73,12 +71,7 @@ class Verdict:
         if self.built and self.refused:
             found.append(f"was built, and should not: {self.refused}")
         found += [f"{prefix or 'base'}: {told}" for prefix, parts in self.parts.items() for told in parts[:2]]
-        return (
-            found
-            + self.counts[:2]
-            + self.facts[:2]
-            + [f"MjSpec: {told}" for told in self.rival_differences[:2]]
-        )
+        return found + self.counts[:2] + self.facts[:2] + [f"MjSpec: {told}" for told in self.rival_differences[:2]]
 
 
 def by_recipe(composition: Composition, out: Path) -> Build:
@@ -136,9 +129,7 @@ def _compare(composition: Composition, composed: mujoco.MjModel, verdict: Verdic
     excused = {(found.kind, found.name, found.array) for told in wrong.values() for found in told}
     verdict.rival = f"changes the parts in {len(excused)} places" if excused else "right"
     unlike = compare(rival, composed, keys=Keys.PREFIX, tolerance=ROUNDING, ignore=_MOVED_IN_KEYS)
-    verdict.rival_differences = [
-        str(found) for found in unlike if (found.kind, found.name, found.array) not in excused
-    ]
+    verdict.rival_differences = [str(found) for found in unlike if (found.kind, found.name, found.array) not in excused]
 
 
 def _of_dm_control(composition: Composition, alone: dict[Path, mujoco.MjModel]) -> str:
@@ -161,9 +152,7 @@ _COUNTED = (
 ).split()
 
 
-def _counts(
-    composition: Composition, alone: dict[Path, mujoco.MjModel], composed: mujoco.MjModel
-) -> list[str]:
+def _counts(composition: Composition, alone: dict[Path, mujoco.MjModel], composed: mujoco.MjModel) -> list[str]:
     found: list[str] = []
     at_least = composition.expected.get("at_least", {})
     for name in _COUNTED:

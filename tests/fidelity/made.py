@@ -56,9 +56,7 @@ def equalities(folder: Path) -> Iterator[Composition]:
     base = _written(folder / "cart.xml", CART)
     forms = enumerate(itertools.product(EQUALITIES, PLACES.items()))
     for number, (equality, (called, place)) in forms:
-        joint = JOINTS[
-            0 if called in ("in the world", "turned") else 1
-        ]  # a free joint is only allowed in the world
+        joint = JOINTS[0 if called in ("in the world", "turned") else 1]  # a free joint is only allowed in the world
         text = HELD.format(gravity="0 0 -9.81", joint=joint, equality=equality)
         part = _written(folder / f"held{number}.xml", text)
         yield Composition(f"{equality} {called}", base, (Attachment(part, "p/", **place),))
@@ -104,25 +102,14 @@ def keyed(folder: Path) -> Iterator[Composition]:
             .replace("{extension}", PID if "plugin" in acting else "").replace("{x}", str(at))
         )  # fmt: skip
         models.append((f"{block}, {acting}", _written(folder / f"keyed{at}.xml", text)))
-    places = (
-        {"body": "stand", "pos": POS, "quat": QUAT},
-        {"site": "top"},
-        {"pos": POS, "quat": QUAT},
-        {"body": "arm"},
-    )
+    places = ({"body": "stand", "pos": POS, "quat": QUAT}, {"site": "top"}, {"pos": POS, "quat": QUAT}, {"body": "arm"})
     for at, (name, base) in enumerate(models):
         for step in (1, 6):
             other, part = models[(at + step) % len(models)]
             place = places[(at + step) % len(places)]
             # MuJoCo 4.0 looks in the world for the bodies in which a rod is twisted; attach takes them along.
-            torn = (
-                "attach drops the torsion of a rod"
-                if "rod" in other and place.keys() & {"site", "body"}
-                else ""
-            )
-            yield Composition(
-                f"{other} at {place} of {name}", base, (Attachment(part, "p/", **place),), unlike=torn
-            )
+            torn = "attach drops the torsion of a rod" if "rod" in other and place.keys() & {"site", "body"} else ""
+            yield Composition(f"{other} at {place} of {name}", base, (Attachment(part, "p/", **place),), unlike=torn)
 
 
 def with_key(text: str) -> str:
@@ -186,9 +173,7 @@ def _moving() -> Iterator[Made]:
     # Gravity is the world's: alone it points where it points for the part.
     for number, (equality, place) in enumerate(itertools.product(EQUALITIES, ("", "body: stand, "))):
         files = {
-            "p.xml": HELD.format(
-                gravity="0 0 0", joint=JOINTS[1 if place else number // 2 % 2], equality=equality
-            ),
+            "p.xml": HELD.format(gravity="0 0 0", joint=JOINTS[1 if place else number // 2 % 2], equality=equality),
             "stand.xml": stand,
         }
         recipe = (
@@ -230,9 +215,7 @@ def _moves_alike(model: mujoco.MjModel, made: Made, folder: Path) -> list[str]:
     for name in ("crate", "lid"):
         expected = origin + turned.reshape(3, 3) @ mine.xpos[alone.body(name).id]
         at = theirs.xpos[model.body(f"p/{name}").id]
-        found += [f"`{name}` is at {at}, should be at {expected}"] * (
-            not np.allclose(at, expected, atol=1e-6)
-        )
+        found += [f"`{name}` is at {at}, should be at {expected}"] * (not np.allclose(at, expected, atol=1e-6))
     forces = [float(np.linalg.norm(data.efc_force)) for data in (mine, theirs)]
     found += [f"the forces are {forces[1]}, alone {forces[0]}"] * (
         not math.isclose(*forces, rel_tol=1e-4, abs_tol=1e-5)
@@ -301,10 +284,7 @@ def _named(model: Path | mujoco.MjModel) -> dict[tuple[str, str], list[float]]:
         body = model.jnt_bodyid[at]
         name = model.joint(at).name or f"{model.body(body).name}"
         kind = int(model.jnt_type[at])
-        for vector, adr, width in (
-            ("qpos", model.jnt_qposadr, (7, 4, 1, 1)),
-            ("qvel", model.jnt_dofadr, (6, 3, 1, 1)),
-        ):
+        for vector, adr, width in (("qpos", model.jnt_qposadr, (7, 4, 1, 1)), ("qvel", model.jnt_dofadr, (6, 3, 1, 1))):
             row = getattr(model, f"key_{vector}")[0][adr[at] : adr[at] + width[kind]].tolist()
             found.setdefault((vector, name), []).extend(row)
     for at in range(model.nu):

@@ -82,8 +82,7 @@ def _is_fragment(path: Path) -> bool:
     mjcompose refuses that.
     """
     return (
-        next(etree.parse(path, etree.XMLParser(recover=True)).getroot().iterchildren("body", "frame"), None)
-        is not None
+        next(etree.parse(path, etree.XMLParser(recover=True)).getroot().iterchildren("body", "frame"), None) is not None
     )
 
 

@@ -65,27 +65,19 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--pairs", action="store_true", help="the corpus's pairs")
     parser.add_argument("--cases", action="store_true", help="the corpus's feature cases")
     parser.add_argument("--robots", type=int, default=0, metavar="N", help="all ordered pairs of N robots")
     parser.add_argument(
-        "--settings",
-        type=int,
-        default=0,
-        metavar="N",
-        help="every compiler setting on N models, in both places",
+        "--settings", type=int, default=0, metavar="N", help="every compiler setting on N models, in both places"
     )
     parser.add_argument("--made", action="store_true", help="small models made here")
     parser.add_argument("--roundtrip", action="store_true", help="parse, write and compile every model")
     parser.add_argument("--only", metavar="TEXT", default="", help="only what has this in its name")
     parser.add_argument("--sample", type=int, default=1, metavar="N", help="every Nth of each set")
     parser.add_argument("--workers", type=int, default=_cores(), metavar="N", help="processes at a time")
-    parser.add_argument(
-        "--write", metavar="FILE", nargs="?", const=str(PAGE), help="put the table into a page"
-    )
+    parser.add_argument("--write", metavar="FILE", nargs="?", const=str(PAGE), help="put the table into a page")
     parser.add_argument("--markdown", metavar="FILE", help="write what came of each one there")
     return parser
 
@@ -138,9 +130,7 @@ def _files(options: argparse.Namespace, corpus: Path | None) -> Iterator[tuple[s
         yield f"parse → write → compile: {title}", root, chosen
 
 
-def _judge_all(
-    title: str, compositions: Sequence[Composition | Made], options: argparse.Namespace
-) -> list[Verdict]:
+def _judge_all(title: str, compositions: Sequence[Composition | Made], options: argparse.Namespace) -> list[Verdict]:
     def failed(composition: Composition | Made, error: str) -> Verdict:
         return Verdict(composition.id, composition.refused, error=error)
 

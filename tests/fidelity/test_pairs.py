@@ -17,10 +17,7 @@ from sampling import rest_slow
 
 QUICK = ("dev-iiwa+allegroL", "dev-chain-scene+ur5e+2f85", "dev-scene+motorfinger", "dev-floating-on-moving")
 SAMPLE = (*QUICK, "dev-ur5e+2f85", "dev-panda-hand+d435i", "dev-g1+allegro2", "dev-scene+cassie")
-QUICK_ROBOTS = (
-    "universal_robots_ur5e/ur5e + robotiq_2f85/2f85",
-    "wonik_allegro/left_hand + ufactory_xarm7/hand",
-)
+QUICK_ROBOTS = ("universal_robots_ur5e/ur5e + robotiq_2f85/2f85", "wonik_allegro/left_hand + ufactory_xarm7/hand")
 FOLDER = os.environ.get("MJCOMPOSE_CORPUS")
 PAIRS = [pair for pair in corpora.pairs(Path(FOLDER)) if pair.id in SAMPLE] if FOLDER else []
 CASES = corpora.cases(Path(FOLDER)) if FOLDER else []

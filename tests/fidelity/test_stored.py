@@ -25,9 +25,7 @@ def test_only_what_is_given_is_there() -> None:
 
 
 def test_a_content_always_has_the_same_time_and_no_other_has_it() -> None:
-    times = [
-        int((stored.folder("test", {"a.obj": _cube(size)}) / "a.obj").stat().st_mtime) for size in (1, 2, 1)
-    ]
+    times = [int((stored.folder("test", {"a.obj": _cube(size)}) / "a.obj").stat().st_mtime) for size in (1, 2, 1)]
     assert times[0] == times[2] != times[1]
 
 

@@ -41,10 +41,7 @@ def fetched(name: str, cache: Path) -> Path:
 
 def _install(requirement: str, folder: Path) -> None:
     done = subprocess.run(
-        [*_installer(), "--no-deps", "--target", str(folder), requirement],
-        capture_output=True,
-        text=True,
-        check=False,
+        [*_installer(), "--no-deps", "--target", str(folder), requirement], capture_output=True, text=True, check=False
     )
     if done.returncode:
         lines = [line for line in done.stderr.splitlines() if line.strip()] or ["no reason given"]
@@ -58,15 +55,4 @@ def _installer() -> Sequence[str]:
     # An environment that uv has made has no pip.
     if uv := shutil.which("uv"):
         return (uv, "pip", "install", "--quiet", "--python", sys.executable)
-    return (
-        sys.executable,
-        "-m",
-        "pip",
-        "install",
-        "--quiet",
-        "--no-compile",
-        "--retries",
-        "1",
-        "--timeout",
-        "15",
-    )
+    return (sys.executable, "-m", "pip", "install", "--quiet", "--no-compile", "--retries", "1", "--timeout", "15")

@@ -135,11 +135,7 @@ def _stand_in(folder: Path) -> None:
         return made
 
     macros = module("robosuite.macros", USING_INSTANCE_RANDOMIZATION=False)
-    models = module(
-        "robosuite.models",
-        __path__=[str(top / "models")],
-        assets_root=str(top / "models" / "assets"),
-    )
+    models = module("robosuite.models", __path__=[str(top / "models")], assets_root=str(top / "models" / "assets"))
     module("robosuite", __path__=[str(top)], macros=macros, models=models)
     module("robosuite.utils.numba", jit_decorator=lambda function: function)
     module("robosuite.models.grippers.gripper_tester", GripperTester=None)

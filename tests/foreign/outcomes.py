@@ -43,15 +43,7 @@ def run_tests(folder: Path, paths: list[Path]) -> list[Outcome]:
     (folder / "pytest.ini").write_text(_INI, encoding="utf-8")
     report = folder / "report.xml"
     search = os.pathsep.join([*map(str, paths), os.environ.get("PYTHONPATH", "")])
-    options = (
-        "-q",
-        "-p",
-        "no:cacheprovider",
-        "-p",
-        "no:xdist",
-        "--import-mode=importlib",
-        f"--junitxml={report}",
-    )
+    options = ("-q", "-p", "no:cacheprovider", "-p", "no:xdist", "--import-mode=importlib", f"--junitxml={report}")
     done = subprocess.run(
         [sys.executable, "-m", "pytest", *options, "."],
         cwd=folder,

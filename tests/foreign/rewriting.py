@@ -40,9 +40,7 @@ def _rename(*, after: str, text: str = "", pattern: str = "", page: str = "", wh
     if bool(text) == bool(pattern) or not (page or why):
         raise ValueError(f"a rename has a text or a pattern, and a page or a reason: {text or pattern}")
     before = pattern or _as_it_stands(text)
-    return Rename(
-        re.compile(before, re.MULTILINE), after if pattern else after.replace("\\", r"\\"), page, why
-    )
+    return Rename(re.compile(before, re.MULTILINE), after if pattern else after.replace("\\", r"\\"), page, why)
 
 
 def _as_it_stands(text: str) -> str:

@@ -85,15 +85,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument(
-        "--cache",
-        type=Path,
-        default=ROOT / "build" / "foreign",
-        metavar="FOLDER",
-        help="where packages are kept",
+        "--cache", type=Path, default=ROOT / "build" / "foreign", metavar="FOLDER", help="where packages are kept"
     )
     parser.add_argument(
         "--sample",
@@ -123,10 +117,7 @@ def _tests(options: argparse.Namespace) -> Iterator[tuple[str, list[str]]]:
     told += [f"no test needs the replacement of `{rename.before.pattern}`" for rename in idle]
     passed = sum(outcome.passed for outcome in found)
     meant = sum(not outcome.passed for outcome in found)
-    yield (
-        f"{title}: {len(found)} run, {passed} pass, {meant} fail for {len(groups)} intended differences",
-        told,
-    )
+    yield (f"{title}: {len(found)} run, {passed} pass, {meant} fail for {len(groups)} intended differences", told)
 
 
 def _models(options: argparse.Namespace) -> Iterator[tuple[str, list[str]]]:
@@ -143,9 +134,7 @@ def _models(options: argparse.Namespace) -> Iterator[tuple[str, list[str]]]:
         verdicts = _judged(strings.judge, chosen if name in SUITES - {"mujoco-warp"} else sources)
         loaded, same = _counted(verdicts)
         told = strings.surprises(verdicts, _of(name, strings.intended(), verdicts, sources))
-        row = (
-            f"{name} {_pinned(name)}: {len(verdicts)} models, {loaded} load, {same} stay the same to the bit"
-        )
+        row = f"{name} {_pinned(name)}: {len(verdicts)} models, {loaded} load, {same} stay the same to the bit"
         if name in SUITES:
             verdicts = _judged(turned.judge, chosen)
             loaded, same = _counted(verdicts)
@@ -164,16 +153,10 @@ def _compositions(options: argparse.Namespace) -> Iterator[tuple[str, list[str]]
         return
     robots = _spread(merging.ROBOTS, options.sample)
     running = isolated.each(
-        merging.judge,
-        [merging.Merging(robot, folder) for robot in robots],
-        failed=merging.failed,
-        workers=_cores(),
+        merging.judge, [merging.Merging(robot, folder) for robot in robots], failed=merging.failed, workers=_cores()
     )
     verdicts = sorted(running, key=lambda each: each.id)
-    yield (
-        f"{title}: {len(verdicts)} robots, {_counted(verdicts)[1]} equal by name",
-        strings.surprises(verdicts, {}),
-    )
+    yield (f"{title}: {len(verdicts)} robots, {_counted(verdicts)[1]} equal by name", strings.surprises(verdicts, {}))
 
 
 def _judged(judge: Callable[[Source], Verdict], sources: Sequence[Source]) -> list[Verdict]:

@@ -103,9 +103,7 @@ def intended(kind: str = "group", path: Path = LIST) -> Mapping[str, str]:
 
 def surprises(verdicts: list[Verdict], expected: Mapping[str, str]) -> list[str]:
     """Every text that does not do what the list says, and every line of the list that is of no text."""
-    told = [
-        f"{each.id}: {each.said}" for each in verdicts if each.loads and each.said and each.id not in expected
-    ]
+    told = [f"{each.id}: {each.said}" for each in verdicts if each.loads and each.said and each.id not in expected]
     for verdict in verdicts:
         if verdict.id in expected and not (verdict.loads and verdict.said):
             told.append(f"{verdict.id} compiles to the same model, and is listed as an intended difference")

@@ -20,9 +20,7 @@ def test_what_is_there_is_not_fetched_again(tmp_path: Path, monkeypatch: pytest.
 
 
 def test_what_cannot_be_had_leaves_nothing_behind(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(
-        fetching, "_installer", lambda: ("sh", "-c", "echo ERROR: no network >&2; exit 1", "sh")
-    )
+    monkeypatch.setattr(fetching, "_installer", lambda: ("sh", "-c", "echo ERROR: no network >&2; exit 1", "sh"))
     with pytest.raises(fetching.Unavailable, match=r"brax==[\d.]+ cannot be fetched: ERROR: no network"):
         fetching.fetched("brax", tmp_path)
     assert list(tmp_path.iterdir()) == []
@@ -32,9 +30,7 @@ def test_what_cannot_be_had_leaves_nothing_behind(tmp_path: Path, monkeypatch: p
 def test_without_packages_a_run_says_why_and_is_no_failure(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(
-        fetching, "_installer", lambda: ("sh", "-c", "echo ERROR: no network >&2; exit 1", "sh")
-    )
+    monkeypatch.setattr(fetching, "_installer", lambda: ("sh", "-c", "echo ERROR: no network >&2; exit 1", "sh"))
     monkeypatch.setattr("foreign.strings.found_in", lambda package, name: [])
     assert main(["--cache", str(tmp_path)]) == 0
     told = capsys.readouterr().out

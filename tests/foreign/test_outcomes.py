@@ -38,12 +38,7 @@ def test_a_run_that_comes_to_no_end_is_an_error(tmp_path: Path) -> None:
 
 
 def test_only_what_is_not_listed_is_a_surprise() -> None:
-    found = [
-        Outcome("good", True),
-        Outcome("meant", False, "so"),
-        Outcome("bad", False, "no"),
-        Outcome("mended", True),
-    ]
+    found = [Outcome("good", True), Outcome("meant", False, "so"), Outcome("bad", False, "no"), Outcome("mended", True)]
     assert surprises(found, [Group("reason", "page", ("meant", "mended", "gone"))]) == [
         "bad fails: no",
         "mended passes, and is listed as an intended difference",
@@ -59,7 +54,4 @@ def test_no_test_is_listed_twice() -> None:
 def test_the_page_says_how_many_fail() -> None:
     page = (Path(__file__).resolve().parents[2] / "docs" / "dm_control.md").read_text(encoding="utf-8")
     number = sum(len(group.tests) for group in intended())
-    assert (
-        f"of 124 tests {124 - number} pass, and {number} fail because something is meant to be different"
-        in page
-    )
+    assert f"of 124 tests {124 - number} pass, and {number} fail because something is meant to be different" in page

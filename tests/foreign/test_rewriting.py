@@ -5,9 +5,7 @@ from pathlib import Path
 import pytest
 from foreign import outcomes, rewriting
 
-PAGE = " ".join(
-    (Path(__file__).resolve().parents[2] / "docs" / "dm_control.md").read_text(encoding="utf-8").split()
-)
+PAGE = " ".join((Path(__file__).resolve().parents[2] / "docs" / "dm_control.md").read_text(encoding="utf-8").split())
 
 
 def table(folder: Path, text: str) -> list[rewriting.Rename]:
@@ -25,9 +23,7 @@ def test_a_text_is_replaced_where_it_stands_as_whole_words(tmp_path: Path) -> No
 
 
 def test_a_pattern_is_replaced_with_its_groups(tmp_path: Path) -> None:
-    found = table(
-        tmp_path, "[[rename]]\npattern = '^import (\\w+)$'\nafter = 'from x import \\1'\nwhy = 'why'\n"
-    )
+    found = table(tmp_path, "[[rename]]\npattern = '^import (\\w+)$'\nafter = 'from x import \\1'\nwhy = 'why'\n")
     assert rewriting.rewrite({"one": "import a\n import b\nimport c"}, found)[0] == {
         "one": "from x import a\n import b\nfrom x import c"
     }
@@ -47,8 +43,7 @@ def test_a_rename_says_what_and_why(row: str, tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     "quoted",
     sorted(
-        {rename.page for rename in rewriting.renames() if rename.page}
-        | {group.page for group in outcomes.intended()}
+        {rename.page for rename in rewriting.renames() if rename.page} | {group.page for group in outcomes.intended()}
     ),
 )
 def test_what_the_lists_quote_stands_on_the_page(quoted: str) -> None:

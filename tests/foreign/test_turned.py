@@ -86,12 +86,8 @@ def test_what_is_merged_is_compared_by_name(
     (tmp_path / "robot.xml").write_bytes(ElementTree.tostring(robot.root))
     merging._write(_part(GRIPPER), robot, tmp_path / "gripper.xml")
     recipe = tmp_path / "recipe.yaml"
-    recipe.write_text(
-        "recipe: 1\nbase: ./robot.xml\nattach: {g: {model: ./gripper.xml, body: hand, prefix: ''}}\n"
-    )
+    recipe.write_text("recipe: 1\nbase: ./robot.xml\nattach: {g: {model: ./gripper.xml, body: hand, prefix: ''}}\n")
     model = mujoco.MjModel.from_xml_string(ROBOT % merged)
     monkeypatch.setattr(merging, "_merged", lambda *given: (model, recipe))
     verdict = merging.judge(merging.Merging("Arm", tmp_path))
-    assert (
-        verdict.id == "robosuite/Arm" and verdict.said.startswith(said) and bool(said) == bool(verdict.said)
-    )
+    assert verdict.id == "robosuite/Arm" and verdict.said.startswith(said) and bool(said) == bool(verdict.said)

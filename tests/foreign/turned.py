@@ -16,10 +16,7 @@ from mjcompose.mujoco.match import Mount
 from mjcompose.mujoco.unchanged import compare
 
 # Angles and places of no symmetry, and both with all digits.
-PLACES = {
-    "one/": ((3.1, -2.3, 1.7), (0.8, 0.2, -0.5, 0.25)),
-    "two/": ((-4.3, 1.9, 0.6), (0.1, -0.7, 0.3, 0.6)),
-}
+PLACES = {"one/": ((3.1, -2.3, 1.7), (0.8, 0.2, -0.5, 0.25)), "two/": ((-4.3, 1.9, 0.6), (0.1, -0.7, 0.3, 0.6))}
 _SHOWN = 3
 
 
@@ -46,12 +43,7 @@ def judge(source: Source) -> Verdict:
 
 def _recipe(model: Path, folder: Path) -> Path:
     parts = {
-        prefix.rstrip("/"): {
-            "model": os.fspath(model),
-            "pos": list(pos),
-            "quat": list(quat),
-            "keys": "prefix",
-        }
+        prefix.rstrip("/"): {"model": os.fspath(model), "pos": list(pos), "quat": list(quat), "keys": "prefix"}
         for prefix, (pos, quat) in PLACES.items()
     }
     path = folder / "recipe.yaml"

@@ -87,9 +87,7 @@ def tree_changed(tree: Any, random: Random, others: Sequence[Any] = ()) -> Any:
             there, name = random.choice(branches or places)
             holder[key] = json.loads(json.dumps(there[name], default=str))
         elif kind == 4 and isinstance(holder[key], str) and holder[key]:
-            holder[key] = flipped(holder[key].encode("utf-8", "surrogatepass"), random).decode(
-                "utf-8", "replace"
-            )
+            holder[key] = flipped(holder[key].encode("utf-8", "surrogatepass"), random).decode("utf-8", "replace")
         else:
             holder[key] = _odd(random)
     return tree
@@ -103,9 +101,7 @@ def yaml_changed(data: bytes, random: Random, pool: Sequence[bytes]) -> bytes:
         tree = yaml.safe_load(data)
         other = yaml.safe_load(random.choice(pool)) if pool else tree
         changed = tree_changed(tree, random, [other])
-        text = yaml.dump(
-            changed, sort_keys=False, allow_unicode=True, default_flow_style=random.random() < 0.3
-        )
+        text = yaml.dump(changed, sort_keys=False, allow_unicode=True, default_flow_style=random.random() < 0.3)
     except (yaml.YAMLError, UnicodeError, ValueError, RecursionError):
         return flipped(data, random)
     return text.encode("utf-8", "surrogatepass")
@@ -193,8 +189,8 @@ def zip_changed(data: bytes, random: Random, pool: Sequence[bytes]) -> bytes:
         if kind == 0:
             files.pop(name, None)
         elif kind == 1:
-            files[random.choice(("", "/a", "../x", "a//b", "C:\\x", "model.xml/", "é", "\0", "x" * 300))] = (
-                files.get(name, b"")
+            files[random.choice(("", "/a", "../x", "a//b", "C:\\x", "model.xml/", "é", "\0", "x" * 300))] = files.get(
+                name, b""
             )
         elif name.endswith(".json"):
             files[name] = json_changed(files.get(name, b"{}"), random, ())

@@ -32,9 +32,7 @@ def test_nothing_is_wrong_with_it(case: Path, tools: Tools) -> None:
 
 
 @pytest.mark.parametrize("name", TARGETS)
-def test_a_seed_is_well_and_what_breaks_is_seen(
-    name: str, tools: Tools, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_seed_is_well_and_what_breaks_is_seen(name: str, tools: Tools, monkeypatch: pytest.MonkeyPatch) -> None:
     target = TARGETS[name]
     seed = next(target.seeds(None))
     assert wrong_with(target, seed.data, seed.beside, tools) is None

@@ -50,8 +50,7 @@ def expected() -> dict[str, str]:
 
 
 @pytest.mark.skipif(
-    (mujoco.__version__, sys.platform, platform.machine()) != WRITTEN_WITH,
-    reason=f"written with {WRITTEN_WITH}",
+    (mujoco.__version__, sys.platform, platform.machine()) != WRITTEN_WITH, reason=f"written with {WRITTEN_WITH}"
 )
 @pytest.mark.parametrize("case", [
     pytest.param(each, marks=pytest.mark.slow if "menagerie" in each else ()) for each in CASES

@@ -54,9 +54,7 @@ def test_model(case: str, tmp_path: Path, session: Session) -> None:
     context = Context(environment={}, folder=HERE / case)
     built = build(Request(HERE / case / "recipe.yaml", verified=False), context)
     assert built is not None, [each.message for each in context.sink.diagnostics]
-    assert {each.severity for each in context.sink.diagnostics} == (
-        {Severity.WARNING} if case in TOLD else set()
-    )
+    assert {each.severity for each in context.sink.diagnostics} == ({Severity.WARNING} if case in TOLD else set())
     text = built.bundle.files["model.xml"].decode()
     file = HERE / case / "model.xml"
     if os.environ.get("UPDATE_EXPECTED"):

@@ -103,9 +103,7 @@ def _go_on(project: Project, outputs: list[Output], edition: str, whole: dict[st
         assert code == 0, said
         written = project.written(output)
         for path, found in whole[output.name].digests[edition].items():
-            assert path.endswith("/assets") or written.get(path) == found, (
-                f"{path} is not what it is undisturbed"
-            )
+            assert path.endswith("/assets") or written.get(path) == found, f"{path} is not what it is undisturbed"
     code, said = project.run(("cache", "verify"))
     assert code == 0, said
     code, said = project.run(("cache", "prune"))
@@ -114,9 +112,7 @@ def _go_on(project: Project, outputs: list[Output], edition: str, whole: dict[st
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--kills", type=int, default=1000)
     parser.add_argument("--seed", type=int, default=0)
     options = parser.parse_args()

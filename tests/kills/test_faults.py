@@ -103,9 +103,7 @@ def test_many_models_end_with_the_first_that_finds_no_room(
         "  fields: {mass: {select: {body: '*'}, attr: mass, scale: {uniform: [0.9, 1.1]}}}\n"
     )
     disk = small_disk("")
-    code, said = project.run(
-        ("build", str(folder / "many.yaml"), "--all", *words, "-o", str(disk / "{name}.zip"))
-    )
+    code, said = project.run(("build", str(folder / "many.yaml"), "--all", *words, "-o", str(disk / "{name}.zip")))
     assert code == 1 and said.count("error[output-full]") == 1 and "are written and whole" in said, said
     models = list(disk.glob("*.zip"))
     assert models and all(zipfile.is_zipfile(each) for each in models)

@@ -16,19 +16,11 @@ def test_order_and_defaults(recipe: Callable[[str], Recipe]) -> None:
     read = recipe("attach: {b: {model: ./b.xml}, a: {model: ./a.xml}}")
     assert list(read.attach) == ["b", "a"]
     part = read.attach["b"]
-    assert (part.model, part.site, part.joint, part.prefix, part.key_policy) == (
-        "./b.xml",
-        None,
-        None,
-        None,
-        "merge",
-    )
+    assert (part.model, part.site, part.joint, part.prefix, part.key_policy) == ("./b.xml", None, None, None, "merge")
 
 
 def test_place_and_offset(recipe: Callable[[str], Recipe]) -> None:
-    text = (
-        "attach: {a: {model: m, frame: f, mate: tip, pos: [1, 2, 3.5], euler: [0, 90deg, 1rad], prefix: ''}}"
-    )
+    text = "attach: {a: {model: m, frame: f, mate: tip, pos: [1, 2, 3.5], euler: [0, 90deg, 1rad], prefix: ''}}"
     part = recipe(text).attach["a"]
     assert (part.frame, part.mate, part.prefix) == ("f", "tip", "")
     assert part.pos == (1, 2, 3.5)
@@ -47,14 +39,8 @@ def test_joint_word(recipe: Callable[[str], Recipe], word: str) -> None:
 
 
 def test_joint_without_a_name_is_one_element(recipe: Callable[[str], Recipe]) -> None:
-    joint = (
-        recipe("attach: {a: {model: m, joint: {type: slide, axis: [1, 0, 0], range: [0, 2]}}}")
-        .attach["a"]
-        .joint
-    )
-    assert joint == Element(
-        "joint", {"type": "slide", "axis": (1, 0, 0), "range": (0, 2)}, at=("attach", "a", "joint")
-    )
+    joint = recipe("attach: {a: {model: m, joint: {type: slide, axis: [1, 0, 0], range: [0, 2]}}}").attach["a"].joint
+    assert joint == Element("joint", {"type": "slide", "axis": (1, 0, 0), "range": (0, 2)}, at=("attach", "a", "joint"))
 
 
 def test_joints_with_names_are_a_tuple(recipe: Callable[[str], Recipe]) -> None:
@@ -110,9 +96,7 @@ def test_wrong_part(faults: Callable[[str], list[Diagnostic]], part: str, code: 
     assert [fault.code for fault in faults(f"attach: {{a: {part}}}")] == [code]
 
 
-def test_prefix_and_separator(
-    recipe: Callable[[str], Recipe], faults: Callable[[str], list[Diagnostic]]
-) -> None:
+def test_prefix_and_separator(recipe: Callable[[str], Recipe], faults: Callable[[str], list[Diagnostic]]) -> None:
     assert list(recipe("attach: {left_arm: {model: m}}").attach) == ["left_arm"]
     assert list(recipe("separator: _\nattach: {left_arm: {model: m}}").attach) == ["left_arm"]
     (fault,) = faults('separator: ":"\nattach: {"left:arm": {model: m}}')
@@ -126,10 +110,7 @@ MAX_COPIES = Limits().copies
 
 def test_read() -> None:
     attachment = Attachment.model_validate(
-        {
-            "model": "m",
-            "replicate": [{"count": 2, "offset": [1, 0, 0]}, {"count": 3, "euler": [0, "9deg", 0]}],
-        }
+        {"model": "m", "replicate": [{"count": 2, "offset": [1, 0, 0]}, {"count": 3, "euler": [0, "9deg", 0]}]}
     )
     axes = [(axis.count, axis.offset, axis.euler) for axis in attachment.replicate]
     assert axes == [(2, (1, 0, 0), (0, 0, 0)), (3, (0, 0, 0), (0, Angle(9.0, "deg"), 0))]

@@ -231,9 +231,7 @@ ODD: tuple[Any, ...] = (True, -1, 0, 1.5, "", "a", [], {}, [1, 2], ["a", "b"], {
 
 def good(section: str) -> list[Any]:
     """A section of the examples of the reference, which have each of its keys."""
-    texts = (
-        (ROOT / "docs" / "examples" / "keys" / f"{section}.yaml").read_text(encoding="utf-8").split("---\n")
-    )
+    texts = (ROOT / "docs" / "examples" / "keys" / f"{section}.yaml").read_text(encoding="utf-8").split("---\n")
     recipes = [to_python(load(text, "recipe.yaml", Sink())) for text in texts]  # type: ignore[arg-type]
     return [recipe[section] for recipe in recipes if section in recipe]
 

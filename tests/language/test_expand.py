@@ -61,9 +61,7 @@ def test_expressions_stand_in_lists_and_text_and_keep_their_place() -> None:
 
 
 def test_edits_keep_their_expressions() -> None:
-    text = (
-        "params: {n: 2}\nedit: [{set: {mass: '${value * n}'}}]\nattach: {a: {edit: [{rename: '${name}_x'}]}}"
-    )
+    text = "params: {n: 2}\nedit: [{set: {mass: '${value * n}'}}]\nattach: {a: {edit: [{rename: '${name}_x'}]}}"
     assert concrete(text) == {
         "edit": [{"set": {"mass": "${value * n}"}}],
         "attach": {"a": {"edit": [{"rename": "${name}_x"}]}},
@@ -90,11 +88,7 @@ called: "${tool}"
 
 
 def test_the_first_of_an_axis_is_its_default() -> None:
-    assert concrete(VARIANTS) == {
-        "sensor": {"s": {"type": "touch", "site": "b"}},
-        "mass": 1,
-        "called": "small",
-    }
+    assert concrete(VARIANTS) == {"sensor": {"s": {"type": "touch", "site": "b"}}, "mass": 1, "called": "small"}
 
 
 def test_a_variant_is_merged_over_the_recipe() -> None:
@@ -138,10 +132,7 @@ def test_what_belongs_to_some_builds_only() -> None:
         "attach: {x: {edit: [ITEM]}}",
         "add: [ITEM]",
         "edit: [ITEM]",
-        *(
-            f"{section}: {{x: ITEM}}"
-            for section in "sensor actuator equality tendon keyframe default check".split()
-        ),
+        *(f"{section}: {{x: ITEM}}" for section in "sensor actuator equality tendon keyframe default check".split()),
         *(f"asset: {{{tag}: {{x: ITEM}}}}" for tag in ("mesh", "material", "texture", "hfield", "model")),
         *(f"custom: {{{tag}: {{x: ITEM}}}}" for tag in ("numeric", "text", "tuple")),
         *(f"contact: {{{tag}: [ITEM]}}" for tag in ("exclude", "pair")),
@@ -213,11 +204,7 @@ def test_a_fault_stands_below_the_part_of_the_expression() -> None:
     sink = Sink()
     expand(tree("params: {n: 1}\na: [0, '${2 * (m + n)}']"), {}, sink)
     (fault,) = sink.errors
-    assert fault.span is not None and (fault.span.line, fault.span.column, fault.span.end_column) == (
-        2,
-        16,
-        17,
-    )
+    assert fault.span is not None and (fault.span.line, fault.span.column, fault.span.end_column) == (2, 16, 17)
 
 
 HEAD = "params: {load: 1}\nvariants: {tool: {a: {}, b: {}}, light: {on: {}, off: {}}}\n"
@@ -239,14 +226,8 @@ def made(matrix: str) -> tuple[list[str], list[str]]:
             "matrix: {axes: {tool: [a, b], load: [1, 2]}, exclude: [{tool: b, load: 2}]}",
             ["cell-a-1", "cell-a-2", "cell-b-1"],
         ),
-        (
-            "matrix: {axes: {tool: [a]}, include: [{tool: b, light: off}]}",
-            ["cell-a", "cell-b-off"],
-        ),
-        (
-            "matrix: {axes: {load: [0.5, 1]}, name: '${name}_${load * 2}_${light}'}",
-            ["cell_1.0_on", "cell_2_on"],
-        ),
+        ("matrix: {axes: {tool: [a]}, include: [{tool: b, light: off}]}", ["cell-a", "cell-b-off"]),
+        ("matrix: {axes: {load: [0.5, 1]}, name: '${name}_${load * 2}_${light}'}", ["cell_1.0_on", "cell_2_on"]),
         ("matrix: {axes: {load: [0.0]}, name: 'p${load}'}", ["p0.0"]),
     ],
 )
@@ -281,9 +262,7 @@ def test_faults(matrix: str, fault: str) -> None:
 
 def test_what_is_given_holds_in_every_cell() -> None:
     node = load(
-        "params: {n: {type: int}, m: 1}\nmatrix: {axes: {n: [2, 3]}, name: 'x${n}-${m}'}",
-        "r.yaml",
-        sink := Sink(),
+        "params: {n: {type: int}, m: 1}\nmatrix: {axes: {n: [2, 3]}, name: 'x${n}-${m}'}", "r.yaml", sink := Sink()
     )
     given = load("{m: 7}", "set.yaml", sink)
     assert isinstance(node, Mapping) and isinstance(given, Mapping)

@@ -26,11 +26,7 @@ def test_kept() -> None:
         ("<!DOCTYPE a []><geom/>", "xml-syntax", "a fragment has no `<!DOCTYPE>`"),
         ("<body>\n text</body>", "xml-syntax", "text stands in `body`"),
         ("<gem/>", "unknown-element", "`gem` cannot stand in `add`"),
-        (
-            "<body>\n<clock/>\n</body>",
-            "unknown-element",
-            "`clock` cannot stand in `body`",
-        ),
+        ("<body>\n<clock/>\n</body>", "unknown-element", "`clock` cannot stand in `body`"),
         ("<geom sizes='1'/>", "unknown-attribute", "`sizes` is not an attribute of `geom`"),
         ("<geom size='a'/>", "wrong-type", "`size` of `geom` expects 1 to 3 numbers, got `a`"),
         ("<geom type='cube'/>", "wrong-keyword", "`type` of `geom` expects"),

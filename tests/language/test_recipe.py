@@ -48,9 +48,7 @@ def test_children_keep_the_order_of_the_file(recipe: Callable[[str], Recipe]) ->
     ).add
     assert [child.tag for child in added.element.children] == ["geom", "geom", "inertial", "body"]
     assert added.element.children[1].at == ("add", 0, "body", "geom", 1)
-    assert added.element.children[3].children == (
-        Element("freejoint", at=("add", 0, "body", "body", 0, "freejoint")),
-    )
+    assert added.element.children[3].children == (Element("freejoint", at=("add", 0, "body", "body", 0, "freejoint")),)
 
 
 def test_fragment(recipe: Callable[[str], Recipe]) -> None:
@@ -78,10 +76,7 @@ def test_plugin_with_settings(recipe: Callable[[str], Recipe]) -> None:
         ("{to: hand, site: [{}, {}]}", "wrong-type"),
         ("{to: hand, site: tcp}", "wrong-type"),
         ("{to: hand, inertial: {}}", "missing-key"),
-        (
-            "{to: hand, body: {inertial: [{mass: 1, pos: [0, 0, 0]}, {mass: 1, pos: [0, 0, 0]}]}}",
-            "wrong-length",
-        ),
+        ("{to: hand, body: {inertial: [{mass: 1, pos: [0, 0, 0]}, {mass: 1, pos: [0, 0, 0]}]}}", "wrong-length"),
         ("hand", "wrong-type"),
     ],
 )
@@ -97,12 +92,7 @@ def test_a_check_knows_its_name_and_place(recipe: Callable[[str], Recipe]) -> No
     """).check
     whole, hand = checks_of(found)
     assert isinstance(whole, Unchanged) and isinstance(hand, Unchanged)
-    assert (whole.name, whole.at, whole.part, whole.excepted) == (
-        "whole",
-        ("check", "whole", "unchanged"),
-        None,
-        (),
-    )
+    assert (whole.name, whole.at, whole.part, whole.excepted) == ("whole", ("check", "whole", "unchanged"), None, ())
     assert (hand.name, hand.part, hand.excepted) == ("hand", "left/hand", ("gravcomp", "friction"))
 
 
@@ -122,9 +112,7 @@ def test_a_check_knows_its_name_and_place(recipe: Callable[[str], Recipe]) -> No
         ("{a: {unchanged: {except: [class]}}}", "unknown-attribute", "could be excepted"),
     ],
 )
-def test_one_fault_at_its_place(
-    faults: Callable[[str], list[Diagnostic]], text: str, code: str, told: str
-) -> None:
+def test_one_fault_at_its_place(faults: Callable[[str], list[Diagnostic]], text: str, code: str, told: str) -> None:
     (fault,) = faults(f"check: {text}")
     assert fault.code == code
     assert told in fault.message

@@ -108,9 +108,7 @@ def places(chapter: str, recipe: Any) -> list[Any]:
     return [recipe]
 
 
-@pytest.mark.parametrize(
-    ("chapter", "keys"), [*chapters()], ids=lambda each: each if isinstance(each, str) else ""
-)
+@pytest.mark.parametrize(("chapter", "keys"), [*chapters()], ids=lambda each: each if isinstance(each, str) else "")
 def test_every_key_has_an_example(chapter: str, keys: list[str]) -> None:
     shown = [place for text in examples(chapter) for place in places(chapter, yaml.safe_load(text))]
     if chapter == "top":
@@ -125,18 +123,14 @@ def steps(key: str) -> list[str]:
 
 
 @pytest.mark.skipif(mujoco.mj_versionString() < "4", reason="they are of MuJoCo 4")
-@pytest.mark.parametrize(
-    ("name", "number"), [(name, n) for name in NAMES for n in range(len(examples(name)))]
-)
+@pytest.mark.parametrize(("name", "number"), [(name, n) for name in NAMES for n in range(len(examples(name)))])
 def test_an_example_builds(name: str, number: int, tmp_path: Path) -> None:
     (tmp_path / "models").symlink_to(ROOT / "recipes" / "models")
     (tmp_path / "rail.yaml").write_text(RAIL, encoding="utf-8")
     (tmp_path / "box.urdf").write_text(BOX, encoding="utf-8")
     (tmp_path / "cloth.xml").write_text(CLOTH, encoding="utf-8")
     (tmp_path / "box_meshes").mkdir()
-    (tmp_path / "box_meshes" / "box.obj").write_bytes(
-        (ROOT / "recipes/models/arm6/assets/elbow.obj").read_bytes()
-    )
+    (tmp_path / "box_meshes" / "box.obj").write_bytes((ROOT / "recipes/models/arm6/assets/elbow.obj").read_bytes())
     (tmp_path / "example.yaml").write_text(examples(name)[number], encoding="utf-8")
     context = Context(folder=tmp_path)
     assert build(Request(tmp_path / "example.yaml"), context) is not None, context.sink.diagnostics

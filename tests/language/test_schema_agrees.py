@@ -81,9 +81,7 @@ class Mistakes:
             if dice < 0.4:
                 continue
             key = self.chance.choice(self.keys) if dice < 0.6 else name
-            found[key] = (
-                copy.deepcopy(self.chance.choice(self.values)) if 0.6 < dice < 0.8 else self.of(each, rate)
-            )
+            found[key] = copy.deepcopy(self.chance.choice(self.values)) if 0.6 < dice < 0.8 else self.of(each, rate)
         return found
 
 
@@ -133,9 +131,7 @@ def test_both_say_the_same(seed: int) -> None:
             assert validator.is_valid(value), value
             continue
         places = set(keys(node))
-        unknown = [
-            each for each in errors if each.code in _SEEN and each.span in places and not is_rare(each)
-        ]
+        unknown = [each for each in errors if each.code in _SEEN and each.span in places and not is_rare(each)]
         if unknown:
             wrong += 1
             assert not validator.is_valid(value), (unknown[0].message, value)

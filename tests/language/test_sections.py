@@ -64,9 +64,7 @@ def test_fragment_takes_the_name_of_its_key(recipe: Callable[[str], Recipe]) -> 
         ("tendon", "{name: '', type: fixed, path: [{joint: a, coef: 1}]}"),
     ],
 )
-def test_an_empty_name_leaves_an_element_without_one(
-    recipe: Callable[[str], Recipe], section: str, entry: str
-) -> None:
+def test_an_empty_name_leaves_an_element_without_one(recipe: Callable[[str], Recipe], section: str, entry: str) -> None:
     (element,) = getattr(recipe(f"{section}: {{label: {entry}}}"), section)
     assert "name" not in element.attributes and element.at == (section, "label")
 
@@ -142,10 +140,7 @@ def test_by_tag(recipe: Callable[[str], Recipe]) -> None:
           skin: {s: {file: ./s.skn}}
         """
     )
-    assert [(each.tag, each.attributes["name"]) for each in read.asset] == [
-        ("material", "m"),
-        ("texture", "a"),
-    ]
+    assert [(each.tag, each.attributes["name"]) for each in read.asset] == [("material", "m"), ("texture", "a")]
     assert [layer.attributes["texture"] for layer in read.asset[0].children] == ["a", "b"]
     assert read.asset[1].attributes["type"] == "2d"
     assert read.custom[0].children[0].attributes == {"objtype": "body", "objname": "b", "prm": 1}

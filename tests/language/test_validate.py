@@ -64,10 +64,7 @@ def test_the_smallest_piece_is_left_out() -> None:
         "recipe": 1,
         "base": "./arm.xml",
         "attach": {"left": {"model": "./hand.xml"}, "right": {"model": "./hand.xml", "site": "flange"}},
-        "add": [
-            {"to": "world", "body": {"name": "cup"}},
-            {"to": "world", "body": {"name": "plate", "pos": [0, 0, 1]}},
-        ],
+        "add": [{"to": "world", "body": {"name": "cup"}}, {"to": "world", "body": {"name": "plate", "pos": [0, 0, 1]}}],
         "sensor": {"force": {"type": "force", "site": "flange"}},
     }
     assert {"sight", "poss", "touch"} <= lost

@@ -46,16 +46,8 @@ CONFLICTS = [
     ('<option timestep="0.01"/>', "option.timestep", "option: {timestep: 0.01}"),
     ('<option cone="elliptic"/>', "option.cone", "option: {cone: elliptic}"),
     ('<option gravity="0 0 0"/>', "option.gravity", "option: {gravity: [0, 0, 0]}"),
-    (
-        '<option><flag contact="disable"/></option>',
-        "option.flag.contact",
-        "option: {flag: {contact: disable}}",
-    ),
-    (
-        '<visual><global offwidth="800"/></visual>',
-        "visual.global.offwidth",
-        "visual: {global: {offwidth: 800}}",
-    ),
+    ('<option><flag contact="disable"/></option>', "option.flag.contact", "option: {flag: {contact: disable}}"),
+    ('<visual><global offwidth="800"/></visual>', "visual.global.offwidth", "visual: {global: {offwidth: 800}}"),
     ('<visual><rgba haze="1 0 0 1"/></visual>', "visual.rgba.haze", "visual: {rgba: {haze: [1, 0, 0, 1]}}"),
     ('<statistic extent="3"/>', "statistic.extent", "statistic: {extent: 3}"),
     ('<statistic center="0 0 1"/>', "statistic.center", "statistic: {center: [0, 0, 1]}"),
@@ -109,12 +101,8 @@ def test_an_agreed_default_is_not_written_and_counts_in_the_recipe_around(worksh
 
 
 @pytest.mark.parametrize(("written", "path", "settling"), CONFLICTS)
-def test_what_a_part_asks_for_in_vain_is_reported(
-    workshop: Workshop, written: str, path: str, settling: str
-) -> None:
-    linked = workshop.link(
-        options(OTHERS[CONFLICTS.index((written, path, settling))]), f"<mujoco>\n{written}</mujoco>"
-    )
+def test_what_a_part_asks_for_in_vain_is_reported(workshop: Workshop, written: str, path: str, settling: str) -> None:
+    linked = workshop.link(options(OTHERS[CONFLICTS.index((written, path, settling))]), f"<mujoco>\n{written}</mujoco>")
     fault = linked.fault
     assert (fault.code, fault.span and fault.span.line) == ("option-conflict", 2)
     assert f"`{path}`" in fault.message
@@ -122,9 +110,7 @@ def test_what_a_part_asks_for_in_vain_is_reported(
 
 
 @pytest.mark.parametrize(("written", "path", "settling"), CONFLICTS)
-def test_what_the_recipe_settles_is_no_conflict(
-    workshop: Workshop, written: str, path: str, settling: str
-) -> None:
+def test_what_the_recipe_settles_is_no_conflict(workshop: Workshop, written: str, path: str, settling: str) -> None:
     settled = frozenset({path.replace(".", "/")})
     assert not workshop.link(BASE, options(written), overridden_options=settled).sink.diagnostics
 
@@ -414,12 +400,8 @@ def picture() -> bytes:
     return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + chunk(b"IDAT", data) + chunk(b"IEND", b"")
 
 
-@pytest.mark.parametrize(
-    "of_base", [(ASKING, "file"), (ASKING, "built"), (LOADING, "file"), (ASKING, "none")]
-)
-@pytest.mark.parametrize(
-    "of_part", [(ASKING, "file"), (ASKING, "built"), (LOADING, "file"), (LOADING, "none")]
-)
+@pytest.mark.parametrize("of_base", [(ASKING, "file"), (ASKING, "built"), (LOADING, "file"), (ASKING, "none")])
+@pytest.mark.parametrize("of_part", [(ASKING, "file"), (ASKING, "built"), (LOADING, "file"), (LOADING, "none")])
 def test_textures_stay_in_their_files_or_are_loaded_as_alone(
     workshop: Workshop, picture: bytes, of_base: tuple[str, str], of_part: tuple[str, str]
 ) -> None:

@@ -133,9 +133,7 @@ def test_a_base_without_parts_is_left_alone(workshop: Workshop) -> None:
 
 @pytest.mark.parametrize("autolimits", ["true", "false"])
 @pytest.mark.parametrize("angle", ["degree", "radian"])
-def test_ranges_and_references_of_joints_keep_their_bits(
-    workshop: Workshop, angle: str, autolimits: str
-) -> None:
+def test_ranges_and_references_of_joints_keep_their_bits(workshop: Workshop, angle: str, autolimits: str) -> None:
     kinds = JOINT_KINDS + UNLIMITED + (BACKWARD if autolimits == "true" else [])
     radian = '<mujoco><compiler angle="radian"/></mujoco>'
     workshop.link(radian, Piece(joints(angle, autolimits, kinds))).check()
@@ -150,9 +148,7 @@ def test_each_joint_by_itself_keeps_its_bits(workshop: Workshop, kind: str) -> N
 
 
 def test_a_class_for_hinges_and_slides_gives_each_what_it_gave(workshop: Workshop) -> None:
-    linked = workshop.link(
-        '<mujoco><compiler angle="radian"/></mujoco>', joints("degree", "true", JOINT_KINDS)
-    )
+    linked = workshop.link('<mujoco><compiler angle="radian"/></mujoco>', joints("degree", "true", JOINT_KINDS))
     model = linked.check()
     assert model.jnt_range[0] == pytest.approx(np.radians([-20, 30]))
     assert model.jnt_range[1].tolist() == [-20, 30]
@@ -205,19 +201,14 @@ def test_a_replicate_about_an_axis_that_the_sequence_lacks_is_told(workshop: Wor
     st.sampled_from(["degree", "radian"]),
 )
 def test_random_angles_keep_their_bits(
-    tmp_path_factory: pytest.TempPathFactory,
-    eulers: list[tuple[float, float, float]],
-    sequence: str,
-    angle: str,
+    tmp_path_factory: pytest.TempPathFactory, eulers: list[tuple[float, float, float]], sequence: str, angle: str
 ) -> None:
     workshop = Workshop(tmp_path_factory.mktemp("angles"))
     elements = "".join(
         f'<body euler="{a!r} {b!r} {c!r}"><geom size="1"/><joint ref="{a!r}"/><site axisangle="1 2 3 {b!r}"/></body>'
         for a, b, c in eulers
     )
-    part = (
-        f'<mujoco><compiler eulerseq="{sequence}" angle="{angle}"/><worldbody>{elements}</worldbody></mujoco>'
-    )
+    part = f'<mujoco><compiler eulerseq="{sequence}" angle="{angle}"/><worldbody>{elements}</worldbody></mujoco>'
     base = '<mujoco><compiler angle="radian"/></mujoco>'
     workshop.link(base, Piece(part, place=placed(pos=(1.0, 2.0, 3.0)))).check()
 
@@ -319,9 +310,7 @@ def test_one_that_hardly_stretches_is_reported(workshop: Workshop) -> None:
     "inside",
     [
         '<body name="b">{}</body>',
-        pytest.param(
-            "<frame>{}</frame>", marks=pytest.mark.mujoco4("it leaves flexes behind the frame around them")
-        ),
+        pytest.param("<frame>{}</frame>", marks=pytest.mark.mujoco4("it leaves flexes behind the frame around them")),
         '<body name="b"><frame pos="1 0 0">{}</frame></body>',
     ],
 )
@@ -354,9 +343,7 @@ def test_damping_is_no_default_of_a_flex(workshop: Workshop, damped: str) -> Non
         {"sense": Sense("wrist", (("force", "wrist"),), "", Span("r.yaml", 1, 1))},
     ],
 )
-def test_a_flex_on_a_body_of_an_attachment_is_not_in_the_world(
-    workshop: Workshop, options: dict[str, Any]
-) -> None:
+def test_a_flex_on_a_body_of_an_attachment_is_not_in_the_world(workshop: Workshop, options: dict[str, Any]) -> None:
     """It takes the joint defaults of that body, and `main` has none for it."""
     pinned = FLEX.replace("/>", '><pin id="0"/></flexcomp>')
     linked = workshop.link(BASE, Piece(model('armature=".5"', pinned), "p/", options=options))

@@ -55,9 +55,7 @@ def at(kind: str, name: str | None, offset: AttachmentPlace) -> AttachmentPlace:
 @pytest.mark.parametrize("site", SITES)
 @pytest.mark.parametrize("offset", OFFSETS, ids=["", "moved", "turned"])
 @pytest.mark.mujoco4("an orientation of the class wins over one of the element")
-def test_a_part_on_a_site_stands_as_the_site_does(
-    workshop: Workshop, site: str, offset: AttachmentPlace
-) -> None:
+def test_a_part_on_a_site_stands_as_the_site_does(workshop: Workshop, site: str, offset: AttachmentPlace) -> None:
     linked = workshop.link(ARM, Piece(HAND, place=at("site", site, offset)))
     linked.check()
 
@@ -94,9 +92,7 @@ def test_a_part_in_a_frame_stands_in_it(workshop: Workshop, frame: str) -> None:
 def pose_of_frame(frame: str) -> np.ndarray:
     """The first three rows of the frame's matrix in its body, as MuJoCo has it."""
     points = ("0 0 0", "1 0 0", "0 1 0", "0 0 1")
-    probes = "".join(
-        f'<site name="probe{at}" pos="{point}" euler="0 0 0"/>' for at, point in enumerate(points)
-    )
+    probes = "".join(f'<site name="probe{at}" pos="{point}" euler="0 0 0"/>' for at, point in enumerate(points))
     model = mujoco.MjModel.from_xml_string(re.sub(rf'<frame name="{frame}"[^>]*>', rf"\g<0>{probes}", ARM))
     origin, *axes = (model.site(f"probe{number}").pos for number in range(4))
     return np.column_stack([axis - origin for axis in axes] + [origin])
@@ -113,9 +109,7 @@ ORIENTATIONS = {
 
 @pytest.mark.parametrize("own", ORIENTATIONS)
 @pytest.mark.mujoco4("an orientation of the class wins over one of the element")
-def test_of_the_orientations_of_a_class_and_its_parent_the_nearest_counts(
-    workshop: Workshop, own: str
-) -> None:
+def test_of_the_orientations_of_a_class_and_its_parent_the_nearest_counts(workshop: Workshop, own: str) -> None:
     for outer, inner in itertools.product(ORIENTATIONS.values(), repeat=2):
         base = f"""<mujoco><default>
           <default class="a"><site {outer} pos="1 2 3"/><default class="b"><site {inner}/></default></default></default>
@@ -208,9 +202,7 @@ JOINTS = {
 
 
 @pytest.mark.parametrize("joints", JOINTS.values(), ids=JOINTS.keys())
-@pytest.mark.parametrize(
-    "place", [placed(), placed("site", "classed", pos=(0.1, 0.0, 0.0)), placed("body", "still")]
-)
+@pytest.mark.parametrize("place", [placed(), placed("site", "classed", pos=(0.1, 0.0, 0.0)), placed("body", "still")])
 def test_joints_stand_between_a_place_and_a_part(
     workshop: Workshop, joints: tuple[Joint, ...], place: AttachmentPlace
 ) -> None:
@@ -224,11 +216,7 @@ def test_joints_stand_between_a_place_and_a_part(
 
 def test_a_free_part_stands_in_the_world_where_its_place_is(workshop: Workshop) -> None:
     joint = Joint("freejoint", {"name": "hand/"})
-    for place in (
-        placed("site", "deep", pos=(0.1, 0.2, 0.3)),
-        placed("body", "link"),
-        placed("frame", "inner"),
-    ):
+    for place in (placed("site", "deep", pos=(0.1, 0.2, 0.3)), placed("body", "link"), placed("frame", "inner")):
         fixed = workshop.link(ARM, Piece(HAND, "hand/", place)).model()
         free = joined(workshop, place, joint).check()
         assert free.body("hand/").parentid == 0
@@ -290,9 +278,7 @@ def test_elements_that_moved_are_told_from_their_own_files(workshop: Workshop) -
     linked = workshop.link(ARM, Piece(part, place=placed("body", "link"), files={"i.xml": included}))
     base = linked.linking.base
     spans = {
-        str(body.get("name")): linked.linking.span(base, body)
-        for body in base.root.iter("body")
-        if body.get("name")
+        str(body.get("name")): linked.linking.span(base, body) for body in base.root.iter("body") if body.get("name")
     }
     folder = linked.paths[1].parent
     assert (spans["part/theirs"].file, spans["part/theirs"].line) == (str(folder / "i.xml"), 5)

@@ -97,9 +97,7 @@ def test_a_part_loses_what_it_loses_alone(workshop: Workshop, reference: str, mo
     assert sorted(linked.bundled()) == ["assets/part/p.obj"]
 
 
-@pytest.mark.parametrize(
-    "settings", ['settotalmass="7"', 'inertiagrouprange="2 2" boundmass=".1" boundinertia=".1"']
-)
+@pytest.mark.parametrize("settings", ['settotalmass="7"', 'inertiagrouprange="2 2" boundmass=".1" boundinertia=".1"'])
 def test_the_inertia_stays_under_every_rule(workshop: Workshop, settings: str) -> None:
     workshop.link(BASE, part(visual(settings, COPIES))).check()
 

@@ -256,9 +256,7 @@ def test_two_parts_without_a_prefix_have_classes_of_their_own(workshop: Workshop
 
 
 @pytest.mark.parametrize("name", ["base/", "part/"])
-def test_a_class_of_the_base_may_have_the_name_that_a_wrapped_class_would_get(
-    workshop: Workshop, name: str
-) -> None:
+def test_a_class_of_the_base_may_have_the_name_that_a_wrapped_class_would_get(workshop: Workshop, name: str) -> None:
     """A base that is itself a composition has such classes."""
     model = f"""
     <mujoco><default><geom friction=".3"/><default class="{name}"><geom friction=".6"/></default></default>
@@ -289,8 +287,7 @@ CLOTH = (
 
 
 @pytest.mark.parametrize(
-    "worldbody",
-    [f'<body name="holder">{CLOTH}</body>', f'<body><body name="holder">{CLOTH}</body></body>'],
+    "worldbody", [f'<body name="holder">{CLOTH}</body>', f'<body><body name="holder">{CLOTH}</body></body>']
 )
 def test_joint_settings_reach_a_flex_on_a_body(workshop: Workshop, worldbody: str) -> None:
     model = f"""<mujoco><default><joint armature=".3" frictionloss=".1"/></default>
@@ -308,10 +305,7 @@ EARLIER = '<default><position kp="4"/><default class="x"><velocity kv="7"/></def
 # Each may find its gain in another class once the top class is wrapped, section by section.
 MOVED = {
     "class of another kind": (EARLIER + '<default><velocity kv="9"/></default>', ' class="x"'),
-    "class of no kind": (
-        '<default><default class="x"/></default><default><position kp="9"/></default>',
-        ' class="x"',
-    ),
+    "class of no kind": ('<default><default class="x"/></default><default><position kp="9"/></default>', ' class="x"'),
     "class in which another kind stands before": (
         '<default><velocity kv="9"/></default><default><position kp="4"/><default class="x"><velocity/><position/></default></default>',
         ' class="x"',
@@ -337,9 +331,7 @@ LOST = EARLIER + '<default><general gainprm="9"/></default>'
 
 
 @pytest.mark.parametrize(("defaults", "of"), MOVED.values(), ids=MOVED.keys())
-def test_an_actuator_that_would_find_another_gain_says_its_own(
-    workshop: Workshop, defaults: str, of: str
-) -> None:
+def test_an_actuator_that_would_find_another_gain_says_its_own(workshop: Workshop, defaults: str, of: str) -> None:
     model = MODEL.format(defaults, of)
     workshop.link(BASE, model).check()
     workshop.link(model, Piece(model, "again/")).check()
@@ -359,10 +351,7 @@ def test_a_gain_that_cannot_be_written_is_refused(workshop: Workshop) -> None:
     for fault in (workshop.link(BASE, model).fault, workshop.link(model, BASE).fault):
         assert fault.code == "not-supported"
         assert "the `<position>` `a` would take another gain" in fault.message
-        assert (
-            fault.span is not None
-            and fault.span.line == model[: model.index("<position name")].count("\n") + 1
-        )
+        assert fault.span is not None and fault.span.line == model[: model.index("<position name")].count("\n") + 1
 
 
 @pytest.mark.parametrize(("defaults", "of"), KEPT.values(), ids=KEPT.keys())

@@ -112,11 +112,7 @@ def test_the_bones_of_a_skin_follow_the_prefix(workshop: Workshop) -> None:
 
 @pytest.mark.parametrize(
     ("content", "reason"),
-    [
-        (b"short", "not a skin file"),
-        (skin("b") + b"more", "not a skin file"),
-        (skin("b" * 36), "39 bytes"),
-    ],
+    [(b"short", "not a skin file"), (skin("b") + b"more", "not a skin file"), (skin("b" * 36), "39 bytes")],
 )
 def test_a_skin_that_cannot_be_renamed_is_told(workshop: Workshop, content: bytes, reason: str) -> None:
     part = '<mujoco>\n<asset><skin file="s.skn"/></asset></mujoco>'
@@ -337,9 +333,7 @@ COUNTS = {"mesh": "nmesh", "material": "nmat", "texture": "ntex", "hfield": "nhf
 
 
 def robot(assets: str, geoms: str = "", head: str = "") -> str:
-    return (
-        f"<mujoco>{head}<asset>{assets}</asset><worldbody><body name='b'>{geoms}</body></worldbody></mujoco>"
-    )
+    return f"<mujoco>{head}<asset>{assets}</asset><worldbody><body name='b'>{geoms}</body></worldbody></mujoco>"
 
 
 FULL = robot(
@@ -376,16 +370,7 @@ def merge(linked: Linked) -> Merged:
         names = tuple(merged.get(kind, {}).get(name, name) for kind, name in mine[0])
         assert names == tuple(name for _, name in theirs[0])
         assert mine[1] == theirs[1]
-    for array in (
-        "body_mass",
-        "body_inertia",
-        "geom_pos",
-        "geom_quat",
-        "geom_size",
-        "geom_rgba",
-        "geom_aabb",
-        "qpos0",
-    ):
+    for array in ("body_mass", "body_inertia", "geom_pos", "geom_quat", "geom_size", "geom_rgba", "geom_aabb", "qpos0"):
         assert np.array_equal(getattr(before, array), getattr(after, array)), array
     return merged
 
@@ -422,9 +407,7 @@ def test_copies_share_everything_of_each_kind(workshop: Workshop) -> None:
     linked = link(workshop, FULL, FULL, FULL)
     merged = merge(linked)
     assert list(merged) == [kind for kind in KINDS if kind in merged] == list(KINDS)
-    assert merged["mesh"] == {
-        f"{part}/{name}": f"a/{name}" for part in "bc" for name in ("m", "half", "tetra")
-    }
+    assert merged["mesh"] == {f"{part}/{name}": f"a/{name}" for part in "bc" for name in ("m", "half", "tetra")}
     assert set(merged["texture"]) == {"b/t", "b/cube", "c/t", "c/cube"}
     assert merged["material"]["c/layers"] == "a/layers"
     assert merged["hfield"] == {"b/h": "a/h", "c/h": "a/h"}
@@ -433,10 +416,7 @@ def test_copies_share_everything_of_each_kind(workshop: Workshop) -> None:
 
 DIFFERENT = {
     "an attribute": ('<material name="x" rgba="1 0 0 1"/>', '<material name="x" rgba="1 0 0 .5"/>'),
-    "a class": (
-        '<material name="x"/>',
-        '<material name="x" class="dull"/>',
-    ),
+    "a class": ('<material name="x"/>', '<material name="x" class="dull"/>'),
     "a file": ('<mesh name="x" file="m.obj"/>', '<mesh name="x" file="n.obj"/>'),
     "what a texture shows": (
         '<texture name="x" type="2d" builtin="flat" width="2" height="2"/>',
@@ -464,9 +444,7 @@ CLASSES = """<default><default class="dull"><material shininess="0"/></default>
 @pytest.mark.parametrize(("one", "other"), DIFFERENT.values(), ids=DIFFERENT.keys())
 def test_what_differs_stays_apart(workshop: Workshop, one: str, other: str) -> None:
     files = {**FILES, "n.obj": obj(0.7)}
-    pieces = [
-        Piece(robot(each, head=CLASSES), prefix, files=files) for each, prefix in ((one, "a/"), (other, "b/"))
-    ]
+    pieces = [Piece(robot(each, head=CLASSES), prefix, files=files) for each, prefix in ((one, "a/"), (other, "b/"))]
     linked = workshop.link(BASE, *pieces)
     merged = merge(linked)
     assert not any("b/x" in names for names in merged.values())
@@ -486,9 +464,7 @@ SAME = {
 @pytest.mark.parametrize(("one", "other"), SAME.values(), ids=SAME.keys())
 def test_what_means_the_same_becomes_one(workshop: Workshop, one: str, other: str) -> None:
     files = {**FILES, "copy.obj": obj()}
-    pieces = [
-        Piece(robot(each, head=CLASSES), prefix, files=files) for each, prefix in ((one, "a/"), (other, "b/"))
-    ]
+    pieces = [Piece(robot(each, head=CLASSES), prefix, files=files) for each, prefix in ((one, "a/"), (other, "b/"))]
     merged = merge(workshop.link(BASE, *pieces))
     assert sum(len(names) for names in merged.values()) == 2  # and the texture of the class
 
@@ -496,8 +472,7 @@ def test_what_means_the_same_becomes_one(workshop: Workshop, one: str, other: st
 def test_what_one_part_has_twice_stays_two(workshop: Workshop) -> None:
     """Names keep their own: `b/y` is not made `a/x` where `a/y` is there."""
     twice = robot(
-        '<material name="x"/><material name="y"/>',
-        '<geom size="1" material="y"/><geom size="1" material="x"/>',
+        '<material name="x"/><material name="y"/>', '<geom size="1" material="y"/><geom size="1" material="x"/>'
     )
     backwards = robot('<material name="y"/><material name="x"/>', '<geom size="1" material="x"/>')
     assert merge(link(workshop, twice, backwards)) == {"material": {"b/y": "a/y", "b/x": "a/x"}}

@@ -153,9 +153,7 @@ MEASURED = [
 @pytest.mark.parametrize("settings", MEASURED)
 def test_what_only_mujoco_computes_is_measured(workshop: Workshop, settings: str) -> None:
     bodies = BODIES.replace("1 1 1.5", "1 1 3") if "balance" in settings else BODIES
-    linked = workshop.link(
-        model("", BODIES), Piece(model(settings, bodies), place=placed(pos=(1.0, 2.0, 0.0)))
-    )
+    linked = workshop.link(model("", BODIES), Piece(model(settings, bodies), place=placed(pos=(1.0, 2.0, 0.0))))
     linked.check()
     for name in ("balanceinertia", "boundmass", "boundinertia", "settotalmass"):
         assert name not in linked.xml
@@ -190,7 +188,9 @@ def test_a_model_alone_keeps_its_rules(workshop: Workshop) -> None:
 
 
 FLEXCOMP = '<flexcomp name="c" type="grid" count="2 2 1" spacing="1 1 1" dim="2" mass="1" radius=".01"/>'
-COPIES = '<replicate count="2" offset="1 0 0" euler="0 0 9"><body><joint/><geom size=".1" pos="1 0 0"/></body></replicate>'
+COPIES = (
+    '<replicate count="2" offset="1 0 0" euler="0 0 9"><body><joint/><geom size=".1" pos="1 0 0"/></body></replicate>'
+)
 
 
 @pytest.mark.parametrize("settings", MEASURED)
@@ -212,18 +212,14 @@ def test_without_mujoco_at_hand_it_is_told(workshop: Workshop) -> None:
 
 
 def test_a_part_that_mujoco_rejects_is_told(workshop: Workshop) -> None:
-    part = model(
-        'boundmass="0" settotalmass="1"', '<body name="b"><joint/><geom type="mesh" mesh="no"/></body>'
-    )
+    part = model('boundmass="0" settotalmass="1"', '<body name="b"><joint/><geom type="mesh" mesh="no"/></body>')
     linked = workshop.link(BASE, part)
     assert linked.fault.code == "mujoco-rejects"
 
 
 @pytest.mark.parametrize("setting", ['settotalmass="3"', 'boundinertia=".1"', 'balanceinertia="true"'])
 @pytest.mark.parametrize("aligned", ['alignfree="true"', ""])
-def test_a_free_body_aligned_with_its_inertia_keeps_it(
-    workshop: Workshop, setting: str, aligned: str
-) -> None:
+def test_a_free_body_aligned_with_its_inertia_keeps_it(workshop: Workshop, setting: str, aligned: str) -> None:
     """Up to rounding: the inertia is measured in the aligned frame, and written in the body's own."""
     align = "" if aligned else 'align="true"'
     part = f"""<mujoco><compiler {setting} {aligned}/><worldbody><frame pos="0 1 0" euler="0 0 30">
@@ -261,12 +257,7 @@ MUSCLES = """
   </actuator>
 </mujoco>
 """
-RULES = [
-    'mode="all"',
-    'mode="muscle" inttotal="3"',
-    'mode="muscleuser" useexisting="false"',
-    'uselimit="true"',
-]
+RULES = ['mode="all"', 'mode="muscle" inttotal="3"', 'mode="muscleuser" useexisting="false"', 'uselimit="true"']
 
 
 @pytest.mark.parametrize("rule", RULES)
@@ -312,9 +303,7 @@ def test_actuators_that_mujoco_copies_cannot_be_measured(workshop: Workshop) -> 
     assert "copies of actuators" in fault.message
 
 
-def test_muscles_keep_the_range_that_they_have_alone_where_something_hangs_on_them(
-    workshop: Workshop,
-) -> None:
+def test_muscles_keep_the_range_that_they_have_alone_where_something_hangs_on_them(workshop: Workshop) -> None:
     arm = """<mujoco><worldbody><body name="b"><joint name="j" range="-30 50"/><geom size=".1"/><site name="p" pos=".2 0 0"/>
         <body name="c" pos=".3 0 0"><joint name="k" axis="0 1 0" range="-30 50"/><geom size=".05" pos=".1 0 0"/>
           <site name="r" pos=".1 .02 0"/></body></body>

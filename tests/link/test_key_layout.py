@@ -64,13 +64,9 @@ def session() -> Iterator[Session]:
 def wrong(unit: Unit, model: mujoco.MjModel, session: Session) -> Iterator[str]:
     """Yield what the layout has elsewhere than MuJoCo."""
     sink = Sink()
-    linking = Linking(
-        unit, [], sink, measure=measure_with(Context(sink, {}, unit.directory), session=session)
-    )
+    linking = Linking(unit, [], sink, measure=measure_with(Context(sink, {}, unit.directory), session=session))
     layout = layout_of(linking, unit)
-    if (
-        layout is None
-    ):  # an `<attach>` in a `<replicate>`, or of a frame of the same model: its keys are refused
+    if layout is None:  # an `<attach>` in a `<replicate>`, or of a frame of the same model: its keys are refused
         assert "cannot be laid out" in told(sink) and next(unit.root.iter("attach"), None) is not None
         return
     joint = 0
@@ -101,9 +97,7 @@ def wrong(unit: Unit, model: mujoco.MjModel, session: Session) -> Iterator[str]:
         for holder, count in layout.mocaps.items()
         for _ in range(count)
     ]
-    if len(found) != len(mocaps) or any(
-        name not in ("", there) for name, there in zip(found, mocaps, strict=True)
-    ):
+    if len(found) != len(mocaps) or any(name not in ("", there) for name, there in zip(found, mocaps, strict=True)):
         yield f"mocap bodies {found}, not {mocaps}"
 
 
@@ -145,9 +139,7 @@ class World:
         if kind == "body":
             joint = "".join(
                 f'<joint name="j{name}{at}" type="{type}"/>'
-                for at, type in enumerate(
-                    self.draw(st.lists(st.sampled_from(("hinge", "slide")), max_size=2))
-                )
+                for at, type in enumerate(self.draw(st.lists(st.sampled_from(("hinge", "slide")), max_size=2)))
             )
         mocap = ' mocap="true"' if kind == "mocap" else ""
         # The joint is written last: it comes first all the same.
@@ -204,9 +196,7 @@ def test_all_models_of_the_corpus_are_laid_out_as_in_mujoco(corpus: Path, sessio
 
 
 def body(name: str, inside: str = "") -> str:
-    return (
-        f'<body name="{name}"><joint name="{name}j"/><site name="{name}s"/><geom size=".1"/>{inside}</body>'
-    )
+    return f'<body name="{name}"><joint name="{name}j"/><site name="{name}s"/><geom size=".1"/>{inside}</body>'
 
 
 def replicate(count: int, inside: str, sep: str = "") -> str:
@@ -230,11 +220,11 @@ def test_order(world: str, tendons: bool) -> None:
     actuators = "".join(f'<motor name="m{n}" joint="{j}"/>' for n, j in enumerate(("rj", "aj", "sj", "rj")))
     sites = ""
     if tendons:
-        sites = '<fixed name="t"><joint joint="rj" coef="1"/></fixed><fixed name="u"><joint joint="sj" coef="1"/></fixed>'
+        sites = (
+            '<fixed name="t"><joint joint="rj" coef="1"/></fixed><fixed name="u"><joint joint="sj" coef="1"/></fixed>'
+        )
         actuators += '<motor name="mt" tendon="t"/><motor name="mu" tendon="u"/><motor name="ms" site="rs"/>'
-    if (
-        world == WORLDS["deep"]
-    ):  # elsewhere MuJoCo refuses what refers to something replicated and to something else
+    if world == WORLDS["deep"]:  # elsewhere MuJoCo refuses what refers to something replicated and to something else
         actuators += '<general name="x" site="as" refsite="rs" gear="1 0 0 0 0 0"/>'
     text = f"<mujoco><worldbody>{world}</worldbody><tendon>{sites}</tendon><actuator>{actuators}</actuator></mujoco>"
     model = mujoco.MjModel.from_xml_string(text)
@@ -244,10 +234,7 @@ def test_order(world: str, tendons: bool) -> None:
     for holder in actuators_in_order(etree.fromstring(text)):
         element = holder.element if isinstance(holder, Copy) else holder
         found.append(
-            (
-                str(element.get("name")),
-                tuple(number for _, number in holder.within) if isinstance(holder, Copy) else (),
-            )
+            (str(element.get("name")), tuple(number for _, number in holder.within) if isinstance(holder, Copy) else ())
         )
     assert len(found) == len(names)
     for (name, numbers), compiled in zip(found, names, strict=True):

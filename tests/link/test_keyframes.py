@@ -138,9 +138,7 @@ def test_padding_by_size_is_kept_with_its_model(workshop: Workshop) -> None:
     assert model.key_qpos[2].tolist() == model.qpos0.tolist()
 
 
-@pytest.mark.parametrize(
-    ("policy", "severity"), [("error", "error"), ("base", "warning"), ("mujoco", "warning")]
-)
+@pytest.mark.parametrize(("policy", "severity"), [("error", "error"), ("base", "warning"), ("mujoco", "warning")])
 def test_times_that_differ_are_told(workshop: Workshop, policy: str, severity: str) -> None:
     hand = HAND.replace('name="home"', 'name="home" time="5"')
     linked = workshop.link(ARM, Piece(hand), conflict=policy)
@@ -279,8 +277,7 @@ def test_a_part_on_a_part_carries_its_free_bodies_through_both(workshop: Worksho
 def test_a_floating_part_starts_where_it_is_placed(workshop: Workshop) -> None:
     joint = Joint("freejoint", {"name": "hand/"})
     model = workshop.link(
-        ARM,
-        Piece(HAND, "hand/", placed("site", "flange", pos=(0.0, 0.0, 0.5)), options={"joints": (joint,)}),
+        ARM, Piece(HAND, "hand/", placed("site", "flange", pos=(0.0, 0.0, 0.5)), options={"joints": (joint,)})
     ).model()
     at = model.jnt_qposadr[model.joint("hand/").id]
     assert key(model, "home", "qpos")[at : at + 7] == [0, 0, 2.5, 1, 0, 0, 0]
@@ -292,21 +289,16 @@ def test_joints_of_an_attachment_start_at_their_reference(workshop: Workshop) ->
         hinge(name="hand/a", ref="90"),
         Joint("joint", {"type": "slide", "name": "hand/b", "ref": "2", "class": "main"}),
     )
-    model = workshop.link(
-        ARM, Piece(HAND, "hand/", placed("site", "flange"), options={"joints": joints})
-    ).model()
+    model = workshop.link(ARM, Piece(HAND, "hand/", placed("site", "flange"), options={"joints": joints})).model()
     home = dict(zip([model.joint(at).name for at in range(5)], key(model, "home", "qpos"), strict=False))
     assert home["hand/a"] == pytest.approx(np.pi / 2)
     assert home["hand/b"] == 2
 
 
 def test_a_welded_part_forgets_its_free_joint(workshop: Workshop) -> None:
-    part = PROP.format(keys="").replace(
-        '<body name="hoop" mocap="true" pos="4 5 6" axisangle="0 1 0 40"/>', ""
-    )
+    part = PROP.format(keys="").replace('<body name="hoop" mocap="true" pos="4 5 6" axisangle="0 1 0 40"/>', "")
     part = part.replace('<body name="target" mocap="true" zaxis="1 1 0"/>', "").replace(
-        "</mujoco>",
-        '<keyframe><key name="home" qpos=".1 .2 .3 0 1 0 0 4 5 6 .5 .5 .5 .5 7"/></keyframe></mujoco>',
+        "</mujoco>", '<keyframe><key name="home" qpos=".1 .2 .3 0 1 0 0 4 5 6 .5 .5 .5 .5 7"/></keyframe></mujoco>'
     )
     piece = Piece(part, place=placed("body", "lower"), options={"weld": True})
     model = workshop.link(ARM, piece).model()
@@ -356,7 +348,9 @@ def test_activations_go_with_their_actuators(workshop: Workshop, actuator: str) 
 
 CLOTH = """<flexcomp name="cloth" type="grid" count="2 2 1" spacing=".1 .1 .1" dim="2" mass="1" radius=".01">
   <edge equality="true"/></flexcomp>"""
-PILE = '<replicate count="3" offset="1 0 0"><body name="cube" pos="0 0 7"><freejoint/><geom size=".1"/></body></replicate>'
+PILE = (
+    '<replicate count="3" offset="1 0 0"><body name="cube" pos="0 0 7"><freejoint/><geom size=".1"/></body></replicate>'
+)
 CHAIN = """<replicate count="2" offset="0 1 0"><body name="link"><joint ref="30"/><geom size=".1"/>
   <body><joint type="ball"/><geom size=".1" pos="1 0 0"/></body></body></replicate>"""
 BLOCKS = {
@@ -375,9 +369,7 @@ def expanding(block: str, keys: str = "") -> str:
 
 @pytest.mark.parametrize("place", PLACES[:3], ids=["in place", "moved", "turned"])
 @pytest.mark.parametrize(("block", "width"), BLOCKS.values(), ids=BLOCKS.keys())
-def test_what_mujoco_expands_keeps_its_numbers(
-    workshop: Workshop, block: str, width: int, place: object
-) -> None:
+def test_what_mujoco_expands_keeps_its_numbers(workshop: Workshop, block: str, width: int, place: object) -> None:
     if OLDER and block == CLOTH and place != placed():
         pytest.skip("MuJoCo 3 does not move a cloth with its frame")
     alone = mujoco.MjModel.from_xml_string(expanding(block))
@@ -401,9 +393,7 @@ def test_what_mujoco_expands_keeps_its_numbers(
 
 @pytest.mark.parametrize(("block", "width"), BLOCKS.values(), ids=BLOCKS.keys())
 @pytest.mark.mujoco4("keys of other lengths are refused, and replicated ones are copied")
-def test_keys_of_others_leave_the_reference_of_what_is_expanded(
-    workshop: Workshop, block: str, width: int
-) -> None:
+def test_keys_of_others_leave_the_reference_of_what_is_expanded(workshop: Workshop, block: str, width: int) -> None:
     model = workshop.link(expanding(block), Piece(ARM, keys_of := "arm/")).check()
     home = key(model, "home", "qpos")
     assert home[: width + 2] == pytest.approx(model.qpos0[: width + 2].tolist())
@@ -448,7 +438,9 @@ def test_nothing_is_measured_for_keys_that_are_left_out(workshop: Workshop) -> N
 
 @pytest.mark.mujoco4("keys of other lengths are refused, and replicated ones are copied")
 def test_replicated_mocap_bodies_stand_where_they_are(workshop: Workshop) -> None:
-    base = '<mujoco><worldbody><replicate count="2" offset="1 0 0"><body mocap="true"/></replicate></worldbody></mujoco>'
+    base = (
+        '<mujoco><worldbody><replicate count="2" offset="1 0 0"><body mocap="true"/></replicate></worldbody></mujoco>'
+    )
     part = """<mujoco><worldbody><body name="m" mocap="true"/></worldbody>
       <keyframe><key name="k" mpos="1 2 3"/></keyframe></mujoco>"""
     linked = workshop.link(base, part)
@@ -461,9 +453,7 @@ def test_replicated_mocap_bodies_stand_where_they_are(workshop: Workshop) -> Non
 
 def test_keys_are_told_from_where_they_were(workshop: Workshop) -> None:
     linked = on_arm(workshop, "merge")
-    found = [
-        linked.linking.span(linked.linking.base, element) for element in linked.linking.base.root.iter("key")
-    ]
+    found = [linked.linking.span(linked.linking.base, element) for element in linked.linking.base.root.iter("key")]
     assert [span.file for span in found] == [str(linked.paths[at]) for at in (0, 0, 1)]
     assert [span.line for span in found] == [9, 10, 6]
 
@@ -521,11 +511,7 @@ def test_by_path_and_by_joint(workshop: Workshop) -> None:
     turned = placed(pos=(0, 0, 5), quat=quat_from_axisangle((0, 0, 1), 3.141592653589793))
     linking = workshop.link(HINGE, Piece(HINGE, "a/"), Piece(LOOSE, "b/", turned)).linking
     found = part_keys(linking)
-    assert {path: keys.names for path, keys in found.items()} == {
-        "base": ["home"],
-        "a": ["home"],
-        "b": ["home"],
-    }
+    assert {path: keys.names for path, keys in found.items()} == {"base": ["home"], "a": ["home"], "b": ["home"]}
     key = found["a"].named("home")
     assert key is not None and key.time is not None and key.time.text == "2"
     assert {node.get("name"): texts(row) for node, row in key.values["qpos"].items()} == {"a/j": ["3"]}
@@ -542,7 +528,4 @@ def test_by_path_and_by_joint(workshop: Workshop) -> None:
 def test_they_are_remembered_for_what_the_model_becomes_a_part_of(workshop: Workshop) -> None:
     linking = workshop.link(BASE, Piece(HINGE, "a/")).linking
     assert linking.base.part_keys["a"].depth == 1
-    assert (
-        "a"
-        not in workshop.link(BASE, Piece(HINGE, "a/", options={"keyframes": "none"})).linking.base.part_keys
-    )
+    assert "a" not in workshop.link(BASE, Piece(HINGE, "a/", options={"keyframes": "none"})).linking.base.part_keys

@@ -127,9 +127,7 @@ TWO = """
 
 
 @pytest.mark.parametrize("texts", [(ONE, TWO), (TWO, ONE), (TWO, TWO), (ONE, ONE)])
-def test_units_that_differ_in_everything_still_mean_what_they_meant(
-    workshop: Workshop, texts: tuple[str, str]
-) -> None:
+def test_units_that_differ_in_everything_still_mean_what_they_meant(workshop: Workshop, texts: tuple[str, str]) -> None:
     base, part = texts
     workshop.link(base, Piece(part, place=placed(pos=(1.0, 2.0, 3.0)))).check()
     if part is ONE:
@@ -191,9 +189,7 @@ def test_faults_of_several_passes_are_told_at_once(workshop: Workshop) -> None:
     part = f"""<mujoco><compiler alignfree="true"/><option timestep="1"/>
       <worldbody><body name="b">{free}</body><site name="mark"/></worldbody>
       <actuator><motor joint="none"/></actuator></mujoco>"""
-    linked = workshop.link(
-        base, Piece(part, "", placed("site", "mark")), Piece(BASE, "c/", placed("site", "no"))
-    )
+    linked = workshop.link(base, Piece(part, "", placed("site", "mark")), Piece(BASE, "c/", placed("site", "no")))
     assert set(linked.codes) >= {"compiler-setting", "option-conflict", "unknown-name"}
     assert {"name-clash", "attach-place"} <= set(linked.codes)
 

@@ -25,9 +25,7 @@ TEXT = """\
 """
 
 
-def measured(
-    tmp_path: Path, size: str, limits: Limits | None = None
-) -> tuple[dict[str, list[float]], Context]:
+def measured(tmp_path: Path, size: str, limits: Limits | None = None) -> tuple[dict[str, list[float]], Context]:
     context = Context(environment={}, folder=tmp_path)
     unit = parse_text(TEXT.format(size=size), context.sink, file="a.xml", directory=tmp_path, label="a")
     assert unit is not None
@@ -67,9 +65,7 @@ OF_MESH = """<mujoco><compiler meshdir="{folder}"/><asset><mesh file="a.obj"/></
 def weighed(text: str, folder: Path, contents: dict[str, bytes | Path]) -> tuple[list[float], Context]:
     """The masses of bodies, of a unit some of whose files are not beside it."""
     context = Context(environment={}, folder=folder)
-    unit = parse_text(
-        text, context.sink, file="a.xml", directory=folder / "model", label="a", contents=contents
-    )
+    unit = parse_text(text, context.sink, file="a.xml", directory=folder / "model", label="a", contents=contents)
     assert unit is not None
     return list(measure_with(context)(unit, ("body_mass",)).get("body_mass", [])), context
 
@@ -144,9 +140,7 @@ def test_values_that_copies_do_not_share_are_none(workshop: Workshop) -> None:
       <geom size=".1"/></replicate></body></worldbody></mujoco>""")
     sink = Sink()
     measure = measure_with(Context(sink=sink, environment={}, folder=unit.directory))
-    found = KeptSettings(Linking(unit, [], sink, measure=measure), unit, ("fitaabb",)).survey(
-        ("geom_pos", "geom_size")
-    )
+    found = KeptSettings(Linking(unit, [], sink, measure=measure), unit, ("fitaabb",)).survey(("geom_pos", "geom_size"))
     geom = next(unit.root.iter("geom"))
     assert found is not None
     assert found.values(geom, "geom_pos", 3) is None
@@ -164,15 +158,11 @@ def test_the_unit_is_left_as_it_is(workshop: Workshop) -> None:
     unit = workshop.unit(MODEL)
     before = workshop.unit(MODEL)
     surveyed(unit, pinned=("",))
-    assert [dict(each.attrib) for each in unit.root.iter()] == [
-        dict(each.attrib) for each in before.root.iter()
-    ]
+    assert [dict(each.attrib) for each in unit.root.iter()] == [dict(each.attrib) for each in before.root.iter()]
 
 
 def test_what_mujoco_makes_elements_of_is_told(workshop: Workshop) -> None:
-    unit = workshop.unit(
-        '<mujoco>\n<compiler fusestatic="true"/><worldbody><composite/></worldbody></mujoco>'
-    )
+    unit = workshop.unit('<mujoco>\n<compiler fusestatic="true"/><worldbody><composite/></worldbody></mujoco>')
     found, sink = surveyed(unit)
     assert found is None
     (fault,) = sink.errors

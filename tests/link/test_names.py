@@ -348,9 +348,7 @@ NAMES = st.text(CHARACTERS, min_size=1, max_size=12)
 
 @settings(max_examples=60, deadline=None, derandomize=True)
 @given(st.lists(NAMES, min_size=2, max_size=6, unique=True), st.text(CHARACTERS, max_size=5))
-def test_any_name_comes_through(
-    tmp_path_factory: pytest.TempPathFactory, names: list[str], prefix: str
-) -> None:
+def test_any_name_comes_through(tmp_path_factory: pytest.TempPathFactory, names: list[str], prefix: str) -> None:
     bodies = "".join(f"<body><geom size='1'/><joint name={quoteattr(name)}/></body>" for name in names)
     motors = "".join(f"<motor name={quoteattr(name)} joint={quoteattr(name)}/>" for name in names)
     part = f"<mujoco><worldbody>{bodies}</worldbody><actuator>{motors}</actuator></mujoco>"
@@ -375,9 +373,7 @@ def _tree(tree: list[object], counter: list[int]) -> str:
             f'<body name="b{number}" pos="{number} 0 0"><joint name="j{number}"/><geom name="g{number}" size=".1"/>'
             f"{inner}</body>"
         )
-        found += (
-            f'<frame pos="0 {number} 0" quat="1 {number} 0 0">{body}</frame>' if number % 3 == 0 else body
-        )
+        found += f'<frame pos="0 {number} 0" quat="1 {number} 0 0">{body}</frame>' if number % 3 == 0 else body
     return found
 
 

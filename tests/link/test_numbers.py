@@ -134,9 +134,7 @@ def test_a_pose_is_read_as_mujoco_reads_it(
 
 @settings(max_examples=40, deadline=None, derandomize=True)
 @given(st.lists(st.tuples(POSES, numbers(3), st.sampled_from(["body", "frame"])), min_size=1, max_size=5))
-def test_poses_are_multiplied_out_as_mujoco_does(
-    steps: list[tuple[tuple[str, list[float]], list[float], str]],
-) -> None:
+def test_poses_are_multiplied_out_as_mujoco_does(steps: list[tuple[tuple[str, list[float]], list[float], str]]) -> None:
     root = etree.Element("mujoco")
     innermost = etree.SubElement(root, "worldbody")
     for pose, pos, tag in steps:

@@ -4,9 +4,7 @@ import pytest
 from link.workshop import BASE, OLDER, Piece, Workshop, placed
 
 REPLICATE = '<mujoco><worldbody><replicate count="2" offset="1 0 0"><body name="r"><geom size=".1"/></body></replicate></worldbody></mujoco>'
-REFERRED_TO = REPLICATE.replace(
-    "</mujoco>", '<sensor><framepos objtype="body" objname="r"/></sensor></mujoco>'
-)
+REFERRED_TO = REPLICATE.replace("</mujoco>", '<sensor><framepos objtype="body" objname="r"/></sensor></mujoco>')
 WORLD = '<worldbody><body name="b"><joint name="j1"/><joint name="j10" axis="1 0 0"/><joint name="k" axis="0 1 0"/><geom name="g" size=".1"/></body></worldbody>'
 
 
@@ -88,9 +86,7 @@ def model(row: str, settings: str = "", more: str = "") -> str:
 @pytest.mark.parametrize("settings", ['angle="degree"', 'angle="radian" eulerseq="XyZ"'])
 @pytest.mark.parametrize("childclass", ["", ' childclass="c"'])
 @pytest.mark.parametrize("row", ROWS.values(), ids=ROWS.keys())
-def test_copies_are_what_mujoco_makes_of_them(
-    workshop: Workshop, row: str, childclass: str, settings: str
-) -> None:
+def test_copies_are_what_mujoco_makes_of_them(workshop: Workshop, row: str, childclass: str, settings: str) -> None:
     text = model(row.format(childclass), settings)
     for linked in (
         workshop.link(CLOCK, Piece(text, "p/", placed(pos=(0.0, 5.0, 0.0)))),

@@ -33,10 +33,7 @@ ALIGNED = {
     "freejoint": ("", '<freejoint align="true"/>'),
     "of the compiler": ('alignfree="true"', "<freejoint/>"),
     "with settings of its own": ('alignfree="true"', '<joint type="free" damping="3"/>'),
-    "with copies": (
-        "",
-        '<freejoint align="true"/><replicate count="2" offset="1 0 0"><geom size=".2"/></replicate>',
-    ),
+    "with copies": ("", '<freejoint align="true"/><replicate count="2" offset="1 0 0"><geom size=".2"/></replicate>'),
 }
 
 
@@ -60,9 +57,7 @@ def settled(settings: str, joint: str, default: str) -> str:
 
 @pytest.mark.parametrize(("joint", "default"), SETTLED)
 @pytest.mark.parametrize("other", FREE_JOINTS[:6])
-def test_where_a_joint_cannot_say_it_the_model_does(
-    workshop: Workshop, joint: str, default: str, other: str
-) -> None:
+def test_where_a_joint_cannot_say_it_the_model_does(workshop: Workshop, joint: str, default: str, other: str) -> None:
     aligned, plain = settled('alignfree="true"', joint, default), FREE.format(settings="", joint=other)
     linked = workshop.link(plain, aligned)
     linked.check()
@@ -87,9 +82,7 @@ def test_two_joints_that_cannot_say_it_must_agree(workshop: Workshop) -> None:
 
 
 @pytest.mark.parametrize("joint", FREE_JOINTS[:6])
-@pytest.mark.parametrize(
-    "settings", ['settotalmass="7"', 'boundmass="1000"', 'fusestatic="true"', 'fitaabb="true"']
-)
+@pytest.mark.parametrize("settings", ['settotalmass="7"', 'boundmass="1000"', 'fusestatic="true"', 'fitaabb="true"'])
 def test_what_is_measured_is_measured_in_the_frame_before_alignment(
     workshop: Workshop, joint: str, settings: str
 ) -> None:
@@ -148,9 +141,7 @@ def test_settings_without_effect_are_dropped(workshop: Workshop) -> None:
 
 
 def test_the_compiler_stands_first(workshop: Workshop) -> None:
-    linked = workshop.link(
-        '<mujoco><worldbody/><option timestep=".01"/><compiler angle="radian"/></mujoco>', BASE
-    )
+    linked = workshop.link('<mujoco><worldbody/><option timestep=".01"/><compiler angle="radian"/></mujoco>', BASE)
     assert linked.linking.base.root[0].tag == "compiler"
 
 
@@ -206,8 +197,7 @@ def test_limits_stay_what_they_were(workshop: Workshop, base: str, part: str) ->
 
 
 @pytest.mark.parametrize(
-    ("settings", "expected"),
-    [(("false", "false"), "false"), (("false", "true"), None), (("true", "false"), None)],
+    ("settings", "expected"), [(("false", "false"), "false"), (("false", "true"), None), (("true", "false"), None)]
 )
 def test_the_model_says_false_only_where_all_do(
     workshop: Workshop, settings: tuple[str, str], expected: str | None
@@ -311,9 +301,7 @@ def test_what_moves_alone_keeps_its_own(workshop: Workshop) -> None:
 
 def test_what_the_recipe_sets_holds(workshop: Workshop) -> None:
     """It is written after the sources have been joined."""
-    linked = workshop.link(
-        moving("", 30), moving('<size memory="1M"/>'), overridden_options=frozenset({"size/memory"})
-    )
+    linked = workshop.link(moving("", 30), moving('<size memory="1M"/>'), overridden_options=frozenset({"size/memory"}))
     assert not linked.sink.diagnostics
 
 

@@ -55,9 +55,7 @@ def test_every_stumble_has_its_fault(workshop: Workshop, inside: str, instead: s
             right = to_text(unit.root)
             again = (right, radian) if base is text else (radian, right)
             workshop.link(again[0], Piece(again[1], place=placed(pos=(1.0, 0.0, 0.0))), measure=None)
-            assert all(
-                found.span and (found.span.file, found.span.line) == ("a.xml", 2) for found in sink.errors
-            )
+            assert all(found.span and (found.span.file, found.span.line) == ("a.xml", 2) for found in sink.errors)
 
 
 def test_where_nothing_is_wrong_nothing_is_told(workshop: Workshop) -> None:

@@ -76,10 +76,7 @@ def test_what_is_attached_to_a_part_is_a_wish_of_the_part(workshop: Workshop) ->
 def test_models_below_models_count_where_they_are_merged(workshop: Workshop) -> None:
     inner = host(policy="merge").replace("sub.xml", "inner.xml").replace("<mujoco>", '<mujoco model="sub">')
     inner = inner.replace('body="s"', 'body="s"').replace('name="b"', 'name="s"').replace("<joint/>", "")
-    files = {
-        "sub.xml": inner.replace('prefix="q"', 'prefix="i"'),
-        "inner.xml": sub('<option cone="elliptic"/>'),
-    }
+    files = {"sub.xml": inner.replace('prefix="q"', 'prefix="i"'), "inner.xml": sub('<option cone="elliptic"/>')}
     base = "<mujoco><worldbody><body/></worldbody></mujoco>"
     found = workshop.link(host(), base, files=files)
     assert found.alone(0).opt.cone == found.model().opt.cone == 1
@@ -170,9 +167,7 @@ def composed(linked: Linked) -> Unit:
 
 def test_sub_models_of_compositions_keep_their_files(workshop: Workshop) -> None:
     other = {**SUB_FILES, "s/sub.xml": SUB.replace("1 0 0 1", "0 1 0 1"), "s/m/a.obj": obj(0.7)}
-    inner = [
-        workshop.link(BASE, Piece(HOLDER, "p/", files=content)) for content in (SUB_FILES, other, SUB_FILES)
-    ]
+    inner = [workshop.link(BASE, Piece(HOLDER, "p/", files=content)) for content in (SUB_FILES, other, SUB_FILES)]
     alone = inner[0].model()
     parts = [
         Part(composed(each), prefix, placed(pos=(x, 0.0, 0.0)))
@@ -217,8 +212,6 @@ def test_what_is_attached_is_counted_through_the_door(tmp_path: Path) -> None:
         '<worldbody><attach model="m" prefix="a"/></worldbody></mujoco>'
     )
     for roots, size in (([tmp_path / "own"], 0), ([tmp_path], 3)):
-        unit = parse_text(
-            text, Sink(), file="m.xml", directory=tmp_path / "own", label="m", door=Door.of(roots)
-        )
+        unit = parse_text(text, Sink(), file="m.xml", directory=tmp_path / "own", label="m", door=Door.of(roots))
         assert unit is not None
         assert attached_size(unit)(next(unit.root.iter("attach"))).elements == size

@@ -188,9 +188,7 @@ def test_a_camera_that_looks_at_something_else_is_cut(take) -> None:  # type: ig
     sensor = '<sensor><camprojection name="seen" site="arm" camera="back"/></sensor>'
     look = '<camera name="{}" mode="targetbody" target="{}"/><light name="{}" mode="targetbody" target="{}"/>'
     arm = ARM.replace(
-        "<joint",
-        look.format("back", "base", "lit", "base") + look.format("on", "tip", "on", "arm") + "<joint",
-        1,
+        "<joint", look.format("back", "base", "lit", "base") + look.format("on", "tip", "on", "arm") + "<joint", 1
     )
     taken = take(model(arm, sensor), "arm")
     model_ = taken.check()
@@ -215,14 +213,7 @@ def test_assets_and_classes_come_as_far_as_they_are_needed(take) -> None:  # typ
     taken = take(text, "arm", {"unnamed.obj": obj(), "gone.obj": obj(0.2)})
     compiled = taken.check()
     assert (compiled.nmesh, compiled.nmat, compiled.ntex, compiled.nhfield) == (1, 2, 2, 0)
-    assert taken.left >= {
-        "mesh gone",
-        "material gone",
-        "texture gone",
-        "hfield gone",
-        "texture ",
-        "default class b",
-    }
+    assert taken.left >= {"mesh gone", "material gone", "texture gone", "hfield gone", "texture ", "default class b"}
     assert [each.get("class") for each in taken.unit.root.iterfind("default/default")] == ["a", "m"]
 
 
@@ -286,9 +277,7 @@ def test_a_mass_that_is_shared_out_with_fused_bodies_is_told(take) -> None:  # t
     taken = take(model(ARM.replace('<joint name="arm"/>', ""), head=head), "tip")
     assert taken.found is None
     (fault,) = taken.sink.errors
-    assert fault.message.endswith(
-        "cannot be kept in a composition: `fusestatic` makes this body one with another"
-    )
+    assert fault.message.endswith("cannot be kept in a composition: `fusestatic` makes this body one with another")
 
 
 def test_what_holds_for_the_whole_model_is_left(take) -> None:  # type: ignore[no-untyped-def]
@@ -332,9 +321,7 @@ def test_a_body_that_is_several_cannot_be_taken(take) -> None:  # type: ignore[n
     assert fault.code == "not-supported"
 
 
-@pytest.mark.parametrize(
-    ("name", "help"), [("amr", "did you mean `subtree: arm`?"), ("world", None), ("xyzzy", None)]
-)
+@pytest.mark.parametrize(("name", "help"), [("amr", "did you mean `subtree: arm`?"), ("world", None), ("xyzzy", None)])
 def test_a_body_that_is_not_there_is_told(take, name: str, help: str | None) -> None:  # type: ignore[no-untyped-def]
     taken = take(model(ARM), name)
     (fault,) = taken.sink.errors
@@ -343,7 +330,9 @@ def test_a_body_that_is_not_there_is_told(take, name: str, help: str | None) -> 
 
 
 def test_included_bodies_know_where_they_are_written(workshop: Workshop) -> None:
-    included = '<mujoco>\n<worldbody>\n<body name="base"><body name="arm"><geom size=".1"/></body></body></worldbody></mujoco>'
+    included = (
+        '<mujoco>\n<worldbody>\n<body name="base"><body name="arm"><geom size=".1"/></body></body></worldbody></mujoco>'
+    )
     path = workshop.write('<mujoco><include file="sub/arm.xml"/></mujoco>', {"sub/arm.xml": included})
     taken = Taken(path, "arm")
     (geom,) = taken.unit.root.iter("geom")
@@ -364,12 +353,7 @@ def _bodies(path: Path) -> list[str]:
 @pytest.mark.parametrize(
     "robot",
     rest_slow(
-        [
-            "franka_emika_panda/panda.xml",
-            "shadow_hand/right_hand.xml",
-            "unitree_g1/g1.xml",
-            "aloha/aloha.xml",
-        ],
+        ["franka_emika_panda/panda.xml", "shadow_hand/right_hand.xml", "unitree_g1/g1.xml", "aloha/aloha.xml"],
         quick=["shadow_hand/right_hand.xml"],
     ),
 )

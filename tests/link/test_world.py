@@ -123,10 +123,7 @@ def test_a_plane_needs_something_that_stands_still(workshop: Workshop, plane: st
 
 def test_a_plane_on_a_part_that_moves_is_told(workshop: Workshop) -> None:
     floor = f"<mujoco><worldbody>{PLANE}</worldbody></mujoco>"
-    pieces = [
-        Piece(floor, "floor/", placed("site", "arm/flange")),
-        Piece(ARM, "arm/", placed(pos=(1.0, 0.0, 0.0))),
-    ]
+    pieces = [Piece(floor, "floor/", placed("site", "arm/flange")), Piece(ARM, "arm/", placed(pos=(1.0, 0.0, 0.0)))]
     assert workshop.link("<mujoco/>", *pieces).fault.code == "plane-on-body"
 
 
@@ -140,14 +137,10 @@ def test_all_that_is_wrong_with_the_places_is_told_at_once(workshop: Workshop) -
     assert linked.codes == ["attach-place", "freejoint-on-body", "mocap-on-body"]
 
 
-def test_what_is_looked_at_grows_with_the_free_bodies(
-    workshop: Workshop, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_what_is_looked_at_grows_with_the_free_bodies(workshop: Workshop, monkeypatch: pytest.MonkeyPatch) -> None:
     looks = []
     plain = world.through_frames
-    monkeypatch.setattr(
-        world, "through_frames", lambda node: (looks.append(1) or each for each in plain(node))
-    )
+    monkeypatch.setattr(world, "through_frames", lambda node: (looks.append(1) or each for each in plain(node)))
 
     def looked(count: int) -> int:
         looks.clear()
@@ -206,9 +199,7 @@ def test_a_plugin_is_declared_once(workshop: Workshop) -> None:
 
 
 def test_a_plugin_that_the_base_lacks_is_declared(workshop: Workshop) -> None:
-    workshop.link(
-        BASE, Piece(PID.format(name="one", kp=2), "a/"), Piece(PID.format(name="one", kp=3), "b/")
-    ).check()
+    workshop.link(BASE, Piece(PID.format(name="one", kp=2), "a/"), Piece(PID.format(name="one", kp=3), "b/")).check()
 
 
 @pytest.mark.parametrize("tag", ["motor", "jointpos", "text", "exclude", "instance"])
@@ -277,16 +268,12 @@ def follows(alone: mujoco.MjModel, composed: mujoco.MjModel, pose: Pose, seconds
         x, y, z = mine.xpos[body].tolist()
         assert theirs.xpos[there] == pytest.approx((pose @ Pose((x, y, z))).pos, abs=1e-6)
     assert mine.nefc == theirs.nefc
-    assert np.linalg.norm(theirs.efc_force) == pytest.approx(
-        np.linalg.norm(mine.efc_force), rel=1e-4, abs=1e-5
-    )
+    assert np.linalg.norm(theirs.efc_force) == pytest.approx(np.linalg.norm(mine.efc_force), rel=1e-4, abs=1e-5)
 
 
 @pytest.mark.parametrize("joint", [SECTIONS_FREE, HINGE])
 @pytest.mark.parametrize("equality", EQUALITIES)
-def test_an_equality_with_the_world_moves_with_its_part(
-    workshop: Workshop, equality: str, joint: str
-) -> None:
+def test_an_equality_with_the_world_moves_with_its_part(workshop: Workshop, equality: str, joint: str) -> None:
     """The part alone is the judge, for 2 s, where gravity points the same way."""
     down = rotate(POSE.quat, (0.5, 0.0, -9.81))
     text = TOP.format(gravity="0.5 0 -9.81", joint=joint, equality=equality)
@@ -297,9 +284,7 @@ def test_an_equality_with_the_world_moves_with_its_part(
 
 @pytest.mark.parametrize("equality", EQUALITIES)
 @pytest.mark.parametrize("piece", [{}, {"joints": (Joint("joint", {"name": "lift", "type": "slide"}),)}])
-def test_below_a_body_its_world_is_that_body(
-    workshop: Workshop, equality: str, piece: dict[str, Any]
-) -> None:
+def test_below_a_body_its_world_is_that_body(workshop: Workshop, equality: str, piece: dict[str, Any]) -> None:
     """Wherever that body is, the residuals are those of the part alone."""
     text = TOP.format(gravity="0 0 0", joint=HINGE, equality=equality)
     at = placed("site", "deck", pos=(0.1, 0.0, 0.2), quat=POSE.quat)
@@ -459,9 +444,7 @@ def test_a_tendon_without_a_direction_is_unchanged(workshop: Workshop) -> None:
 @pytest.mark.mujoco4("it leaves flexes behind the frame around them")
 def test_what_mujoco_does_not_turn_is_said(workshop: Workshop) -> None:
     flex = '<flexcomp name="c" type="grid" dim="2" count="3 3 1" spacing=".1 .1 .1" mass=".1" radius=".01"/>'
-    text = (
-        f'<mujoco><worldbody>{flex}<body name="b" pos="0 0 9"><geom size=".1"/></body></worldbody></mujoco>'
-    )
+    text = f'<mujoco><worldbody>{flex}<body name="b" pos="0 0 9"><geom size=".1"/></body></worldbody></mujoco>'
     found = workshop.link(BASE, Piece(text, place=placed(quat=TILTED))).differences()
     assert found and {each.field for each in found} == {"body_quat"}
     assert all("vertices" in str(each) for each in found)

@@ -167,9 +167,7 @@ class Editor:
             self._next(left)
         return self.published[uri]
 
-    def at(
-        self, marked: str, name: str = "recipe.yaml", *, previous: str | None = None
-    ) -> tuple[dict[str, Any], str]:
+    def at(self, marked: str, name: str = "recipe.yaml", *, previous: str | None = None) -> tuple[dict[str, Any], str]:
         """Open or change a recipe that has a mark; gives the place of the mark as parameters, and the text."""
         text = marked.replace(MARK, "")
         uri = self.uri(name)
@@ -218,9 +216,7 @@ def applied(text: str, edits: list[dict[str, Any]]) -> str:
         line = lines[place["line"]].encode("utf-16-le")
         return starts[place["line"]] + len(line[: 2 * place["character"]].decode("utf-16-le"))
 
-    spans = sorted(
-        (offset(each["range"]["start"]), offset(each["range"]["end"]), each["newText"]) for each in edits
-    )
+    spans = sorted((offset(each["range"]["start"]), offset(each["range"]["end"]), each["newText"]) for each in edits)
     assert all(one[1] <= other[0] for one, other in pairwise(spans)), "changes overlap"
     for start, end, new in reversed(spans):
         text = text[:start] + new + text[end:]

@@ -16,8 +16,7 @@ RECIPES = REPOSITORY / "recipes"
 CORPUS = os.environ.get("MJCOMPOSE_CORPUS")
 ROBOTS = Path(CORPUS, "models") if CORPUS else None
 needs_robots = pytest.mark.skipif(
-    ROBOTS is None or not ROBOTS.is_dir(),
-    reason="MJCOMPOSE_CORPUS does not name the models of MuJoCo Menagerie",
+    ROBOTS is None or not ROBOTS.is_dir(), reason="MJCOMPOSE_CORPUS does not name the models of MuJoCo Menagerie"
 )
 
 

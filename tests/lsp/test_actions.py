@@ -57,9 +57,7 @@ def test_several_names_may_be_meant(editor: Editor) -> None:
         ("option:\n  impratio: 10\n", "option:\n  impratio: 10\n  cone: pyramidal\n"),
     ],
 )
-def test_a_setting_that_parts_disagree_about_is_settled(
-    editor: Editor, folder: Path, before: str, after: str
-) -> None:
+def test_a_setting_that_parts_disagree_about_is_settled(editor: Editor, folder: Path, before: str, after: str) -> None:
     for name, cone in (("one", "elliptic"), ("two", "pyramidal")):
         (folder / f"{name}.xml").write_text(MODEL.format(cone))
     parts = "recipe: 1\nattach:\n  a: {model: ./one.xml}\n  b: {model: ./two.xml}\n"
@@ -75,9 +73,7 @@ def test_a_setting_that_parts_disagree_about_is_settled(
 
 
 def test_a_part_that_is_missing_is_attached(editor: Editor) -> None:
-    text = DEMO.replace(
-        "sensor:\n", "sensor:\n  s: {type: framepos, objtype: body, objname: gripper2/base}\n"
-    )
+    text = DEMO.replace("sensor:\n", "sensor:\n  s: {type: framepos, objtype: body, objname: gripper2/base}\n")
     found, text = offered(editor, mark(text, "gripper2/base"))
     action = found["attach `gripper2`: `./models/gripper2/gripper2.xml`"]
     after = result(editor, action, text)

@@ -8,9 +8,7 @@ from mjcompose.lsp.analysis import column_of, lines_of, moved, units
 LINE = "a🤖é\u2028: x"
 
 
-@pytest.mark.parametrize(
-    ("encoding", "name"), [("utf-8", "utf-8"), ("utf-16", "utf-16-le"), ("utf-32", "utf-32-le")]
-)
+@pytest.mark.parametrize(("encoding", "name"), [("utf-8", "utf-8"), ("utf-16", "utf-16-le"), ("utf-32", "utf-32-le")])
 def test_units_are_those_of_the_encoding(encoding: str, name: str) -> None:
     size = {"utf-8": 1, "utf-16": 2, "utf-32": 4}[encoding]
     for column in range(len(LINE) + 1):

@@ -84,9 +84,7 @@ def test_a_missing_extra(monkeypatch: pytest.MonkeyPatch, package: str) -> None:
     monkeypatch.setitem(sys.modules, package, None)
     result: Any = CliRunner().invoke(main, ["lsp"])
     assert result.exit_code == 2
-    assert "The language server needs `mjcompose[lsp]`, which is not installed" in " ".join(
-        result.output.split()
-    )
+    assert "The language server needs `mjcompose[lsp]`, which is not installed" in " ".join(result.output.split())
     assert 'pip install "mjcompose[lsp]"' in result.output
     assert "Traceback" not in result.output
 

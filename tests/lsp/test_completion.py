@@ -12,9 +12,7 @@ DEMO = (RECIPES / "demo.yaml").read_text(encoding="utf-8")
 STUDY = (RECIPES / "payload_study.yaml").read_text(encoding="utf-8")
 
 
-def offered(
-    editor: Editor, marked: str, name: str = "demo.yaml", previous: str = DEMO
-) -> list[dict[str, object]]:
+def offered(editor: Editor, marked: str, name: str = "demo.yaml", previous: str = DEMO) -> list[dict[str, object]]:
     """What is offered at the mark, in a recipe that was whole a moment ago."""
     return editor.complete(marked, name, previous=previous)
 
@@ -23,9 +21,7 @@ def test_sites_of_the_parts_by_final_name_with_where_they_are(editor: Editor) ->
     found = offered(editor, DEMO.replace("site: arm/attachment_site\n", f"site: {MARK}\n"))
     assert labels(found) == ["table/mount", "table/corner", "arm/attachment_site", "watcher/optical_frame"]
     assert found[2]["detail"] == "site of arm, in arm/flange, pos 0 0 0.025"
-    assert not any(str(each["label"]).startswith("gripper/") for each in found), (
-        "a part is not attached to itself"
-    )
+    assert not any(str(each["label"]).startswith("gripper/") for each in found), "a part is not attached to itself"
 
 
 @pytest.mark.parametrize(
@@ -57,13 +53,9 @@ def test_names_of_the_kind_that_fits(editor: Editor, marked: str, first: str, ab
 
 
 def test_a_part_is_mated_and_edited_in_its_own_words(editor: Editor) -> None:
-    found = labels(
-        offered(editor, DEMO.replace("    site: table/corner", f"    site: table/corner\n    mate: {MARK}"))
-    )
+    found = labels(offered(editor, DEMO.replace("    site: table/corner", f"    site: table/corner\n    mate: {MARK}")))
     assert found[:2] == ["optical_frame", "base"]
-    text = DEMO.replace(
-        "    site: table/corner", f"    site: table/corner\n    edit:\n      - select: {{body: {MARK}"
-    )
+    text = DEMO.replace("    site: table/corner", f"    site: table/corner\n    edit:\n      - select: {{body: {MARK}")
     assert {"head", "tilt"} <= set(labels(offered(editor, text)))
 
 
@@ -75,8 +67,7 @@ def test_a_recipe_that_is_written_in_place_has_its_own_words(editor: Editor) -> 
 
 def test_selectors_say_how_many_they_match(editor: Editor) -> None:
     found = {
-        each["label"]: each["detail"]
-        for each in offered(editor, f'{DEMO}edit:\n  - {{select: {{body: "{MARK}"}}}}\n')
+        each["label"]: each["detail"] for each in offered(editor, f'{DEMO}edit:\n  - {{select: {{body: "{MARK}"}}}}\n')
     }
     assert found["arm/*"] == "7 elements"
     assert found["cube/*"] == "1 element"
@@ -102,9 +93,7 @@ def test_keys_with_documentation_those_that_are_needed_first(editor: Editor) -> 
 
 
 def test_keys_that_are_there_are_not_offered_again(editor: Editor) -> None:
-    found = labels(
-        offered(editor, DEMO.replace("    site: table/mount", f"    site: table/mount\n    {MARK}"))
-    )
+    found = labels(offered(editor, DEMO.replace("    site: table/mount", f"    site: table/mount\n    {MARK}")))
     assert "site" not in found
     assert "model" not in found
     assert "pos" in found
@@ -113,10 +102,7 @@ def test_keys_that_are_there_are_not_offered_again(editor: Editor) -> None:
 def test_attributes_and_keywords_of_mjcf(editor: Editor) -> None:
     found = labels(offered(editor, f"{DEMO}  s: {{type: force, {MARK}\n"))
     assert found[0] == "site"
-    assert labels(offered(editor, DEMO.replace("cone: elliptic", f"cone: {MARK}"))) == [
-        "pyramidal",
-        "elliptic",
-    ]
+    assert labels(offered(editor, DEMO.replace("cone: elliptic", f"cone: {MARK}"))) == ["pyramidal", "elliptic"]
     assert "framepos" in labels(offered(editor, DEMO.replace("type: framepos", f"type: {MARK}")))
 
 
@@ -126,14 +112,11 @@ def test_model_references(editor: Editor) -> None:
     assert "./two_arms.yaml" in found
     assert "./demo.yaml" not in found
     assert {"menagerie:", "package:"} <= set(found)
-    found = labels(
-        offered(editor, DEMO.replace("base: ./models/scenes/floor.xml", f"base: menagerie:univ{MARK}"))
-    )
+    found = labels(offered(editor, DEMO.replace("base: ./models/scenes/floor.xml", f"base: menagerie:univ{MARK}")))
     assert "menagerie:universal_robots_ur5e" in found
     found = labels(
         offered(
-            editor,
-            DEMO.replace("base: ./models/scenes/floor.xml", f"base: menagerie:universal_robots_ur5e/{MARK}"),
+            editor, DEMO.replace("base: ./models/scenes/floor.xml", f"base: menagerie:universal_robots_ur5e/{MARK}")
         )
     )
     assert found[0] == "menagerie:universal_robots_ur5e/ur5e"
@@ -159,20 +142,12 @@ def test_parameters_of_a_nested_recipe(editor: Editor, folder: Path) -> None:
 
 def test_variants_in_when_and_in_the_matrix(editor: Editor) -> None:
     found = labels(
-        offered(
-            editor,
-            STUDY.replace("when: {tool: gripper}", f"when: {{{MARK}}}", 1),
-            "payload_study.yaml",
-            STUDY,
-        )
+        offered(editor, STUDY.replace("when: {tool: gripper}", f"when: {{{MARK}}}", 1), "payload_study.yaml", STUDY)
     )
     assert found[:5] == ["payload", "reach", "tilt", "tool", "light"]
     found = labels(
         offered(
-            editor,
-            STUDY.replace("when: {tool: gripper}", f"when: {{tool: {MARK}}}", 1),
-            "payload_study.yaml",
-            STUDY,
+            editor, STUDY.replace("when: {tool: gripper}", f"when: {{tool: {MARK}}}", 1), "payload_study.yaml", STUDY
         )
     )
     assert found[:2] == ["gripper", "flange"]
@@ -207,8 +182,6 @@ def test_a_new_file_begins_with_its_version(editor: Editor) -> None:
 def test_inside_robots_of_menagerie(editor: Editor) -> None:
     name = "menagerie_ur5e_2f85.yaml"
     text = (editor.folder / name).read_text()
-    found = offered(
-        editor, text.replace("actuator: gripper/fingers_actuator", f"actuator: {MARK}"), name, text
-    )
+    found = offered(editor, text.replace("actuator: gripper/fingers_actuator", f"actuator: {MARK}"), name, text)
     assert "gripper/fingers_actuator" in labels(found)
     assert "shoulder_pan" in labels(found)

@@ -27,11 +27,7 @@ class Judge:
 
     def __init__(self) -> None:
         self.asked: list[str] = []
-        self.begun, self.may_answer, self.asked_again = (
-            threading.Event(),
-            threading.Event(),
-            threading.Event(),
-        )
+        self.begun, self.may_answer, self.asked_again = (threading.Event(), threading.Event(), threading.Event())
 
     def verify(self, path: Path, text: str, texts: Mapping[str, bytes]) -> tuple[Diagnostic, ...]:
         self.asked.append(text)
@@ -135,9 +131,7 @@ def _robots(folder: Path, size: int) -> Path:
 
 @pytest.mark.parametrize("change", [_model, _base, _environment])
 def test_an_edit_elsewhere_is_seen_in_the_model_and_in_its_trace(
-    workspace: Workspace,
-    monkeypatch: pytest.MonkeyPatch,
-    change: Callable[[Path, pytest.MonkeyPatch], None],
+    workspace: Workspace, monkeypatch: pytest.MonkeyPatch, change: Callable[[Path, pytest.MonkeyPatch], None]
 ) -> None:
     if change is _environment:
         monkeypatch.setenv("MENAGERIE_ROOT", str(_robots(workspace.folder / "robots", 1)))
@@ -150,9 +144,7 @@ def test_an_edit_elsewhere_is_seen_in_the_model_and_in_its_trace(
     assert "25" in text_of(workspace.traced(after))
 
 
-def test_a_trace_is_that_of_the_analyzed_sources_though_a_file_has_changed_since(
-    workspace: Workspace,
-) -> None:
+def test_a_trace_is_that_of_the_analyzed_sources_though_a_file_has_changed_since(workspace: Workspace) -> None:
     analysis = analysed(workspace)
     (workspace.folder / "arm.xml").write_text(ARM.format(size=25))
     traced = workspace.traced(analysis)

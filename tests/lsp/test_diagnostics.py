@@ -26,9 +26,7 @@ def test_the_shipped_demo_has_none(editor: Editor) -> None:
     assert editor.diagnostics(editor.open("demo.yaml")) == []
 
 
-def test_a_wrong_name_is_reported_at_its_place_and_goes_when_it_is_put_right(
-    editor: Editor, small: Path
-) -> None:
+def test_a_wrong_name_is_reported_at_its_place_and_goes_when_it_is_put_right(editor: Editor, small: Path) -> None:
     uri = editor.open("small/a.yaml", ARM.replace("site: tip", "site: tipp"))
     (found,) = editor.diagnostics(uri)
     assert (found["code"], found["severity"], found["source"]) == ("attach-place", 1, "mjcompose")
@@ -87,9 +85,7 @@ def test_a_fault_in_a_model_is_shown_in_the_model_saved_or_not(editor: Editor, s
     editor.tell("textDocument/didClose", {"textDocument": {"uri": model}})
 
 
-def test_a_site_that_is_typed_into_the_model_exists_at_once_in_the_recipe(
-    editor: Editor, small: Path
-) -> None:
+def test_a_site_that_is_typed_into_the_model_exists_at_once_in_the_recipe(editor: Editor, small: Path) -> None:
     uri = editor.open("small/typed.yaml", ARM.replace("site: tip", "site: new_tip"))
     assert len(editor.diagnostics(uri)) == 1
     model = editor.open("small/arm.xml")
@@ -113,18 +109,14 @@ def test_a_nested_recipe_is_read_as_it_is_being_written(editor: Editor, small: P
     assert "`a/tip`" in found["message"]
 
 
-def test_what_only_mujoco_finds_comes_after_a_pause_and_stays_with_its_line(
-    editor: Editor, small: Path
-) -> None:
+def test_what_only_mujoco_finds_comes_after_a_pause_and_stays_with_its_line(editor: Editor, small: Path) -> None:
     text = ARM + "check:\n  load: {expect: {attr: mass, equals: 1}}\n"
     uri = editor.open("small/check.yaml", text)
     (found,) = editor.wait(uri, lambda found: bool(found))
     assert (found["code"], found["range"]["start"]["line"]) == ("check-failed", 7)
     editor.change(uri, text.replace("recipe: 1\n", "recipe: 1\nname: x\n"))
     (found,) = editor.diagnostics(uri)
-    assert (found["code"], found["range"]["start"]["line"]) == ("check-failed", 8), (
-        "before MuJoCo is asked again"
-    )
+    assert (found["code"], found["range"]["start"]["line"]) == ("check-failed", 8), "before MuJoCo is asked again"
     editor.change(uri, text.replace("equals: 1", "equals: 2"))
     assert editor.diagnostics(uri) == [], "the line is another one"
 

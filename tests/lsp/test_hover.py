@@ -36,9 +36,7 @@ def test_an_element_with_its_pose_its_part_and_where_it_came_from(editor: Editor
 def test_the_range_of_a_joint_in_its_unit_and_in_degrees(editor: Editor) -> None:
     text = shown(editor, mark(DEMO + "keyframe:\n  k: {qpos: {arm/elbow: 1rad}}\n", "arm/elbow"))
     assert "hinge joint, range [-2.6, 2.6] rad = [-149, 149]°" in text
-    text = shown(
-        editor, mark(DEMO + "keyframe:\n  k: {qpos: {gripper/left_finger: 0.01}}\n", "gripper/left_finger")
-    )
+    text = shown(editor, mark(DEMO + "keyframe:\n  k: {qpos: {gripper/left_finger: 0.01}}\n", "gripper/left_finger"))
     assert "slide joint, range [" in text
     assert "] m" in text
 

@@ -14,9 +14,7 @@ DEMO = (RECIPES / "demo.yaml").read_text(encoding="utf-8")
 STUDY = (RECIPES / "payload_study.yaml").read_text(encoding="utf-8")
 
 
-def places(
-    editor: Editor, method: str, marked: str, name: str = "demo.yaml", **more: Any
-) -> list[tuple[str, str]]:
+def places(editor: Editor, method: str, marked: str, name: str = "demo.yaml", **more: Any) -> list[tuple[str, str]]:
     """The files and the texts that a request leads to."""
     params, _ = editor.at(marked, name)
     found = editor.ask(f"textDocument/{method}", {**params, **more})
@@ -57,9 +55,7 @@ def test_definition_of_parts_and_parameters(editor: Editor) -> None:
 
 def test_definition_in_a_nested_recipe(editor: Editor) -> None:
     outer = "recipe: 1\nattach:\n  a:\n    model: ./payload_study.yaml\n    with: {reach: 0.5}\n"
-    assert places(editor, "definition", mark(outer, "reach: 0"), "outer.yaml") == [
-        ("payload_study.yaml", "reach")
-    ]
+    assert places(editor, "definition", mark(outer, "reach: 0"), "outer.yaml") == [("payload_study.yaml", "reach")]
     assert places(editor, "definition", mark(outer, "./payload_study.yaml"), "outer.yaml") == [
         ("payload_study.yaml", "")
     ]
@@ -71,9 +67,7 @@ def test_references_in_the_recipe_and_in_the_models(editor: Editor) -> None:
     assert found[0] == ("arm6.xml", "attachment_site")
     assert found.count(("demo.yaml", "arm/attachment_site")) == 1
     text = DEMO + "  angle: {type: jointpos, joint: arm/elbow}\n"
-    found = places(
-        editor, "references", mark(text, "joint: arm/elbow"), context={"includeDeclaration": False}
-    )
+    found = places(editor, "references", mark(text, "joint: arm/elbow"), context={"includeDeclaration": False})
     assert ("demo.yaml", "arm/elbow") in found
     assert ("arm6.xml", "elbow") in found, "the actuator of the model"
 
@@ -82,11 +76,7 @@ def test_references_of_a_part_and_of_a_parameter(editor: Editor) -> None:
     found = places(editor, "references", mark(DEMO, "  gripper:\n"), context={"includeDeclaration": True})
     assert found == [("demo.yaml", "gripper/base"), ("demo.yaml", "gripper/grip")]
     found = places(
-        editor,
-        "references",
-        mark(STUDY, "  payload:"),
-        "payload_study.yaml",
-        context={"includeDeclaration": True},
+        editor, "references", mark(STUDY, "  payload:"), "payload_study.yaml", context={"includeDeclaration": True}
     )
     assert len(found) == STUDY.count("payload") - 4, "but for the name, the comments and the description"
     assert {each[1] for each in found} == {"payload"}
@@ -121,8 +111,7 @@ def test_hints_say_counts_values_and_units(editor: Editor) -> None:
     found = editor.ask("textDocument/inlayHint", {"textDocument": params["textDocument"], "range": whole})
     lines = text.split("\n")
     shown = {
-        lines[each["position"]["line"]][: each["position"]["character"]].split()[-1]: each["label"]
-        for each in found
+        lines[each["position"]["line"]][: each["position"]["character"]].split()[-1]: each["label"] for each in found
     }
     assert shown['"arm/*"'] == "× 7"
     assert shown["-28"] == "deg"
@@ -134,11 +123,7 @@ def test_hints_say_counts_values_and_units(editor: Editor) -> None:
 
 @pytest.mark.parametrize("ends", ["\n", "\r\n"], ids=["LF", "CRLF"])
 def test_formatting_is_that_of_fmt_and_leaves_the_rest_alone(editor: Editor, ends: str) -> None:
-    messy = (
-        DEMO.replace("attach:\n", "attach:\n\n\n")
-        .replace("cone: elliptic", "cone:   elliptic")
-        .replace("\n", ends)
-    )
+    messy = DEMO.replace("attach:\n", "attach:\n\n\n").replace("cone: elliptic", "cone:   elliptic").replace("\n", ends)
     params, text = editor.at(MARK + messy, "messy.yaml")
     edits = editor.ask(
         "textDocument/formatting",
@@ -155,16 +140,12 @@ def test_formatting_is_that_of_fmt_and_leaves_the_rest_alone(editor: Editor, end
 def test_formatting_a_half_written_recipe_changes_nothing(editor: Editor) -> None:
     params, _ = editor.at(f"{DEMO}  x: {{{MARK}", "half_messy.yaml")
     options = {"tabSize": 2, "insertSpaces": True}
-    assert (
-        editor.ask("textDocument/formatting", {"textDocument": params["textDocument"], "options": options})
-        == []
-    )
+    assert editor.ask("textDocument/formatting", {"textDocument": params["textDocument"], "options": options}) == []
 
 
 def test_check_as_a_command(editor: Editor) -> None:
     said = editor.ask(
-        "workspace/executeCommand",
-        {"command": "mjcompose.check", "arguments": [str(editor.folder / "demo.yaml")]},
+        "workspace/executeCommand", {"command": "mjcompose.check", "arguments": [str(editor.folder / "demo.yaml")]}
     )
     assert said.endswith("demo.yaml: ok")
 
@@ -184,9 +165,7 @@ def test_from_a_line_of_the_model_to_the_recipes_that_use_it(editor: Editor) -> 
 
 def test_a_file_that_changes_on_the_disk_is_read_again(editor: Editor) -> None:
     (editor.folder / "disk.xml").write_text('<mujoco><worldbody><site name="a"/></worldbody></mujoco>')
-    uri = editor.open(
-        "disk.yaml", "recipe: 1\nbase: ./disk.xml\nattach:\n  x: {model: ./disk.xml, site: b}\n"
-    )
+    uri = editor.open("disk.yaml", "recipe: 1\nbase: ./disk.xml\nattach:\n  x: {model: ./disk.xml, site: b}\n")
     assert len(editor.diagnostics(uri)) == 1
     (watched,) = [each for each in editor.requests if each["method"] == "client/registerCapability"]
     assert watched["params"]["registrations"][0]["method"] == "workspace/didChangeWatchedFiles"

@@ -47,9 +47,7 @@ def test_a_head_without_a_length_is_answered_and_the_next_message_is_heard(head:
     assert [(number, code) for number, code, _ in answers] == [(None, PARSE_ERROR)]
 
 
-@pytest.mark.parametrize(
-    "head", [b"content-length:%d\n\n", b"\r\nContent-Type: x\r\nCONTENT-LENGTH: \t%d \r\n\r\n"]
-)
+@pytest.mark.parametrize("head", [b"content-length:%d\n\n", b"\r\nContent-Type: x\r\nCONTENT-LENGTH: \t%d \r\n\r\n"])
 def test_heads_may_be_written_in_other_ways(head: bytes) -> None:
     body = json.dumps(GOOD).encode()
     assert read(head % len(body) + body + frame({**GOOD, "method": "exit", "id": 8})) == (
@@ -111,9 +109,7 @@ def test_a_server_answers_them_all(tmp_path: Path) -> None:
     (tmp_path / "a.yaml").write_text("recipe: 1\nbase: ./none.xml\n")
     with Editor(tmp_path) as editor:
         assert editor.process.stdin is not None
-        editor.process.stdin.write(
-            b"Content-Length: -5\r\n\r\n" + frame({**HOVER, "params": None}) + frame(b"{")
-        )
+        editor.process.stdin.write(b"Content-Length: -5\r\n\r\n" + frame({**HOVER, "params": None}) + frame(b"{"))
         editor.process.stdin.flush()
         codes: list[int] = []
         while len(codes) < 3:
@@ -130,14 +126,13 @@ def test_a_recipe_that_is_too_long_says_so(tmp_path: Path) -> None:
         (found,) = editor.diagnostics(uri, 20)
         assert "has 3.8 MB" in found["message"] and "mjcompose check" in found["message"]
         editor.change(uri, "recipe: 1\nbase: ./m.xml\n")
-        assert [
-            each["code"] for each in editor.wait(uri, lambda found: found and "MB" not in found[0]["message"])
-        ] == ["source-not-found"]
+        assert [each["code"] for each in editor.wait(uri, lambda found: found and "MB" not in found[0]["message"])] == [
+            "source-not-found"
+        ]
 
 
 @pytest.mark.parametrize(
-    "uri",
-    ["untitled:a\0.yaml", "file:///tmp/a%00b.yaml", "untitled:" + "a" * 5000, "", "\ud800", "file://host/a"],
+    "uri", ["untitled:a\0.yaml", "file:///tmp/a%00b.yaml", "untitled:" + "a" * 5000, "", "\ud800", "file://host/a"]
 )
 def test_a_document_without_a_name_that_can_be_holds_no_other_up(uri: str, tmp_path: Path) -> None:
     with Editor(tmp_path) as editor:
@@ -145,7 +140,5 @@ def test_a_document_without_a_name_that_can_be_holds_no_other_up(uri: str, tmp_p
         editor.tell("textDocument/didOpen", {"textDocument": item})
         (found,) = editor.diagnostics(editor.open("a.yaml", "recipe: 1\nbase: ./none.xml\n"), 20)
         assert found["code"] == "source-not-found" and editor.log == []
-        editor.ask(
-            "textDocument/hover", {"textDocument": {"uri": uri}, "position": {"line": 1, "character": 8}}, 20
-        )
+        editor.ask("textDocument/hover", {"textDocument": {"uri": uri}, "position": {"line": 1, "character": 8}}, 20)
         assert editor.log == []

@@ -65,9 +65,7 @@ def test_a_part_everywhere_in_its_recipe_and_in_those_that_include_it(editor: Ed
     expected = INNER.replace("left/", "west/").replace("  left: {model", "  west: {model")
     expected = expected.replace("{left,right}", "{west,right}").replace("part: left}", "part: west}")
     assert after == expected
-    assert applied(OUTER, found[editor.uri("renamed_outer.yaml")]) == OUTER.replace(
-        "robot/left", "robot/west"
-    )
+    assert applied(OUTER, found[editor.uri("renamed_outer.yaml")]) == OUTER.replace("robot/left", "robot/west")
     editor.change(editor.uri("renamed_inner.yaml"), after)
     assert editor.diagnostics(editor.uri("renamed_inner.yaml")) == []
 

@@ -33,9 +33,7 @@ def names() -> list[str]:
         found.add(name)
         if inspect.isfunction(value):
             found |= {f"{name}({each})" for each in _parameters(value)}
-    found |= {
-        f"{owner}({each})" for owner in ("Asset", "RootElement") for each in _parameters(classes[owner])
-    }
+    found |= {f"{owner}({each})" for owner in ("Asset", "RootElement") for each in _parameters(classes[owner])}
     for owner, value in classes.items():
         inherited = {each for each, _ in _public(classes["Element"])} if owner == "RootElement" else set()
         for name, member in _public(value):

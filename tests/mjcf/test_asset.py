@@ -45,18 +45,12 @@ def test_numpy_numbers_are_positions() -> None:
         (lambda: mjcf.get_freejoint("body"), "expects an element, got `str`"),
         (lambda: mjcf.commit_defaults(None), "expects an element, got `NoneType`"),
         (lambda: mjcf.from_path("a\0b.xml"), "`path` expects a path, got `a\\0b.xml`"),
-        (
-            lambda: mjcf.export_with_assets(mjcf.RootElement(), "a\0b"),
-            "`out_dir` expects a path, got `a\\0b`",
-        ),
+        (lambda: mjcf.export_with_assets(mjcf.RootElement(), "a\0b"), "`out_dir` expects a path, got `a\\0b`"),
         (lambda: mjcf.RootElement().enter_scope(3), "`prefix` expects a name, got `3`"),
         (lambda: mjcf.RootElement().get(None), "`attribute` expects a name, got `None`"),
         (lambda: mjcf.RootElement().origin_of(None), "`attribute` expects a name, got `None`"),
         (lambda: mjcf.RootElement().find("geom", 3), "`name` expects a name, got `3`"),
-        (
-            lambda: mjcf.RootElement().worldbody.insert("geom", "0"),
-            "`position` expects an integer, got `'0'`",
-        ),
+        (lambda: mjcf.RootElement().worldbody.insert("geom", "0"), "`position` expects an integer, got `'0'`"),
         (lambda: mjcf.RootElement().worldbody.insert("geom", True), "`position` expects an integer"),
         (lambda: mjcf.RootElement().worldbody.insert("geom", np.array([1])), "`position` expects an integer"),
         (lambda: mjcf.Asset("text", ".stl"), "`contents` expects bytes, got `str`"),
@@ -104,9 +98,7 @@ def test_bytes_may_be_a_file(arm: mjcf.RootElement, folder: Path, compiled: Comp
     again = arm.asset.add("mesh", name="again", file=mesh.file)
     arm.asset.add("mesh", name="other", file=mjcf.Asset(data[:-1] + b"\1", ".stl", "shell"))
     assert mesh.file.contents == data and mesh.file.path is None and mesh.file == again.file
-    assert repr(mesh).count("shell-2.stl") == repr(again).count("shell-2.stl") == 1, (
-        "shell.stl is there on disk"
-    )
+    assert repr(mesh).count("shell-2.stl") == repr(again).count("shell-2.stl") == 1, "shell.stl is there on disk"
     assert compiled(arm).nmesh == 4 and len(arm.assets) == 3
 
 
@@ -115,9 +107,7 @@ def test_a_file_of_another_model_may_be_used(arm: mjcf.RootElement, gripper: mjc
     assert len(set(arm.assets.values())) == 2
 
 
-def test_names_of_assets_are_told_apart(
-    arm: mjcf.RootElement, gripper: mjcf.RootElement, compiled: Compiled
-) -> None:
+def test_names_of_assets_are_told_apart(arm: mjcf.RootElement, gripper: mjcf.RootElement, compiled: Compiled) -> None:
     arm.attach(gripper)
     names = list(arm.assets)
     assert names == ["assets/arm/shell.stl", "assets/gripper/shell-2.stl"]
@@ -136,12 +126,8 @@ def test_only_a_file_can_be_an_asset(arm: mjcf.RootElement) -> None:
         arm.worldbody.add("geom", name=mjcf.Asset(b"x", ".stl"))
 
 
-def test_its_path_in_a_bundle(
-    arm: mjcf.RootElement, gripper: mjcf.RootElement, folder: Path, tmp_path: Path
-) -> None:
-    twin = arm.asset.add(
-        "mesh", name="twin", file=mjcf.Asset((folder / "arm/meshes/shell.stl").read_bytes(), ".stl")
-    )
+def test_its_path_in_a_bundle(arm: mjcf.RootElement, gripper: mjcf.RootElement, folder: Path, tmp_path: Path) -> None:
+    twin = arm.asset.add("mesh", name="twin", file=mjcf.Asset((folder / "arm/meshes/shell.stl").read_bytes(), ".stl"))
     arm.find("site", "flange").attach(gripper)  # type: ignore[union-attr]
     shells = [arm.find("mesh", name).file for name in ("shell", "gripper/shell", "twin")]  # type: ignore[union-attr]
     assert [shell.bundle_path for shell in shells] == [

@@ -42,11 +42,7 @@ def test_everything_is_found_where_it_hangs(
     assert fore is not None and base is not None
     assert fore.find("body", "gripper/palm") is gripper.find("body", "palm")
     assert len(fore.find_all("joint")) == 3 and fore.find("actuator", "gripper/fingers") is None
-    assert [each.full_identifier for each in arm.find_all("actuator")] == [
-        "shoulder",
-        "elbow",
-        "gripper/fingers",
-    ]
+    assert [each.full_identifier for each in arm.find_all("actuator")] == ["shoulder", "elbow", "gripper/fingers"]
     assert arm.actuator.find("position", "gripper/fingers") is gripper.actuator.position[0]
     assert [each.name for each in fore.find_all("body", immediate_children_only=True)] == ["palm"]
     assert arm.find("default", "gripper/finger") is gripper.find("default", "finger")
@@ -144,9 +140,7 @@ def test_the_offset_of_a_frame(arm: mjcf.RootElement, gripper: mjcf.RootElement,
 
 
 @pytest.mark.parametrize("unit", ["degree", "radian"])
-def test_angles_of_a_frame_are_in_the_parents_unit(
-    unit: str, gripper: mjcf.RootElement, compiled: Compiled
-) -> None:
+def test_angles_of_a_frame_are_in_the_parents_unit(unit: str, gripper: mjcf.RootElement, compiled: Compiled) -> None:
     quarter = 90 if unit == "degree" else np.pi / 2
     base = mjcf.RootElement("base")
     base.compiler.angle = unit
@@ -331,9 +325,7 @@ def test_a_model_hangs_in_the_world_of_one_that_hangs(compiled: Compiled) -> Non
     np.testing.assert_allclose(model.body("middle/inner/b").pos, [0, 1, 1])
 
 
-def test_the_frame_of_an_element(
-    arm: mjcf.RootElement, gripper: mjcf.RootElement, frame: mjcf.Element
-) -> None:
+def test_the_frame_of_an_element(arm: mjcf.RootElement, gripper: mjcf.RootElement, frame: mjcf.Element) -> None:
     assert mjcf.get_attachment_frame(gripper) is frame
     assert mjcf.get_attachment_frame(gripper.find("geom", "palm")) is frame  # type: ignore[arg-type]
     assert mjcf.get_attachment_frame(arm) is None
@@ -352,9 +344,7 @@ def test_the_free_joint_of_a_body() -> None:
     assert [joint and joint.name for joint in found] == ["a", "b", "c", "d", None]
 
 
-def test_a_frame_that_is_gone_is_shown_without_a_name(
-    arm: mjcf.RootElement, gripper: mjcf.RootElement
-) -> None:
+def test_a_frame_that_is_gone_is_shown_without_a_name(arm: mjcf.RootElement, gripper: mjcf.RootElement) -> None:
     frame = arm.find("site", "flange").attach(gripper)
     assert repr(frame) == '<body name="gripper/"/>'
     gripper.detach()
@@ -362,8 +352,7 @@ def test_a_frame_that_is_gone_is_shown_without_a_name(
 
 
 @pytest.mark.parametrize(
-    "become_body",
-    [lambda frame: frame.add("joint", name="turn"), lambda frame: setattr(frame, "mocap", True)],
+    "become_body", [lambda frame: frame.add("joint", name="turn"), lambda frame: setattr(frame, "mocap", True)]
 )
 def test_a_frame_that_becomes_a_body_needs_its_name(
     arm: mjcf.RootElement, gripper: mjcf.RootElement, become_body: Callable[[mjcf.Element], object]
@@ -468,9 +457,7 @@ def test_what_is_referred_to_may_be_attached_later(compiled: Compiled) -> None:
     body = ball.find("body", "b")
     sensor = walker.sensor.add("framepos", name="s", objtype="body", objname=body)
     assert sensor.objname is body
-    with pytest.raises(
-        mjcf.MjcfError, match="`objname` to `<body>` `b` of the model `ball`, which is not attached"
-    ):
+    with pytest.raises(mjcf.MjcfError, match="`objname` to `<body>` `b` of the model `ball`, which is not attached"):
         walker.to_xml_string()
     root.attach(walker)
     body.name, ball.model = "moved", "other"

@@ -106,9 +106,7 @@ def needs_no_class(differences: Differences) -> Callable[[RootElement], None]:
         ('<position kv="3"/>', '<position joint="j" dampratio="1"/>'),
     ],
 )  # fmt: skip
-def test_what_actuators_are_given_can_be_written_on_them(
-    classes: str, actuator: str, needs_no_class: Check
-) -> None:
+def test_what_actuators_are_given_can_be_written_on_them(classes: str, actuator: str, needs_no_class: Check) -> None:
     model = _of_actuators(classes, actuator)
     before = model.actuator.all_children()[0].tag
     with warnings.catch_warnings():
@@ -118,9 +116,7 @@ def test_what_actuators_are_given_can_be_written_on_them(
 
 
 def test_what_the_tag_cannot_say_makes_it_a_general(needs_no_class: Check) -> None:
-    model = _of_actuators(
-        '<position kp="7"/><general gainprm="3"/>', '<position name="p" joint="j" ctrlrange="0 1"/>'
-    )
+    model = _of_actuators('<position kp="7"/><general gainprm="3"/>', '<position name="p" joint="j" ctrlrange="0 1"/>')
     actuator, joint = model.find("position", "p"), model.find("joint", "j")
     with pytest.warns(mjcf.MjcfWarning, match=r"`<position>` `p` is written as a `general`"):
         needs_no_class(model)
@@ -185,9 +181,7 @@ def test_an_actuator_that_a_class_only_names_stays_one(needs_no_class: Check) ->
     ],
 )
 def test_of_two_ways_to_say_a_thing_one_is_written(classes: str, body: str, needs_no_class: Check) -> None:
-    needs_no_class(
-        mjcf.from_xml_string(f"<mujoco><default>{classes}</default><worldbody>{body}</worldbody></mujoco>")
-    )
+    needs_no_class(mjcf.from_xml_string(f"<mujoco><default>{classes}</default><worldbody>{body}</worldbody></mujoco>"))
 
 
 def test_an_empty_reference_takes_back_what_a_class_above_gives(needs_no_class: Check) -> None:
@@ -286,9 +280,7 @@ def test_some_attributes_of_an_actuator_whose_class_speaks_of_others() -> None:
 
 def test_an_attribute_that_no_class_gives_is_reported(model: RootElement) -> None:
     before = model.to_xml_string()
-    with pytest.raises(
-        mjcf.MjcfError, match="default classes give no element an attribute `frction`"
-    ) as caught:
+    with pytest.raises(mjcf.MjcfError, match="default classes give no element an attribute `frction`") as caught:
         mjcf.commit_defaults(model, attributes=["rgba", "frction"])
     assert caught.value.diagnostics[0].help == "did you mean `friction`?"
     with pytest.raises(mjcf.MjcfError, match="`attributes` expects a list of names"):
@@ -321,8 +313,7 @@ def test_attached_models_and_the_joints_between(arm: RootElement, gripper: RootE
 
 
 @pytest.mark.parametrize(
-    "name",
-    ["franka_emika_panda/panda.xml", "wonik_allegro/left_hand.xml", "mujoco_model/humanoid/humanoid.xml"],
+    "name", ["franka_emika_panda/panda.xml", "wonik_allegro/left_hand.xml", "mujoco_model/humanoid/humanoid.xml"]
 )
 def test_robots(name: str, corpus: Path) -> None:
     with warnings.catch_warnings():
@@ -357,9 +348,7 @@ def _read(path: Path) -> tuple[mujoco.MjModel, RootElement] | None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("folder", _folders())
-def test_no_class_is_needed_afterwards(
-    folder: str, corpus: Path, differences: Differences, tmp_path: Path
-) -> None:
+def test_no_class_is_needed_afterwards(folder: str, corpus: Path, differences: Differences, tmp_path: Path) -> None:
     """Of every model that MuJoCo reads; `mjx_panda` and its scenes have gains of two tags in one class."""
     if folder.startswith("models"):
         shutil.copytree(corpus / folder, tmp_path / folder, copy_function=without_meshes)

@@ -24,9 +24,7 @@ def test_a_deep_copy_is_a_model_of_its_own(arm: mjcf.RootElement, gripper: mjcf.
     assert twin.actuator.motor[1].joint.name == "yaw"
 
 
-def test_a_copy_of_an_attached_model_hangs_on_nothing(
-    arm: mjcf.RootElement, gripper: mjcf.RootElement
-) -> None:
+def test_a_copy_of_an_attached_model_hangs_on_nothing(arm: mjcf.RootElement, gripper: mjcf.RootElement) -> None:
     arm.find("site", "flange").attach(gripper)  # type: ignore[union-attr]
     twin = copy.deepcopy(gripper)
     assert twin.parent_model is None

@@ -28,9 +28,7 @@ def assert_unchanged(path: Path, differences: Differences) -> None:
 @pytest.mark.parametrize(
     "name", rest_slow(["ur5e", "2f85", "fetch", "shadow_hand", "adroit", "kitchen"], ["2f85", "fetch"])
 )
-def test_packaged_models_are_unchanged(
-    name: str, packaged_models: dict[str, Path], differences: Differences
-) -> None:
+def test_packaged_models_are_unchanged(name: str, packaged_models: dict[str, Path], differences: Differences) -> None:
     assert_unchanged(packaged_models[name], differences)
 
 

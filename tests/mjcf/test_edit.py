@@ -21,9 +21,7 @@ def test_references_to_what_was_removed_are_told_with_everyone_who_refers(arm: m
     (fault,) = caught.value.diagnostics
     assert fault.code == "unknown-name"
     told = [note.message for note in fault.notes]
-    assert told[0].startswith("`<motor>` `elbow` refers") and told[1].startswith(
-        "`<jointpos>` `angle` refers"
-    )
+    assert told[0].startswith("`<motor>` `elbow` refers") and told[1].startswith("`<jointpos>` `angle` refers")
     assert told[2] == "joints that exist: shoulder"
     assert arm.find("actuator", "elbow").joint == "elbow_joint"  # type: ignore[union-attr]
 
@@ -77,9 +75,7 @@ def test_the_root_cannot_be_removed(arm: mjcf.RootElement) -> None:
         arm.remove()
 
 
-def test_what_is_attached_to_a_removed_body_is_detached(
-    arm: mjcf.RootElement, gripper: mjcf.RootElement
-) -> None:
+def test_what_is_attached_to_a_removed_body_is_detached(arm: mjcf.RootElement, gripper: mjcf.RootElement) -> None:
     arm.find("site", "flange").attach(gripper)  # type: ignore[union-attr]
     arm.sensor.add("jointpos", joint="gripper/left")
     arm.find("body", "fore").remove(cascade=True)  # type: ignore[union-attr]

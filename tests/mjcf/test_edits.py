@@ -84,14 +84,9 @@ def _state(model: Model) -> Any:
 
 
 def _index(model: Model, index: NameIndex) -> Any:
-    declared = {
-        (space, name, node) for space, names in index.declared.items() for name, node in names.items()
-    }
+    declared = {(space, name, node) for space, names in index.declared.items() for name, node in names.items()}
     uses = {
-        (space, name, *use)
-        for space, names in index.uses.items()
-        for name, users in names.items()
-        for use in users
+        (space, name, *use) for space, names in index.uses.items() for name, users in names.items() for use in users
     }
     return declared, uses
 
@@ -170,11 +165,7 @@ class Edits(RuleBasedStateMachine):
             self._try(lambda: element.add("goem", name="x"), wrong=True)
             self._try(lambda: element.add("mujoco"), wrong=True)
 
-    @rule(
-        data=st.data(),
-        tag=st.sampled_from(["body", "geom", "joint", "site", "material", "actuator"]),
-        name=_NAMES,
-    )
+    @rule(data=st.data(), tag=st.sampled_from(["body", "geom", "joint", "site", "material", "actuator"]), name=_NAMES)
     def rename(self, data: st.DataObject, tag: str, name: str) -> None:
         element = self._any(data, tag)
         if element is not None and name:
@@ -187,9 +178,7 @@ class Edits(RuleBasedStateMachine):
         if geom is not None and target is not None:
             self._try(lambda: setattr(geom, attribute, target))
 
-    @rule(
-        data=st.data(), tag=st.sampled_from(["geom", "site", "body"]), number=st.sampled_from([0.5, -1, "x"])
-    )
+    @rule(data=st.data(), tag=st.sampled_from(["geom", "site", "body"]), number=st.sampled_from([0.5, -1, "x"]))
     def change_in_place(self, data: st.DataObject, tag: str, number: Any) -> None:
         element = self._any(data, tag)
         if element is not None and element.get("size" if tag == "geom" else "pos") is not None:
@@ -230,15 +219,7 @@ class Edits(RuleBasedStateMachine):
                 root.compile_model(conflict="mujoco")
             return
         physics = root.compile_model(conflict="mujoco")
-        for name in (
-            "body_pos",
-            "geom_size",
-            "geom_rgba",
-            "jnt_dofadr",
-            "actuator_trnid",
-            "key_qpos",
-            "sensor_objid",
-        ):
+        for name in ("body_pos", "geom_size", "geom_rgba", "jnt_dofadr", "actuator_trnid", "key_qpos", "sensor_objid"):
             np.testing.assert_array_equal(getattr(physics.model, name), getattr(written, name))
         again = mujoco.MjModel.from_xml_string(mjcf.from_xml_string(text).to_xml_string())
         assert (again.nq, again.nbody, again.nkey) == (written.nq, written.nbody, written.nkey)
@@ -298,10 +279,7 @@ class Edits(RuleBasedStateMachine):
 
     @rule(data=st.data(), name=st.sampled_from(["one", "two", "new", "", "a\x00", 3]))
     def rename_a_model(self, data: st.DataObject, name: Any) -> None:
-        self._try(
-            lambda: setattr(data.draw(st.sampled_from(self.models)), "model", name),
-            wrong=name in ("a\x00", 3),
-        )
+        self._try(lambda: setattr(data.draw(st.sampled_from(self.models)), "model", name), wrong=name in ("a\x00", 3))
 
     @rule(data=st.data())
     def include(self, data: st.DataObject) -> None:
@@ -347,9 +325,7 @@ def _text(model: RootElement) -> str | None:
     except MjcfError as error:
         # A model alone has nothing of the models around it, and what it refers to may have been detached.
         told = {
-            each.code
-            for each in error.diagnostics
-            if "`../" not in each.message and "not attached" not in each.message
+            each.code for each in error.diagnostics if "`../" not in each.message and "not attached" not in each.message
         }
         assert not told & {"unknown-name", "name-clash", "wrong-type"}, error
         return None

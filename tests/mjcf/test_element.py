@@ -82,19 +82,13 @@ def test_insert_puts_a_child_before_another(body: mjcf.Element) -> None:
     zeroth = body.insert("geom", position=-3)
     assert body.all_children() == [zeroth, first, middle, last]
     assert body.insert("geom", -1, name="2") is body.all_children()[3]
-    assert (
-        first.add("plugin") is not None and body.insert("body", 0).insert("geom", -1).parent is body.body[0]
-    )
+    assert first.add("plugin") is not None and body.insert("body", 0).insert("geom", -1).parent is body.body[0]
     with pytest.raises(mjcf.MjcfError):
         body.insert("geom", "first")  # type: ignore[arg-type]
 
 
 def test_renaming_renames_what_refers_to_it(arm: mjcf.RootElement) -> None:
-    fore, flange, visual = (
-        arm.find("body", "upper"),
-        arm.find("site", "flange"),
-        arm.find("default", "visual"),
-    )
+    fore, flange, visual = (arm.find("body", "upper"), arm.find("site", "flange"), arm.find("default", "visual"))
     assert fore is not None and flange is not None and visual is not None
     fore.name, flange.name, visual.name = "arm1", "tool", "looks"
     text = arm.to_xml_string()
@@ -236,9 +230,7 @@ def test_it_is_a_list_and_takes_names(world: mjcf.Element) -> None:
 
 
 def test_a_name_that_is_not_there_is_told_with_those_that_are(world: mjcf.Element) -> None:
-    with pytest.raises(
-        mjcf.MjcfError, match="the geom `d` does not exist here\n.*geoms that exist: a, b, c"
-    ) as caught:
+    with pytest.raises(mjcf.MjcfError, match="the geom `d` does not exist here\n.*geoms that exist: a, b, c") as caught:
         world.geom["d"]
     assert isinstance(caught.value, KeyError) and caught.value.diagnostics[0].span.file == __file__  # type: ignore[union-attr]
     unnamed = world.add("body").add("site").parent

@@ -13,11 +13,7 @@ from mjcompose.mjcf.errors import failure, raise_errors
 
 def test_a_fault_is_a_value_error_with_diagnostics() -> None:
     error = failure("name-clash", "there are two", help="rename one")
-    assert (
-        isinstance(error, mjcf.MjcfError)
-        and isinstance(error, ValueError)
-        and isinstance(error, MjcomposeError)
-    )
+    assert isinstance(error, mjcf.MjcfError) and isinstance(error, ValueError) and isinstance(error, MjcomposeError)
     assert str(error) == "error[name-clash]: there are two\n  = help: rename one"
     assert pickle.loads(pickle.dumps(error)).diagnostics == error.diagnostics
 

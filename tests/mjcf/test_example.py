@@ -27,9 +27,7 @@ def test_the_pendulum() -> None:
 def test_editing_a_robot(
     folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    text = (
-        (folder / "arm" / "arm.xml").read_text().replace('"upper"', '"arm"').replace("meshes", "arm/meshes")
-    )
+    text = (folder / "arm" / "arm.xml").read_text().replace('"upper"', '"arm"').replace("meshes", "arm/meshes")
     (tmp_path / "robot.xml").write_text(text)
     mesh = tmp_path / "arm" / "meshes" / "path" / "to" / "mesh.stl"
     mesh.parent.mkdir(parents=True)
@@ -52,9 +50,7 @@ def test_editing_a_robot(
     assert model.find("joint", "elbow_joint").damping == 2
 
     model.asset.add("mesh", name="custom_mesh", file="path/to/mesh.stl")
-    model.worldbody.add("body", name="custom_body").add(
-        "geom", name="mesh_geom", type="mesh", mesh="custom_mesh"
-    )
+    model.worldbody.add("body", name="custom_body").add("geom", name="mesh_geom", type="mesh", mesh="custom_mesh")
     mjcf.export_with_assets(model, "out/")
     mjcf.export_with_assets_as_zip(model, "out/model.zip")
 

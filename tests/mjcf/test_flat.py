@@ -27,9 +27,7 @@ def test_writing_leaves_the_model_as_it_is(arm: mjcf.RootElement, gripper: mjcf.
     before = [repr(each) for tag in ("body", "geom", "joint", "mesh") for each in arm.find_all(tag)]
     assert arm.to_xml_string() == arm.to_xml_string()
     assert [repr(each) for tag in ("body", "geom", "joint", "mesh") for each in arm.find_all(tag)] == before
-    assert [repr(each) for each in gripper.find_all("key")] == [
-        '<key name="open" qpos="0.03 0.03" ctrl="0.03"/>'
-    ]
+    assert [repr(each) for each in gripper.find_all("key")] == ['<key name="open" qpos="0.03 0.03" ctrl="0.03"/>']
 
 
 def test_each_part_means_what_it_means_alone(
@@ -53,9 +51,7 @@ def test_each_part_means_what_it_means_alone(
         )
 
 
-def test_keys_come_along_under_the_prefix(
-    arm: mjcf.RootElement, gripper: mjcf.RootElement, compiled: Compiled
-) -> None:
+def test_keys_come_along_under_the_prefix(arm: mjcf.RootElement, gripper: mjcf.RootElement, compiled: Compiled) -> None:
     arm.find("site", "flange").attach(gripper)  # type: ignore[union-attr]
     assert arm.find("key", "gripper/open").full_identifier == "gripper/open"  # type: ignore[union-attr]
     model = compiled(arm)
@@ -139,9 +135,7 @@ def test_an_attached_model_is_written_by_itself_too(arm: mjcf.RootElement, gripp
     assert gripper.to_xml_string() == alone
 
 
-def test_what_only_mujoco_can_tell_is_asked(
-    arm: mjcf.RootElement, gripper: mjcf.RootElement, folder: Path
-) -> None:
+def test_what_only_mujoco_can_tell_is_asked(arm: mjcf.RootElement, gripper: mjcf.RootElement, folder: Path) -> None:
     gripper.compiler.boundmass = 0.5
     alone = mujoco.MjModel.from_xml_string(gripper.to_xml_string(), gripper.assets)
     arm.find("site", "flange").attach(gripper)  # type: ignore[union-attr]
@@ -151,9 +145,7 @@ def test_what_only_mujoco_can_tell_is_asked(
 
 
 def test_files_of_models_without_a_name_have_a_folder(tmp_path: Path) -> None:
-    (tmp_path / "m.obj").write_text(
-        "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n"
-    )
+    (tmp_path / "m.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n")
     model = mjcf.RootElement("my model")
     model.asset.add("mesh", file=str(tmp_path / "m.obj"))
     assert list(model.assets) == ["assets/my_model/m.obj"]
@@ -163,9 +155,7 @@ def test_a_model_without_a_file_is_told_by_its_name() -> None:
     model, child = mjcf.RootElement("table"), mjcf.RootElement("lamp")
     model.attach(child)
     child.keyframe.add("key", name="on", qpos=[1])
-    with pytest.raises(
-        mjcf.MjcfError, match="`qpos` of the key `on` has 1 numbers, and `lamp` has room for 0"
-    ):
+    with pytest.raises(mjcf.MjcfError, match="`qpos` of the key `on` has 1 numbers, and `lamp` has room for 0"):
         model.to_xml_string()
 
 

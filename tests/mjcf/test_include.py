@@ -21,15 +21,7 @@ def test_an_empty_model_becomes_the_other(arm: RootElement, compiled: Compiled) 
     model.include_copy(arm)
     assert model.model == "new"
     ours, theirs = compiled(model), compiled(arm)
-    for name in (
-        "body_pos",
-        "body_inertia",
-        "jnt_range",
-        "dof_damping",
-        "mesh_vert",
-        "actuator_gainprm",
-        "geom_rgba",
-    ):
+    for name in ("body_pos", "body_inertia", "jnt_range", "dof_damping", "mesh_vert", "actuator_gainprm", "geom_rgba"):
         assert getattr(ours, name).tolist() == getattr(theirs, name).tolist(), name
     assert model.find("joint", "shoulder").origin == arm.find("joint", "shoulder").origin
     model.find("joint", "shoulder").name = "other"
@@ -69,14 +61,9 @@ def test_names_that_are_taken_are_all_told_and_nothing_changes() -> None:
 def test_settings_that_differ() -> None:
     model = _model('<option timestep="0.001"/>', "one")
     other = _model('<option timestep="0.005" gravity="0 0 -1"><flag contact="disable"/></option>', "two")
-    with pytest.raises(
-        MjcfError, match="`option` has `timestep`, which is not the same in `one` and `two`"
-    ) as caught:
+    with pytest.raises(MjcfError, match="`option` has `timestep`, which is not the same in `one` and `two`") as caught:
         model.include_copy(other)
-    assert [note.message for note in caught.value.diagnostics[0].notes] == [
-        "`one` has `0.001`",
-        "`two` has `0.005`",
-    ]
+    assert [note.message for note in caught.value.diagnostics[0].notes] == ["`one` has `0.001`", "`two` has `0.005`"]
     model.include_copy(other, override=True)
     assert model.option.timestep == 0.005
     assert model.option.gravity.tolist() == [0, 0, -1]
@@ -86,11 +73,7 @@ def test_settings_that_differ() -> None:
 
 @pytest.mark.parametrize(
     "settings",
-    [
-        '<compiler angle="radian"/>',
-        '<compiler autolimits="false"/>',
-        '<default><geom density="5"/></default>',
-    ],
+    ['<compiler angle="radian"/>', '<compiler autolimits="false"/>', '<default><geom density="5"/></default>'],
 )
 def test_a_setting_that_would_change_what_elements_mean(settings: str) -> None:
     geom = '<worldbody><geom size="1"/></worldbody>'
@@ -112,9 +95,7 @@ def test_a_setting_that_both_write_is_not_lost_where_one_has_no_elements() -> No
     for elements_of_one, elements_of_two in ((geom, ""), ("", geom), ("", "")):
         model = _model('<compiler boundmass="1"/>' + elements_of_one, "one")
         other = _model('<compiler boundmass="2"/>' + elements_of_two, "two")
-        with pytest.raises(
-            MjcfError, match="`compiler` has `boundmass`, which is not the same in `one` and `two`"
-        ):
+        with pytest.raises(MjcfError, match="`compiler` has `boundmass`, which is not the same in `one` and `two`"):
             model.include_copy(other)
         assert model.compiler.boundmass == 1
         with pytest.warns(mjcf.MjcfWarning, match="that of `two` now counts"):

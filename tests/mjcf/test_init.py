@@ -12,9 +12,7 @@ def test_importing_it_imports_nothing_heavy(repository: Path) -> None:
         "import sys; from mjcompose import mjcf; m = mjcf.RootElement(); m.worldbody.add('geom', size=[1]); "
         "m.to_xml_string(); print([n for n in ('mujoco', 'pydantic', 'yaml', 'click') if n in sys.modules])"
     )
-    run = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=repository
-    )
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=repository)
     assert run.stdout.strip() == "[]"
 
 

@@ -122,9 +122,7 @@ def test_names_that_stand_twice_are_told_where_the_second_one_is() -> None:
     ]
 
 
-@pytest.mark.parametrize(
-    "sizes", ['njmax="100" nconmax="5"|memory="2M"', 'memory="2M"|njmax="100" nstack="5000"']
-)
+@pytest.mark.parametrize("sizes", ['njmax="100" nconmax="5"|memory="2M"', 'memory="2M"|njmax="100" nstack="5000"'])
 def test_memory_wins_over_what_was_in_its_place_once(sizes: str) -> None:
     first, second = sizes.split("|")
     text = f'<mujoco><size {first}/><size {second}/><worldbody><geom size="1"/></worldbody></mujoco>'
@@ -145,11 +143,7 @@ def test_sections_written_twice_become_one() -> None:
     model = mjcf.from_xml_string(text)
     assert [each.name for each in model.worldbody.geom] == ["a", "b"]
     assert (model.compiler.angle, model.compiler.eulerseq) == ("degree", "zyx")
-    assert (model.option.timestep, model.option.flag.contact, model.option.flag.energy) == (
-        0.2,
-        "disable",
-        "enable",
-    )
+    assert (model.option.timestep, model.option.flag.contact, model.option.flag.energy) == (0.2, "disable", "enable")
     assert (model.visual.map.znear, model.visual.map.zfar) == (0.5, 9)
     one, other = mujoco.MjModel.from_xml_string(text), mujoco.MjModel.from_xml_string(model.to_xml_string())
     assert one.geom_group.tolist() == other.geom_group.tolist() == [2, 1]
@@ -158,9 +152,7 @@ def test_sections_written_twice_become_one() -> None:
 
 
 def test_comments_stay() -> None:
-    model = mjcf.from_xml_string(
-        "<mujoco><!-- a --><worldbody><!-- b --><geom size='1'/></worldbody></mujoco>"
-    )
+    model = mjcf.from_xml_string("<mujoco><!-- a --><worldbody><!-- b --><geom size='1'/></worldbody></mujoco>")
     assert len(model.worldbody.all_children()) == 1 and "<!-- b -->" in model.to_xml_string()
 
 

@@ -24,9 +24,7 @@ def files(folder: Path) -> list[str]:
     return sorted(path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file())
 
 
-def test_a_folder_loads_from_anywhere(
-    both: mjcf.RootElement, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_folder_loads_from_anywhere(both: mjcf.RootElement, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     out = tmp_path / "deep" / "out"
     mjcf.export_with_assets(both, out)
     assert files(out) == ["assets/arm/shell.stl", "assets/gripper/shell.stl", "model.xml"]
@@ -74,9 +72,7 @@ def test_the_same_model_gives_the_same_bytes(
     assert (tmp_path / "a.zip").read_bytes() == (tmp_path / "b.zip").read_bytes()
 
 
-def test_nothing_is_left_of_an_export_that_fails(
-    both: mjcf.RootElement, folder: Path, tmp_path: Path
-) -> None:
+def test_nothing_is_left_of_an_export_that_fails(both: mjcf.RootElement, folder: Path, tmp_path: Path) -> None:
     (folder / "gripper" / "shell.stl").unlink()
     with pytest.raises(mjcf.MjcfError, match="asset-missing.*shell.stl"):
         mjcf.export_with_assets(both, tmp_path / "out" / "inner")
@@ -109,9 +105,7 @@ def test_only_a_whole_model_is_exported(both: mjcf.RootElement, tmp_path: Path) 
         mjcf.export_with_assets(both.worldbody, tmp_path / "out")  # type: ignore[arg-type]
 
 
-def test_conflicts_are_settled_as_asked(
-    both: mjcf.RootElement, gripper: mjcf.RootElement, tmp_path: Path
-) -> None:
+def test_conflicts_are_settled_as_asked(both: mjcf.RootElement, gripper: mjcf.RootElement, tmp_path: Path) -> None:
     both.option.timestep, gripper.option.timestep = 0.002, 0.001
     with pytest.raises(mjcf.MjcfError, match=r"option\.timestep"):
         mjcf.export_with_assets(both, tmp_path / "out")
@@ -169,9 +163,7 @@ def test_a_file_that_a_zip_lacks_is_told(tmp_path: Path) -> None:
         mjcf.from_zip(tmp_path / "z.zip").find("mesh", "m").file.contents  # type: ignore[union-attr]  # noqa: B018
 
 
-def test_files_that_vanish_are_told_and_the_model_stays(
-    both: mjcf.RootElement, folder: Path, tmp_path: Path
-) -> None:
+def test_files_that_vanish_are_told_and_the_model_stays(both: mjcf.RootElement, folder: Path, tmp_path: Path) -> None:
     text = both.to_xml_string()
     (folder / "arm" / "meshes" / "shell.stl").unlink()
     for attempt in (
@@ -269,9 +261,7 @@ def test_text_may_include_what_is_handed_over() -> None:
         ("<mujoco>\n<include file='no.xml'/></mujoco>", {"file-not-found", "xml-include"}, 2, "no.xml"),
     ],
 )
-def test_faults_are_told_with_file_and_line(
-    tmp_path: Path, text: str, codes: set[str], line: int, said: str
-) -> None:
+def test_faults_are_told_with_file_and_line(tmp_path: Path, text: str, codes: set[str], line: int, said: str) -> None:
     (tmp_path / "bad.xml").write_text(text)
     with pytest.raises(mjcf.MjcfError) as caught:
         mjcf.from_path(tmp_path / "bad.xml")
@@ -307,9 +297,7 @@ def test_a_zip_of_ours_comes_back(folder: Path, tmp_path: Path) -> None:
 
 
 def test_a_zip_of_mujocos_comes_back(tmp_path: Path) -> None:
-    spec = mujoco.MjSpec.from_string(
-        '<mujoco model="m"><worldbody><geom name="g" size="1"/></worldbody></mujoco>'
-    )
+    spec = mujoco.MjSpec.from_string('<mujoco model="m"><worldbody><geom name="g" size="1"/></worldbody></mujoco>')
     spec.compile()
     if not hasattr(spec, "to_zip"):
         pytest.skip("this MuJoCo writes no zips")

@@ -77,9 +77,7 @@ def _write(root: RootElement, count: int) -> None:
 
 
 @pytest.mark.parametrize(
-    "edit",
-    [_add, _insert, _find, _rename, _remove, _remove_all_that_refer, _write],
-    ids=lambda each: each.__name__,
+    "edit", [_add, _insert, _find, _rename, _remove, _remove_all_that_refer, _write], ids=lambda each: each.__name__
 )
 def test_an_edit_is_linear(edit: Callable[[RootElement, int], None]) -> None:
     edit(_large(_FEW), _FEW)  # what is made once and kept

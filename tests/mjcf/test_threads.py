@@ -39,11 +39,7 @@ def _at_once(work: Callable[[int], _Result]) -> list[_Result]:
 
 def _read(model: RootElement) -> tuple[object, ...]:
     """Everything that reading can make: views, names, and sections that are not written."""
-    elements = [
-        each
-        for tag in ("body", "joint", "geom", "site", "actuator", "sensor")
-        for each in model.find_all(tag)
-    ]
+    elements = [each for tag in ("body", "joint", "geom", "site", "actuator", "sensor") for each in model.find_all(tag)]
     return (
         *elements,
         model.find("joint", "gripper/left"),
@@ -64,9 +60,7 @@ def test_a_model_is_read_in_several_threads(arm: RootElement, gripper: RootEleme
         first, *others = _at_once(lambda number, model=fresh: _read(model))  # type: ignore[misc]
         for other in others:
             assert len(other) == len(first)
-            assert all(
-                a is b or (isinstance(a, str | tuple) and a == b) for a, b in zip(first, other, strict=True)
-            )
+            assert all(a is b or (isinstance(a, str | tuple) and a == b) for a, b in zip(first, other, strict=True))
         assert [each.tag for each in fresh.all_children()].count("custom") == 1
 
 

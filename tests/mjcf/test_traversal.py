@@ -95,11 +95,7 @@ def test_attached_bodies_stand_after_the_children_of_what_carries_them(chain: li
 
 def test_sections_follow_one_another(chain: list[mjcf.RootElement]) -> None:
     assert [each.full_identifier for each in chain[0].find_all("motor")] == ["m", "b/m", "b/c/m", "b/c/d/m"]
-    assert [each.full_identifier for each in chain[1].actuator.find_all("motor")] == [
-        "b/m",
-        "b/c/m",
-        "b/c/d/m",
-    ]
+    assert [each.full_identifier for each in chain[1].actuator.find_all("motor")] == ["b/m", "b/c/m", "b/c/d/m"]
     assert [each.root.model for each in chain[2].find_all("actuator", True)] == []
     assert len(chain[2].actuator.find_all("actuator", True)) == 2
     assert [each.root.model for each in chain[2].find_all("worldbody")] == ["c"]
@@ -119,13 +115,7 @@ def test_what_is_below_what(chain: list[mjcf.RootElement]) -> None:
     deep = target(d.find("geom", "g"))
     for outer in (a.worldbody, a.find("body", "1"), b.find("body", "1"), d.find("body", "1.1"), b):
         assert is_below(target(outer), deep)
-    for outer in (
-        a.find("body", "2"),
-        a.find("body", "1.1"),
-        d.find("body", "2"),
-        a.actuator,
-        d.find("geom"),
-    ):
+    for outer in (a.find("body", "2"), a.find("body", "1.1"), d.find("body", "2"), a.actuator, d.find("geom")):
         assert not is_below(target(outer), deep)
     motor = target(d.find("actuator", "m"))
     assert is_below(target(a.actuator), motor) and not is_below(target(a.find("body", "1")), motor)

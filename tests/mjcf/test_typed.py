@@ -76,16 +76,7 @@ def test_the_stub_is_what_the_grammar_says() -> None:
 def test_a_checker_passes_a_correct_program_and_reports_each_wrong_line(tmp_path: Path) -> None:
     (tmp_path / "good.py").write_text(_GOOD)
     (tmp_path / "bad.py").write_text(_BAD)
-    command = [
-        sys.executable,
-        "-m",
-        "mypy",
-        "--strict",
-        "--config-file=",
-        "--cache-dir=.cache",
-        "good.py",
-        "bad.py",
-    ]
+    command = [sys.executable, "-m", "mypy", "--strict", "--config-file=", "--cache-dir=.cache", "good.py", "bad.py"]
     run = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
     errors = [line.split(":")[:2] for line in run.stdout.splitlines() if ": error: " in line]
     assert {name for name, _ in errors} == {"bad.py"}, run.stdout + run.stderr
@@ -94,9 +85,7 @@ def test_a_checker_passes_a_correct_program_and_reports_each_wrong_line(tmp_path
 
 @pytest.mark.slow
 def test_the_program_that_passes_runs(tmp_path: Path) -> None:
-    run = subprocess.run(
-        [sys.executable, "-c", _GOOD], cwd=tmp_path, capture_output=True, text=True, check=False
-    )
+    run = subprocess.run([sys.executable, "-c", _GOOD], cwd=tmp_path, capture_output=True, text=True, check=False)
     assert run.returncode == 0, run.stderr
     assert "file-not-found" in run.stdout
 

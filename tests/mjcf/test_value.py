@@ -84,9 +84,7 @@ def test_references_read_as_elements_and_are_set_by_element_or_name(arm: mjcf.Ro
 def test_lists_of_references_are_lists() -> None:
     model = mjcf.RootElement()
     bodies = [model.worldbody.add("body", name=name) for name in "ab"]
-    flex = model.deformable.add(
-        "flex", name="f", dim=1, body=bodies, vertex=[0, 0, 0, 1, 0, 0], element=[0, 1]
-    )
+    flex = model.deformable.add("flex", name="f", dim=1, body=bodies, vertex=[0, 0, 0, 1, 0, 0], element=[0, 1])
     assert flex.body == bodies
     bodies[0].name = "c"
     assert 'body="c b"' in repr(flex)
@@ -161,10 +159,7 @@ def test_bytes_are_no_list_of_numbers() -> None:
 
 
 def test_text_is_taken_as_it_stands_in_xml() -> None:
-    mocap, limited = (
-        GRAMMAR.element("body").attributes["mocap"],
-        GRAMMAR.element("joint").attributes["limited"],
-    )
+    mocap, limited = (GRAMMAR.element("body").attributes["mocap"], GRAMMAR.element("joint").attributes["limited"])
     assert [encode(mocap, value) for value in (True, "true", np.bool_(False))] == ["true", "true", "false"]
     assert [encode(limited, value) for value in (True, "auto")] == ["true", "auto"]
     for attribute, value in ((mocap, "yes"), (mocap, 1), (limited, "maybe"), (GEOM["type"], "sphere box")):
@@ -250,9 +245,6 @@ def test_rows_are_of_one_length_and_any_precision() -> None:
 def test_axes_of_angles_are_letters() -> None:
     eulerseq = GRAMMAR.element("compiler").attributes["eulerseq"]
     assert encode(eulerseq, "XYz") == "XYz"
-    for value, said in (
-        ("xyw", "expects letters of `xyzXYZ`, got `w`"),
-        ("xy", "expects 3 characters, got 2"),
-    ):
+    for value, said in (("xyw", "expects letters of `xyzXYZ`, got `w`"), ("xy", "expects 3 characters, got 2")):
         with pytest.raises(BadValue, match=said):
             encode(eulerseq, value)

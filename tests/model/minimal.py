@@ -149,9 +149,7 @@ PLACES: dict[str, Place] = {
     "material": Place("asset", "@", {"name": "ma"}),
     "material/layer": Place("asset", '<material name="ma">@</material>', {"texture": "{texture}"}),
     "body": Place("worldbody", inside='<geom size="0.1"/>'),
-    "inertial": Place(
-        "worldbody", "<body><joint/>@</body>", {"pos": "0.1 0 0", "mass": "1", "diaginertia": "1 1 1"}
-    ),
+    "inertial": Place("worldbody", "<body><joint/>@</body>", {"pos": "0.1 0 0", "mass": "1", "diaginertia": "1 1 1"}),
     "joint": Place("worldbody", '<body>@<geom size="0.1" pos="0 0 1"/></body>'),
     "freejoint": Place("worldbody", '<body>@<geom size="0.1"/></body>'),
     "geom": Place("body", "@", {"size": "0.1 0.2 0.3", "type": "box", "pos": "1 0 0"}),
@@ -170,10 +168,7 @@ PLACES: dict[str, Place] = {
     "flex/elasticity": Place("worldbody", f'<body name="sheet">{FLEX}</body>', {"young": "10"}),
     "flex/contact": Place("worldbody", f'<body name="sheet">{FLEX}</body>'),
     "flex": Place("deformable", "@", RAW_FLEX),
-    "flex/edge": Place(
-        "deformable",
-        '<flex body="{body}" element="0 1 2" vertex="0 0 0 1 0 0 0 1 0">@</flex>',
-    ),
+    "flex/edge": Place("deformable", '<flex body="{body}" element="0 1 2" vertex="0 0 0 1 0 0 0 1 0">@</flex>'),
     "contact/pair": Place("contact", "@", {"geom1": "{geom}", "geom2": "other"}),
     "contact/exclude": Place("contact", "@", {"body1": "other"}),
     "tendon/spatial": Place("tendon", inside='<site site="{site}"/><site site="other"/>'),
@@ -182,8 +177,7 @@ PLACES: dict[str, Place] = {
     "spatial/geom": Place("tendon", '<spatial><site site="{site}"/>@<site site="other"/></spatial>'),
     "spatial/pulley": Place(
         "tendon",
-        '<spatial><site site="{site}"/><site site="other"/>@'
-        '<site site="{site}"/><site site="other"/></spatial>',
+        '<spatial><site site="{site}"/><site site="other"/>@<site site="{site}"/><site site="other"/></spatial>',
         {"divisor": "2"},
     ),
     "fixed/joint": Place("tendon", "<fixed>@</fixed>", {"coef": "1"}),
@@ -198,9 +192,7 @@ PLACES: dict[str, Place] = {
     "actuator/muscle": Place("actuator", "@", {"tendon": "{tendon}", "lengthrange": "0 1"}),
     "actuator/dcmotor": Place("actuator", "@", {"joint": "{joint}", "motorconst": "1", "resistance": "1"}),
     "actuator/damper": Place("actuator", "@", {"joint": "{joint}", "ctrlrange": "0 1"}),
-    "actuator/plugin": Place(
-        "actuator", "@", {"joint": "{joint}", "plugin": "mujoco.pid", "instance": "{instance}"}
-    ),
+    "actuator/plugin": Place("actuator", "@", {"joint": "{joint}", "plugin": "mujoco.pid", "instance": "{instance}"}),
     "sensor/rangefinder": Place("sensor", "@", {"site": "{site}"}),
     "sensor/distance": Place("sensor", "@", {"geom1": "{geom}", "geom2": "other"}),
     "sensor/normal": Place("sensor", "@", {"geom1": "{geom}", "geom2": "other"}),
@@ -209,10 +201,7 @@ PLACES: dict[str, Place] = {
     "sensor/ballangvel": Place("sensor", "@", {"joint": "ball"}, also=BALL),
     "sensor/user": Place("sensor", "@", {"dim": "1"}),
     "sensor/plugin": Place(
-        "sensor",
-        "@",
-        {"plugin": "mujoco.sensor.touch_grid", "objtype": "site", "objname": "{site}"},
-        GRID + GAMMA,
+        "sensor", "@", {"plugin": "mujoco.sensor.touch_grid", "objtype": "site", "objname": "{site}"}, GRID + GAMMA
     ),
     "custom/numeric": Place("custom", "@", {"size": "3"}),
     "custom/text": Place("custom", "@", {"name": "te", "data": "x"}),

@@ -61,9 +61,7 @@ def arrays(xml: str) -> Arrays:
     """Every number of a compiled model; no names."""
     compiled = mujoco.MjSpec.from_string(xml).compile()
     structs = {"": compiled, "opt": compiled.opt, "stat": compiled.stat, "global": compiled.vis.global_}
-    structs |= {
-        name: getattr(compiled.vis, name) for name in ("quality", "headlight", "map", "scale", "rgba")
-    }
+    structs |= {name: getattr(compiled.vis, name) for name in ("quality", "headlight", "map", "scale", "rgba")}
     found = {}
     for prefix, struct in structs.items():
         for name in dir(struct):
@@ -96,9 +94,7 @@ def attributes_of(path: str) -> tuple[ElementType, dict[str, str], list[Attribut
 @pytest.mark.mujoco4("it has elements whose place is not tried")
 def test_every_element_has_a_place() -> None:
     with_attributes = {
-        path
-        for path in GRAMMAR.paths
-        if GRAMMAR.element(path).exists_in(VERSION) and GRAMMAR.element(path).attributes
+        path for path in GRAMMAR.paths if GRAMMAR.element(path).exists_in(VERSION) and GRAMMAR.element(path).attributes
     }
     assert with_attributes - set(PLACES) == set(LEFT_OUT) - {"worldbody", "visual"}
 
@@ -261,9 +257,7 @@ def test_what_mujoco_ignores_has_no_effect() -> None:
     for path, name in found:
         element = GRAMMAR.element(path)
         assert name not in element.attributes
-        assert (
-            differences(arrays(model(element)), arrays(model(element, {**needed(element), name: "x"}))) == []
-        )
+        assert differences(arrays(model(element)), arrays(model(element, {**needed(element), name: "x"}))) == []
 
 
 @pytest.mark.parametrize("path", PLACED)

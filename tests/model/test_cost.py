@@ -161,9 +161,7 @@ TREES = st.recursive(
 
 @given(st.lists(TREES, max_size=6), st.sampled_from(["", '<default><joint type="ball"/></default>']))
 def test_what_is_small_at_a_glance_is_so_when_it_is_counted(trees: list[str], default: str) -> None:
-    other = (
-        "<body><joint/><joint/></body><tendon><fixed><joint/></fixed></tendon><equality><joint/></equality>"
-    )
+    other = "<body><joint/><joint/></body><tendon><fixed><joint/></fixed></tendon><equality><joint/></equality>"
     root = etree.fromstring(f"<mujoco>{default}<worldbody>{''.join(trees)}</worldbody>{other}</mujoco>")
     whole = expanded(root)
     with allow(dofs=max(whole.dofs - 1, 1), mass_matrix=10**9):
@@ -197,10 +195,7 @@ def test_text_that_is_long() -> None:
         assert told(f'<geom name="{"x" * 100}"/>') == []
         for long in (f'<geom name="{"x" * 101}"/>', f"<!--{'x' * 100}-->", "\n" * 101):
             ((code, message, line),) = told(long)
-            assert (code, line) == (
-                "limit-exceeded",
-                2 if long[0] == "\n" else 3,
-            ) and "100 are allowed" in message
+            assert (code, line) == ("limit-exceeded", 2 if long[0] == "\n" else 3) and "100 are allowed" in message
 
 
 @pytest.mark.parametrize(

@@ -59,9 +59,7 @@ REFERENCES_ARM = (
 
 def test_what_exists_always_and_what_mujoco_may_make_resolves() -> None:
     tree = Tree(REFERENCES_ARM)
-    assert (
-        resolves(tree, "body", "a") and resolves(tree, "body", "world") and resolves(tree, "default", "main")
-    )
+    assert resolves(tree, "body", "a") and resolves(tree, "body", "world") and resolves(tree, "default", "main")
     assert resolves(tree, "body", "pad1")
     assert not resolves(tree, "site", "world") and not resolves(tree, "site", "a")
 
@@ -179,12 +177,7 @@ def test_a_new_prefix_leaves_a_model_its_own_names() -> None:
 def test_a_name_with_a_space_cannot_stand_in_a_list() -> None:
     tree = Tree(SHEET)
     ((reference, new),) = Renaming.of([NewName(tree, "body", "b", "two words")]).unlistable()
-    assert (reference.node.tag, reference.attribute, reference.name, new) == (
-        "flex",
-        "body",
-        "b",
-        "two words",
-    )
+    assert (reference.node.tag, reference.attribute, reference.name, new) == ("flex", "body", "b", "two words")
     assert not list(Renaming.of([NewName(tree, "site", "pad", "two words")]).unlistable())
 
 

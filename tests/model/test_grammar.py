@@ -207,9 +207,7 @@ def test_other_ways_to_say_a_path(path: str, canonical: str) -> None:
     assert GRAMMAR.element(path) is GRAMMAR.element(canonical)
 
 
-@pytest.mark.parametrize(
-    "path", ["", "gem", "worldbody/mesh", "geom/", "mujoco/geom", "edge", "default/body"]
-)
+@pytest.mark.parametrize("path", ["", "gem", "worldbody/mesh", "geom/", "mujoco/geom", "edge", "default/body"])
 def test_unknown_or_ambiguous_path(path: str) -> None:
     with pytest.raises(KeyError):
         GRAMMAR.element(path)
@@ -281,10 +279,7 @@ def test_references_are_to_namespaces_that_exist() -> None:
         attributes = GRAMMAR.element(path).attributes
         for attribute in attributes.values():
             if attribute.refers is not None:
-                assert attribute.refers.removeprefix("attached:") in GRAMMAR.namespaces, (
-                    path,
-                    attribute.name,
-                )
+                assert attribute.refers.removeprefix("attached:") in GRAMMAR.namespaces, (path, attribute.name)
             if attribute.refers_by is not None:
                 kinds = attributes[attribute.refers_by]
                 assert {GRAMMAR.objtypes[word] for word in kinds.keywords} <= GRAMMAR.namespaces
@@ -321,9 +316,7 @@ def test_rows_of_default_classes() -> None:
 
 def test_who_takes_a_class() -> None:
     taking = {path for path in GRAMMAR.paths if GRAMMAR.element(path).takes_class}
-    assert taking == {path for path in GRAMMAR.paths if GRAMMAR.element(path).default is not None} | {
-        "actuator/plugin"
-    }
+    assert taking == {path for path in GRAMMAR.paths if GRAMMAR.element(path).default is not None} | {"actuator/plugin"}
     childclass = {path for path in GRAMMAR.paths if GRAMMAR.element(path).takes_childclass}
     assert childclass == {"body", "frame", "replicate"}
 
@@ -399,18 +392,13 @@ def test_every_group_and_list_of_keywords_is_used() -> None:
     tables = [*data["groups"].values(), *data["elements"].values()]
     rows = [row for entry in tables for row in entry.get("attributes", {}).values()]
     assert {row["keywords"] for row in rows if "keywords" in row} == set(data["keywords"])
-    assert {group for entry in data["elements"].values() for group in entry.get("groups", ())} == set(
-        data["groups"]
-    )
+    assert {group for entry in data["elements"].values() for group in entry.get("groups", ())} == set(data["groups"])
 
 
 def test_everything_is_explained_in_a_line() -> None:
     for path in GRAMMAR.paths:
         element = GRAMMAR.element(path)
-        for what, doc in [
-            (path, element.doc),
-            *((f"{path}/{a.name}", a.doc) for a in element.attributes.values()),
-        ]:
+        for what, doc in [(path, element.doc), *((f"{path}/{a.name}", a.doc) for a in element.attributes.values())]:
             assert 0 < len(doc) <= 110, what
             assert "\n" not in doc, what
             assert not doc.endswith("."), what
@@ -432,9 +420,7 @@ def test_no_explanation_is_stray() -> None:
 
 def test_explanation_of_one_place_wins() -> None:
     assert "bodies that carry" in GRAMMAR.element("flex").attributes["body"].doc
-    assert (
-        GRAMMAR.element("default/geom").attributes["pos"].doc == GRAMMAR.element("geom").attributes["pos"].doc
-    )
+    assert GRAMMAR.element("default/geom").attributes["pos"].doc == GRAMMAR.element("geom").attributes["pos"].doc
     assert GRAMMAR.element("default/tendon").attributes["armature"].doc
 
 

@@ -72,8 +72,7 @@ def test_same_cardinality() -> None:
 
 
 @pytest.mark.parametrize(
-    ("version", "elements", "pairs"),
-    [("3.12.0", 178, 1911), ("3.17.0", 179, 1944), ("4.0.0", 171, 1894)],
+    ("version", "elements", "pairs"), [("3.12.0", 178, 1911), ("3.17.0", 179, 1944), ("4.0.0", 171, 1894)]
 )
 def test_known_sizes(version: str, elements: int, pairs: int) -> None:
     """What MuJoCo prints in those versions: how many rows, how many attributes of rows."""

@@ -25,18 +25,13 @@ def told(
     sink = Sink()
     with allow(mesh_points=most):
         unit = parse_text(
-            f"<mujoco><asset>\n{meshes}\n</asset>{world}</mujoco>",
-            sink,
-            file="m.xml",
-            directory=folder,
-            label="m",
+            f"<mujoco><asset>\n{meshes}\n</asset>{world}</mujoco>", sink, file="m.xml", directory=folder, label="m"
         )
         if unit is not None:
             check_meshes(unit, 0, sink)
     assert {each.code for each in sink.errors} <= {"limit-exceeded"}
     return [
-        (each.message, f"{each.span.line}:{each.span.column}" if each.span else "", each.help)
-        for each in sink.errors
+        (each.message, f"{each.span.line}:{each.span.column}" if each.span else "", each.help) for each in sink.errors
     ]
 
 
@@ -71,9 +66,7 @@ def folder(tmp_path: Path) -> Path:
 def test_what_each_mesh_counts(folder: Path, meshes: str, points: int) -> None:
     if points:
         assert told(folder, meshes, points) == []
-        assert told(folder, meshes, points - 1 or 1)[0][0].startswith(
-            f"the meshes of the model have {points} points;"
-        )
+        assert told(folder, meshes, points - 1 or 1)[0][0].startswith(f"the meshes of the model have {points} points;")
     else:
         assert told(folder, meshes, 1) == []
 
@@ -85,9 +78,7 @@ def test_the_largest_is_shown_and_the_limit_is_named(folder: Path) -> None:
     assert (place, help) == ("3:13", "if that is meant, raise the limit: `--limit mesh-points=154`")
 
 
-def test_a_file_is_read_only_where_its_size_leaves_it_open(
-    folder: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_file_is_read_only_where_its_size_leaves_it_open(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def read(path: object) -> bytes:
         raise AssertionError(path)
 
@@ -157,15 +148,11 @@ def test_the_meshes_of_attached_models_count(folder: Path) -> None:
 
 
 def test_all_meshes_of_a_unit(folder: Path) -> None:
-    unit = parse_text(
-        f"<mujoco><asset>{INLINE}</asset></mujoco>", Sink(), file="m.xml", directory=folder, label="m"
-    )
+    unit = parse_text(f"<mujoco><asset>{INLINE}</asset></mujoco>", Sink(), file="m.xml", directory=folder, label="m")
     assert unit is not None and mesh_points(unit) == 1, "no geom uses it"
 
 
-def test_what_is_too_much_already_needs_no_more_reading(
-    folder: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_what_is_too_much_already_needs_no_more_reading(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     from mjcompose.model import mesh_cost as counting
 
     read = []
@@ -196,9 +183,7 @@ def test_they_are_counted_where_python_compiles_a_model_or_reads_one_for_mujoco(
     with allow(mesh_points=100):
         root = mjcf.from_path(model)
         for compile in (root.compile_model, lambda: mjcf.Physics.from_path(model)):
-            with pytest.raises(
-                mjcf.MjcfError, match="the meshes of the model have 150 points; 100 are allowed"
-            ):
+            with pytest.raises(mjcf.MjcfError, match="the meshes of the model have 150 points; 100 are allowed"):
                 compile()
 
 

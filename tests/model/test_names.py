@@ -17,9 +17,7 @@ ROOT = etree.fromstring(
 
 
 @pytest.mark.parametrize(
-    "file",
-    sorted(Path(__file__).parents[1].glob("golden/*/*.xml")),
-    ids=lambda file: f"{file.parent.name}/{file.stem}",
+    "file", sorted(Path(__file__).parents[1].glob("golden/*/*.xml")), ids=lambda file: f"{file.parent.name}/{file.stem}"
 )
 def test_a_whole_tree_is_indexed_as_node_by_node(file: Path) -> None:
     root = etree.parse(file).getroot()
@@ -32,9 +30,7 @@ def test_a_whole_tree_is_indexed_as_node_by_node(file: Path) -> None:
 
 
 def _in_order(index: NameIndex) -> dict[str, list[tuple[str, list[object]]]]:
-    return {
-        space: [(name, list(users)) for name, users in names.items()] for space, names in index.uses.items()
-    }
+    return {space: [(name, list(users)) for name, users in names.items()] for space, names in index.uses.items()}
 
 
 def test_names_are_found_by_namespace() -> None:

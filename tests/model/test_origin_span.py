@@ -41,9 +41,7 @@ def test_the_nearest_owner_counts() -> None:
     here = Span("recipe.yaml", 7, 1)
     unit.origins.own(unit.root[0], here)
     assert unit.origins.span(unit.root[0][0], unit.file) == here
-    unit.origins.own(
-        unit.root[0][0], lambda attribute: Span("recipe.yaml", 9 if attribute == "size" else 8, 1)
-    )
+    unit.origins.own(unit.root[0][0], lambda attribute: Span("recipe.yaml", 9 if attribute == "size" else 8, 1))
     assert unit.origins.span(unit.root[0][0], unit.file).line == 8
     assert unit.origins.span(unit.root[0][0], unit.file, "size").line == 9
 
@@ -53,9 +51,7 @@ def test_without_a_text_the_line_remains(tmp_path: Path) -> None:
     assert unit is not None
     geom = unit.root[0][0]
     assert Origins().span(geom, "a.xml") == Span("a.xml", 5, 1)
-    assert Origins(texts={"a.xml": FileText(tmp_path / "gone.xml")}).span(geom, "a.xml") == Span(
-        "a.xml", 5, 1
-    )
+    assert Origins(texts={"a.xml": FileText(tmp_path / "gone.xml")}).span(geom, "a.xml") == Span("a.xml", 5, 1)
     assert Origins(texts={"a.xml": FileText(contents="<other/>")}).span(geom, "a.xml") == Span("a.xml", 5, 1)
     assert Origins().span(unit.root.makeelement("geom"), "a.xml") == Span("a.xml", 1, 1)
 

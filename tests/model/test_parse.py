@@ -26,11 +26,7 @@ def test_the_comments_before_the_root_stand_in_it() -> None:
         assert world is not None
         assert [comment.text for comment in above(world, each.header)] == [" world "]
         each.section("default")
-        assert write(each.root).decode().split("\n")[1:4] == [
-            "  <!-- license -->",
-            "  <!-- more -->",
-            "  <default/>",
-        ]
+        assert write(each.root).decode().split("\n")[1:4] == ["  <!-- license -->", "  <!-- more -->", "  <default/>"]
 
 
 ASSETS = """<mujoco><asset><mesh file="m.obj"/><texture type="cube" file="t.png" fileup="u.png"/>
@@ -53,9 +49,7 @@ def test_files_are_looked_for_as_mujoco_does(tmp_path: Path, there: list[str], f
         (tmp_path / name).parent.mkdir(exist_ok=True)
         (tmp_path / name).write_text(ASSETS)
     main = tmp_path / "main.xml"
-    main.write_text(
-        '<mujoco><compiler meshdir="meshes" texturedir="images"/><include file="sub/assets.xml"/></mujoco>'
-    )
+    main.write_text('<mujoco><compiler meshdir="meshes" texturedir="images"/><include file="sub/assets.xml"/></mujoco>')
     unit = parse_file(main, Sink())
     assert unit is not None
     assert found <= {str(value) for element in unit.root.iter() for value in element.values()}

@@ -37,11 +37,7 @@ def test_what_is_a_glob() -> None:
 
 
 def test_choices_may_be_empty_and_hold_globs() -> None:
-    assert [name for name in ("a", "left_a", "b", "left_") if matcher("{left_,}{a,b*}")(name)] == [
-        "a",
-        "left_a",
-        "b",
-    ]
+    assert [name for name in ("a", "left_a", "b", "left_") if matcher("{left_,}{a,b*}")(name)] == ["a", "left_a", "b"]
 
 
 _PIECES = {
@@ -76,8 +72,7 @@ NAMES = ["pad1", "left/pad2", "x"]
 
 
 @pytest.mark.parametrize(
-    ("pattern", "meant"),
-    [("*pad?", ["pad1"]), ("**pad?", NAMES[:2]), ("/.*pad[0-9]/", NAMES[:2]), ("x", ["x"])],
+    ("pattern", "meant"), [("*pad?", ["pad1"]), ("**pad?", NAMES[:2]), ("/.*pad[0-9]/", NAMES[:2]), ("x", ["x"])]
 )
 def test_a_name_is_meant_by_a_name_a_glob_or_an_expression(pattern: str, meant: list[str]) -> None:
     assert list(filter(fitter(pattern, lambda: NAMES, "/"), NAMES)) == meant
@@ -100,8 +95,7 @@ def test_an_expression_that_once_had_no_end(pattern: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("pattern", "name"),
-    [("a{e}", "a{e}"), ("a{e<=1}", "a{e<=1}"), (r"a\{e}", "a{e}"), ("a{2}", "aa"), ("[{]a", "{a")],
+    ("pattern", "name"), [("a{e}", "a{e}"), ("a{e<=1}", "a{e<=1}"), (r"a\{e}", "a{e}"), ("a{2}", "aa"), ("[{]a", "{a")]
 )
 def test_braces_mean_what_they_mean_in_python(pattern: str, name: str) -> None:
     names = ["a", "ab", "b", "aa", "a{e}", "a{e<=1}", "{a"]

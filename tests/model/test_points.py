@@ -73,17 +73,7 @@ def test_what_is_no_mesh(data: bytes, kind: str) -> None:
             st.just("v 0 0 0"),
             st.integers(1, 40).map(lambda count: "f" + " 1" * count),
             st.sampled_from(
-                [
-                    "f" + " 1" * 1500,
-                    "f  1 2 3 ",
-                    "",
-                    "vn 1 0 0",
-                    "v ",
-                    "v \rv \rv ",
-                    "f 1/2/3 2 3",
-                    "\r",
-                    " v 0 0 0",
-                ]
+                ["f" + " 1" * 1500, "f  1 2 3 ", "", "vn 1 0 0", "v ", "v \rv \rv ", "f 1/2/3 2 3", "\r", " v 0 0 0"]
             ),
         ),
         max_size=30,

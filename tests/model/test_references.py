@@ -30,10 +30,7 @@ FREE = {
     ("camera", "target"): (set(), {"mode": "targetbody"}),
     ("light", "target"): (set(), {"mode": "targetbody"}),
     ("light", "texture"): (set(), {"type": "image"}),
-    ("flexcomp", "mesh"): (
-        {"count", "radius"},
-        {"type": "mesh", "dim": "2", "radius": "0.001", "origin": "0 0 0"},
-    ),
+    ("flexcomp", "mesh"): ({"count", "radius"}, {"type": "mesh", "dim": "2", "radius": "0.001", "origin": "0 0 0"}),
     ("equality/joint", "joint2"): (set(), {"joint1": "other"}),
     ("equality/tendon", "tendon2"): (set(), {"tendon1": "second"}),
     ("equality/connect", "site1"): ({"body1", "anchor"}, {"site2": "other"}),
@@ -187,14 +184,9 @@ def test_shared_namespaces(namespace: str, text: str) -> None:
 def test_attached_names(tmp_path: Path) -> None:
     """`body` and `frame` of `attach` name things of the other model, `model` a model of this one."""
     attach = GRAMMAR.element("attach").attributes
-    assert [attach[name].refers for name in ("model", "body", "frame")] == [
-        "model",
-        "attached:body",
-        "attached:frame",
-    ]
+    assert [attach[name].refers for name in ("model", "body", "frame")] == ["model", "attached:body", "attached:frame"]
     (tmp_path / "part.xml").write_text(
-        '<mujoco><worldbody><frame name="f"><body name="b"><geom size="1"/></body></frame></worldbody>'
-        "</mujoco>"
+        '<mujoco><worldbody><frame name="f"><body name="b"><geom size="1"/></body></frame></worldbody></mujoco>'
     )
     for kind, name in (("body", "b"), ("frame", "f")):
         xml = (

@@ -61,23 +61,13 @@ def places(*tags: str) -> list[str]:
 def test_in_the_order_of_the_reference() -> None:
     assert places("compiler") == ["compiler"]
     assert places("worldbody", "option") == ["option", "worldbody"]
-    assert places("compiler", "worldbody", "actuator", "asset") == [
-        "compiler",
-        "asset",
-        "worldbody",
-        "actuator",
-    ]
+    assert places("compiler", "worldbody", "actuator", "asset") == ["compiler", "asset", "worldbody", "actuator"]
     assert places("worldbody", "sensor", "tendon") == ["worldbody", "tendon", "sensor"]
     assert places("option", "worldbody", "option") == ["option", "option", "worldbody"]
 
 
 def test_behind_what_comes_before_it_however_the_file_is_ordered() -> None:
-    assert places("actuator", "worldbody", "asset", "default") == [
-        "default",
-        "actuator",
-        "worldbody",
-        "asset",
-    ]
+    assert places("actuator", "worldbody", "asset", "default") == ["default", "actuator", "worldbody", "asset"]
     assert places("worldbody", "compiler", "default") == ["worldbody", "compiler", "default"]
     assert places("worldbody", "unheard_of") == ["worldbody", "unheard_of"]
 
@@ -93,11 +83,7 @@ def test_settings_that_are_forgotten_are_nowhere_written() -> None:
     assert unit is not None
     assert (unit.settings.fusestatic, unit.settings.boundmass) == ("true", "1")
     unit.forget_settings("fusestatic", "boundmass", "fitaabb")
-    assert (unit.settings.fusestatic, unit.settings.boundmass, unit.settings.angle) == (
-        "false",
-        "0",
-        "radian",
-    )
+    assert (unit.settings.fusestatic, unit.settings.boundmass, unit.settings.angle) == ("false", "0", "radian")
     assert [dict(each.attrib) for each in unit.root] == [{"angle": "radian"}, {}]
 
 
@@ -108,10 +94,7 @@ def test_a_copy_has_everything_and_shares_no_element() -> None:
     assert joint is not None and element is not None
     several = Copy(joint, (2,))
     key = Key("home", None, element, "a.xml", unit.origins, {"qpos": {joint: [], several: []}})
-    unit.part_keys, unit.table = (
-        {"arm": PartKeys(1, (key,))},
-        (ReadRow("link", 1, "body", "", Span("a.xml", 1, 1)),),
-    )
+    unit.part_keys, unit.table = ({"arm": PartKeys(1, (key,))}, (ReadRow("link", 1, "body", "", Span("a.xml", 1, 1)),))
     copy = unit.copied()
     for field in fields(Unit):
         if field.name not in ("root", "header", "origins", "part_keys"):

@@ -17,22 +17,7 @@ from mjcompose.model.values import check_python, check_value, items, parse_int, 
 
 SHAPES = "`plane`, `hfield`, `sphere`, `capsule`, `ellipsoid`, `cylinder`, `box`, `mesh` or `sdf`"
 MEASURED = "`found`, `force`, `torque`, `dist`, `pos`, `normal`, `tangent`, `linvel` or `angvel`"
-TEXTS = [
-    "",
-    " ",
-    "1",
-    " 1 ",
-    "1 2",
-    "1 2 3",
-    "1 0 0 1",
-    "1 2 3 4 5",
-    "1.5",
-    "1,2",
-    "box",
-    "box ",
-    "true",
-    "x",
-]
+TEXTS = ["", " ", "1", " 1 ", "1 2", "1 2 3", "1 0 0 1", "1 2 3 4 5", "1.5", "1,2", "box", "box ", "true", "x"]
 
 
 def attribute(path: str) -> Attribute:
@@ -218,14 +203,7 @@ def test_every_float_is_re_read(value: float) -> None:
 
 @pytest.mark.parametrize(
     ("text", "expected"),
-    [
-        ("", []),
-        ("  ", []),
-        ("1 2", ["1", "2"]),
-        ("\t1\n2 \r", ["1", "2"]),
-        ("1\xa02", ["1\xa02"]),
-        ("1,2", ["1,2"]),
-    ],
+    [("", []), ("  ", []), ("1 2", ["1", "2"]), ("\t1\n2 \r", ["1", "2"]), ("1\xa02", ["1\xa02"]), ("1,2", ["1,2"])],
 )
 def test_items(text: str, expected: list[str]) -> None:
     assert items(text) == expected

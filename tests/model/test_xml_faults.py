@@ -29,10 +29,7 @@ def test_nothing_where_mujoco_looks_itself() -> None:
     assert found('<geom siz="1"/><body odd="1"><geom siz="1"/></body>') == []
     assert found('<frame><unheard_of x="1"/></frame>') == []
     assert (
-        found(
-            '<frame name="f" pos="0 0 1" childclass="c"><body mocap="true"><geom fitscale="1"/></body></frame>'
-        )
-        == []
+        found('<frame name="f" pos="0 0 1" childclass="c"><body mocap="true"><geom fitscale="1"/></body></frame>') == []
     )
 
 
@@ -50,12 +47,7 @@ def test_elements_in_what_can_have_none() -> None:
 
 @pytest.mark.parametrize("inside", ["<geom size='1'><note/></geom>", "<body><geom size='1' odd='1'/></body>"])
 def test_mujoco_refuses_without_a_frame_what_it_passes_over_below(inside: str) -> None:
-    assert (
-        mujoco.MjModel.from_xml_string(
-            f"<mujoco><worldbody><frame>{inside}</frame></worldbody></mujoco>"
-        ).ngeom
-        == 1
-    )
+    assert mujoco.MjModel.from_xml_string(f"<mujoco><worldbody><frame>{inside}</frame></worldbody></mujoco>").ngeom == 1
     with pytest.raises(ValueError, match="unrecognized"):
         mujoco.MjModel.from_xml_string(f"<mujoco><worldbody>{inside}</worldbody></mujoco>")
 
@@ -91,9 +83,7 @@ def test_a_body_beside_the_world_is_not_part_of_the_model(tmp_path: Path) -> Non
     sink = Sink()
     unit = parse_text(model.format('<geom size="1"/>'), sink, file="m.xml", directory=tmp_path, label="m")
     assert unit is not None and unit.root.find("body") is None
-    assert [(each.code, each.severity) for each in sink.diagnostics] == [
-        ("unknown-element", Severity.WARNING)
-    ]
+    assert [(each.code, each.severity) for each in sink.diagnostics] == [("unknown-element", Severity.WARNING)]
     assert parse_text(model.format(""), sink, file="m.xml", directory=tmp_path, label="m") is None
 
 
@@ -110,10 +100,7 @@ def fault(text: str | bytes) -> Diagnostic:
     [
         ("", "it is empty"),
         ("hello", "it does not begin with `<`"),
-        (
-            "version https://git-lfs.github.com/spec/v1\nsize 1\n",
-            "it is not the file itself but where Git LFS has it",
-        ),
+        ("version https://git-lfs.github.com/spec/v1\nsize 1\n", "it is not the file itself but where Git LFS has it"),
         ("<mujoco>\n<body>\n</mujoco>", "`</mujoco>` stands where `<body>` is still open"),
         ("<mujoco>\n<body>\n</body>\n", "`<mujoco>` is never closed"),
         ("<mujoco>\n<body\n<geom/></mujoco>", "a tag is not ended before the next one begins"),
@@ -139,10 +126,7 @@ def test_in_plain_words(text: str | bytes, said: str) -> None:
 
 def test_the_open_tag_is_shown() -> None:
     found = fault("<mujoco>\n  <body>\n    <geom size='1'>\n  </body>\n</mujoco>\n")
-    assert (found.span and found.span.line, found.help) == (
-        4,
-        "end the tag with `/>`, or write `</geom>` first",
-    )
+    assert (found.span and found.span.line, found.help) == (4, "end the tag with `/>`, or write `</geom>` first")
     (note,) = found.notes
     assert note.message == "`<geom>` begins here"
     assert note.span and (note.span.line, note.span.column, note.span.end_column) == (3, 5, 10)

@@ -41,9 +41,7 @@ def model() -> Any:
 def test_every_array_has_a_row(model: Any) -> None:
     """An array that a new MuJoCo brings is given a row, which says how it is compared."""
     names = (name for name in dir(model) if not name.startswith("_") and name not in ADDRESSES)
-    assert [
-        name for name in names if isinstance(getattr(model, name), np.ndarray) and name not in ARRAYS
-    ] == []
+    assert [name for name in names if isinstance(getattr(model, name), np.ndarray) and name not in ARRAYS] == []
 
 
 ADDRESSES = {kind.addresses for kind in KINDS.values()}

@@ -10,16 +10,7 @@ import pytest
 from mjcompose.build.checks.unchanged import attributes as attributes_unchanged
 from mjcompose.model.grammar import GRAMMAR
 from mjcompose.mujoco.arrays import BALL, ENUMS, FREE, HINGE, JOINT_TYPES, SLIDE, about
-from mjcompose.mujoco.attributes import (
-    _BECOMES,
-    _KINDS,
-    ENUMERATED,
-    HOLDERS,
-    KINDS,
-    array_of,
-    arrays_of,
-    attributes,
-)
+from mjcompose.mujoco.attributes import _BECOMES, _KINDS, ENUMERATED, HOLDERS, KINDS, array_of, arrays_of, attributes
 from mjcompose.mujoco.attributes import TAGS as ATTRIBUTES_TAGS
 from mjcompose.mujoco.unchanged import compare
 
@@ -160,9 +151,7 @@ def test_what_follows_is_excused_and_nothing_else(place: str, attribute: str) ->
 
 def test_the_tables_speak_of_what_mjcf_has() -> None:
     assert set(_BECOMES) - {"target", "force"} <= set(attributes_unchanged())
-    tags = {
-        tag for section in ("worldbody", "tendon", "equality", "actuator") for tag in GRAMMAR.within(section)
-    }
+    tags = {tag for section in ("worldbody", "tendon", "equality", "actuator") for tag in GRAMMAR.within(section)}
     assert set(_KINDS) <= tags
 
 
@@ -176,9 +165,7 @@ def test_the_array_of_an_attribute_is_among_those_that_follow_from_it(tag: str) 
 
 
 def test_without_a_tag_it_is_the_end_of_its_name() -> None:
-    assert {"solref", "solref_lim"} <= arrays_of("solreflimit") and "tendon_solref_lim" not in arrays_of(
-        "solreflimit"
-    )
+    assert {"solref", "solref_lim"} <= arrays_of("solreflimit") and "tendon_solref_lim" not in arrays_of("solreflimit")
     assert "qpos0" in arrays_of("ref")
 
 

@@ -79,11 +79,7 @@ PAD = '<geom type="box" size="0.01 0.005 0.02"/>'
         (0.0, '<tendon tendon1="u" tendon2="t"/>', '<motor joint="l"/>'),
         (0.0, '<joint joint1="l" joint2="r"/><joint joint1="l" joint2="roll"/>', '<motor joint="roll"/>'),
         (0.001, "", '<position joint="l"/><motor joint="r"/>'),  # samples miss the last millimetre
-        (
-            0.05,
-            "",
-            '<position joint="l"/><position joint="r"/>',
-        ),  # a hard grasp of something thin bends the limits
+        (0.05, "", '<position joint="l"/><position joint="r"/>'),  # a hard grasp of something thin bends the limits
     ],
 )
 def test_jaws_that_an_actuator_closes_collide(gap: float, equality: str, actuator: str) -> None:
@@ -95,9 +91,7 @@ def test_jaws_that_an_actuator_closes_collide(gap: float, equality: str, actuato
 
 
 def test_jaws_that_overlap_everywhere_do_not() -> None:
-    jaws = [
-        JAW.format(name, 0, joint, y, 0.004, PAD) for name, joint, y in (("left", "l", 1), ("right", "r", -1))
-    ]
+    jaws = [JAW.format(name, 0, joint, y, 0.004, PAD) for name, joint, y in (("left", "l", 1), ("right", "r", -1))]
     text = JAWS.format(*jaws, "", '<motor joint="l"/><motor joint="r"/>').replace(".04 .04", ".004 .004")
     assert found(50, text=text)["left", "right"] == ("touching", "the reference configuration")
 

@@ -421,9 +421,7 @@ def test_an_authored_sleep_policy_is_kept() -> None:
     <mujoco><worldbody>
       <body name="a" sleep="{}"><freejoint/><geom size=".1"/></body>
     </worldbody></mujoco>"""
-    never, allowed, auto = (
-        mujoco.MjModel.from_xml_string(xml.format(p)) for p in ("never", "allowed", "auto")
-    )
+    never, allowed, auto = (mujoco.MjModel.from_xml_string(xml.format(p)) for p in ("never", "allowed", "auto"))
     assert told(compare(never, allowed)) == {("body", "a", "tree_sleep_policy")}
     assert compare(auto, never) == []
 
@@ -489,9 +487,7 @@ def test_merged_keys_are_compared_by_the_entries_of_the_part() -> None:
         for key in list(spec.keys):
             spec.delete(key)
         spec.add_key(name="home", qpos=[0.5, -0.2, 0, 0], ctrl=[0.5, -0.2, 0, 0])
-        spec.add_key(
-            name="open", qpos=[0, 0, 0.03, 0.01], qvel=[0, 0, 0.1, 0.2], act=[0.4], ctrl=[0, 0, 1, 2]
-        )
+        spec.add_key(name="open", qpos=[0, 0, 0.03, 0.01], qvel=[0, 0, 0.1, 0.2], act=[0.4], ctrl=[0, 0, 1, 2])
         spec.add_key(name="second", qpos=[0, 0, 0.02, 0])
 
     composition = compose(change_both=merge)
@@ -538,12 +534,7 @@ def test_a_key_moves_the_free_bodies_of_a_moved_part_or_keeps_them() -> None:
             return compare(alone, both, prefix="prop/", hung_on=mount, keys=Keys.PREFIX, roots_in_keys=roots)  # noqa: B023
 
         assert differences(right) == []
-        assert {found.array for found in differences(wrong)} == {
-            "key_qpos",
-            "key_qvel",
-            "key_mpos",
-            "key_mquat",
-        }
+        assert {found.array for found in differences(wrong)} == {"key_qpos", "key_qvel", "key_mpos", "key_mquat"}
 
 
 def test_identical_unnamed_bodies_are_told_apart_by_where_they_stand() -> None:
@@ -595,9 +586,7 @@ def test_plain_arrays_have_one_row_an_element() -> None:
 def test_a_mesh_may_collide_where_others_use_it_too() -> None:
     """MuJoCo computes the convex hull of a mesh only for what collides with it."""
     corners = [(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)]
-    obj = "\n".join(
-        ["v {} {} {}".format(*corner) for corner in corners] + ["f 1 3 4 2", "f 5 6 8 7", "f 1 2 6 5"]
-    )
+    obj = "\n".join(["v {} {} {}".format(*corner) for corner in corners] + ["f 1 3 4 2", "f 5 6 8 7", "f 1 2 6 5"])
 
     def model(shown: str, *others: str) -> mujoco.MjModel:
         geoms = "".join(f'<geom type="mesh" mesh="m" {each}/>' for each in (shown, *others))
@@ -635,9 +624,6 @@ def test_a_turn_of_a_weld_and_its_negative_are_the_same(sign: int) -> None:
         )
 
     moved, pose = Pose((1, 2, 3), (0.6, 0, 0, 0.8)), Pose((0, 0, 1), (0.8, 0.6, 0, 0))
-    for there, expected in (
-        (pose, set()),
-        (Pose(pose.pos, (0.8, -0.6, 0, 0)), {("equality", "p/w", "eq_data")}),
-    ):
+    for there, expected in ((pose, set()), (Pose(pose.pos, (0.8, -0.6, 0, 0)), {("equality", "p/w", "eq_data")})):
         both = model(moved @ there, "p/", '<frame pos="1 2 3" quat=".6 0 0 .8">', sign)
         assert told(compare(model(pose), both, prefix="p/", hung_on=Mount(None, moved))) == expected

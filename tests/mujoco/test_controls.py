@@ -15,11 +15,7 @@ WRONG = {"stiffness": 1e6, "timestep": 0.02}
 
 
 def of(
-    name: str = 'name="spring"',
-    stiffness: float = 1,
-    timestep: float = 0.002,
-    reset: str = "enable",
-    keys: str = "",
+    name: str = 'name="spring"', stiffness: float = 1, timestep: float = 0.002, reset: str = "enable", keys: str = ""
 ) -> mujoco.MjModel:
     xml = SPRING.format(name=name, stiffness=stiffness, timestep=timestep, reset=reset, keys=keys)
     return mujoco.MjModel.from_xml_string(xml)

@@ -9,9 +9,7 @@ from mjcompose.base.access import ALL
 from mjcompose.mujoco.convert import convert_urdf
 from mjcompose.mujoco.engine import Limits
 
-INERTIAL = (
-    '<inertial><mass value="1"/><inertia ixx=".1" iyy=".1" izz=".1" ixy="0" ixz="0" iyz="0"/></inertial>'
-)
+INERTIAL = '<inertial><mass value="1"/><inertia ixx=".1" iyy=".1" izz=".1" ixy="0" ixz="0" iyz="0"/></inertial>'
 ARM = f"""<robot name="arm">
   <link name="base">{INERTIAL}</link>
   <link name="upper">{INERTIAL}<collision><geometry><mesh filename="package://arm/wedge.obj"/></geometry></collision></link>
@@ -23,9 +21,7 @@ ARM = f"""<robot name="arm">
 </robot>"""
 WEDGE = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n"
 
-fuses = pytest.mark.skipif(
-    not hasattr(mujoco.MjSpec, "fuse_static"), reason="this MuJoCo fuses without a trace"
-)
+fuses = pytest.mark.skipif(not hasattr(mujoco.MjSpec, "fuse_static"), reason="this MuJoCo fuses without a trace")
 
 
 @pytest.fixture

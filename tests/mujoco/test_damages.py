@@ -17,9 +17,7 @@ from mujoco.test_compare import HAND
 
 pytestmark = pytest.mark.mujoco4("its attach does not find the material of a skin")
 
-_USER = " ".join(
-    f'nuser_{kind}="1"' for kind in ("body", "jnt", "site", "cam", "tendon", "actuator", "sensor")
-)
+_USER = " ".join(f'nuser_{kind}="1"' for kind in ("body", "jnt", "site", "cam", "tendon", "actuator", "sensor"))
 _MORE = """
   <body name="cup" pos="1 0 .1"><joint name="slide" type="slide"/><geom name="cup" size=".05"/></body>
   <body name="knob" pos="0 1 0">
@@ -75,9 +73,7 @@ def told(damaged: mujoco.MjModel, moved: bool) -> set[str]:
     alone, both = models()
     if not moved:
         return _arrays(compare(damaged, alone))
-    return _arrays(
-        compare(damaged, both, prefix="p/", hung_on=Mount.of(both, site="flange"), keys=Keys.PREFIX)
-    )
+    return _arrays(compare(damaged, both, prefix="p/", hung_on=Mount.of(both, site="flange"), keys=Keys.PREFIX))
 
 
 def _arrays(found: list[object]) -> set[str]:
@@ -124,9 +120,7 @@ def damaged(model: mujoco.MjModel, name: str, at: int, value: float | None = Non
     elif flat.dtype.kind == "b":
         flat[at] = not flat[at]
     elif name != "exclude_signature" and about(name).treatment is Treatment.LINKED:
-        flat[at] = min(
-            {*flat.tolist()} - {int(flat[at])}, default=-1 if flat[at] >= 0 else 0
-        )  # an id that there is
+        flat[at] = min({*flat.tolist()} - {int(flat[at])}, default=-1 if flat[at] >= 0 else 0)  # an id that there is
     else:
         flat[at] = int(flat[at]) + (-1 if flat[at] > 0 else 1)
 
@@ -190,9 +184,7 @@ def test_every_array_is_damaged() -> None:
 @pytest.mark.parametrize("moved", [False, True], ids=["in place", "moved"])
 @pytest.mark.parametrize("value", [float("nan"), float("inf")])
 def test_what_is_no_number_is_a_difference(moved: bool, value: float) -> None:
-    names = (
-        "geom_friction body_mass jnt_range mesh_vert actuator_gainprm tendon_length0 qpos0 cam_fovy".split()
-    )
+    names = "geom_friction body_mass jnt_range mesh_vert actuator_gainprm tendon_length0 qpos0 cam_fovy".split()
     model = copy.copy(models()[0])
     for name in names:
         damaged(model, name, _places(name, moved)[-1], value)
@@ -201,9 +193,7 @@ def test_what_is_no_number_is_a_difference(moved: bool, value: float) -> None:
 
 
 @pytest.mark.parametrize("moved", [False, True], ids=["in place", "moved"])
-@pytest.mark.parametrize(
-    "array", ["body_mass", "body_inertia", "body_ipos", "body_iquat", "body_subtreemass"]
-)
+@pytest.mark.parametrize("array", ["body_mass", "body_inertia", "body_ipos", "body_iquat", "body_subtreemass"])
 def test_the_mass_of_what_stands_at_the_root_counts(moved: bool, array: str) -> None:
     """The place of a part changes the pose of its root bodies, and nothing else."""
     alone, _ = models()

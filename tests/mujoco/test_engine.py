@@ -38,17 +38,13 @@ def test_limits_are_greater_than_zero(wrong: dict[str, float]) -> None:
 
 
 def test_a_misspelt_want_is_refused() -> None:
-    with pytest.raises(
-        ValueError, match=r"unknown wants \['indexx'\]; there are \['forward', 'index', 'names'\]"
-    ):
+    with pytest.raises(ValueError, match=r"unknown wants \['indexx'\]; there are \['forward', 'index', 'names'\]"):
         Request(Path(), wants=("indexx",))
 
 
 def test_its_json_is_one_line_with_absolute_paths(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-    line = Request(Path("in"), mjb=Path("out.mjb"), text="<mujoco>\n\u2028</mujoco>").to_json(
-        tmp_path / "a.npz"
-    )
+    line = Request(Path("in"), mjb=Path("out.mjb"), text="<mujoco>\n\u2028</mujoco>").to_json(tmp_path / "a.npz")
     assert "\n" not in line and "\r" not in line
     sent = json.loads(line)
     assert sent["folder"] == str(tmp_path / "in")
@@ -102,17 +98,7 @@ def put(folder: Path, text: str, name: str = "model.xml") -> Path:
 def test_a_model_that_compiles_has_its_sizes_and_the_version(tmp_path: Path, session: engine.Session) -> None:
     compiled = engine.compile(put(tmp_path, ARM), session=session)
     assert (compiled.ok, compiled.error, compiled.crash, compiled.forward) == (True, None, None, None)
-    expected = {
-        "nq": 13,
-        "nv": 11,
-        "nu": 2,
-        "na": 1,
-        "nbody": 4,
-        "njnt": 4,
-        "ngeom": 3,
-        "nkey": 2,
-        "nactuator": 2,
-    }
+    expected = {"nq": 13, "nv": 11, "nu": 2, "na": 1, "nbody": 4, "njnt": 4, "ngeom": 3, "nkey": 2, "nactuator": 2}
     assert {name: compiled.sizes[name] for name in expected} == expected
     assert compiled.mujoco_version is not None and compiled.mujoco_version.count(".") >= 2
     assert compiled.index is None
@@ -137,9 +123,7 @@ def test_the_index_tells_every_address(tmp_path: Path, session: engine.Session) 
     assert turn.range == pytest.approx((-numpy.pi / 2, numpy.pi / 2))
     assert not index.joints[3].limited
     assert index.actuators == (
-        Actuator(
-            "torque", ctrl_address=0, ctrl_size=1, act_address=-1, act_size=0, unit="N m", ctrl_ranges=(None,)
-        ),
+        Actuator("torque", ctrl_address=0, ctrl_size=1, act_address=-1, act_size=0, unit="N m", ctrl_ranges=(None,)),
         Actuator(
             "servo",
             ctrl_address=1,
@@ -179,9 +163,7 @@ def test_paths_in_errors_are_relative_to_the_folder(tmp_path: Path, session: eng
     assert str(tmp_path) not in error
 
 
-def test_a_model_file_that_is_not_there_is_an_error_of_mujoco(
-    tmp_path: Path, session: engine.Session
-) -> None:
+def test_a_model_file_that_is_not_there_is_an_error_of_mujoco(tmp_path: Path, session: engine.Session) -> None:
     compiled = engine.compile(tmp_path, "gone.xml", session=session)
     assert not compiled.ok
     assert compiled.error is not None and "gone.xml" in compiled.error
@@ -202,11 +184,7 @@ def test_a_warning_of_the_reader_arrives_once_and_writes_no_log_here(
 
 
 def test_a_warning_told_in_full_is_not_repeated_in_short(tmp_path: Path, session: engine.Session) -> None:
-    put(
-        tmp_path,
-        '<mujoco><option timestep="0.02"/><worldbody><body name="b"/></worldbody></mujoco>',
-        "child.xml",
-    )
+    put(tmp_path, '<mujoco><option timestep="0.02"/><worldbody><body name="b"/></worldbody></mujoco>', "child.xml")
     text = """<mujoco><option timestep="0.01"/><asset><model name="c" file="child.xml"/></asset>
       <worldbody><attach model="c" body="b" prefix="x"/></worldbody></mujoco>"""
     warnings = engine.compile(put(tmp_path, text), session=session).warnings
@@ -224,11 +202,7 @@ def test_a_forward_step_that_is_not_finite_is_told(tmp_path: Path, session: engi
 
 def test_text_stands_in_for_the_file_and_keeps_its_folder(tmp_path: Path, session: engine.Session) -> None:
     (tmp_path / "meshes").mkdir()
-    put(
-        tmp_path / "meshes",
-        "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n",
-        "t.obj",
-    )
+    put(tmp_path / "meshes", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n", "t.obj")
     text = """<mujoco><compiler meshdir="meshes"/><asset><mesh file="t.obj"/></asset>
       <worldbody><geom type="mesh" mesh="t"/></worldbody></mujoco>"""
     compiled = engine.compile(tmp_path, "not_there.xml", text=text, session=session)
@@ -238,9 +212,7 @@ def test_text_stands_in_for_the_file_and_keeps_its_folder(tmp_path: Path, sessio
     assert engine.compile(tmp_path, text=text, session=session).sizes["nmesh"] == 1
 
 
-def test_a_file_that_changed_between_two_requests_is_read_anew(
-    tmp_path: Path, session: engine.Session
-) -> None:
+def test_a_file_that_changed_between_two_requests_is_read_anew(tmp_path: Path, session: engine.Session) -> None:
     import os
 
     shape = "v 0 0 0\nv {0} 0 0\nv 0 {0} 0\nv 0 0 {0}\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n"
@@ -270,9 +242,7 @@ def test_measure_brings_arrays_sizes_and_names(tmp_path: Path, session: engine.S
 
 
 def test_measure_of_a_refused_model_has_no_arrays(tmp_path: Path, session: engine.Session) -> None:
-    measured = engine.measure(
-        put(tmp_path, "<mujoco><oops/></mujoco>"), arrays=("geom_size",), session=session
-    )
+    measured = engine.measure(put(tmp_path, "<mujoco><oops/></mujoco>"), arrays=("geom_size",), session=session)
     assert not measured.compiled.ok
     assert measured.arrays == {}
     assert measured.names == {}
@@ -325,9 +295,7 @@ def test_importing_the_engine_imports_neither_mujoco_nor_numpy() -> None:
 
     code = "import sys, mjcompose.mujoco; print(sorted({'mujoco', 'numpy'} & set(sys.modules)))"
     environment = {"PYTHONPATH": str(Path(mjcompose.__file__).parents[1])}
-    shown = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, check=True, env=environment
-    )
+    shown = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, env=environment)
     assert shown.stdout.strip() == "[]"
 
 
@@ -346,9 +314,7 @@ def test_a_first_step_that_has_no_end(tmp_path: Path, monkeypatch: pytest.Monkey
     """Thousands of bodies in one place, each of which touches all others."""
     monkeypatch.setattr(engine.Limits, "step", 0.3)  # MuJoCo 3.12 takes a second to compile them
     bodies = '<body><freejoint/><geom size=".1"/></body>' * 1500
-    (tmp_path / "model.xml").write_text(
-        f'<mujoco><size memory="2G"/><worldbody>{bodies}</worldbody></mujoco>'
-    )
+    (tmp_path / "model.xml").write_text(f'<mujoco><size memory="2G"/><worldbody>{bodies}</worldbody></mujoco>')
     with engine.Session(engine.Limits(seconds=60)) as session:
         compiled = engine.compile(tmp_path, session=session)
     assert compiled.crash == "timeout"
@@ -463,9 +429,7 @@ def test_what_prevents_a_beginning_is_the_answer_to_the_first_request(
         assert engine.compile(put_session(tmp_path, GOOD), session=session).crash == "start"
 
 
-def test_nothing_is_left_in_the_folder_for_temporary_files(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_nothing_is_left_in_the_folder_for_temporary_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     import tempfile
 
     scratch = tmp_path / "scratch"
@@ -494,9 +458,7 @@ def test_a_mujoco_that_is_too_old_is_an_answer(tmp_path: Path, monkeypatch: pyte
     assert compiled.error.endswith("builds no models here, it only loads them: 99.1 or newer does")
 
 
-def test_a_python_that_cannot_be_started_is_an_answer(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_python_that_cannot_be_started_is_an_answer(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sys, "executable", str(tmp_path / "no_python"))
     compiled = engine.compile(put_session(tmp_path, GOOD))
     assert compiled.crash == "start"
@@ -522,9 +484,7 @@ def test_python_variables_of_the_environment_do_not_reach_the_child(
 
 class TestCall:
     def test_a_function_gets_the_kept_models(self, tmp_path: Path, module: Callable[[str], Any]) -> None:
-        made = module(
-            "def count(mujoco, a, b, argument):\n    return [a.nbody, b.nbody, argument, mujoco.__name__]\n"
-        )
+        made = module("def count(mujoco, a, b, argument):\n    return [a.nbody, b.nbody, argument, mujoco.__name__]\n")
         bodies = "<mujoco><worldbody>{}</worldbody></mujoco>"
         with Session() as session:
             engine.compile(tmp_path, text=bodies.format("<body/>"), keep="one", session=session)

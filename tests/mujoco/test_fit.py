@@ -32,9 +32,7 @@ def cube(scale: str = "1 1 1") -> dict[str, str]:
 def test_the_hull_of_a_cube_is_the_cube() -> None:
     found = made("hull", {"vertices": None}, **cube("1 2 3"))
     (shape,) = found["shapes"]
-    assert sorted(map(tuple, shape["vertices"])) == [
-        (x, y, z) for x in (0, 1) for y in (0, 2) for z in (0, 3)
-    ]
+    assert sorted(map(tuple, shape["vertices"])) == [(x, y, z) for x in (0, 1) for y in (0, 2) for z in (0, 3)]
     assert len(shape["faces"]) == 12
     error = found["error"]
     assert (error["hausdorff"], error["uncovered"], error["volume"]) == (0, 0, 1)

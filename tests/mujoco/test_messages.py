@@ -53,15 +53,9 @@ def test_an_attribute_that_is_written_nowhere_is_reported_at_the_element(tmp_pat
         ("Error: Error opening file 'nope.stl'", Fault("Error opening file 'nope.stl'")),
         ("ParseXML: empty file 'model.xml'", Fault("empty file 'model.xml'")),
         ("Error: free joint\nElement name '', id 2, line -1", Fault("free joint")),
-        (
-            "Error: x\nElement name 'it's, id 4, line 5', id 2, line 7",
-            Fault("x", 7, name="it's, id 4, line 5"),
-        ),
+        ("Error: x\nElement name 'it's, id 4, line 5', id 2, line 7", Fault("x", 7, name="it's, id 4, line 5")),
         ("Error: x\nElement name 'a\nb', id 2", Fault("x", name="a\nb")),
-        (
-            "timestep: parent has 1\nintegrator: parent has 2",
-            Fault("timestep: parent has 1\nintegrator: parent has 2"),
-        ),
+        ("timestep: parent has 1\nintegrator: parent has 2", Fault("timestep: parent has 1\nintegrator: parent has 2")),
         (
             "XML parse error 6:\nError=XML_ERROR_PARSING_ELEMENT ID=6 Line number=4: XMLElement name=geom\n",
             Fault("not well-formed XML: parsing element", 4, element="geom"),
@@ -109,9 +103,7 @@ def element(inside: str) -> etree._Element:
 
 def test_what_it_speaks_of_is_named() -> None:
     assert translate("it is odd", None).diagnostic.message == "MuJoCo rejects the model: it is odd"
-    assert (
-        translate("it is odd", element("<geom/>")).diagnostic.message == "MuJoCo rejects this geom: it is odd"
-    )
+    assert translate("it is odd", element("<geom/>")).diagnostic.message == "MuJoCo rejects this geom: it is odd"
     assert (
         translate("it is odd", element('<geom name="a/b"/>')).diagnostic.message
         == "MuJoCo rejects the geom `a/b`: it is odd"
@@ -169,8 +161,6 @@ def test_what_another_mujoco_reads() -> None:
     assert in_recipe is not None and in_recipe.help is None
     assert of_other_version(option, "color", "old.xml") is None
     assert version_of([(compiler, "convexhull"), (option, "mpr_iterations")]) == "3.2.2"
-    new = etree.fromstring(
-        "<mujoco><worldbody><replicate/><body><joint springyield='1'/></body></worldbody></mujoco>"
-    )
+    new = etree.fromstring("<mujoco><worldbody><replicate/><body><joint springyield='1'/></body></worldbody></mujoco>")
     assert version_of([(new[0][0], None), (new[0][1][0], "springyield")]) == "4.0.0"
     assert version_of([(option, "color")]) is None

@@ -74,9 +74,7 @@ def _seen(model: mujoco.MjModel, free: mujoco.MjvCamera, points: np.ndarray) -> 
     return np.stack([away @ right / depth / high / ASPECT, away @ np.array(eye.up) / depth / high], axis=1)
 
 
-@pytest.mark.parametrize(
-    "view", ["", '<global azimuth="20" elevation="-70" fovy="30"/>'], ids=["default", "asked for"]
-)
+@pytest.mark.parametrize("view", ["", '<global azimuth="20" elevation="-70" fovy="30"/>'], ids=["default", "asked for"])
 @pytest.mark.parametrize("name", MODELS)
 def test_all_of_the_model_is_in_the_picture_and_fills_it(name: str, view: str) -> None:
     model, data = _made(MODELS[name], view)
@@ -95,9 +93,7 @@ def test_both_of_two_models_are_in_the_picture() -> None:
 
 
 def test_a_model_without_anything_to_see_is_looked_at_as_mujoco_does() -> None:
-    model, data = _made(
-        '<body pos="0 0 1"><joint/><inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/></body>'
-    )
+    model, data = _made('<body pos="0 0 1"><joint/><inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/></body>')
     default = mujoco.MjvCamera()
     mujoco.mjv_defaultFreeCamera(model, default)
     assert camera(mujoco, [(model, data)], ASPECT).distance == default.distance
@@ -145,8 +141,7 @@ def test_a_robot_fills_the_picture_on_any_ground(view: str) -> None:
 
     terrain = '<geom type="hfield" hfield="hill"/>'
     there = [
-        camera(mujoco, [made(each + robot)], ASPECT)
-        for each in ("", terrain, '<geom type="plane" size="50 50 1"/>')
+        camera(mujoco, [made(each + robot)], ASPECT) for each in ("", terrain, '<geom type="plane" size="50 50 1"/>')
     ]
     assert len({(each.distance, *each.lookat) for each in there}) == 1
     alone = camera(mujoco, [made(terrain)], ASPECT)

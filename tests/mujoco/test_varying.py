@@ -51,9 +51,7 @@ def test_nan_and_the_sign_of_zero_are_no_differences(model: mujoco.MjModel) -> N
     assert list(found.found()) == []
 
 
-def test_assets_are_compared_in_the_first_worlds(
-    model: mujoco.MjModel, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_assets_are_compared_in_the_first_worlds(model: mujoco.MjModel, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(varying, "_LARGE", model.mesh_vert.size - 1)
     found = Recorder(model)
     for world in range(12):

@@ -129,9 +129,7 @@ class Maker:
             return self.numbers(3, -170, 170) if self.degrees else self.numbers(3, -3, 3)
         if attribute.angle == "orientation-axisangle":
             return (
-                self.numbers(3, 0.1, 1)
-                + " "
-                + (self.numbers(1, -170, 170) if self.degrees else self.numbers(1, -3, 3))
+                self.numbers(3, 0.1, 1) + " " + (self.numbers(1, -170, 170) if self.degrees else self.numbers(1, -3, 3))
             )
         if name in ("quat", "zaxis", "xyaxes"):
             return (
@@ -169,9 +167,7 @@ class Maker:
 
     def _complete(self, node: Node, kind: ElementType) -> bool:
         for rule in kind.constraints:
-            if rule.kind == "oneof" and not any(
-                all(name in node.attrib for name in bundle) for bundle in rule.bundles
-            ):
+            if rule.kind == "oneof" and not any(all(name in node.attrib for name in bundle) for bundle in rule.bundles):
                 self._obtain(node, kind, rule.bundles)
                 if not any(all(name in node.attrib for name in bundle) for bundle in rule.bundles):
                     return False

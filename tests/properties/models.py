@@ -147,10 +147,7 @@ class _Builder:
         if make.chance(30):
             mesh = element(section, "mesh", name=make.declare("mesh", "w"), vertex="0 0 0 1 0 0 0 1 0 0 0 1")
             make.fill(
-                mesh,
-                GRAMMAR.element("mesh"),
-                2,
-                leave=("normal", "texcoord", "face", "builtin", "params", "vertex"),
+                mesh, GRAMMAR.element("mesh"), 2, leave=("normal", "texcoord", "face", "builtin", "params", "vertex")
             )
             self._classed(mesh)
 
@@ -182,14 +179,10 @@ class _Builder:
             joints = make.pick((0, 1, 1, 2))
             for _ in range(joints):
                 self._joint(body, armature=joints > 1)
-        geom = element(
-            body, "geom", name=make.declare("geom", "g"), type=make.pick(_SHAPES), size="0.1 0.2 0.3"
-        )
+        geom = element(body, "geom", name=make.declare("geom", "g"), type=make.pick(_SHAPES), size="0.1 0.2 0.3")
         make.fill(geom, GRAMMAR.element("geom"), 2, leave=("type", "size", "fromto", "mesh", "hfield"))
         if make.chance(15):
-            inertial = element(
-                body, "inertial", pos=make.numbers(3, -0.2, 0.2), mass="1.5", diaginertia="0.1 0.2 0.25"
-            )
+            inertial = element(body, "inertial", pos=make.numbers(3, -0.2, 0.2), mass="1.5", diaginertia="0.1 0.2 0.25")
             make.fill(inertial, GRAMMAR.element("inertial"), 1, leave=("fullinertia", "diaginertia"))
         self._inside(body, make.pick((0, 1, 2)), joints=True)
         if depth < 2:
@@ -202,9 +195,7 @@ class _Builder:
     def _joint(self, body: Node, *, armature: bool) -> None:
         """With an armature where joints may turn about one axis: else their inertia is singular."""
         make = self.make
-        joint = element(
-            body, "joint", name=make.declare("joint", "j"), **({"armature": "0.2"} if armature else {})
-        )
+        joint = element(body, "joint", name=make.declare("joint", "j"), **({"armature": "0.2"} if armature else {}))
         if make.chance(60):
             joint.set("type", make.pick(("hinge", "slide", "ball")))
         make.fill(joint, GRAMMAR.element("joint"), _MOST, leave=("type",))
@@ -275,8 +266,7 @@ class _Builder:
                 node.set(
                     "name",
                     make.declare(
-                        "exclude" if kind.tag == "exclude" else tag if tag != "custom" else kind.tag,
-                        kind.tag[0],
+                        "exclude" if kind.tag == "exclude" else tag if tag != "custom" else kind.tag, kind.tag[0]
                     ),
                 )
             if kind.takes_class:
@@ -327,10 +317,7 @@ class _Builder:
         if "lengthrange" in kind.attributes:  # what MuJoCo simulates for a muscle takes seconds
             node.set("lengthrange", "0 1")
         return make.fill(
-            node,
-            kind,
-            _MOST,
-            leave=("joint", "jointinparent", "tendon", "site", "body", "slidersite", "cranksite"),
+            node, kind, _MOST, leave=("joint", "jointinparent", "tendon", "site", "body", "slidersite", "cranksite")
         )
 
     def _custom(self, node: Node, kind: ElementType) -> bool:

@@ -49,9 +49,7 @@ class Expected:
             if earlier is None:
                 self.keys.append((final, inside))
             else:
-                self.clashes |= (policy == "prefix" or final in self.apart) and final not in dict(
-                    self.written
-                )
+                self.clashes |= (policy == "prefix" or final in self.apart) and final not in dict(self.written)
                 earlier[1].update(inside)
             if policy == "prefix":
                 self.apart.add(final)
@@ -98,11 +96,7 @@ def said(policy: str) -> str:
 def test_two_parts_on_a_base(tmp_path: Path, base: str, part: str, written: str | None) -> None:
     own: Keys = [(written, {"base_joint": 0.7})] if written else []
     for prefix, copies, keys, second in product(("part/", ""), (1, 2), kinds_of_keys("j"), POLICIES):
-        if (
-            second == "none"
-            or (second == "prefix" and (written or copies > 1))
-            or (copies > 1 and not prefix)
-        ):
+        if second == "none" or (second == "prefix" and (written or copies > 1)) or (copies > 1 and not prefix):
             continue
         expected = Expected(own)
         expected.come(base, "", OWN)
@@ -166,9 +160,7 @@ def test_an_edit_renames_before_the_recipe_writes_its_keys(
     context = Context(environment={}, folder=tmp_path)
     done = build(Request(tmp_path / "recipe.yaml", verified=False), context)
     if names is None:
-        assert [(each.code, each.span.line if each.span else 0) for each in context.sink.errors] == [
-            ("name-clash", 4)
-        ]
+        assert [(each.code, each.span.line if each.span else 0) for each in context.sink.errors] == [("name-clash", 4)]
         return
     assert done is not None
     built = mujoco.MjModel.from_xml_string(done.bundle.files["model.xml"].decode())

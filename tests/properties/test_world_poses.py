@@ -47,9 +47,7 @@ def _body(random: Random, depth: int, names: list[int]) -> str:
 def _part(random: Random) -> str:
     settings = 'fusestatic="true"' if random.random() < 0.6 else ""
     bodies = _body(random, 0, [])
-    return (
-        f'<mujoco><compiler {settings}/><worldbody><site name="w" pos="1 0 0"/>{bodies}</worldbody></mujoco>'
-    )
+    return f'<mujoco><compiler {settings}/><worldbody><site name="w" pos="1 0 0"/>{bodies}</worldbody></mujoco>'
 
 
 def _poses(model: mujoco.MjModel) -> Poses:
@@ -60,10 +58,7 @@ def _poses(model: mujoco.MjModel) -> Poses:
         for index in range(getattr(model, count)):
             name = mujoco.mj_id2name(model, obj, index)
             if name and name != "world":
-                found[kind, name] = (
-                    getattr(data, positions)[index],
-                    getattr(data, matrices)[index].reshape(3, 3),
-                )
+                found[kind, name] = (getattr(data, positions)[index], getattr(data, matrices)[index].reshape(3, 3))
     return found
 
 
@@ -90,8 +85,5 @@ def test_all_that_has_a_name_stands_where_the_mount_puts_it(tmp_path: Path, seed
         assert there[0] == pytest.approx(turn @ position + moved, abs=1e-9), (kind, name)
         assert there[1] == pytest.approx(turn @ matrix, abs=1e-9), (kind, name)
         if kind == "body":
-            weights = (
-                whole.body_gravcomp[whole.body(f"p/{name}").id],
-                alone.body_gravcomp[alone.body(name).id],
-            )
+            weights = (whole.body_gravcomp[whole.body(f"p/{name}").id], alone.body_gravcomp[alone.body(name).id])
             assert weights[0] == weights[1], name

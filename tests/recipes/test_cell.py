@@ -33,9 +33,7 @@ def test_nothing_moves_in_any_of_its_models(
         if (props, payload) != ("cans", 500)
         for sample in (0, 1)
     )
-    for path in (
-        path for path in models if path.parent.name.endswith("bright-50g-s0001")
-    ):  # the checks ask them all
+    for path in (path for path in models if path.parent.name.endswith("bright-50g-s0001")):  # the checks ask them all
         model = mujoco.MjModel.from_xml_path(str(path))
         props = [body for body in range(model.nbody) if model.body(body).name.startswith("prop")]
         assert len(props) == 6

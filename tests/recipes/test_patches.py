@@ -269,21 +269,14 @@ def _is_text(name: str) -> bool:
 def _names(model: mujoco.MjModel) -> dict[str, list[str]]:
     kinds = "body jnt geom site cam light mesh mat tex pair exclude eq tendon actuator sensor key".split()
     text = model.names
-    return {
-        kind: [text[at : text.index(0, at)].decode() for at in getattr(model, f"name_{kind}adr")]
-        for kind in kinds
-    }
+    return {kind: [text[at : text.index(0, at)].decode() for at in getattr(model, f"name_{kind}adr")] for kind in kinds}
 
 
 def _equal_by_name(ours: mujoco.MjModel, theirs: mujoco.MjModel) -> None:
     """Every number of bodies, joints, sites and actuators, and of the geoms of each body in their order."""
     for kind, prefix in (("body", "body"), ("joint", "jnt"), ("site", "site"), ("actuator", "actuator")):
         one, other = (
-            {
-                model_name: getattr(model, kind)(model_name)
-                for model_name in _names(model)[prefix]
-                if model_name
-            }
+            {model_name: getattr(model, kind)(model_name) for model_name in _names(model)[prefix] if model_name}
             for model in (ours, theirs)
         )
         for name, view in one.items():
@@ -295,24 +288,11 @@ def _equal_by_name(ours: mujoco.MjModel, theirs: mujoco.MjModel) -> None:
                     )
     for name in _names(ours)["body"]:
         rows = [
-            slice(
-                int(model.body(name).geomadr[0]),
-                int(model.body(name).geomadr[0] + model.body(name).geomnum[0]),
-            )
+            slice(int(model.body(name).geomadr[0]), int(model.body(name).geomadr[0] + model.body(name).geomnum[0]))
             for model in (ours, theirs)
         ]
-        for field in (
-            "geom_type",
-            "geom_pos",
-            "geom_quat",
-            "geom_size",
-            "geom_dataid",
-            "geom_rgba",
-            "geom_group",
-        ):
-            np.testing.assert_allclose(
-                getattr(ours, field)[rows[0]], getattr(theirs, field)[rows[1]], rtol=1e-12
-            )
+        for field in ("geom_type", "geom_pos", "geom_quat", "geom_size", "geom_dataid", "geom_rgba", "geom_group"):
+            np.testing.assert_allclose(getattr(ours, field)[rows[0]], getattr(theirs, field)[rows[1]], rtol=1e-12)
 
 
 def test_every_patch_has_a_change_by_hand_and_a_line() -> None:

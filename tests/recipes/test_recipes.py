@@ -19,9 +19,7 @@ RECIPES = sorted((ROOT / "recipes").glob("*.yaml"))
 TOLD = {"soft_arm": ["convert-loss"]}
 NEEDS_MORE = {f"menagerie_{name}" for name in ("bimanual", "collision", "go1_z1", "panda_allegro")}
 """Recipes of robots that only the corpus has."""
-QUICK = (
-    {path.stem for path in RECIPES} - NEEDS_MORE - {"menagerie_cell", "menagerie_randomised", "held_payload"}
-)
+QUICK = {path.stem for path in RECIPES} - NEEDS_MORE - {"menagerie_cell", "menagerie_randomised", "held_payload"}
 
 
 @pytest.mark.parametrize("path", rest_slow(RECIPES, QUICK, lambda path: path.stem))

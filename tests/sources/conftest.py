@@ -15,9 +15,7 @@ from mjcompose.sources.fetching import Fetching
 from mjcompose.sources.lock import resolve
 from mjcompose.sources.reference import SourceError
 
-MODEL = (
-    '<mujoco model="{name}"><worldbody><body name="{name}"><geom size="0.1"/></body></worldbody></mujoco>\n'
-)
+MODEL = '<mujoco model="{name}"><worldbody><body name="{name}"><geom size="0.1"/></body></worldbody></mujoco>\n'
 
 
 @dataclass
@@ -27,17 +25,8 @@ class Repository:
     folder: Path
 
     def git(self, *arguments: str) -> str:
-        own = [
-            "-c",
-            "user.name=Somebody",
-            "-c",
-            "user.email=somebody@example.org",
-            "-c",
-            "commit.gpgsign=false",
-        ]
-        done = subprocess.run(
-            ["git", *own, *arguments], cwd=self.folder, check=True, capture_output=True, text=True
-        )
+        own = ["-c", "user.name=Somebody", "-c", "user.email=somebody@example.org", "-c", "commit.gpgsign=false"]
+        done = subprocess.run(["git", *own, *arguments], cwd=self.folder, check=True, capture_output=True, text=True)
         return done.stdout.strip()
 
     def commit(self, **files: str) -> str:
@@ -57,9 +46,7 @@ def robots(tmp_path: Path) -> Repository:
     made = Repository(tmp_path / "robots")
     made.folder.mkdir()
     made.git("init", "-q", "-b", "main")
-    made.commit(
-        **{"arm/arm.xml": MODEL.format(name="arm"), "arm/mesh.obj": "v 0 0 0\n", "LICENSE": "As you like.\n"}
-    )
+    made.commit(**{"arm/arm.xml": MODEL.format(name="arm"), "arm/mesh.obj": "v 0 0 0\n", "LICENSE": "As you like.\n"})
     made.git("tag", "v1")
     return made
 
@@ -129,12 +116,7 @@ def web() -> Iterator[Web]:
 
 
 def send(
-    handler: BaseHTTPRequestHandler,
-    body: bytes,
-    *,
-    status: int = 200,
-    length: int | None = None,
-    **headers: str,
+    handler: BaseHTTPRequestHandler, body: bytes, *, status: int = 200, length: int | None = None, **headers: str
 ) -> None:
     handler.send_response(status)
     handler.send_header("Content-Length", str(len(body) if length is None else length))

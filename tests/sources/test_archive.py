@@ -52,9 +52,7 @@ def test_what_is_pinned_is_fetched_once(web: Any, take: Callable[..., Any]) -> N
     assert len(web.asked) == 1
 
 
-def test_what_is_not_pinned_is_asked_for_again(
-    web: Any, take: Callable[..., Any], answer: Callable[..., None]
-) -> None:
+def test_what_is_not_pinned_is_asked_for_again(web: Any, take: Callable[..., Any], answer: Callable[..., None]) -> None:
     def page(handler: Any) -> None:
         same = handler.headers.get("If-None-Match") == '"one"'
         answer(handler, b"" if same else ROBOTS, status=304 if same else 200, ETag='"one"')
@@ -75,18 +73,13 @@ def test_another_archive_than_the_reference_pins(web: Any, refused: Callable[...
 def test_another_archive_than_the_lock_pins_says_which_files_changed(
     web: Any, take: Callable[..., Any], refused: Callable[..., SourceError]
 ) -> None:
-    web.pages["/robots.zip"] = zipped(
-        **{"robots/arm.xml": b"<mujoco model='other'/>", "robots/new.xml": MODEL}
-    )
+    web.pages["/robots.zip"] = zipped(**{"robots/arm.xml": b"<mujoco model='other'/>", "robots/new.xml": MODEL})
     files = {"robots/arm.xml": hashlib.sha256(MODEL).hexdigest(), "robots/LICENSE": "1" * 64}
     locked = Locked(kind="archive", sha256=SHA256, files=files)
     lock = Lock(mjcompose="0", mujoco=None, sources={f"{web.url}/robots.zip": locked})
     error = refused(f"{web.url}/robots.zip#robots/arm.xml", lock=lock)
     assert error.code == "source-changed"
-    assert [note.split(":")[0] for note in error.notes[1:]] == [
-        "`robots/LICENSE` is gone",
-        "`robots/arm.xml` changed",
-    ]
+    assert [note.split(":")[0] for note in error.notes[1:]] == ["`robots/LICENSE` is gone", "`robots/arm.xml` changed"]
     assert take(f"{web.url}/robots.zip#robots/arm.xml", lock=lock, fresh=None).version != SHA256
 
 

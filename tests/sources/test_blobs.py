@@ -74,9 +74,7 @@ blobs.put(sys.argv[1], "raw", "a", b"content")
 @contextmanager
 def writer(store: Path) -> Iterator[subprocess.Popen[str]]:
     """A process that has written a blob and not moved it to its place."""
-    with subprocess.Popen(
-        [sys.executable, "-c", WRITES, str(store)], stdout=subprocess.PIPE, text=True
-    ) as process:
+    with subprocess.Popen([sys.executable, "-c", WRITES, str(store)], stdout=subprocess.PIPE, text=True) as process:
         assert process.stdout is not None and process.stdout.readline() == "writing\n"
         try:
             yield process
@@ -118,9 +116,7 @@ def test_a_note_is_written_in_one_step_too(tmp_path: Path, monkeypatch: pytest.M
 OLD = 1_000_000_000
 
 
-def test_a_file_is_hashed_again_only_where_it_has_changed(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_file_is_hashed_again_only_where_it_has_changed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(files, "_SETTLED", -1)
     file = tmp_path / "link.obj"
     file.write_text("one")

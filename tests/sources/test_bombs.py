@@ -60,18 +60,14 @@ def with_zeros(robots: Any, sizes: list[int]) -> str:
     return str(robots.reference("bomb"))
 
 
-def test_zeros_in_a_repository_are_a_bomb(
-    robots: Any, refused: Callable[..., SourceError], tmp_path: Path
-) -> None:
+def test_zeros_in_a_repository_are_a_bomb(robots: Any, refused: Callable[..., SourceError], tmp_path: Path) -> None:
     error = refused(with_zeros(robots, [70 * MIB]))
     assert error.code == "archive-refused" and "more than 300 times its size" in error.message
     assert error.help is not None and "--limit source-ratio=" in error.help
     assert sum(path.stat().st_size for path in (tmp_path / "store").rglob("*") if path.is_file()) < MIB
 
 
-def test_a_repository_that_unpacks_to_more_than_it_may(
-    robots: Any, refused: Callable[..., SourceError]
-) -> None:
+def test_a_repository_that_unpacks_to_more_than_it_may(robots: Any, refused: Callable[..., SourceError]) -> None:
     reference = with_zeros(robots, [3 * MIB, 3 * MIB])
     with allow(source_size=5 * MIB):
         error = refused(reference)
@@ -92,9 +88,7 @@ def test_a_tree_that_holds_itself_many_times(robots: Any, refused: Callable[...,
     """Ten levels of a folder with ten names for the next: 10,000,000,000 files in a repository of a few kB."""
 
     def make(kind: str, entries: str) -> str:
-        done = subprocess.run(
-            ["git", "mktree"], cwd=robots.folder, input=entries, capture_output=True, text=True
-        )
+        done = subprocess.run(["git", "mktree"], cwd=robots.folder, input=entries, capture_output=True, text=True)
         return done.stdout.strip()
 
     blob = robots.git("rev-parse", "HEAD:LICENSE")
@@ -137,18 +131,14 @@ def test_a_large_zip_is_unpacked_piece_by_piece(web: Any, tmp_path: Path) -> Non
     assert said == "taken" and peak < PEAK
 
 
-@pytest.mark.parametrize(
-    "method", [zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED, zipfile.ZIP_BZIP2, zipfile.ZIP_LZMA]
-)
+@pytest.mark.parametrize("method", [zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED, zipfile.ZIP_BZIP2, zipfile.ZIP_LZMA])
 @pytest.mark.parametrize("seed", range(4))
 def test_a_damaged_member_is_the_fault_of_the_archive(
     web: Any, refused: Callable[..., SourceError], tmp_path: Path, method: int, seed: int
 ) -> None:
     stream = io.BytesIO()
     with zipfile.ZipFile(stream, "w", method) as archive:
-        archive.writestr(
-            "arm.xml", b"".join(zlib.crc32(bytes([n % 251])).to_bytes(4, "big") for n in range(9000))
-        )
+        archive.writestr("arm.xml", b"".join(zlib.crc32(bytes([n % 251])).to_bytes(4, "big") for n in range(9000)))
         start = archive.infolist()[0].header_offset + 30 + len("arm.xml")
         size = archive.infolist()[0].compress_size
     content = bytearray(stream.getvalue())
@@ -184,8 +174,7 @@ def repeated(size: int, times: int) -> bytes:
     """A delta that gives a base of a size so many times; a copy has at most 64 KiB."""
     chunk = 1 << 16
     copies = b"".join(
-        bytes([0x80 | 0x01 | 0x02 | 0x04 | 0x08])
-        + at.to_bytes(4, "little")  # of 64 KiB, where nothing is written
+        bytes([0x80 | 0x01 | 0x02 | 0x04 | 0x08]) + at.to_bytes(4, "little")  # of 64 KiB, where nothing is written
         for at in range(0, size, chunk)
     )
     return varint(size) + varint(size * times) + copies * times

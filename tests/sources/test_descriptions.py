@@ -54,10 +54,7 @@ def fail(text: str) -> SourceError:
 
 @pytest.mark.parametrize(
     ("text", "file", "kind"),
-    [
-        ("descriptions:arm_mj_description", "arm.xml", "mjcf"),
-        ("descriptions:arm_description", "arm.urdf", "urdf"),
-    ],
+    [("descriptions:arm_mj_description", "arm.xml", "mjcf"), ("descriptions:arm_description", "arm.urdf", "urdf")],
 )
 def test_finds_a_description(
     library: Path, capsys: pytest.CaptureFixture[str], text: str, file: str, kind: str
@@ -82,12 +79,7 @@ def test_the_commit_is_the_one_that_is_checked_out(library: Path, head: str, exp
 @pytest.mark.parametrize(
     ("text", "code", "message", "fix"),
     [
-        (
-            "descriptions:arm",
-            "source-not-found",
-            "no description `arm`",
-            "write `descriptions:arm_mj_description`",
-        ),
+        ("descriptions:arm", "source-not-found", "no description `arm`", "write `descriptions:arm_mj_description`"),
         (
             "descriptions:arm_mj_descripton",
             "source-not-found",

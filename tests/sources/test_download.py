@@ -30,9 +30,7 @@ def get(tmp_path: Path) -> Callable[..., Version | None]:
     return get
 
 
-def test_redirects_are_followed(
-    web: Any, get: Callable[..., Any], answer: Callable[..., None], tmp_path: Path
-) -> None:
+def test_redirects_are_followed(web: Any, get: Callable[..., Any], answer: Callable[..., None], tmp_path: Path) -> None:
     web.pages["/a"] = lambda handler: answer(handler, b"", status=302, Location="/b")
     web.pages["/b"] = CONTENT
     get(f"{web.url}/a")
@@ -48,8 +46,7 @@ def test_redirects_in_a_circle_end(web: Any, get: Callable[..., Any], answer: Ca
 
 
 @pytest.mark.parametrize(
-    "location",
-    ["http://[::1/b", "http://127.0.0.1:99999/b", "ftp://127.0.0.1/b", "file:///etc/hostname", "https:"],
+    "location", ["http://[::1/b", "http://127.0.0.1:99999/b", "ftp://127.0.0.1/b", "file:///etc/hostname", "https:"]
 )
 def test_a_redirect_to_what_is_no_address(
     web: Any, get: Callable[..., Any], answer: Callable[..., None], location: str
@@ -60,9 +57,7 @@ def test_a_redirect_to_what_is_no_address(
     assert len(web.asked) == 1
 
 
-def test_an_answer_that_nobody_asked_for(
-    web: Any, get: Callable[..., Any], answer: Callable[..., None]
-) -> None:
+def test_an_answer_that_nobody_asked_for(web: Any, get: Callable[..., Any], answer: Callable[..., None]) -> None:
     web.pages["/a"] = lambda handler: answer(handler, b"", status=304)
     with pytest.raises(SourceError, match="answered 304"):
         get(f"{web.url}/a")
@@ -70,11 +65,7 @@ def test_an_answer_that_nobody_asked_for(
 
 @pytest.mark.parametrize("status", [429, 503])
 def test_a_server_says_when_to_come_again(
-    web: Any,
-    get: Callable[..., Any],
-    answer: Callable[..., None],
-    monkeypatch: pytest.MonkeyPatch,
-    status: int,
+    web: Any, get: Callable[..., Any], answer: Callable[..., None], monkeypatch: pytest.MonkeyPatch, status: int
 ) -> None:
     pauses: list[float] = []
     monkeypatch.setattr(time, "sleep", pauses.append)
@@ -104,11 +95,7 @@ def test_a_busy_server_is_asked_again(
     web: Any, get: Callable[..., Any], answer: Callable[..., None], tmp_path: Path
 ) -> None:
     def page(handler: Any) -> None:
-        answer(
-            handler,
-            *((b"",) if len(web.asked) < 3 else (CONTENT,)),
-            status=503 if len(web.asked) < 3 else 200,
-        )
+        answer(handler, *((b"",) if len(web.asked) < 3 else (CONTENT,)), status=503 if len(web.asked) < 3 else 200)
 
     web.pages["/a"] = page
     get(f"{web.url}/a")
@@ -134,9 +121,7 @@ def resuming(web: Any, answer: Callable[..., None], etag: Callable[[], str]) -> 
     return page
 
 
-def test_what_broke_off_goes_on(
-    web: Any, get: Callable[..., Any], answer: Callable[..., None], tmp_path: Path
-) -> None:
+def test_what_broke_off_goes_on(web: Any, get: Callable[..., Any], answer: Callable[..., None], tmp_path: Path) -> None:
     web.pages["/a"] = resuming(web, answer, lambda: '"one"')
     assert get(f"{web.url}/a") == Version('"one"', "")
     assert (tmp_path / "file.part").read_bytes() == CONTENT
@@ -270,9 +255,7 @@ def test_a_proxy_is_used_unless_the_host_is_spared(web: Any, get: Callable[..., 
         get("http://robots.invalid/a.zip", http_proxy=web.url, no_proxy="robots.invalid")
 
 
-def test_what_is_known_is_not_sent_again(
-    web: Any, get: Callable[..., Any], answer: Callable[..., None]
-) -> None:
+def test_what_is_known_is_not_sent_again(web: Any, get: Callable[..., Any], answer: Callable[..., None]) -> None:
     web.pages["/a"] = lambda handler: answer(handler, b"", status=304)
     assert get(f"{web.url}/a", Version('"one"', "")) is None
 
@@ -283,9 +266,7 @@ def test_no_way_leads_over_an_address_that_is_not_encrypted(
     """The server is a proxy too, and would give the file in the name of any host."""
     way = {"status": 302, "Location": "http://example.org/b"}
     web.pages[f"{web.url}/a"] = lambda handler: answer(handler, b"", **way)
-    web.pages["http://example.org/b"] = lambda handler: answer(
-        handler, b"", status=302, Location=f"{web.url}/c"
-    )
+    web.pages["http://example.org/b"] = lambda handler: answer(handler, b"", status=302, Location=f"{web.url}/c")
     web.pages[f"{web.url}/c"] = CONTENT
     with pytest.raises(SourceError, match=r"leads to `http://example.org/b`, which is not encrypted"):
         get(f"{web.url}/a", http_proxy=web.url)
@@ -326,24 +307,16 @@ def test_a_download_that_is_larger_than_it_may_be(
     assert not list((tmp_path / "store" / "partial").iterdir())
 
 
-@pytest.mark.parametrize(
-    "found", [("10.0.0.7",), ("93.184.216.34", "10.0.0.7"), ("::1",), ("169.254.169.254",)]
-)
+@pytest.mark.parametrize("found", [("10.0.0.7",), ("93.184.216.34", "10.0.0.7"), ("::1",), ("169.254.169.254",)])
 def test_a_detour_leads_to_no_name_of_this_network(
-    web: Any,
-    answer: Callable[..., None],
-    monkeypatch: pytest.MonkeyPatch,
-    tmp_path: Path,
-    found: tuple[str, ...],
+    web: Any, answer: Callable[..., None], monkeypatch: pytest.MonkeyPatch, tmp_path: Path, found: tuple[str, ...]
 ) -> None:
     """Nor is one asked that had no address when its reference was read."""
     monkeypatch.setattr("mjcompose.sources.trust._addresses", lambda name: tuple(map(ip_address, found)))
     monkeypatch.setattr(
         "mjcompose.sources.download.is_private", lambda host: "127.0.0.1" not in host and is_private(host)
     )
-    web.pages["/a"] = lambda handler: answer(
-        handler, b"", status=302, Location="https://robots.example.org/b"
-    )
+    web.pages["/a"] = lambda handler: answer(handler, b"", status=302, Location="https://robots.example.org/b")
     given: dict[str, Any] = {"environment": {"MJCOMPOSE_TIMEOUT": "1"}, "progress": print, "known": NOTHING}
     for start, asked in ((f"{web.url}/a", 1), ("https://robots.example.org/b", 1)):
         with pytest.raises(SourceError) as caught:

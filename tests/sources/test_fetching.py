@@ -12,14 +12,7 @@ from mjcompose.sources.reference import SourceError
 
 
 def test_nearest_first_and_no_deeper_than_asked(tmp_path: Path) -> None:
-    for name in (
-        "z.xml",
-        "a/b/c/deep.xml",
-        "a/one.yaml",
-        "a/picture.png",
-        ".hidden/x.xml",
-        "__pycache__/y.xml",
-    ):
+    for name in ("z.xml", "a/b/c/deep.xml", "a/one.yaml", "a/picture.png", ".hidden/x.xml", "__pycache__/y.xml"):
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / name).write_text("")
     assert nearby.model_files(tmp_path) == ["z.xml", "a/one.yaml", "a/b/c/deep.xml"]

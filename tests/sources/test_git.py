@@ -14,13 +14,9 @@ def lock_with(id: str, commit: str) -> Lock:
     return Lock(mjcompose="0", mujoco=None, sources={id: Locked(kind="git", commit=commit, files={})})
 
 
-def test_a_tag_a_branch_a_commit_and_its_beginning_are_the_same_file(
-    robots: Any, take: Callable[..., Any]
-) -> None:
+def test_a_tag_a_branch_a_commit_and_its_beginning_are_the_same_file(robots: Any, take: Callable[..., Any]) -> None:
     commit = robots.git("rev-parse", "HEAD")
-    found = {
-        take(robots.reference(each)).path for each in ("v1", "main", "refs/heads/main", commit, commit[:10])
-    }
+    found = {take(robots.reference(each)).path for each in ("v1", "main", "refs/heads/main", commit, commit[:10])}
     assert len(found) == 1
     assert found.pop().read_text() == (robots.folder / "arm" / "arm.xml").read_text()
 
@@ -72,9 +68,7 @@ def test_a_missing_tag_names_those_that_exist(robots: Any, refused: Callable[...
     assert error.help == f"write `{robots.reference('v1')}`"
 
 
-def test_a_repository_without_the_file_names_its_models(
-    robots: Any, refused: Callable[..., SourceError]
-) -> None:
+def test_a_repository_without_the_file_names_its_models(robots: Any, refused: Callable[..., SourceError]) -> None:
     error = refused(robots.reference("v1", "arm/amr.xml"))
     assert error.code == "source-not-found"
     assert error.help == f"write `{robots.reference('v1')}`"
@@ -119,9 +113,7 @@ def test_a_lock_that_has_another_commit_than_the_reference_says(
 
 
 def test_the_bytes_are_those_of_the_commit(robots: Any, take: Callable[..., Any]) -> None:
-    robots.commit(
-        **{".gitattributes": "*.xml text eol=crlf ident\n", "arm/arm.xml": "<mujoco/>\n<!-- $Id$ -->\n"}
-    )
+    robots.commit(**{".gitattributes": "*.xml text eol=crlf ident\n", "arm/arm.xml": "<mujoco/>\n<!-- $Id$ -->\n"})
     assert take(robots.reference("main")).path.read_bytes() == b"<mujoco/>\n<!-- $Id$ -->\n"
 
 

@@ -49,9 +49,7 @@ def armed(robots: Any, trace: Path) -> Any:
 
 
 @pytest.mark.skipif(os.name == "nt", reason="the scripts are for a shell")
-def test_a_repository_that_is_fetched_runs_nothing(
-    robots: Any, take: Callable[..., Any], tmp_path: Path
-) -> None:
+def test_a_repository_that_is_fetched_runs_nothing(robots: Any, take: Callable[..., Any], tmp_path: Path) -> None:
     trace = tmp_path / "trace"
     source = take(armed(robots, trace).reference("main"))
     assert not trace.exists(), trace.read_text()
@@ -96,21 +94,11 @@ def test_no_transport_that_is_a_program(robots: Any, own_environment: dict[str, 
     settings.write_text(
         f'[url "ext::sh -c touch% {trace}% "]\n\tinsteadOf = https://example.invalid/\n[protocol "ext"]\n\tallow = always\n'
     )
-    environment = {
-        **os.environ,
-        **own_environment,
-        "GIT_CONFIG_GLOBAL": str(settings),
-        "GIT_ALLOW_PROTOCOL": "ext",
-    }
+    environment = {**os.environ, **own_environment, "GIT_CONFIG_GLOBAL": str(settings), "GIT_ALLOW_PROTOCOL": "ext"}
     with pytest.raises(GitFailure, match="'ext' not allowed"):
         Git(environment, quiet).run("ls-remote", "--", "https://example.invalid/robots")
     with pytest.raises(SourceError):
-        resolve(
-            "git+ext::sh -c touch@main#a.xml",
-            relative_to=tmp_path,
-            environment=environment,
-            fetching=Fetching(),
-        )
+        resolve("git+ext::sh -c touch@main#a.xml", relative_to=tmp_path, environment=environment, fetching=Fetching())
     assert not trace.exists()
 
 

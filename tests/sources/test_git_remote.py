@@ -92,9 +92,7 @@ def https(tmp_path: Path, robots: Any) -> Iterator[tuple[str, dict[str, str]]]:
 
 
 @pytest.mark.parametrize("revision", ["v1", "main"])
-def test_https(
-    https: tuple[str, dict[str, str]], robots: Any, own_environment: dict[str, str], revision: str
-) -> None:
+def test_https(https: tuple[str, dict[str, str]], robots: Any, own_environment: dict[str, str], revision: str) -> None:
     url, trust = https
     source = fetch(f"git+{url}@{revision}#arm/arm.xml", {**own_environment, **trust})
     assert source.version == robots.git("rev-parse", f"{revision}^{{commit}}")
@@ -131,9 +129,7 @@ def test_a_certificate_that_nobody_trusts_is_refused(
 def test_ssh(tmp_path: Path, robots: Any, own_environment: dict[str, str]) -> None:
     """What ssh would run on the other machine is run here; its arguments are host and command."""
     login = tmp_path / "login"
-    login.write_text(
-        f'#!/bin/sh\necho "$@" >> {tmp_path}/asked\nfor command; do :; done\nexec sh -c "$command"\n'
-    )
+    login.write_text(f'#!/bin/sh\necho "$@" >> {tmp_path}/asked\nfor command; do :; done\nexec sh -c "$command"\n')
     login.chmod(0o755)
     environment = {**own_environment, "GIT_SSH_COMMAND": str(login), "GIT_SSH_VARIANT": "simple"}
     source = fetch(f"git+ssh://git@robots.example{robots.folder}@v1#arm/arm.xml", environment)

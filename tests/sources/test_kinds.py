@@ -68,9 +68,7 @@ def test_what_is_known_of_a_source_is_pinned() -> None:
         Source(Path("arm.xml"), shared, "shared:arm/arm.xml", package="arm")
 
 
-@pytest.mark.parametrize(
-    ("is_fetched", "seen"), [(False, {"SHOWN": "1"}), (True, {"SHOWN": "1", "HIDDEN": "2"})]
-)
+@pytest.mark.parametrize(("is_fetched", "seen"), [(False, {"SHOWN": "1"}), (True, {"SHOWN": "1", "HIDDEN": "2"})])
 def test_a_kind_that_is_not_fetched_sees_its_own_variables(
     is_fetched: bool, seen: dict[str, str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -80,9 +78,7 @@ def test_a_kind_that_is_not_fetched_sees_its_own_variables(
         found.append(dict(lookup.environment))
         return Source(Path("arm.xml"), reference.kind, reference.text)
 
-    row = replace(
-        path.KIND, is_local=False, is_fetched=is_fetched, variables=("SHOWN", "UNSET"), resolve=look
-    )
+    row = replace(path.KIND, is_local=False, is_fetched=is_fetched, variables=("SHOWN", "UNSET"), resolve=look)
     monkeypatch.setitem(kinds._BY_NAME, "path", row)
     resolve("./arm.xml", relative_to=Path(), environment={"SHOWN": "1", "HIDDEN": "2"})
     assert found == [seen]

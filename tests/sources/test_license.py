@@ -22,14 +22,7 @@ def found(root: Path, model: str, base: Path | None = None) -> list[str]:
 
 
 def test_the_nearest_folder_wins(tmp_path: Path) -> None:
-    write(
-        tmp_path,
-        "LICENSE",
-        "robots/NOTICE",
-        "robots/COPYING.txt",
-        "robots/arm/arm.xml",
-        "robots/arm/meshes/LICENSE",
-    )
+    write(tmp_path, "LICENSE", "robots/NOTICE", "robots/COPYING.txt", "robots/arm/arm.xml", "robots/arm/meshes/LICENSE")
     assert found(tmp_path, "robots/arm/arm.xml") == ["robots/COPYING.txt", "robots/NOTICE"]
 
 
@@ -61,9 +54,7 @@ def test_a_stray_license_beside_all_packages_is_nobodys(tmp_path: Path) -> None:
     assert found(tmp_path, "site-packages/robots/model.xml") == []
 
 
-def test_a_relative_path_is_searched_from_where_it_starts(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_relative_path_is_searched_from_where_it_starts(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     write(tmp_path, "LICENSE", "recipes/x.yaml", "models/arm.xml")
     monkeypatch.chdir(tmp_path / "recipes")
     assert license.find(Path("../models/arm.xml")) == ((tmp_path / "LICENSE").resolve(),)
@@ -81,10 +72,7 @@ def test_all_texts_in_a_folder_called_licenses_are_licenses(tmp_path: Path) -> N
         "LICENSES/check.py",
         "arm/model.xml",
     )
-    wanted = [
-        "LICENSE.md",
-        *(f"LICENSES/{each}" for each in ("CC-BY-4.0.txt", "MIT.txt", "left/hand/NOTICE")),
-    ]
+    wanted = ["LICENSE.md", *(f"LICENSES/{each}" for each in ("CC-BY-4.0.txt", "MIT.txt", "left/hand/NOTICE"))]
     assert found(tmp_path, "arm/model.xml") == wanted
 
 
@@ -100,9 +88,7 @@ def test_names_of_licenses(name: str) -> None:
     assert is_license(name)
 
 
-@pytest.mark.parametrize(
-    "name", ["license.py", "licenses.json", "noticeboard", "README", "MY_LICENSE", "licensed.xml"]
-)
+@pytest.mark.parametrize("name", ["license.py", "licenses.json", "noticeboard", "README", "MY_LICENSE", "licensed.xml"])
 def test_names_of_other_files(name: str) -> None:
     assert not is_license(name)
 
@@ -146,9 +132,7 @@ def test_a_text_is_known_by_its_words(text: str, expected: str | None) -> None:
     assert identify(text) == expected
 
 
-def source(
-    folder: Path, head: str = "", licenses: dict[str, str] | None = None, package: str | None = None
-) -> Source:
+def source(folder: Path, head: str = "", licenses: dict[str, str] | None = None, package: str | None = None) -> Source:
     model = folder / "arm.xml"
     model.write_text(f"{head}<mujoco/>")
     for name, text in (licenses or {}).items():
@@ -183,7 +167,5 @@ def test_a_package_speaks_only_where_no_file_does(tmp_path: Path) -> None:
         ((None, None, ["Programming Language :: Python"]), None),
     ],
 )
-def test_metadata_of_packages(
-    metadata: tuple[str | None, str | None, list[str]], expected: str | None
-) -> None:
+def test_metadata_of_packages(metadata: tuple[str | None, str | None, list[str]], expected: str | None) -> None:
     assert of_package(*metadata) == expected

@@ -112,9 +112,7 @@ def test_a_lock_in_a_merge_is_what_both_sides_pin() -> None:
     local = Locked(kind="path", files={"c.xml": "c" * 64})
     changed = Locked(kind="path", files={"c.xml": "d" * 64})
     disputes: dict[str, tuple[str, str]] = {}
-    text = merged(
-        side(both=both, mine=mine, web=mine, own=local), side(both=also, other=other, web=other, own=changed)
-    )
+    text = merged(side(both=both, mine=mine, web=mine, own=local), side(both=also, other=other, web=other, own=changed))
     sink = Sink()
     lock = from_text(text, "a.lock", sink, disputes)
     assert lock is not None and not sink.diagnostics
@@ -154,9 +152,7 @@ def test_the_room_is_light(repository: Path) -> None:
     assert result.stdout.strip() == "[]"
 
 
-def test_a_path_in_what_was_fetched_belongs_to_it(
-    robots: Any, own_environment: dict[str, str], tmp_path: Path
-) -> None:
+def test_a_path_in_what_was_fetched_belongs_to_it(robots: Any, own_environment: dict[str, str], tmp_path: Path) -> None:
     robots.commit(**{"arm/cell.yaml": "recipe: 1\n"})
     fetching = Fetching()
 

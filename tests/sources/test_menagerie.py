@@ -9,9 +9,7 @@ from mjcompose.sources.fetching import Fetching
 from mjcompose.sources.lock import resolve
 from mjcompose.sources.reference import Source, SourceError
 
-needs_library = pytest.mark.skipif(
-    find_spec("mujoco_menagerie") is None, reason="mujoco-menagerie is missing"
-)
+needs_library = pytest.mark.skipif(find_spec("mujoco_menagerie") is None, reason="mujoco-menagerie is missing")
 
 
 def find(text: str, **environment: str | Path) -> Source:
@@ -28,12 +26,7 @@ def fail(text: str, **environment: str | Path) -> SourceError:
 @pytest.fixture
 def root(tmp_path: Path) -> Path:
     """A Menagerie of two robots, one of them incomplete."""
-    for name in (
-        "robotiq_2f85/2f85.xml",
-        "robotiq_2f85/scene.xml",
-        "robotiq_2f85/LICENSE",
-        "wonik_allegro/LICENSE",
-    ):
+    for name in ("robotiq_2f85/2f85.xml", "robotiq_2f85/scene.xml", "robotiq_2f85/LICENSE", "wonik_allegro/LICENSE"):
         (tmp_path / name).parent.mkdir(exist_ok=True)
         (tmp_path / name).write_text("")
     return tmp_path
@@ -163,9 +156,7 @@ def test_without_the_package(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @needs_library
-def test_a_server_whose_name_cannot_be_resolved_fails_at_once(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_server_whose_name_cannot_be_resolved_fails_at_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     import mujoco_menagerie
 
     def path(*_: object) -> None:
@@ -175,8 +166,6 @@ def test_a_server_whose_name_cannot_be_resolved_fails_at_once(
         monkeypatch.delenv(name, raising=False)
         monkeypatch.delenv(name.upper(), raising=False)
     monkeypatch.setattr(type(mujoco_menagerie.get("robotiq_2f85")), "path", path)
-    error = fail(
-        "menagerie:robotiq_2f85", MENAGERIE_CACHE_DIR=tmp_path, MENAGERIE_BASE_URL="https://nobody.invalid"
-    )
+    error = fail("menagerie:robotiq_2f85", MENAGERIE_CACHE_DIR=tmp_path, MENAGERIE_BASE_URL="https://nobody.invalid")
     assert error.code == "source-not-found" and "cannot be resolved" in error.message
     assert error.help is not None and "MENAGERIE_ROOT" in error.help

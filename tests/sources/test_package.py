@@ -69,9 +69,7 @@ def test_the_license_of_the_distribution_is_the_last_resort(installed: Path) -> 
 def test_what_a_recipe_in_a_package_names_is_of_the_package(installed: Path) -> None:
     (installed / "mjct_robots" / "hands" / "cell.yaml").write_text("recipe: 1\n")
     fetching = Fetching()
-    recipe = resolve(
-        "package:mjct_robots/hands/cell.yaml", relative_to=Path(), environment={}, fetching=fetching
-    )
+    recipe = resolve("package:mjct_robots/hands/cell.yaml", relative_to=Path(), environment={}, fetching=fetching)
     for name, folder in (("./b.xml", "licenses"), ("../arms/a.xml", "arms")):
         inside = resolve(name, relative_to=recipe.path.parent, environment={}, fetching=fetching)
         assert (inside.package, inside.version) == ("mjct-robots", "1.2")

@@ -25,10 +25,7 @@ from mjcompose.sources.reference import Reference, SourceError, take_apart
         ("git+file:///srv/repo@v1#x.xml", ("git", "file:///srv/repo", "x.xml", "v1")),
         ("git+http://127.0.0.1:80/repo@v1#x.xml", ("git", "http://127.0.0.1:80/repo", "x.xml", "v1")),
         ("http://localhost:80/a.zip#x.xml", ("archive", "http://localhost:80/a.zip", "x.xml", "")),
-        (
-            f"https://host/b.zip@sha256:{'0' * 64}#x.xml",
-            ("archive", "https://host/b.zip", "x.xml", "0" * 64),
-        ),
+        (f"https://host/b.zip@sha256:{'0' * 64}#x.xml", ("archive", "https://host/b.zip", "x.xml", "0" * 64)),
         ("https://host/a/b.zip#m/x.xml", ("archive", "https://host/a/b.zip", "m/x.xml", "")),
     ],
 )
@@ -78,26 +75,8 @@ def test_what_a_form_lacks(text: str, problem: str) -> None:
 @pytest.mark.parametrize(
     "name",
     [
-        *(
-            "token",
-            "access_token",
-            "private_token",
-            "api_key",
-            "apikey",
-            "apiKey",
-            "password",
-            "secret",
-            "sig",
-        ),
-        *(
-            "signature",
-            "X-Amz-Signature",
-            "X-Goog-Credential",
-            "Client-Secret",
-            "auth",
-            "%74oken",
-            "AWSAccessKey",
-        ),
+        *("token", "access_token", "private_token", "api_key", "apikey", "apiKey", "password", "secret", "sig"),
+        *("signature", "X-Amz-Signature", "X-Goog-Credential", "Client-Secret", "auth", "%74oken", "AWSAccessKey"),
     ],
 )
 @pytest.mark.parametrize(
@@ -148,15 +127,7 @@ def test_unknown_kinds_say_what_to_write(text: str, fix: str) -> None:
 
 
 @pytest.mark.parametrize(
-    "url",
-    [
-        "https://[::1/a.zip",
-        "https://℀.com/a.zip",
-        "https://host:port/a",
-        "https://host:0/a",
-        "https:///a",
-        "",
-    ],
+    "url", ["https://[::1/a.zip", "https://℀.com/a.zip", "https://host:port/a", "https://host:0/a", "https:///a", ""]
 )
 def test_what_is_no_address(url: str) -> None:
     assert take_apart(url) is None

@@ -77,9 +77,7 @@ with store.lock({KEY!r}, print):
     store.add("git", {KEY!r}, "x", fill, {{}})
 """
     environment = {**os.environ, "PYTHONPATH": str(repository)}
-    with subprocess.Popen(
-        [sys.executable, "-c", program], stdout=subprocess.PIPE, env=environment
-    ) as process:
+    with subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE, env=environment) as process:
         assert process.stdout is not None
         assert process.stdout.readline() == b"filling\n"
         process.kill()
@@ -104,8 +102,7 @@ with store.lock({KEY!r}, lambda message: None):
 """
     environment = {**os.environ, "PYTHONPATH": str(repository)}
     started = [
-        subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE, env=environment)
-        for _ in range(4)
+        subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE, env=environment) for _ in range(4)
     ]
     said = [process.communicate()[0] for process in started]
     assert [process.returncode for process in started] == [0] * 4

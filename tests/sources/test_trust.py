@@ -77,13 +77,7 @@ def test_a_name_that_cannot_be_resolved_for_another_reason_is_private(
 
 
 @pytest.mark.parametrize(
-    "text",
-    [
-        "./arm.xml",
-        "git+file:///srv/robots@v1#arm.xml",
-        "package:arms/arm.xml",
-        "https://10.0.0.7/a.zip#arm.xml",
-    ],
+    "text", ["./arm.xml", "git+file:///srv/robots@v1#arm.xml", "package:arms/arm.xml", "https://10.0.0.7/a.zip#arm.xml"]
 )
 def test_what_is_of_this_machine_is_refused_but_for_what_is_trusted(text: str) -> None:
     reference = parse(text)

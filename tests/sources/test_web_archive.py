@@ -82,9 +82,7 @@ def test_a_bomb(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, kind: str) -> N
     monkeypatch.setattr(module, "SMALL", 1024 * 1024)
     zeros = bytes(16 * 1024 * 1024)
     content = (
-        zipped(("a", FILE, zeros), deflated=True)
-        if kind == "zip"
-        else tar(("a", tarfile.REGTYPE, zeros), mode="w:gz")
+        zipped(("a", FILE, zeros), deflated=True) if kind == "zip" else tar(("a", tarfile.REGTYPE, zeros), mode="w:gz")
     )
     (tmp_path / "archive").write_bytes(content)
     (tmp_path / "target").mkdir()

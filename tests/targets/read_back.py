@@ -68,9 +68,7 @@ def _compared(truth: dict[str, Any], facts: dict[str, Any], lost: set[tuple[str,
     for kind in ("joints", "actuators"):
         for name, read in facts[kind].items():
             mine = truth[kind].get(name, {})
-            found |= {
-                FEATURES[each] for each in read if mine.get(each) and (FEATURES[each], name) not in lost
-            }
+            found |= {FEATURES[each] for each in read if mine.get(each) and (FEATURES[each], name) not in lost}
     return found
 
 
@@ -88,13 +86,9 @@ def row(consumer: str) -> dict[str, Any]:
             same, lost, version = same | found.same, lost | found.lost, found.version
     outcomes = {each.feature: each.outcome for each in TARGETS[consumer.partition(" ")[0]].limits}
     # What is lost in part and was not compared is not known.
-    lost = {
-        each for each in lost if each in same or (outcomes[each] == Outcome.LEFT_OUT and each != "shapes")
-    }
+    lost = {each for each in lost if each in same or (outcomes[each] == Outcome.LEFT_OUT and each != "shapes")}
     words = {(True, False): "same", (True, True): "partly", (False, True): "lost"}
-    compared = {
-        each: words.get((each in same, each in lost), "") for each in dict.fromkeys(FEATURES.values())
-    }
+    compared = {each: words.get((each in same, each in lost), "") for each in dict.fromkeys(FEATURES.values())}
     return {"version": version, **{each: word for each, word in compared.items() if word}}
 
 
@@ -105,8 +99,6 @@ if __name__ == "__main__":
             rows[wanted] = row(wanted)
             sys.stdout.write(f"{wanted} {rows[wanted]}\n")
     if READ_BACK.is_file():  # another program may have been read meanwhile
-        rows = json.loads(READ_BACK.read_text(encoding="utf-8")) | {
-            name: rows[name] for name in sys.argv[1:] or rows
-        }
+        rows = json.loads(READ_BACK.read_text(encoding="utf-8")) | {name: rows[name] for name in sys.argv[1:] or rows}
     ordered = {name: rows[name] for name in READ_WITH if name in rows}
     READ_BACK.write_text(json.dumps(ordered, indent=2) + "\n", encoding="utf-8")

@@ -27,9 +27,9 @@ CLOTH = (
     "</flexcomp></worldbody>"
 )
 ELASTIC = CLOTH.replace("<edge/>", '<elasticity young="1e4" poisson=".1" thickness=".01" elastic2d="both"/>')
-CARRIED = ELASTIC.replace(
-    "<flexcomp", "<body name='carrier'><freejoint/><geom size='.01'/><flexcomp"
-).replace("</flexcomp>", '<pin id="0"/></flexcomp></body>')
+CARRIED = ELASTIC.replace("<flexcomp", "<body name='carrier'><freejoint/><geom size='.01'/><flexcomp").replace(
+    "</flexcomp>", '<pin id="0"/></flexcomp></body>'
+)
 
 PLUGIN = (
     '<extension><plugin plugin="mujoco.pid"><instance name="i"><config key="kp" value="1"/></instance></plugin>'

@@ -47,15 +47,16 @@ def reader(**changed: float) -> str:
     return READER.replace("SHARED", repr(str(SHARED))).replace("CHANGED", repr(changed))
 
 
-BALL = "<mujoco><worldbody><body name='b'><joint name='swing' type='ball'/><geom size='.1'/></body></worldbody></mujoco>"
+BALL = (
+    "<mujoco><worldbody><body name='b'><joint name='swing' type='ball'/><geom size='.1'/></body></worldbody></mujoco>"
+)
 
 
 def checked(model: str, check: str, folder: Path, **environment: str) -> tuple[Bundle | None, Context]:
     (folder / "model.xml").write_text(model)
     recipe = folder / "recipe.yaml"
     recipe.write_text(
-        f"recipe: 1\nallow: [license-missing]\nbase: ./model.xml\ncheck:\n  it: {{{check}}}\n",
-        encoding="utf-8",
+        f"recipe: 1\nallow: [license-missing]\nbase: ./model.xml\ncheck:\n  it: {{{check}}}\n", encoding="utf-8"
     )
     context = Context(folder=folder, environment=environment)
     built = build(Request(recipe), context)
@@ -72,9 +73,7 @@ def with_reader(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     folder = tmp_path / "readers"
     folder.mkdir()
     monkeypatch.setattr(read_back, "_READERS", folder)
-    monkeypatch.setattr(
-        "mjcompose.targets.read_back.READERS", {"mjx": Reader("mjx", "it", "mujoco", ("mujoco",))}
-    )
+    monkeypatch.setattr("mjcompose.targets.read_back.READERS", {"mjx": Reader("mjx", "it", "mujoco", ("mujoco",))})
     return folder / "it.py"
 
 
@@ -113,18 +112,13 @@ def test_what_the_target_loses_is_told_and_not_compared(with_reader: Path, tmp_p
     assert bundle is not None
     ((code, message),) = told(context)
     assert code == "target-loss"
-    assert (
-        message
-        == "check `it`: MJX ignores the higher terms of damping of 1 joint: `j1`; what is linear is read"
-    )
+    assert message == "check `it`: MJX ignores the higher terms of damping of 1 joint: `j1`; what is linear is read"
 
 
 def test_a_program_that_ends_with_an_error(with_reader: Path, tmp_path: Path) -> None:
     with_reader.write_text("raise SystemExit('this file is not for me')")
     _, context = checked(SELDOM, "targets: {in: [mjx], losses: warning}", tmp_path)
-    assert told(context) == [
-        ("check-failed", "check `it`: `mjx` does not read the model: this file is not for me")
-    ]
+    assert told(context) == [("check-failed", "check `it`: `mjx` does not read the model: this file is not for me")]
 
 
 def test_a_model_that_is_refused(with_reader: Path, tmp_path: Path) -> None:
@@ -157,9 +151,7 @@ def test_the_environment_that_is_named_comes_first(tmp_path: Path) -> None:
 def test_what_a_simulator_lacks(tmp_path: Path) -> None:
     _, context = checked(SELDOM, "targets: {in: [mjx, warp, drake], read: false}", tmp_path)
     ((code, message),) = told(context)
-    assert code == "check-failed" and message.startswith(
-        "check `it`: `drake` does not have all of the model: "
-    )
+    assert code == "check-failed" and message.startswith("check `it`: `drake` does not have all of the model: ")
     (found,) = context.sink.diagnostics
     assert found.span is not None and (found.span.line, found.span.column) == (5, 34)
 

@@ -16,7 +16,9 @@ from targets.writing import codes, losses, written
 SENSORS = SELDOM.replace(
     "<keyframe>", '<sensor><jointpos name="a" joint="turn"/><jointvel joint="spin"/></sensor><keyframe>'
 )
-BALL = "<mujoco><worldbody><body name='b'><joint name='swing' type='ball'/><geom size='.1'/></body></worldbody></mujoco>"
+BALL = (
+    "<mujoco><worldbody><body name='b'><joint name='swing' type='ball'/><geom size='.1'/></body></worldbody></mujoco>"
+)
 TOUCHING = """<mujoco><worldbody>
   <body><freejoint/><geom type="cylinder" size=".1 .1"/></body>
   <body pos="1 0 0"><freejoint/><geom name="brick" type="box" size=".1 .1 .1"/></body>

@@ -64,9 +64,7 @@ def test_nothing_is_told_of_the_same_model() -> None:
 )
 def test_what_is_lost_is_not_compared_nor_moved(loss: Loss, array: str) -> None:
     """Of one joint; that of the others is."""
-    others = [
-        each.split("`")[1] for each in told(loss, **{array: 0.0}) if "joint" in each and "motion" not in each
-    ]
+    others = [each.split("`")[1] for each in told(loss, **{array: 0.0}) if "joint" in each and "motion" not in each]
     assert loss.name not in others
     only = PROBE.replace(' damping=".3"', "").replace(' damping=".1"', "").replace(' damping="3"', "")
     only = only.replace(' frictionloss=".2"', "")

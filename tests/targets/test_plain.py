@@ -57,12 +57,8 @@ def test_every_recipe(
     name: str, tmp_path: Path, simple_robots: Path, menagerie_root: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     recipe = RECIPES / f"{name}.yaml"
-    monkeypatch.setattr(
-        "mjcompose.build.verify.checks.checks_in", lambda plan: iter(())
-    )  # they measure robots
-    root = (
-        menagerie_root if recipe.with_suffix(".lock").exists() else simple_robots
-    )  # a lock knows the meshes
+    monkeypatch.setattr("mjcompose.build.verify.checks.checks_in", lambda plan: iter(()))  # they measure robots
+    root = menagerie_root if recipe.with_suffix(".lock").exists() else simple_robots  # a lock knows the meshes
     context = Context(environment={**os.environ, "MENAGERIE_ROOT": str(root)})
     built = build(Request(recipe, target="plain"), context)
     if built is None and any(each.code == "source-not-found" for each in context.sink.errors):
@@ -101,8 +97,7 @@ def test_an_empty_body_in_a_frame(target: str, tmp_path: Path) -> None:
 def test_what_differs_is_told() -> None:
     text = "<mujoco><worldbody><body><joint {}/><geom size='.1' pos='{} 0 0'/></body></worldbody></mujoco>"
     one, other = (
-        mujoco.MjModel.from_xml_string(text.format(*each))
-        for each in (("damping='1'", 0), ("damping='2'", 0.5))
+        mujoco.MjModel.from_xml_string(text.format(*each)) for each in (("damping='1'", 0), ("damping='2'", 0.5))
     )
     told = list(differences(one, other))
     assert any(each.startswith("`dof_damping`, row 0: 2.0, not 1.0") for each in told)
@@ -124,8 +119,6 @@ QUAD = """<mujoco><asset><mesh name="m" vertex="0 0 0 1 0 0 0 1 0 0 0 1" face="0
 
 def test_meshes_are_compared_by_their_faces() -> None:
     one, other = (mujoco.MjModel.from_xml_string(QUAD.format(each)) for each in ("1 1", "0.5 1"))
-    assert list(differences(one, other)) == [
-        "the texture coordinates of geom #0 of body `#1` is up to 0.5 off"
-    ]
+    assert list(differences(one, other)) == ["the texture coordinates of geom #0 of body `#1` is up to 0.5 off"]
     turned = mujoco.MjModel.from_xml_string(QUAD.format("1 1").replace("0 2 1 0 1 3", "0 1 3 0 2 1"))
     assert any(each.startswith("the surface of geom") for each in differences(one, turned))

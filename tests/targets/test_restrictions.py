@@ -10,14 +10,7 @@ import pytest
 from lxml import etree
 from mjcompose.targets.judge import questions
 from mjcompose.targets.plain import plain
-from mjcompose.targets.restrictions import (
-    CARRIED_FORCES,
-    NAME,
-    NO_HIDDEN_SHAPES,
-    NO_REFERENCES,
-    no_shapes,
-    one_root,
-)
+from mjcompose.targets.restrictions import CARRIED_FORCES, NAME, NO_HIDDEN_SHAPES, NO_REFERENCES, no_shapes, one_root
 from mjcompose.targets.target import Limit
 from targets.models import SELDOM
 from targets.writing import compiled, written
@@ -95,7 +88,5 @@ def test_free_bodies_stay_outside_of_the_one_root(tmp_path: Path) -> None:
     bundle, _ = written(text, "pybullet", tmp_path)
     assert bundle is not None
     model = compiled(bundle, tmp_path / "out")
-    parents = {
-        model.body(n).name: model.body(int(model.body_parentid[n])).name for n in range(1, model.nbody)
-    }
+    parents = {model.body(n).name: model.body(int(model.body_parentid[n])).name for n in range(1, model.nbody)}
     assert parents["stand"] == NAME and parents["cube"] == "world"

@@ -148,9 +148,7 @@ def test_height_fields(target: str, kept: bool, tmp_path: Path) -> None:
 
 
 def test_losses_are_one_warning(tmp_path: Path) -> None:
-    joints = "".join(
-        f'<body><joint name="j{n}" damping="1" stiffness="2"/><geom size=".1"/></body>' for n in range(6)
-    )
+    joints = "".join(f'<body><joint name="j{n}" damping="1" stiffness="2"/><geom size=".1"/></body>' for n in range(6))
     text = f"<mujoco><worldbody>{joints}</worldbody></mujoco>"
     bundle, context = written(text, "pybullet", tmp_path)
     assert bundle is not None and codes(context) == ["target-loss"]

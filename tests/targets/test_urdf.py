@@ -24,8 +24,7 @@ def test_mujoco_reads_the_same_robot(tmp_path: Path) -> None:
     write_folder(bundle, tmp_path / "seldom")
     urdf = (tmp_path / "seldom" / "model.urdf").read_text().replace("</robot>", SETTINGS).replace(*MASS)
     urdf = urdf.replace(
-        'ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"',
-        'ixx="1e-12" ixy="0" ixz="0" iyy="1e-12" iyz="0" izz="1e-12"',
+        'ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"', 'ixx="1e-12" ixy="0" ixz="0" iyy="1e-12" iyz="0" izz="1e-12"'
     )
     truth = mujoco.MjModel.from_xml_string(SELDOM)
     read = mujoco.MjModel.from_xml_string(urdf)
@@ -73,9 +72,7 @@ def test_a_follower_stands_where_mujoco_wants_it(references: tuple[str, str], tm
         ("", '<position joint="j" kp="2" ctrlrange="-1 1"/>', "1000000"),
     ],
 )
-def test_effort_is_the_greatest_force_at_the_joint(
-    joint: str, actuators: str, effort: str, tmp_path: Path
-) -> None:
+def test_effort_is_the_greatest_force_at_the_joint(joint: str, actuators: str, effort: str, tmp_path: Path) -> None:
     text = f"""<mujoco><worldbody><body><joint name="j" {joint}/><geom size=".1"/></body></worldbody>
       <actuator>{actuators}</actuator></mujoco>"""
     bundle, _ = written(text, "urdf", tmp_path)
@@ -94,39 +91,22 @@ def test_a_link_without_mass_says_so(tmp_path: Path) -> None:
 
 
 def test_what_ros_needs(tmp_path: Path) -> None:
-    bundle, _ = written(
-        SELDOM.replace("<exclude", '<exclude body1="pad" body2="finger_1"/><exclude'), "urdf", tmp_path
-    )
+    bundle, _ = written(SELDOM.replace("<exclude", '<exclude body1="pad" body2="finger_1"/><exclude'), "urdf", tmp_path)
     assert bundle is not None
     robot = etree.fromstring(bundle.files["model.urdf"])
     limit = robot.find("joint[@name='turn']/limit")
     assert limit is not None and limit.get("effort") == "30" and limit.get("velocity") == "1000000"
     mimic = robot.find("joint[@name='bend_0']/mimic")
-    assert mimic is not None and dict(mimic.attrib) == {
-        "joint": "bend_1",
-        "multiplier": "0.5",
-        "offset": "0.1",
-    }
+    assert mimic is not None and dict(mimic.attrib) == {"joint": "bend_1", "multiplier": "0.5", "offset": "0.1"}
     control = robot.find("ros2_control")
     assert control is not None
-    assert {
-        each.get("name"): each.find("command_interface").get("name") for each in control.iterfind("joint")
-    } == {  # type: ignore[union-attr]
+    assert {each.get("name"): each.find("command_interface").get("name") for each in control.iterfind("joint")} == {  # type: ignore[union-attr]
         "turn": "position",
         "slide": "effort",
     }
     srdf = etree.fromstring(bundle.files["model.srdf"])
-    apart = [
-        (each.get("link1"), each.get("link2"), each.get("reason"))
-        for each in srdf.iterfind("disable_collisions")
-    ]
+    apart = [(each.get("link1"), each.get("link2"), each.get("reason")) for each in srdf.iterfind("disable_collisions")]
     assert ("pad", "finger_1", "Excluded in MuJoCo") in apart and ("stand", "two_joints", "Adjacent") in apart
     state = srdf.find("group_state[@name='home']")
-    assert state is not None and [each.get("name") for each in state] == [
-        "turn",
-        "slide",
-        "spin",
-        "bend_0",
-        "bend_1",
-    ]
+    assert state is not None and [each.get("name") for each in state] == ["turn", "slide", "spin", "bend_0", "bend_1"]
     assert b"<name>recipe</name>" in bundle.files["package.xml"]

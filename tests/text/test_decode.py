@@ -14,20 +14,13 @@ from mjcompose.text.decode import Mask, decode, position
 def test_text_and_bytes_without_their_mark() -> None:
     sink = Sink()
     assert decode("\ufeffa: ü", "f", sink) == "a: ü"
-    assert (
-        decode(codecs.BOM_UTF8 + "a: ü\t\r\n\x85\U0001f600".encode(), "f", sink) == "a: ü\t\r\n\x85\U0001f600"
-    )
+    assert decode(codecs.BOM_UTF8 + "a: ü\t\r\n\x85\U0001f600".encode(), "f", sink) == "a: ü\t\r\n\x85\U0001f600"
     assert sink.diagnostics == []
 
 
 @pytest.mark.parametrize(
     ("source", "line", "column"),
-    [
-        (b"\xff", 1, 1),
-        (b"a: 1\r\n\xc3\xa4\xe4", 2, 2),
-        (codecs.BOM_UTF8 + b"ab\xc3", 1, 3),
-        (b"a\rb\x80", 2, 2),
-    ],
+    [(b"\xff", 1, 1), (b"a: 1\r\n\xc3\xa4\xe4", 2, 2), (codecs.BOM_UTF8 + b"ab\xc3", 1, 3), (b"a\rb\x80", 2, 2)],
 )
 def test_bytes_that_are_not_utf_8_are_located(source: bytes, line: int, column: int) -> None:
     sink = Sink()
@@ -65,14 +58,7 @@ def test_too_large() -> None:
 
 def test_position_knows_all_line_breaks() -> None:
     text = "a\nbc\r\nd\re\u2028f"
-    assert [position(text, text.index(c)) for c in "abcdef"] == [
-        (1, 1),
-        (2, 1),
-        (2, 2),
-        (3, 1),
-        (4, 1),
-        (4, 3),
-    ]
+    assert [position(text, text.index(c)) for c in "abcdef"] == [(1, 1), (2, 1), (2, 2), (3, 1), (4, 1), (4, 3)]
     assert position(text, len(text)) == (4, 4)
     assert position("", 0) == (1, 1)
     assert position("a\n", 2) == (2, 1)

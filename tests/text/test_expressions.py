@@ -119,32 +119,24 @@ def test_a_sum_of_texts_is_bounded_before_it_is_made() -> None:
 
 def test_more_expressions_in_one_text_than_anybody_writes() -> None:
     begun = time.process_time()
-    with pytest.raises(
-        ExpressionError, match="the text has 1000000 expressions; 10000 are allowed"
-    ) as caught:
+    with pytest.raises(ExpressionError, match="the text has 1000000 expressions; 10000 are allowed") as caught:
         value("x" + "${n}" * 1_000_000)
     assert caught.value.at[0] == 1 and caught.value.help is not None
     assert time.process_time() - begun < 1
 
 
 def test_an_unknown_function_lists_what_exists() -> None:
-    with pytest.raises(
-        ExpressionError, match="the function `sine` does not exist; those that exist: abs, min, max"
-    ):
+    with pytest.raises(ExpressionError, match="the function `sine` does not exist; those that exist: abs, min, max"):
         value("${sine(1)}")
 
 
 _LEAVES = st.one_of(
-    st.integers(0, 1000).map(str),
-    st.floats(0, 1e6, allow_nan=False).map(repr),
-    st.sampled_from(["n", "reach"]),
+    st.integers(0, 1000).map(str), st.floats(0, 1e6, allow_nan=False).map(repr), st.sampled_from(["n", "reach"])
 )
 _TREES = st.recursive(
     _LEAVES,
     lambda inner: st.one_of(
-        st.tuples(inner, st.sampled_from("+ - * / // %".split()), inner).map(
-            lambda t: f"({t[0]} {t[1]} {t[2]})"
-        ),
+        st.tuples(inner, st.sampled_from("+ - * / // %".split()), inner).map(lambda t: f"({t[0]} {t[1]} {t[2]})"),
         inner.map(lambda t: f"-{t}"),
         st.tuples(inner, inner).map(lambda t: f"max({t[0]}, {t[1]})"),
     ),

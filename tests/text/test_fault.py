@@ -37,12 +37,7 @@ def shown(text: str, diagnostic: Diagnostic) -> str:
         ("pos: [0, ${x}]\n", "yaml-template-unquoted", "${x}", 'quote it: "${x}"'),
         ("pos: [${x}]\n", "yaml-template-unquoted", "${x}", 'quote it: "${x}"'),
         ("a: {b: ${x}}\n", "yaml-template-unquoted", "${x}", 'quote it: "${x}"'),
-        (
-            "a: {b: -${x[0]} * 2, c: 1}\n",
-            "yaml-template-unquoted",
-            "-${x[0]} * 2",
-            'quote it: "-${x[0]} * 2"',
-        ),
+        ("a: {b: -${x[0]} * 2, c: 1}\n", "yaml-template-unquoted", "-${x[0]} * 2", 'quote it: "-${x[0]} * 2"'),
         ("a: [\n  ${x},\n  1]\n", "yaml-template-unquoted", "${x}", 'quote it: "${x}"'),
         ('a: {when: ${g == "h"}}\n', "yaml-template-unquoted", '${g == "h"}', "quote it: '${g == \"h\"}'"),
         ("joint: **/elbow\n", "yaml-alias", "**/elbow", 'quote it: "**/elbow"'),
@@ -95,11 +90,7 @@ def test_text_that_only_lacks_quotes(text: str, code: str, place: str, help: str
         ("a: [1,,2]\n", ",", "a value is missing before `,`"),
         ("key: - a\n", "-", "a list with `-` cannot begin on the line of its key"),
         ("{a: 1} b\n", "b", "`b` stands after the end of the document"),
-        (
-            "%YAML 2.0\n---\na\n",
-            "%",
-            "a line that begins with `%` is a YAML directive, and this one is not known",
-        ),
+        ("%YAML 2.0\n---\na\n", "%", "a line that begins with `%` is a YAML directive, and this one is not known"),
     ],
 )
 def test_faults_that_end_the_reading(text: str, place: str, message: str) -> None:

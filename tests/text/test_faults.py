@@ -40,13 +40,7 @@ def test_unquoted_end(text: str, flow: bool, meant: str) -> None:
 
 @pytest.mark.parametrize(
     ("text", "meant"),
-    [
-        ("[1, -${x}]", "-"),
-        ("{a: 2 * ${x}}", "2 * "),
-        ("[${x}]", ""),
-        ("{a: 1,\n  ${x}: 2}", ""),
-        ("[- ${x}]", ""),
-    ],
+    [("[1, -${x}]", "-"), ("{a: 2 * ${x}}", "2 * "), ("[${x}]", ""), ("{a: 1,\n  ${x}: 2}", ""), ("[- ${x}]", "")],
 )
 def test_unquoted_start(text: str, meant: str) -> None:
     index = text.index("$")

@@ -34,9 +34,7 @@ def formatted(text: str | bytes) -> str:
     source = text if isinstance(text, bytes) else text.encode()
     sink = Sink()
     result = format_recipe(source, "recipe.yaml", sink)
-    assert result is not None, "\n".join(
-        render(each, lambda _: source.decode(), False) for each in sink.diagnostics
-    )
+    assert result is not None, "\n".join(render(each, lambda _: source.decode(), False) for each in sink.diagnostics)
     assert format_recipe(result, "recipe.yaml", Sink()) == result
     return result.decode()
 
@@ -133,10 +131,7 @@ CASES = {
         "a:\n    b: |1+\n       x\n      y\n\n\n    c: >-\n      z\n",
         "a:\n  b: |2+\n      x\n     y\n\n\n  c: >-\n    z\n",
     ),
-    "an empty line that would belong to a block scalar": (
-        "base: x\n\nrecipe: |+\n  a\n",
-        "recipe: |+\n  a\nbase: x\n",
-    ),
+    "an empty line that would belong to a block scalar": ("base: x\n\nrecipe: |+\n  a\n", "recipe: |+\n  a\nbase: x\n"),
     "a block scalar at the end of the file, without a line break": ("a: |\n   x", "a: |-\n  x\n"),
     "long text on several lines": (
         "description: one\n     two\n\n     three\nname: 'it''s\n   \"me\"'\n",
@@ -144,10 +139,7 @@ CASES = {
     ),
     "explicit keys and pairs": ("? a\n: 1\nb: [x: 1]\n", "a: 1\nb: [{x: 1}]\n"),
     "no values in brackets": ("a: {b : , c: }\n", "a: {b: , c: }\n"),
-    "directives": (
-        "# x\n%YAML 1.2\n---   # y\nname: a\n...\n# z\n",
-        "# x\n%YAML 1.2\n---\n# y\nname: a\n# z\n",
-    ),
+    "directives": ("# x\n%YAML 1.2\n---   # y\nname: a\n...\n# z\n", "# x\n%YAML 1.2\n---\n# y\nname: a\n# z\n"),
     "pieces in variants": (
         "variants: {g: {on: {attach: {a: {site: s, model: m}}, base: b}}}\n",
         "variants: {g: {on: {base: b, attach: {a: {model: m, site: s}}}}}\n",
@@ -293,13 +285,9 @@ def recipes(draw: st.DrawFn) -> str:
         return anchor() + ("{" + text + "}" if mapping else "[" + text + "]")
 
     def value(depth: int, indent: int, in_mapping: bool) -> str:
-        kind = draw(
-            st.sampled_from(["scalar", "flow", "lines", "mapping", "list"] if depth else ["scalar", "flow"])
-        )
+        kind = draw(st.sampled_from(["scalar", "flow", "lines", "mapping", "list"] if depth else ["scalar", "flow"]))
         if kind == "scalar":
-            return (
-                " " * draw(st.integers(1, 3)) + scalar(SCALARS).replace("\n", "\n" + " " * indent) + behind()
-            )
+            return " " * draw(st.integers(1, 3)) + scalar(SCALARS).replace("\n", "\n" + " " * indent) + behind()
         if kind == "flow":
             return " " + flow(2, indent) + behind()
         if kind == "lines":
@@ -327,9 +315,7 @@ def recipes(draw: st.DrawFn) -> str:
 
 @settings(max_examples=600, deadline=None)
 @given(recipes())
-@example(
-    "attach: &a\n  - {edit: 1, model: 1}\nrecipe: *a\n"
-)  # what stands twice, once where the order counts
+@example("attach: &a\n  - {edit: 1, model: 1}\nrecipe: *a\n")  # what stands twice, once where the order counts
 def test_nothing_is_lost(text: str) -> None:
     sink = Sink()
     node = load(text, "recipe.yaml", sink)
@@ -343,11 +329,7 @@ def test_nothing_is_lost(text: str) -> None:
 @settings(max_examples=300, deadline=None)
 @given(
     st.recursive(
-        st.none()
-        | st.booleans()
-        | st.integers()
-        | st.floats(allow_nan=False, allow_infinity=False)
-        | st.text(),
+        st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False, allow_infinity=False) | st.text(),
         lambda inner: st.lists(inner, max_size=4) | st.dictionaries(st.text(max_size=8), inner, max_size=4),
         max_leaves=20,
     ),

@@ -93,10 +93,7 @@ def test_keys_are_text_always() -> None:
 
 
 def test_only_plain_scalars_have_types() -> None:
-    assert read("[1, '1', \"1\", !!str 1, no, null, 'null', ]") == (
-        [1, "1", "1", "1", "no", None, "null"],
-        [],
-    )
+    assert read("[1, '1', \"1\", !!str 1, no, null, 'null', ]") == ([1, "1", "1", "1", "no", None, "null"], [])
     assert read("a: |\n  1\nb: >-\n  2\nc:\nd: 010\n") == ({"a": "1\n", "b": "2", "c": None, "d": 10}, [])
 
 
@@ -145,9 +142,7 @@ def test_keys_have_a_length(text: str) -> None:
     assert found.span is not None and found.span.column < 12
 
 
-@pytest.mark.parametrize(
-    "text", ["5", "a", "[]", "{}", "null", "~", "--- 5", "--- 5\n...\n", "%YAML 1.2\n---\n5\n"]
-)
+@pytest.mark.parametrize("text", ["5", "a", "[]", "{}", "null", "~", "--- 5", "--- 5\n...\n", "%YAML 1.2\n---\n5\n"])
 def test_any_one_value_is_a_document(text: str) -> None:
     assert read(text)[1] == []
 
@@ -163,10 +158,7 @@ def test_numbers_too_large_to_hold() -> None:
 
 
 def test_spans() -> None:
-    text = (
-        "name:  ünï  # c\nattach:\n  gripper: {model: 'a b', pos: [0, 1.5]}\n"
-        "list:\n  - x: 1\n    y: 2\nnone:\n"
-    )
+    text = "name:  ünï  # c\nattach:\n  gripper: {model: 'a b', pos: [0, 1.5]}\nlist:\n  - x: 1\n    y: 2\nnone:\n"
     entries = tree_of(text).entries
     assert cut(text, entries["name"][0].span) == "name"
     assert cut(text, entries["name"][1].span) == "ünï"
@@ -287,8 +279,7 @@ def test_standard_tags_are_heeded() -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "shown"),
-    [("[a]: 1\n", "["), ("? {a: b}\n: 1\n", "{a: b}"), ("{{x}}", "{"), ("? - a\n: 1\n", "")],
+    ("text", "shown"), [("[a]: 1\n", "["), ("? {a: b}\n: 1\n", "{a: b}"), ("{{x}}", "{"), ("? - a\n: 1\n", "")]
 )
 def test_keys_that_are_no_scalars(text: str, shown: str) -> None:
     code, place, _ = first_error(text)
@@ -334,11 +325,7 @@ def test_an_alias_takes_the_latest_anchor() -> None:
 
 
 def test_alias_that_names_nothing_is_probably_a_glob() -> None:
-    assert first_error("joint: *elbow\n") == (
-        "yaml-alias",
-        "*elbow",
-        'if the text itself is meant, quote it: "*elbow"',
-    )
+    assert first_error("joint: *elbow\n") == ("yaml-alias", "*elbow", 'if the text itself is meant, quote it: "*elbow"')
     assert read("joint: *elbow\n")[0] == {"joint": "*elbow"}
     assert read("*elbow : 1\n")[0] == {"*elbow": 1}
 

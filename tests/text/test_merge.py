@@ -35,11 +35,7 @@ def merged(lower: str, upper: str) -> Any:
             {"edit": [{"id": "x", "set": 3}, {"id": "y", "set": 2}, {"id": "z", "set": 4}]},
         ),
         ("attach: {a: {edit: [1]}}", "attach: {a: {edit: [2]}}", {"attach": {"a": {"edit": [1, 2]}}}),
-        (
-            "sensor: {add: {type: a, b: [1]}}",
-            "sensor: {add: {b: [2]}}",
-            {"sensor": {"add": {"type": "a", "b": [2]}}},
-        ),
+        ("sensor: {add: {type: a, b: [1]}}", "sensor: {add: {b: [2]}}", {"sensor": {"add": {"type": "a", "b": [2]}}}),
         (
             "attach: {a: {model: m, site: s, euler: [1, 2, 3]}}",
             "attach: {a: {body: b, quat: [1, 0, 0, 0]}}",
@@ -50,16 +46,8 @@ def merged(lower: str, upper: str) -> Any:
             "attach: {a: {model: n, edit: [2]}}",
             {"attach": {"a": {"model": "n", "edit": [2], "site": "s"}}},
         ),
-        (
-            "attach: {a: {model: m, mate: t}}",
-            "attach: {a: {model: m}}",
-            {"attach": {"a": {"model": "m", "mate": "t"}}},
-        ),
-        (
-            "sensor: {s: {type: touch, site: a}}",
-            "sensor: {s: {type: gyro}}",
-            {"sensor": {"s": {"type": "gyro"}}},
-        ),
+        ("attach: {a: {model: m, mate: t}}", "attach: {a: {model: m}}", {"attach": {"a": {"model": "m", "mate": "t"}}}),
+        ("sensor: {s: {type: touch, site: a}}", "sensor: {s: {type: gyro}}", {"sensor": {"s": {"type": "gyro"}}}),
         (
             "sensor: {s: {type: touch, site: a}}",
             "sensor: {s: {type: touch, noise: 1}}",
@@ -130,9 +118,7 @@ def test_what_replaces_an_element_stands_where_it_is_written() -> None:
     assert str(locate(found, ("sensor", "y"), key=True)).startswith("lower.yaml")
 
 
-@pytest.mark.parametrize(
-    "path", [("edit",), ("base", "edit"), ("attach", "arm", "edit"), ("attach", "edit", "edit")]
-)
+@pytest.mark.parametrize("path", [("edit",), ("base", "edit"), ("attach", "arm", "edit"), ("attach", "edit", "edit")])
 def test_lists_of_edits(path: Path) -> None:
     assert is_edits(path) and is_appended(path) and not is_of_elements(path)
     assert is_of_elements((*path, 0, "set", "mass")) and not is_edits((*path, 0))

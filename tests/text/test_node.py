@@ -14,11 +14,7 @@ from mjcompose.text.node import Mapping, Node, Scalar, Sequence, check_character
 
 @pytest.mark.parametrize(
     ("text", "place", "character"),
-    [
-        (r'a: "\0"', (1, 4), "U+0000"),
-        (r'"\e": 1', (1, 1), "U+001B"),
-        (r'a: [1, {b: "x\uFFFE"}]', (1, 12), "U+FFFE"),
-    ],
+    [(r'a: "\0"', (1, 4), "U+0000"), (r'"\e": 1', (1, 1), "U+001B"), (r'a: [1, {b: "x\uFFFE"}]', (1, 12), "U+FFFE")],
 )
 def test_what_xml_cannot_hold_is_refused(text: str, place: tuple[int, int], character: str) -> None:
     node = load(text, "a.yaml", Sink())
@@ -172,9 +168,7 @@ def test_resolve_agrees_with_the_specification(text: str) -> None:
 
 
 @settings(deadline=None, max_examples=200)
-@given(
-    PLAIN.filter(lambda text: re.fullmatch(r"[0-9A-Za-z+.~][0-9A-Za-z+.~-]*|[-+.][0-9A-Za-z.][\w.]*", text))
-)
+@given(PLAIN.filter(lambda text: re.fullmatch(r"[0-9A-Za-z+.~][0-9A-Za-z+.~-]*|[-+.][0-9A-Za-z.][\w.]*", text)))
 def test_load_agrees_with_the_specification(text: str) -> None:
     expected = reference(text)
     sink = Sink()

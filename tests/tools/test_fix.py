@@ -138,9 +138,7 @@ def test_what_nobody_can_tell_is_left(tmp_path: Path, text: str) -> None:
 
 
 def test_several_rounds_and_what_remains(tmp_path: Path) -> None:
-    text, found = fixed(
-        tmp_path, "# robot\nbsae: ./arm.xml\nadd: [{to: lnk, geom: {sise: 0.1}}]\nnonsense: 1\n"
-    )
+    text, found = fixed(tmp_path, "# robot\nbsae: ./arm.xml\nadd: [{to: lnk, geom: {sise: 0.1}}]\nnonsense: 1\n")
     assert text == "# robot\nrecipe: 1\nbase: ./arm.xml\nadd: [{to: link, geom: {size: 0.1}}]\nnonsense: 1\n"
     assert [each.code for each in found.left] == ["unknown-key"] and len(found.fixed) == 4
 

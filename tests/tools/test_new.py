@@ -67,9 +67,7 @@ pytestmark = [
 
 @pytest.mark.slow
 def test_the_commands_of_its_readme_run(project: Path, shell: dict[str, str]) -> None:
-    (commands,) = re.findall(
-        r"```sh\n(.*?)```", (project / "README.md").read_text(encoding="utf-8"), re.DOTALL
-    )
+    (commands,) = re.findall(r"```sh\n(.*?)```", (project / "README.md").read_text(encoding="utf-8"), re.DOTALL)
     ran = sh(commands.replace("pip install", ": pip install"), project, shell)
     assert ran.returncode == 0, ran.stderr
     assert (project / "build" / "my_arms.zip").is_file()
@@ -80,10 +78,7 @@ def test_the_commands_of_its_readme_run(project: Path, shell: dict[str, str]) ->
 @pytest.mark.slow
 def test_its_hooks_have_nothing_to_say(project: Path, shell: dict[str, str]) -> None:
     (own,) = yaml.safe_load((project / ".pre-commit-config.yaml").read_text(encoding="utf-8"))["repos"]
-    for hook in [
-        *own["hooks"],
-        *yaml.safe_load((ROOT / ".pre-commit-hooks.yaml").read_text(encoding="utf-8")),
-    ]:
+    for hook in [*own["hooks"], *yaml.safe_load((ROOT / ".pre-commit-hooks.yaml").read_text(encoding="utf-8"))]:
         assert re.search(hook["files"], "recipes/my_arms.yaml") and not re.search(hook["files"], "a.yaml")
         ran = sh(f"{hook['entry']} recipes/my_arms.yaml", project, shell)
         assert ran.returncode == 0, ran.stderr
@@ -99,17 +94,14 @@ def test_its_workflow_uses_inputs_that_the_action_has(project: Path) -> None:
     assert requirement.startswith("mjcompose[menagerie]==") and mujoco.startswith("mujoco==")
 
 
-def step(
-    name: str, outputs: Mapping[str, str] = MappingProxyType({}), **given: str
-) -> tuple[str, dict[str, str]]:
+def step(name: str, outputs: Mapping[str, str] = MappingProxyType({}), **given: str) -> tuple[str, dict[str, str]]:
     """The script of a step of the action, and its environment as GitHub would fill it in."""
     (found,) = [each for each in ACTION["runs"]["steps"] if each["name"] == name]
     context: dict[str, Any] = {f"inputs.{key}": value for key, value in {**DEFAULTS, **given}.items()}
     context |= {"github.base_ref": "main", "github.event.number": "7", "github.token": "t"}
     context |= outputs
     env = {
-        key: re.sub(r"\$\{\{ (.*?) \}\}", lambda match: context[match[1]], value)
-        for key, value in found["env"].items()
+        key: re.sub(r"\$\{\{ (.*?) \}\}", lambda match: context[match[1]], value) for key, value in found["env"].items()
     }
     return found["run"], env
 
@@ -125,9 +117,7 @@ def test_the_action_checks_and_builds(project: Path, shell: dict[str, str]) -> N
 @pytest.mark.slow
 def test_the_action_builds_no_model_over_another(project: Path, shell: dict[str, str]) -> None:
     recipe = (project / "recipes" / "my_arms.yaml").read_text(encoding="utf-8")
-    (project / "recipes" / "other.yaml").write_text(
-        f"{recipe}  more: {{mass: {{range: [0, 9]}}}}\n", encoding="utf-8"
-    )
+    (project / "recipes" / "other.yaml").write_text(f"{recipe}  more: {{mass: {{range: [0, 9]}}}}\n", encoding="utf-8")
     script, env = step("Build")
     ran = sh(script, project, {**shell, **env})
     assert ran.returncode == 1
@@ -137,9 +127,7 @@ def test_the_action_builds_no_model_over_another(project: Path, shell: dict[str,
 @pytest.mark.slow
 def test_the_action_tells_what_is_wrong(project: Path, shell: dict[str, str]) -> None:
     recipe = project / "recipes" / "my_arms.yaml"
-    recipe.write_text(
-        recipe.read_text(encoding="utf-8").replace("pendulum/hinge", "pendulum/hing"), encoding="utf-8"
-    )
+    recipe.write_text(recipe.read_text(encoding="utf-8").replace("pendulum/hinge", "pendulum/hing"), encoding="utf-8")
     script, env = step("Check")
     ran = sh(script, project, {**shell, **env})
     assert ran.returncode == 1 and ran.stdout.startswith("::error file=recipes/my_arms.yaml,line=")
@@ -190,9 +178,7 @@ def test_the_action_says_nothing_where_nothing_changes(diff: Callable[..., tuple
 
 
 @pytest.mark.slow
-def test_the_action_comments_on_what_changes(
-    project: Path, diff: Callable[..., tuple[str, str, str]]
-) -> None:
+def test_the_action_comments_on_what_changes(project: Path, diff: Callable[..., tuple[str, str, str]]) -> None:
     change(project)
     recipes = project / "recipes"
     shutil.copy(recipes / "my_arms.yaml", recipes / "a new one.yaml")
@@ -214,19 +200,14 @@ def test_the_action_tells_recipes_that_are_gone(
 ) -> None:
     more = "mkdir recipes/deep && cp recipes/my_arms.yaml 'recipes/old one.yaml' && cp README.md recipes/deep/x.yaml"
     push = "git add -A && git commit -qm more && git push -q origin main"
-    assert (
-        sh(f"{more} && {push} && git rm -q -r 'recipes/old one.yaml' recipes/deep", project, shell).returncode
-        == 0
-    )
+    assert sh(f"{more} && {push} && git rm -q -r 'recipes/old one.yaml' recipes/deep", project, shell).returncode == 0
     comment, _, output = diff()
     assert "## recipes/old one.yaml\n\nThis recipe is gone." in comment and "deep" not in comment
     assert "changed=true\n" in output
 
 
 @pytest.mark.slow
-def test_of_a_fork_no_comment_can_be_written(
-    project: Path, diff: Callable[..., tuple[str, str, str]]
-) -> None:
+def test_of_a_fork_no_comment_can_be_written(project: Path, diff: Callable[..., tuple[str, str, str]]) -> None:
     change(project)
     _, said, output = diff(GH_FAILS="1")
     assert "damping" in said and "::warning::no comment could be written" in said
@@ -242,9 +223,7 @@ def test_nothing_is_overwritten(project: Path, shell: dict[str, str]) -> None:
     lines = ran.stdout.splitlines()
     assert lines[-2:] == ["README.md", "requirements.txt"] and lines[-3].startswith("wrote 0 files to .; ")
     assert "kept recipes/my_arms.lock" in lines and "kept README.md" in lines and "kept .gitignore" in lines
-    [told] = [
-        line for line in lines if line.startswith("kept requirements.txt; the project's own would have")
-    ]
+    [told] = [line for line in lines if line.startswith("kept requirements.txt; the project's own would have")]
     assert "`mujoco==" in told and (project / "requirements.txt").read_text() == "numpy\n"
 
 
@@ -253,11 +232,7 @@ def test_a_fresh_clone_keeps_what_it_has(tmp_path: Path, shell: dict[str, str]) 
     has = {"README.md": b"# arms\r\n", "LICENSE": b"MIT \xff", ".gitignore": b"build/\n"}
     for name, content in has.items():
         (tmp_path / name).write_bytes(content)
-    ran = sh(
-        "git init -q . && mjcompose new --project . && mjcompose check --locked recipes/*.yaml",
-        tmp_path,
-        shell,
-    )
+    ran = sh("git init -q . && mjcompose new --project . && mjcompose check --locked recipes/*.yaml", tmp_path, shell)
     assert ran.returncode == 0, ran.stderr
     assert {name: (tmp_path / name).read_bytes() for name in has} == has
     told = ran.stdout.splitlines()

@@ -81,23 +81,14 @@ def test_a_model_by_itself(tmp_path: Path, angle: str, range: str, turn: str) ->
     (tmp_path / "m.xml").write_text(MODEL.format(angle=angle, range=range, turn=turn))
     found = read("m.xml", tmp_path)
     names = [(body.name, body.part, body.copies) for body in found.world.walk()]
-    assert names == [
-        ("world", None, 1),
-        ("a", None, 1),
-        ("leaf", None, 3),
-        (None, None, 1),
-        ("loose", None, 1),
-    ]
+    assert names == [("world", None, 1), ("a", None, 1), ("leaf", None, 3), (None, None, 1), ("loose", None, 1)]
     a = found.bodies[0]
     hinge, open_, rail = a.joints
     assert hinge.range == pytest.approx((-np.pi / 2, np.pi / 4)) and open_.range is None
     assert (rail.type, rail.range) == ("slide", (-0.1, 0.2))
     assert [joint.type for joint in found.bodies[-1].joints] == ["free"]
     assert [(place.kind, place.name) for place in a.places] == [("body", "a"), ("site", "rod")]
-    assert [(place.kind, place.name) for place in found.world.places] == [
-        ("site", "on_the_world"),
-        ("frame", "turned"),
-    ]
+    assert [(place.kind, place.name) for place in found.world.places] == [("site", "on_the_world"), ("frame", "turned")]
     assert found.world.places[0].pose.pos == (0, 0, 0.5)
     model = mujoco.MjModel.from_xml_path(str(tmp_path / "m.xml"))
     data = mujoco.MjData(model)
@@ -134,11 +125,7 @@ TURN = Pose((0.1, 0, 1 / 3), (0, 1, 0, 0))
 HAND = Body("hand/palm", "hand", (Joint("a", "slide", (-0.1, 0.1)), Joint(None, "hinge", (-1, 0.5))),
             (Place("site", "12", Pose(), TURN), Place("frame", "hand/f", Pose(), Pose())))  # fmt: skip
 ARM = Body(
-    "arm",
-    "base",
-    (Joint("pan", "free"),),
-    (Place("body", "arm", Pose(), Pose()),),
-    (HAND, Body(None, None, copies=4)),
+    "arm", "base", (Joint("pan", "free"),), (Place("body", "arm", Pose(), Pose()),), (HAND, Body(None, None, copies=4))
 )
 ROBOT = Outline(
     "robot",
@@ -168,11 +155,7 @@ def test_depth_says_what_it_hides() -> None:
 
 def test_places_are_lines_to_paste() -> None:
     lines = render_places(ROBOT).splitlines()
-    assert [line.split()[:2] for line in lines[1:]] == [
-        ["site:", '"12"'],
-        ["frame:", "hand/f"],
-        ["body:", "arm"],
-    ]
+    assert [line.split()[:2] for line in lines[1:]] == [["site:", '"12"'], ["frame:", "hand/f"], ["body:", "arm"]]
     assert lines[1].split()[4:] == ["0.1", "0", "0.3333", "0", "1", "0", "0"]
     assert len(render_places(ROBOT, 1).splitlines()) == 2
     assert "nothing with a name" in render_places(Outline("x", "x.xml", Body("world", None)))

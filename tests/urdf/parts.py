@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-INERTIAL = (
-    '<inertial><mass value="1"/><inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial>'
-)
+INERTIAL = '<inertial><mass value="1"/><inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial>'
 
 
 def link(name: str, inside: str = INERTIAL) -> str:
@@ -23,10 +21,4 @@ def robot(*parts: str) -> str:
     return '<robot name="robot">\n' + "\n".join(parts) + "\n</robot>\n"
 
 
-ARM = (
-    link("base"),
-    link("upper"),
-    link("fore"),
-    joint("shoulder", "base", "upper"),
-    joint("elbow", "upper", "fore"),
-)
+ARM = (link("base"), link("upper"), link("fore"), joint("shoulder", "base", "upper"), joint("elbow", "upper", "fore"))

@@ -70,14 +70,10 @@ def robots() -> Path | None:
     return found[0] if found else None
 
 
-def read(
-    path: Path, root: Path, session: Session, **choices: str
-) -> tuple[UrdfReader, mujoco.MjModel | None]:
+def read(path: Path, root: Path, session: Session, **choices: str) -> tuple[UrdfReader, mujoco.MjModel | None]:
     packages = (("example-robot-data", root.parent), *((each.name, each) for each in sorted(root.iterdir())))
     choices = {"visuals": "keep", "inertia": "repair", **choices}
-    source = Source(
-        path, KIND, path.name, packages=packages, door=Door.of([root]), urdf=UrdfChoices(**choices)
-    )  # type: ignore[arg-type]
+    source = Source(path, KIND, path.name, packages=packages, door=Door.of([root]), urdf=UrdfChoices(**choices))  # type: ignore[arg-type]
     reader = UrdfReader(source, Sink(), session, lambda each: each.name)
     unit = reader.unit()
     if unit is None:
@@ -128,17 +124,13 @@ def difference(one: mujoco.MjModel, other: mujoco.MjModel) -> float:
     """The largest difference of masses, inertias and, at random poses, places and orientations of bodies."""
     if (one.nbody, one.nq) != (other.nbody, other.nq):
         return float("inf")
-    worst = max(
-        float(abs(getattr(one, each) - getattr(other, each)).max()) for each in ("body_mass", "body_inertia")
-    )
+    worst = max(float(abs(getattr(one, each) - getattr(other, each)).max()) for each in ("body_mass", "body_inertia"))
     datas = mujoco.MjData(one), mujoco.MjData(other)
     for qpos in poses(one):
         for model, data in zip((one, other), datas, strict=True):
             data.qpos[:] = qpos
             mujoco.mj_kinematics(model, data)
-        worst = max(
-            worst, *(float(abs(getattr(datas[0], n) - getattr(datas[1], n)).max()) for n in ("xpos", "xmat"))
-        )
+        worst = max(worst, *(float(abs(getattr(datas[0], n) - getattr(datas[1], n)).max()) for n in ("xpos", "xmat")))
     return worst
 
 
@@ -152,15 +144,11 @@ def poses(model: mujoco.MjModel) -> Iterator[np.ndarray]:
 
 def beside_pinocchio(path: Path, model: mujoco.MjModel) -> tuple[str, float]:
     """What differs from Pinocchio, whose places are those of the same names; masses where the URDF has them."""
-    kinds = (
-        int(mujoco.mjtJoint.mjJNT_HINGE),
-        int(mujoco.mjtJoint.mjJNT_SLIDE),
-    )  # no number is `in` enumerations
+    kinds = (int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE))  # no number is `in` enumerations
     simple = [j for j in range(model.njnt) if model.jnt_type[j] in kinds]
     drawn = list(poses(model))
     given = [
-        {"joints": {model.joint(j).name: [float(q[model.jnt_qposadr[j]])] for j in simple}, "free": {}}
-        for q in drawn
+        {"joints": {model.joint(j).name: [float(q[model.jnt_qposadr[j]])] for j in simple}, "free": {}} for q in drawn
     ]
     with TemporaryDirectory() as folder:
         alone = Path(folder, "robot", path.name)  # files are written beside its folder

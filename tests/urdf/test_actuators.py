@@ -43,14 +43,7 @@ def test_gains_make_servos(reader: Reader) -> None:
     text = robot(*ARM, control(commanded("shoulder", "position", inside=pid),
                                commanded("elbow", "velocity", inside='<param name="kv">4</param>')))  # fmt: skip
     assert actuators(reader("r.urdf", text)) == [
-        {
-            "tag": "position",
-            "name": "shoulder",
-            "joint": "shoulder",
-            "kp": "300",
-            "kv": "12.5",
-            "ctrlrange": "-1 1.5",
-        },
+        {"tag": "position", "name": "shoulder", "joint": "shoulder", "kp": "300", "kv": "12.5", "ctrlrange": "-1 1.5"},
         {"tag": "velocity", "name": "elbow", "joint": "elbow", "kv": "4", "ctrlrange": "-2 2"},
     ]
 
@@ -86,8 +79,7 @@ def test_a_transmission_acts_on_its_joint(reader: Reader, kind: str) -> None:
 
 def test_other_transmissions_are_in_the_table(reader: Reader) -> None:
     text = robot(
-        *ARM,
-        '<transmission name="t"><type>x/DifferentialTransmission</type><joint name="elbow"/></transmission>',
+        *ARM, '<transmission name="t"><type>x/DifferentialTransmission</type><joint name="elbow"/></transmission>'
     )
     read = reader("r.urdf", text)
     assert actuators(read) == []
@@ -114,14 +106,10 @@ def test_a_joint_that_does_not_exist_is_a_warning(reader: Reader) -> None:
     assert found.help == 'did you mean `name="elbow"`?'
 
 
-@pytest.mark.parametrize(
-    ("choice", "names"), [("none", []), ("all", ["shoulder", "elbow"]), ("declared", ["elbow"])]
-)
+@pytest.mark.parametrize(("choice", "names"), [("none", []), ("all", ["shoulder", "elbow"]), ("declared", ["elbow"])])
 def test_the_choice(reader: Reader, choice: str, names: list[str]) -> None:
     text = robot(*ARM, control(commanded("elbow", "effort")))
-    assert sorted(each["name"] for each in actuators(reader("r.urdf", text, actuators=choice))) == sorted(
-        names
-    )
+    assert sorted(each["name"] for each in actuators(reader("r.urdf", text, actuators=choice))) == sorted(names)
 
 
 def test_an_actuator_knows_its_place(reader: Reader) -> None:
@@ -152,9 +140,9 @@ def test_friction_of_gazebo(reader: ExtrasReader) -> None:
 
 def test_contact_of_pybullet(reader: ExtrasReader) -> None:
     contact = '<contact><lateral_friction value="0.7"/><rolling_friction value="0.01"/></contact>'
-    (geom,) = read(
-        reader("r.urdf", robot(ARM[0], link("upper", INERTIAL + BALL + contact), *ARM[2:]))
-    ).root.iter("geom")
+    (geom,) = read(reader("r.urdf", robot(ARM[0], link("upper", INERTIAL + BALL + contact), *ARM[2:]))).root.iter(
+        "geom"
+    )
     assert (geom.get("friction"), geom.get("condim")) == ("0.7 0.005 0.01", "6")
 
 
@@ -167,7 +155,9 @@ def test_gravity(reader: ExtrasReader, setting: str, expected: str | None) -> No
 
 
 def test_a_spring(reader: ExtrasReader) -> None:
-    spring = '<gazebo reference="elbow"><springStiffness>5</springStiffness><springReference>0.2</springReference></gazebo>'
+    spring = (
+        '<gazebo reference="elbow"><springStiffness>5</springStiffness><springReference>0.2</springReference></gazebo>'
+    )
     unit = read(reader("r.urdf", robot(*ARM, spring)))
     (elbow,) = (each for each in unit.root.iter("joint") if each.get("name") == "elbow")
     assert (elbow.get("stiffness"), elbow.get("springref")) == ("5", "0.2")
@@ -181,9 +171,7 @@ def test_a_mimic_is_one_equality(reader: ExtrasReader) -> None:
 
 
 def test_a_note_has_all_that_is_not_in_the_model(reader: ExtrasReader) -> None:
-    text = robot(
-        *ARM, "<gazebo><plugin/></gazebo>", '<gazebo reference="elbow"><sensor/></gazebo>', "<made_up/>"
-    )
+    text = robot(*ARM, "<gazebo><plugin/></gazebo>", '<gazebo reference="elbow"><sensor/></gazebo>', "<made_up/>")
     reading = reader("r.urdf", text)
     read(reading)
     (note,) = (each for each in reading.sink.sorted() if each.code == "urdf-unread")

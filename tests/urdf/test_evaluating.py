@@ -11,22 +11,13 @@ import pytest
 from mjcompose.urdf import evaluating
 from mjcompose.urdf.evaluating import DEEPEST, LONGEST, METHODS, Evaluator, Function, Space, Stopped
 
-NAMES = {
-    "x": 3,
-    "half": 0.5,
-    "name": "left_arm",
-    "flags": [True, False],
-    "size": {"a": 1, "b": [1.5, 2]},
-    "none": None,
-}
+NAMES = {"x": 3, "half": 0.5, "name": "left_arm", "flags": [True, False], "size": {"a": 1, "b": [1.5, 2]}, "none": None}
 
 
 def value(text: str, **names: Any) -> Any:
     tools = Evaluator()
     spaces = {"python": Space("python", tools.functions()), "math": Space("math", tools.mathematics())}
-    return tools.value(
-        text, ({**tools.functions(), **tools.mathematics(), **spaces, **NAMES} | names).__getitem__
-    )
+    return tools.value(text, ({**tools.functions(), **tools.mathematics(), **spaces, **NAMES} | names).__getitem__)
 
 
 @pytest.mark.parametrize(
@@ -72,30 +63,13 @@ def test_what_is_not_listed_is_refused(text: str) -> None:
 LEADS_OUT = {
     *"gi_frame gi_code gi_yieldfrom cr_frame cr_code cr_await cr_origin ag_frame ag_code ag_await tb_frame tb_next".split(),
     *"f_back f_builtins f_code f_globals f_locals f_trace co_consts co_code format format_map mro".split(),
-    *(
-        each
-        for kind in (str, list, dict, tuple, int, float, range, type(value), type(None))
-        for each in dir(kind)
-    ),
+    *(each for kind in (str, list, dict, tuple, int, float, range, type(value), type(None)) for each in dir(kind)),
 }
 
 
 @pytest.mark.parametrize("name", sorted(LEADS_OUT))
 def test_no_attribute_but_the_methods_that_are_listed(name: str) -> None:
-    for text in (
-        "'a'",
-        "[1]",
-        "dict(a=1)",
-        "(1, 2)",
-        "1",
-        "0.5",
-        "range(2)",
-        "none",
-        "sin",
-        "math",
-        "python",
-        "flags",
-    ):
+    for text in ("'a'", "[1]", "dict(a=1)", "(1, 2)", "1", "0.5", "range(2)", "none", "sin", "math", "python", "flags"):
         kind = type(value(text))
         if name in METHODS.get(kind, ()) or (text, name) in {("math", "e"), ("python", "format")}:
             continue
@@ -145,9 +119,7 @@ def test_a_long_sum_is_not_deep() -> None:
     assert value("+".join(["1"] * (10 * DEEPEST))) == 10 * DEEPEST
 
 
-@pytest.mark.parametrize(
-    "error", [RecursionError, MemoryError, ValueError, UnicodeError, OSError, SystemError]
-)
+@pytest.mark.parametrize("error", [RecursionError, MemoryError, ValueError, UnicodeError, OSError, SystemError])
 def test_a_fault_while_parsing_refuses(monkeypatch: pytest.MonkeyPatch, error: type[Exception]) -> None:
     def fails(*_: Any) -> Any:
         raise error
@@ -159,9 +131,7 @@ def test_a_fault_while_parsing_refuses(monkeypatch: pytest.MonkeyPatch, error: t
 
 @pytest.mark.parametrize("guard", ["weight", "spend", "admitted"])
 @pytest.mark.parametrize("error", [RecursionError, MemoryError, OSError, UnicodeError])
-def test_a_fault_in_a_guard_gives_no_value(
-    monkeypatch: pytest.MonkeyPatch, guard: str, error: type[Exception]
-) -> None:
+def test_a_fault_in_a_guard_gives_no_value(monkeypatch: pytest.MonkeyPatch, guard: str, error: type[Exception]) -> None:
     def fails(*_: Any) -> Any:
         raise error
 
@@ -187,9 +157,7 @@ def test_the_table_of_steps_has_no_way_to_run_code() -> None:
     assert not {ast.Lambda, ast.Await, ast.Yield, ast.NamedExpr, ast.JoinedStr} & evaluating._STEPS.keys()
 
 
-@pytest.mark.parametrize(
-    "text", ["odd", "[odd]", "size['odd']", "[i for i in odds]", "str(odd)", "odds + [1]"]
-)
+@pytest.mark.parametrize("text", ["odd", "[odd]", "size['odd']", "[i for i in odds]", "str(odd)", "odds + [1]"])
 def test_a_value_of_another_kind_does_not_come_in(text: str) -> None:
     odd = object()
     with pytest.raises(Stopped, match="kind"):

@@ -56,9 +56,7 @@ def test_yaml_that_grows_is_stopped(tmp_path: Path) -> None:
 def test_a_xacro_that_lacks_what_is_replaced_is_not_used(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, hook: str
 ) -> None:
-    monkeypatch.setattr(
-        expanding, "_HOOKS" if hook in expanding._HOOKS else "_SUBSTITUTIONS", (f"no_{hook}",)
-    )
+    monkeypatch.setattr(expanding, "_HOOKS" if hook in expanding._HOOKS else "_SUBSTITUTIONS", (f"no_{hook}",))
     assert expanded(tmp_path, "<link/>") == {"other": f"no_{hook}"}
 
 
@@ -90,9 +88,7 @@ def test_a_fault_in_a_guard_gives_no_text(
 
 
 def test_texts_and_parameters_that_grow_are_stopped(tmp_path: Path) -> None:
-    doubled = "".join(
-        f'<xacro:property name="p{i}" value="${{p{i - 1}}}${{p{i - 1}}}"/>' for i in range(1, 40)
-    )
+    doubled = "".join(f'<xacro:property name="p{i}" value="${{p{i - 1}}}${{p{i - 1}}}"/>' for i in range(1, 40))
     for text in (
         f'<xacro:property name="p0" value="abcdefgh"/>{doubled}<link name="${{p39}}"/>',
         f'<link name="{"$" * 300_000}"/>',
@@ -147,23 +143,7 @@ def test_substitutions_are_evaluated_too(tmp_path: Path, text: str, value: str) 
 def test_names_are_those_of_python() -> None:
     import xacro
 
-    for name in (
-        "a",
-        "_b1",
-        "é",
-        "ﬁ",
-        "None",
-        "pass",
-        "match",
-        "1a",
-        "a b",
-        "a.b",
-        "",
-        " a",
-        "a\n",
-        "(a)",
-        "lambda",
-    ):
+    for name in ("a", "_b1", "é", "ﬁ", "None", "pass", "match", "1a", "a b", "a.b", "", " a", "a\n", "(a)", "lambda"):
         assert expanding._is_name(name) == xacro.is_valid_name(name), name
 
 
@@ -236,11 +216,7 @@ def test_every_element_keeps_its_place_through_macros_and_includes(tmp_path: Pat
         ('<link name="$(arg size)"/>', "argument", 2),
         ('<xacro:include filename="/etc/passwd"/>', "refused", 2),
         ('<xacro:include filename="/etc/passwd" optional="true"/>', "refused", 2),
-        (
-            '<xacro:property name="p" value="${xacro.load_yaml(\'/etc/passwd\')}"/><link name="${p}"/>',
-            "refused",
-            2,
-        ),
+        ('<xacro:property name="p" value="${xacro.load_yaml(\'/etc/passwd\')}"/><link name="${p}"/>', "refused", 2),
         ('<xacro:macro name="m"><xacro:m/></xacro:macro>\n<xacro:m/>', "xacro", 2),
         ('<xacro:macro name="m"><a/><xacro:m/><xacro:m/></xacro:macro>\n<xacro:m/>', "limit", 2),
         ("<link", "syntax", 3),

@@ -25,9 +25,7 @@ def test_eigen_is_that_of_numpy() -> None:
         tensor = half @ half.T
         values, axes = eigen(tensor.tolist())
         assert np.allclose(values, np.linalg.eigvalsh(tensor), rtol=1e-9, atol=1e-12 * values[2])
-        assert np.allclose(
-            np.array(axes) @ np.diag(values) @ np.array(axes).T, tensor, atol=1e-12 * values[2]
-        )
+        assert np.allclose(np.array(axes) @ np.diag(values) @ np.array(axes).T, tensor, atol=1e-12 * values[2])
 
 
 BROKEN = {
@@ -94,9 +92,7 @@ def test_a_size_of_zero_is_no_inertia(reader: Reader, choice: str | None) -> Non
 
 
 @pytest.mark.parametrize(("visuals", "tag"), [(None, "sphere"), ("drop", "sphere"), ("keep", "box")])
-def test_a_size_of_zero_is_that_of_a_shape_that_is_read(
-    reader: Reader, visuals: str | None, tag: str
-) -> None:
+def test_a_size_of_zero_is_that_of_a_shape_that_is_read(reader: Reader, visuals: str | None, tag: str) -> None:
     shapes = f'<visual>{ZERO}</visual><collision><geometry><sphere radius="0"/></geometry></collision>'
     read = reader("r.urdf", robot(link("base", shapes), *ARM[1:]), visuals=visuals)
     assert read.unit() is None
@@ -105,28 +101,18 @@ def test_a_size_of_zero_is_that_of_a_shape_that_is_read(
 
 
 def test_the_axes_stay_and_the_large_moments_too(reader: Reader) -> None:
-    read = reader(
-        "r.urdf", robot(ARM[0], link("upper", inertial(1, 0.1, 0.2, 0.5)), *ARM[2:]), inertia="repair"
-    )
+    read = reader("r.urdf", robot(ARM[0], link("upper", inertial(1, 0.1, 0.2, 0.5)), *ARM[2:]), inertia="repair")
     unit = read.unit()
     assert unit is not None
     (upper,) = (body for body in unit.root.iter("body") if body.get("name") == "upper")
     found = upper.find("inertial")
     assert found is not None
-    moments = sorted(
-        float(each) for each in str(found.get("diaginertia") or found.get("fullinertia")).split()[:3]
-    )
+    moments = sorted(float(each) for each in str(found.get("diaginertia") or found.get("fullinertia")).split()[:3])
     assert moments == pytest.approx([0.2, 0.3, 0.5])
 
 
 def test_a_link_that_moves_without_mass(reader: Reader) -> None:
-    parts = (
-        ARM[0],
-        link("virtual", ""),
-        ARM[1],
-        joint("a", "base", "virtual"),
-        joint("b", "virtual", "upper"),
-    )
+    parts = (ARM[0], link("virtual", ""), ARM[1], joint("a", "base", "virtual"), joint("b", "virtual", "upper"))
     read = reader("r.urdf", robot(*parts))
     assert read.unit() is None and [each.code for each in read.sink.errors] == ["urdf-inertia"]
     assert reader("r.urdf", robot(*parts), inertia="repair").unit() is not None

@@ -54,9 +54,7 @@ def told(read: UrdfReader) -> list[str]:
     ],
     ids=["plausible", "in millimetres", "scaled twice", "open beside an inertial", "open"],
 )
-def test_what_is_plausible(
-    reader: Reader, tmp_path: Path, mesh: str, inertial: str, codes: list[str]
-) -> None:
+def test_what_is_plausible(reader: Reader, tmp_path: Path, mesh: str, inertial: str, codes: list[str]) -> None:
     (tmp_path / "m.obj").write_text(mesh)
     assert told(reader("r.urdf", robot(ARM[0], link("upper", inertial + shape("m.obj")), *ARM[2:]))) == codes
 
@@ -115,9 +113,7 @@ def collada(*colors: str) -> str:
             f'<effect id="e{k}"><profile_COMMON><technique sid="t"><lambert><diffuse><color>{color}</color></diffuse>'
             "</lambert></technique></profile_COMMON></effect>"
         )
-        given["materials"].append(
-            f'<material id="m{k}" name="m{k}"><instance_effect url="#e{k}"/></material>'
-        )
+        given["materials"].append(f'<material id="m{k}" name="m{k}"><instance_effect url="#e{k}"/></material>')
         places = " ".join(f"{20 * x + k} {20 * y} {20 * z}" for x, y, z in CORNERS)
         corners = " ".join(str(each) for face in FACES for each in face)
         given["geometries"].append(
@@ -164,27 +160,12 @@ def gltf(node: dict[str, object]) -> tuple[dict[str, object], bytes]:
     places = b"".join(struct.pack("<3f", 0.2 * x, 0.3 * y, 0.1 * z) for x, y, z in CORNERS)
     data = places + struct.pack("<12H", *(corner for face in FACES for corner in face))
     accessors = [
-        {
-            "bufferView": 0,
-            "componentType": 5126,
-            "count": 4,
-            "type": "VEC3",
-            "min": [0, 0, 0],
-            "max": [0.2, 0.3, 0.1],
-        },
+        {"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3", "min": [0, 0, 0], "max": [0.2, 0.3, 0.1]},
         {"bufferView": 1, "componentType": 5123, "count": 12, "type": "SCALAR"},
     ]
-    views = [
-        {"buffer": 0, "byteOffset": 0, "byteLength": 48},
-        {"buffer": 0, "byteOffset": 48, "byteLength": 24},
-    ]
+    views = [{"buffer": 0, "byteOffset": 0, "byteLength": 48}, {"buffer": 0, "byteOffset": 48, "byteLength": 24}]
     meshes = [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}]
-    scene = {
-        "asset": {"version": "2.0"},
-        "scene": 0,
-        "scenes": [{"nodes": [0]}],
-        "nodes": [{"mesh": 0, **node}],
-    }
+    scene = {"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0, **node}]}
     return {**scene, "meshes": meshes, "accessors": accessors, "bufferViews": views}, data
 
 
@@ -195,10 +176,7 @@ def gltf(node: dict[str, object]) -> tuple[dict[str, object], bytes]:
         # What Drake 1.51.1 makes of the same: up in the file is +Z, and its +Z is -Y.
         ({}, [(0.2, 0, 0), (0, 0, 0.3), (0, -0.1, 0)]),
         # Its node turns it first, from +Y to +Z, and moves it along +Y.
-        (
-            {"rotation": [0.5**0.5, 0, 0, 0.5**0.5], "translation": [0, 1, 0]},
-            [(0.2, 0, 1), (0, -0.3, 1), (0, 0, 0.9)],
-        ),
+        ({"rotation": [0.5**0.5, 0, 0, 0.5**0.5], "translation": [0, 1, 0]}, [(0.2, 0, 1), (0, -0.3, 1), (0, 0, 0.9)]),
     ],
     ids=["plain", "turned and moved by its node"],
 )
@@ -214,21 +192,14 @@ def test_gltf_stands_upright(
     else:
         head = json.dumps({**scene, "buffers": [{"byteLength": len(data)}]}).encode()
         head += b" " * (-len(head) % 4)
-        chunks = (
-            struct.pack("<2I", len(head), 0x4E4F534A)
-            + head
-            + struct.pack("<2I", len(data), 0x004E4942)
-            + data
-        )
+        chunks = struct.pack("<2I", len(head), 0x4E4F534A) + head + struct.pack("<2I", len(data), 0x004E4942) + data
         (tmp_path / "m.glb").write_bytes(struct.pack("<3I", 0x46546C67, 2, 12 + len(chunks)) + chunks)
     mesh = shape(f"m.{suffix}")
     unit = reader("r.urdf", robot(ARM[0], link("upper", INERTIAL + mesh), *ARM[2:])).unit()
     assert unit is not None
     (content,) = unit.contents.values()
     assert isinstance(content, bytes)
-    found = [
-        tuple(map(float, line.split()[1:])) for line in content.decode().splitlines() if line.startswith("v ")
-    ]
+    found = [tuple(map(float, line.split()[1:])) for line in content.decode().splitlines() if line.startswith("v ")]
     origin = tuple(map(float, node.get("translation", (0, 0, 0))))  # type: ignore[arg-type, call-overload]
     wanted = [(origin[0], -origin[2], origin[1]), *tips]
     assert sorted(found) == [pytest.approx(each, abs=1e-7) for each in sorted(wanted)]
@@ -251,9 +222,7 @@ def test_obj_with_its_materials(reader: Reader, tmp_path: Path) -> None:
     (tmp_path / "m.obj").write_text(
         f"mtllib m.mtl\n{corners}\n{more}\nvt 0.5 0.5\nusemtl skin\n{first}\nusemtl blue\n{second}\n"
     )
-    read = reader(
-        "r.urdf", robot(ARM[0], link("upper", INERTIAL + shape("m.obj", "visual")), *ARM[2:]), visuals="keep"
-    )
+    read = reader("r.urdf", robot(ARM[0], link("upper", INERTIAL + shape("m.obj", "visual")), *ARM[2:]), visuals="keep")
     unit = read.unit()
     assert unit is not None, [each.message for each in read.sink.errors]
     geoms = list(unit.root.iter("geom"))
@@ -291,8 +260,6 @@ def test_a_mesh_may_not_name_files_outside(reader: Reader, tmp_path: Path) -> No
     pytest.importorskip("trimesh")
     (tmp_path / "m.mtl").write_text("newmtl skin\nmap_Kd /etc/hostname\n")
     (tmp_path / "m.obj").write_text(f"mtllib m.mtl\nusemtl skin\nvt 0 0\n{obj()}")
-    read = reader(
-        "r.urdf", robot(ARM[0], link("upper", INERTIAL + shape("m.obj", "visual")), *ARM[2:]), visuals="keep"
-    )
+    read = reader("r.urdf", robot(ARM[0], link("upper", INERTIAL + shape("m.obj", "visual")), *ARM[2:]), visuals="keep")
     assert read.unit() is None
     assert [each.code for each in read.sink.errors] == ["source-outside"]

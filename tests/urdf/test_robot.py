@@ -94,8 +94,7 @@ def test_fused_links_get_their_names() -> None:
 
 
 @pytest.mark.parametrize(
-    ("file", "line"),
-    [("/x/arm/meshes/a.stl", 6), ("meshes\\a.stl", 6), ("b.stl", 7), ("other/b.stl", 7), ("c.stl", 1)],
+    ("file", "line"), [("/x/arm/meshes/a.stl", 6), ("meshes\\a.stl", 6), ("b.stl", 7), ("other/b.stl", 7), ("c.stl", 1)]
 )
 def test_the_mesh_that_names_a_file(file: str, line: int) -> None:
     assert mesh_of(etree.fromstring(URDF), file).sourceline == line

@@ -23,9 +23,7 @@ MJCF = '<mujoco><worldbody><body name="stand"><geom size="0.1"/></body></worldbo
 
 
 def manifest(folder: Path, recipe: str, library: Library | None = None) -> dict[str, Any]:
-    context = Context(
-        environment={"MJCOMPOSE_CACHE": str(folder / "cache")}, folder=folder, fetching=Fetching()
-    )
+    context = Context(environment={"MJCOMPOSE_CACHE": str(folder / "cache")}, folder=folder, fetching=Fetching())
     (folder / "recipe.yaml").write_text(recipe, encoding="utf-8")
     made = build(Request(folder / "recipe.yaml"), context, library=library)
     assert made is not None, context.sink.errors
@@ -36,9 +34,7 @@ def test_the_manifest_says_what_became_of_each_urdf(tmp_path: Path) -> None:
     (tmp_path / "stand.xml").write_text(MJCF)
     (tmp_path / "arms").mkdir()
     (tmp_path / "arms" / "arm.urdf").write_text(URDF)
-    (tmp_path / "arms" / "arm.yaml").write_text(
-        "recipe: 1\nbase: {model: ./arm.urdf, allow: [urdf-unread]}\n"
-    )
+    (tmp_path / "arms" / "arm.yaml").write_text("recipe: 1\nbase: {model: ./arm.urdf, allow: [urdf-unread]}\n")
     attach = "{left: {model: ./arms/arm.urdf, allow: [urdf-unread]}, right: {model: ./arms/arm.yaml, pos: [0, 1, 0]}}"
     found = manifest(tmp_path, f"recipe: 1\nbase: ./stand.xml\nattach: {attach}\n")
     stand, left, right = found["inputs"]
@@ -50,9 +46,7 @@ def test_the_manifest_says_what_became_of_each_urdf(tmp_path: Path) -> None:
     }  # fmt: skip
     calibration = rows["joint/calibration"]
     assert (
-        calibration["became"] is None
-        and "encoder" in calibration["why"]
-        and calibration["origin"] == "arms/arm.urdf:8"
+        calibration["became"] is None and "encoder" in calibration["why"] and calibration["origin"] == "arms/arm.urdf:8"
     )
     assert rows["gazebo/static"]["why"] == "MJCF has no words for it"
 
@@ -70,7 +64,7 @@ def test_import_prints_the_same_rows(tmp_path: Path) -> None:
     rows = manifest(tmp_path, recipe)["inputs"][0]["urdf"]
     found = of_urdf(tmp_path / "arm.urdf", tmp_path / "new.yaml", Context(folder=tmp_path))
     assert found is not None
-    assert [
-        (row.what, row.count, row.became, row.why, f"arm.urdf:{row.span.line}") for row in found.rows
-    ] == [(row["what"], row["count"], row["became"] or "", row["why"] or "", row["origin"]) for row in rows]
+    assert [(row.what, row.count, row.became, row.why, f"arm.urdf:{row.span.line}") for row in found.rows] == [
+        (row["what"], row["count"], row["became"] or "", row["why"] or "", row["origin"]) for row in rows
+    ]
     assert any("`<joint><limit>` `velocity` (3)" in line for line in table(found.rows))

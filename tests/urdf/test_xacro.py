@@ -153,16 +153,7 @@ def recipe(folder: Path, **parts: str) -> Path:
     lines = [f"  {name}: {{model: ./{name}.urdf.xacro}}" for name in parts]
     path = folder / "cell.yaml"
     path.write_text(
-        "\n".join(
-            [
-                "recipe: 1",
-                "attach:",
-                *lines,
-                "check: {whole: {unchanged: {}}}",
-                "allow: [license-missing]",
-                "",
-            ]
-        )
+        "\n".join(["recipe: 1", "attach:", *lines, "check: {whole: {unchanged: {}}}", "allow: [license-missing]", ""])
     )
     return path
 

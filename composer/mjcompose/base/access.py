@@ -133,9 +133,7 @@ class Door:
         try:
             real = os.path.realpath(path)
         except Exception:  # it may be why the path is refused
-            return Refused(
-                path, OUTSIDE.format(self.whose), self.help and self.help.replace("{folder}", path)
-            )
+            return Refused(path, OUTSIDE.format(self.whose), self.help and self.help.replace("{folder}", path))
         help = self.help
         if help is not None:
             folder = os.path.dirname(real)
@@ -163,8 +161,7 @@ class Door:
 
     def _is_inside(self, real: str) -> bool:
         return any(
-            real == root or real.startswith(root if root.endswith(os.sep) else root + os.sep)
-            for root in self.roots
+            real == root or real.startswith(root if root.endswith(os.sep) else root + os.sep) for root in self.roots
         )
 
 

@@ -28,13 +28,7 @@ if TYPE_CHECKING:
 else:
 
     def dataclass(
-        cls: type | None = None,
-        /,
-        *,
-        frozen: bool = False,
-        slots: bool = False,
-        eq: bool = True,
-        kw_only: bool = False,
+        cls: type | None = None, /, *, frozen: bool = False, slots: bool = False, eq: bool = True, kw_only: bool = False
     ) -> Any:
         """Return the class as a dataclass. The options mean what they mean in the standard library."""
 
@@ -164,9 +158,7 @@ def _init(cls: Any, frozen: bool) -> Callable[..., None]:
         if field.default_factory is not MISSING:
             known[f"__make_{name}"] = field.default_factory
             parameter = f"{name}=__missing"
-            value = (
-                f"__make_{name}() if {name} is __missing else {name}" if field.init else f"__make_{name}()"
-            )
+            value = f"__make_{name}() if {name} is __missing else {name}" if field.init else f"__make_{name}()"
         elif field.default is not MISSING:
             known[f"__default_{name}"] = field.default
             parameter = f"{name}=__default_{name}"

@@ -189,9 +189,7 @@ class Diagnostic:
         if not self.others:
             return self.notes
         lines = [f"{len(self.others)} more like this:"]
-        lines += [
-            f"{each.span}: {each.message}" if each.span else each.message for each in self.others[:_SHOWN]
-        ]
+        lines += [f"{each.span}: {each.message}" if each.span else each.message for each in self.others[:_SHOWN]]
         if len(self.others) > _SHOWN:
             lines.append(f"… and {len(self.others) - _SHOWN} more")
         return (*self.notes, Note("\n".join(lines)))
@@ -208,15 +206,10 @@ class DiagnosticError(Exception):
     ('no', Span(file='a.yaml', line=1, column=2, end_line=None, end_column=None))
     """
 
-    def __init__(
-        self, code: str, message: str, help: str | None = None, *, notes: Iterable[str | Note] = ()
-    ) -> None:
+    def __init__(self, code: str, message: str, help: str | None = None, *, notes: Iterable[str | Note] = ()) -> None:
         super().__init__(message)
         self.diagnostic = Diagnostic(
-            code,
-            message,
-            notes=tuple(Note(each) if isinstance(each, str) else each for each in notes),
-            help=help,
+            code, message, notes=tuple(Note(each) if isinstance(each, str) else each for each in notes), help=help
         )
 
     @property

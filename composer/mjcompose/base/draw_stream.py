@@ -30,9 +30,7 @@ def identity(seed: int, field: str, element: str, component: int) -> tuple[bytes
     >>> identity(7, "friction", "cube/box", 0)
     (b'["mjcompose draws 1",7,', b',"friction","cube/box",0]')
     """
-    before, after = (
-        _compact(each).encode("ascii") for each in ([_VERSION, seed], [field, element, component])
-    )
+    before, after = (_compact(each).encode("ascii") for each in ([_VERSION, seed], [field, element, component]))
     return before[:-1] + b",", b"," + after[1:]
 
 
@@ -172,7 +170,5 @@ def probability(x: float) -> float:
         n += 2
         term = c.divide(c.multiply(c.multiply(term, exact), exact), Decimal(n))
         total = c.add(total, term)
-    density = c.divide(
-        c.exp(c.divide(c.multiply(exact, exact), Decimal(-2))), c.sqrt(c.multiply(Decimal(2), _PI))
-    )
+    density = c.divide(c.exp(c.divide(c.multiply(exact, exact), Decimal(-2))), c.sqrt(c.multiply(Decimal(2), _PI)))
     return float(c.add(Decimal("0.5"), c.multiply(density, total)))

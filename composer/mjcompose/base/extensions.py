@@ -66,9 +66,7 @@ def load(group: str, word: str) -> Any | None:
     if len(entries) > 1:
         owners = " and ".join(f"`{_owner(each)}`" for each in entries)
         raise DiagnosticError(
-            CLASH,
-            f"the {GROUPS[group]} `{word}` is registered by {owners}",
-            help="uninstall all but one of them",
+            CLASH, f"the {GROUPS[group]} `{word}` is registered by {owners}", help="uninstall all but one of them"
         )
     try:
         loaded = entries[0].load()

@@ -178,9 +178,7 @@ class Refused(OSError):
         cause = None
         if self.real is not None:  # all files of one folder have one cause
             folder = os.path.dirname(self.real)
-            cause = Cause(
-                f"{span.file if span else ''} {folder} {self.why}", f"`{(shown or str)(Path(self.path))}`"
-            )
+            cause = Cause(f"{span.file if span else ''} {folder} {self.why}", f"`{(shown or str)(Path(self.path))}`")
         sink.error(CODE, self.message(shown), span, notes=tuple(notes), help=self.help, cause=cause)
 
 
@@ -236,9 +234,7 @@ def read_regular(path: str | os.PathLike[str], most: int | None = None, *, is_so
     file, size = _opened(path, most, is_source)
     try:
         pieces = [os.read(file, size + 1)]
-        while (
-            pieces[-1] and (so_far := sum(map(len, pieces))) != size
-        ):  # it is growing, or too large for one call
+        while pieces[-1] and (so_far := sum(map(len, pieces))) != size:  # it is growing, or too large for one call
             _bound(so_far, most, path)
             pieces.append(os.read(file, 1 << 24))
     finally:
@@ -258,9 +254,7 @@ def read_argument(path: str | os.PathLike[str], most: int) -> bytes:
     return read_regular(path, most)
 
 
-def open_regular(
-    path: str | os.PathLike[str], most: int | None = None, *, is_source: bool = True
-) -> BufferedReader:
+def open_regular(path: str | os.PathLike[str], most: int | None = None, *, is_source: bool = True) -> BufferedReader:
     """Open an ordinary file, as `read_regular` reads it."""
     file, _ = _opened(path, in_force().output_size if most is None else most, is_source)
     return os.fdopen(file, "rb")
@@ -291,9 +285,7 @@ def _bound(size: int, most: int, path: str | os.PathLike[str]) -> None:
         raise TooLarge(size, most, path=os.fspath(path))
 
 
-_NAMES = re.compile(
-    rb"""[^\s\0"'<>|{}\[\],;:#]+\.\w{2,5}|"[^"\n\0]+"|'[^'\n\0]+'|(?<=[:-] )[^\s"'{\[][^\n\0#]*"""
-)
+_NAMES = re.compile(rb"""[^\s\0"'<>|{}\[\],;:#]+\.\w{2,5}|"[^"\n\0]+"|'[^'\n\0]+'|(?<=[:-] )[^\s"'{\[][^\n\0#]*""")
 """What may name a file in a recipe: a word with a suffix, a quoted text, the rest of a line."""
 _FOLDERS = re.compile(rb"""(?:mesh|texture|asset)dir\s*=\s*["']([^"'\n\0]+)["']""")
 _COMMENT = re.compile(rb"(?m)(?:^|(?<=[ \t]))#[^\n]*")
@@ -358,9 +350,7 @@ class Run:
         named = self._all_named()
         if not os.path.isdir(real):
             return named.get(identity)
-        inside = (
-            source for above, source in self._above.items() if above == at or identity == _identity(above)
-        )
+        inside = (source for above, source in self._above.items() if above == at or identity == _identity(above))
         below = (path for path in named.values() if real_path(path).startswith(_folder(real)))
         return next(inside, None) or next(below, None)
 
@@ -394,9 +384,7 @@ class Run:
             folders = [folder, *(os.path.join(folder, os.fsdecode(each)) for each in _FOLDERS.findall(text))]
             names = dict.fromkeys(
                 os.fsdecode(word.strip(b" \t\r\"'"))
-                for word in (_NAMES if is_recipe else _FILES).findall(
-                    _COMMENT.sub(b"", text) if is_recipe else text
-                )
+                for word in (_NAMES if is_recipe else _FILES).findall(_COMMENT.sub(b"", text) if is_recipe else text)
             )
             more = []
             for named in (os.path.join(each, name) for each in folders for name in names):
@@ -561,16 +549,9 @@ class Foreign:
         return self.advice.format(file=text, stem=text.removesuffix(suffix) + "_mjcf" * (suffix == ".xml"))
 
 
-SDF = Foreign(
-    "SDFormat", "convert it with Gazebo: `sdf2mjcf {file} {stem}.xml`, of the package `sdformat-mjcf`"
-)
-USD = Foreign(
-    "USD", "take the MJCF or URDF that it was made from, or let the program that made it export URDF"
-)
-_FORMATS = {
-    **dict.fromkeys((".sdf", ".world"), SDF),
-    **dict.fromkeys((".usd", ".usda", ".usdc", ".usdz"), USD),
-}
+SDF = Foreign("SDFormat", "convert it with Gazebo: `sdf2mjcf {file} {stem}.xml`, of the package `sdformat-mjcf`")
+USD = Foreign("USD", "take the MJCF or URDF that it was made from, or let the program that made it export URDF")
+_FORMATS = {**dict.fromkeys((".sdf", ".world"), SDF), **dict.fromkeys((".usd", ".usda", ".usdc", ".usdz"), USD)}
 
 
 def foreign_format(path: PurePath) -> Foreign | None:

@@ -47,9 +47,7 @@ class Limits:
         "the numbers in the mass matrix: one for each pair of degrees of freedom of which one carries the other",
     )
     mesh_points: int = _limit(
-        1_000_000,
-        "",
-        "the points of all meshes of a model; those of meshes that collide with nothing count a tenth",
+        1_000_000, "", "the points of all meshes of a model; those of meshes that collide with nothing count a tenth"
     )
     expansion: int = _limit(
         20_000, "", "the elements that `<replicate>`, `<flexcomp>`, `<composite>` and `<attach>` make"

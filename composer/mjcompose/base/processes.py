@@ -50,10 +50,7 @@ class Process(subprocess.Popen[Any]):
         guarded = [sys.executable, "-I", "-S", _GUARD, *ends, str(memory), str(size), *command]
         try:
             super().__init__(
-                [*command, *ends] if watches else guarded,
-                pass_fds=(reading,),
-                start_new_session=True,
-                **options,
+                [*command, *ends] if watches else guarded, pass_fds=(reading,), start_new_session=True, **options
             )
         except BaseException:
             self.release()
@@ -246,11 +243,7 @@ class Helper:
                 self._process = None
         status = process.returncode
         names = {-entry.value: f" ({entry.name})" for entry in signal.Signals}
-        return (
-            f"ended with signal {-status}{names.get(status, '')}"
-            if status < 0
-            else f"ended with status {status}"
-        )
+        return f"ended with signal {-status}{names.get(status, '')}" if status < 0 else f"ended with status {status}"
 
 
 def _close(process: Process) -> None:

@@ -378,9 +378,7 @@ def report(suites: Iterable[Suite], read: ReadSource) -> str:
             )
             if case.errors:
                 first = case.errors[0]
-                failure = Xml.SubElement(
-                    row, "failure", {"type": first.code, "message": _text(first.message)}
-                )
+                failure = Xml.SubElement(row, "failure", {"type": first.code, "message": _text(first.message)})
                 failure.text = _text("\n\n".join(render(each, read) for each in case.errors))
     Xml.indent(root)
     return f'<?xml version="1.0" encoding="UTF-8"?>\n{Xml.tostring(root, encoding="unicode")}\n'
@@ -416,8 +414,7 @@ class MjcomposeError(Exception):
 
     def __init__(self, diagnostics: Iterable[Diagnostic]) -> None:
         self.diagnostics: tuple[Diagnostic, ...] = tuple(
-            replace(each, help=each.help.in_python) if isinstance(each.help, Advice) else each
-            for each in diagnostics
+            replace(each, help=each.help.in_python) if isinstance(each.help, Advice) else each for each in diagnostics
         )
         super().__init__(self.diagnostics)
 

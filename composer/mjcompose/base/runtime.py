@@ -89,9 +89,7 @@ def patience(most: float) -> float:
     return min(most, max(0.0, _heard[0] + _SECONDS - time.monotonic())) if _heard else most
 
 
-def with_deferring(
-    handler: Callable[[int, FrameType | None], None],
-) -> Callable[[int, FrameType | None], None]:
+def with_deferring(handler: Callable[[int, FrameType | None], None]) -> Callable[[int, FrameType | None], None]:
     """Return a handler that is called once its signal is no longer deferred."""
 
     def handle(number: int, frame: FrameType | None) -> None:

@@ -312,8 +312,7 @@ def filter_program(machine: str) -> bytes | None:
     steps += [(end, 0, 0, _REFUSE | errno.ENOSYS)]  # with which the C library knows what to do
     order: Any = sys.byteorder
     return b"".join(
-        code.to_bytes(2, order) + bytes((yes, no)) + value.to_bytes(4, order)
-        for code, yes, no, value in steps
+        code.to_bytes(2, order) + bytes((yes, no)) + value.to_bytes(4, order) for code, yes, no, value in steps
     )
 
 

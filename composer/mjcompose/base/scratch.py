@@ -82,9 +82,7 @@ def locked_folder(folder: Path) -> Iterator[Path]:
             shutil.rmtree(folder, ignore_errors=True)
 
 
-def sweep_once(
-    parent: Path, is_ours: Callable[[str], bool], save: Callable[[Path], None] | None = None
-) -> None:
+def sweep_once(parent: Path, is_ours: Callable[[str], bool], save: Callable[[Path], None] | None = None) -> None:
     """Remove locked folders in `parent` whose process has ended; once in this process for each kind of name.
 
     `save` rescues from such a folder what must not be lost.

@@ -125,9 +125,7 @@ class Sink:
             self.error_count += 1
             promoted = replace(diagnostic, severity=Severity.ERROR)
             self._found[promoted] = others
-            self._causes = {
-                key: promoted if first is diagnostic else first for key, first in self._causes.items()
-            }
+            self._causes = {key: promoted if first is diagnostic else first for key, first in self._causes.items()}
             if diagnostic in self._cells:
                 self._cells[promoted] = self._cells.pop(diagnostic)
 
@@ -180,19 +178,14 @@ class Sink:
         help: str | None = None, cause: Cause | None = None, fix: Fix | None = None,
     ) -> None:  # fmt: skip
         self.add(
-            Diagnostic(
-                code, message, span, severity=Severity.WARNING, notes=tuple(notes), help=help, fix=fix
-            ),
-            cause,
+            Diagnostic(code, message, span, severity=Severity.WARNING, notes=tuple(notes), help=help, fix=fix), cause
         )
 
     def note(
         self, code: str, message: str, span: Span | None = None, *, notes: Iterable[Note] = (),
         help: str | None = None, cause: Cause | None = None,
     ) -> None:  # fmt: skip
-        self.add(
-            Diagnostic(code, message, span, severity=Severity.NOTE, notes=tuple(notes), help=help), cause
-        )
+        self.add(Diagnostic(code, message, span, severity=Severity.NOTE, notes=tuple(notes), help=help), cause)
 
     @property
     def diagnostics(self) -> list[Diagnostic]:

@@ -99,12 +99,7 @@ def build(
     with ExitStack() as stack:
         session = session or stack.enter_context(engine.Session(limits))
         return Build(
-            plan,
-            request,
-            context,
-            session=session,
-            library=library,
-            outcomes=[] if outcomes is None else outcomes,
+            plan, request, context, session=session, library=library, outcomes=[] if outcomes is None else outcomes
         ).run()
 
 
@@ -113,12 +108,7 @@ def planned(request: Request, context: Context) -> Plan | None:
     with context.timed("plan"):
         return plan_with_intact_store(
             lambda: plan_what_remains(
-                request.recipe,
-                context,
-                request.given,
-                name=request.name,
-                sample=request.sample,
-                worlds=request.worlds,
+                request.recipe, context, request.given, name=request.name, sample=request.sample, worlds=request.worlds
             ),
             context,
         )
@@ -204,11 +194,7 @@ class Build:
             tables=composed.tables,
         )
         final = self._exported(add_manifest(bundle, making, context), composed)
-        return (
-            None
-            if final is None
-            else Built(self.plan, composed, final, compiled=compiled, merged=draft.merged)
-        )
+        return None if final is None else Built(self.plan, composed, final, compiled=compiled, merged=draft.merged)
 
     def _draft(self, plan: Plan, composer: Composer) -> _Draft | None:
         """Compose, link and bundle a plan: that of the model, or of one of its samples."""
@@ -277,9 +263,7 @@ class Build:
             context.sink.error(CODE, message, span, help=help)
             return draft.bundle
         table = DrawTable(plan, draft.composed.tabled, self.session, context=context)
-        return (
-            table.added(with_worlds(table, draft.bundle, self._keep_sample)) if table.fill() else draft.bundle
-        )
+        return table.added(with_worlds(table, draft.bundle, self._keep_sample)) if table.fill() else draft.bundle
 
     def _keep_sample(self, number: int) -> bool:
         """Build a sample, compile it, and have the session keep it. Return whether it has no errors."""
@@ -292,10 +276,7 @@ class Build:
         if sample is None:
             return False
         model, at = sample.composed.model, self.plan.span
-        return (
-            compile_and_report(sample.bundle, model, context, session=self.session, keep=SAMPLE, at=at)
-            is not None
-        )
+        return compile_and_report(sample.bundle, model, context, session=self.session, keep=SAMPLE, at=at) is not None
 
     def _exported(self, bundle: Bundle, composed: Composed) -> Bundle | None:
         """Return what the target program reads; that is the bundle itself without one."""

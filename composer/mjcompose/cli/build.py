@@ -81,12 +81,10 @@ class Options:
         help="Build every cell and sample as one model and this table of the numbers that differ, *.npz or *.parquet.",
     )  # fmt: skip
     parquet: bool = flag(
-        "--parquet",
-        help="With --all: also write models.parquet and samples.parquet, next to the CSV files.",
+        "--parquet", help="With --all: also write models.parquet and samples.parquet, next to the CSV files."
     )
     shared_assets: bool = flag(
-        "--shared-assets",
-        help="Write the assets of all cells to one folder: DIR/assets/ for -o 'DIR/{name}/'.",
+        "--shared-assets", help="Write the assets of all cells to one folder: DIR/assets/ for -o 'DIR/{name}/'."
     )
     no_compile: bool = flag("--no-compile", help="Do not compile the result in MuJoCo.")
     dedup: bool = flag("--dedup", help="Merge identical meshes, textures, materials and height fields of several"
@@ -242,9 +240,7 @@ def _check_has_picture(out: str, kind: OutputForm) -> None:
     why = {"mjb": "MuJoCo's binary form", "usd": "USD"}.get(kind)
     if out == "-" or why is not None:
         message = f"`--picture` is for bundles and MJCF files, and `{out}` is {why or 'standard output'}"
-        raise OutputError(
-            "output-kind", message, "write a folder, a `.zip` or an `.xml`, or leave `--picture` out"
-        )
+        raise OutputError("output-kind", message, "write a folder, a `.zip` or an `.xml`, or leave `--picture` out")
 
 
 _MORE = {"isaac": ("usd",)}
@@ -260,9 +256,7 @@ def _check_target(options: Options, kind: str) -> None:
         return
     if kind not in ("folder", "archive", *_MORE.get(target, ())):
         help = f"write a folder, `--target {target} -o build/{target}/`, or an archive"
-        raise OutputError(
-            "output-kind", f"a model for `{target}` is several files, and the output is one", help
-        )
+        raise OutputError("output-kind", f"a model for `{target}` is several files, and the output is one", help)
     if options.no_compile:
         help = "leave `--no-compile` out"
         raise OutputError("output-kind", "`--target` is made of the compiled model", help)

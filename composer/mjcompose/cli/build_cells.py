@@ -88,9 +88,7 @@ def build_cells(task: Task, options: Options) -> int:
 def _chosen(task: Task, options: Options) -> list[Cell]:
     """Return the cells to build, or end the command if the choice is wrong."""
     recipe, worlds = task.maker.recipe, task.maker.options.worlds
-    chosen, code = options.cells.chosen(
-        recipe, task.given, context=task.run.context, verb="build", worlds=worlds
-    )
+    chosen, code = options.cells.chosen(recipe, task.given, context=task.run.context, verb="build", worlds=worlds)
     if code:
         raise Stop(code)
     return chosen
@@ -174,16 +172,11 @@ class _Results:
             [_in(self.beside, f"{name}{form}", shard) for form in forms] for name in (SAMPLES, MODELS)
         )
         self._put_table(
-            self.samples,
-            [table] if table else drawn,
-            "what was drawn for",
-            option="--sample-table" if table else None,
+            self.samples, [table] if table else drawn, "what was drawn for", option="--sample-table" if table else None
         )
         self._put_table(self.index, all_of_them, "the index of")
 
-    def _put_table(
-        self, table: RunTable, paths: Iterable[str | None], what: str, *, option: str | None = None
-    ) -> None:
+    def _put_table(self, table: RunTable, paths: Iterable[str | None], what: str, *, option: str | None = None) -> None:
         for path in paths:
             if path is None or not table.count:
                 continue
@@ -200,11 +193,7 @@ class _Results:
 
 
 def _take_all(
-    running: CellRun,
-    chosen: Sequence[Cell],
-    results: _Results,
-    patience: AbstractContextManager[None],
-    maker: Maker,
+    running: CellRun, chosen: Sequence[Cell], results: _Results, patience: AbstractContextManager[None], maker: Maker
 ) -> int | None:
     """Take the cells as they are done. Return the exit code after an interruption by the user."""
     try:
@@ -261,9 +250,7 @@ def build_worlds(task: Task, options: Options, table: Path) -> int:
         context.sink.error("output-kind", f"worlds are of a bundle, and `{spec.out}` is none", help=help)
     if not code and not chosen and not context.sink.has_errors:
         help = "write `matrix` or `randomize` into it, or build it without `--worlds`"
-        context.sink.error(
-            "missing-key", f"`{task.maker.recipe}` is one model, which has no worlds", help=help
-        )
+        context.sink.error("missing-key", f"`{task.maker.recipe}` is one model, which has no worlds", help=help)
     try:
         worlds.check_name(table)
     except OutputError as error:

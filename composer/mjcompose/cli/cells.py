@@ -64,9 +64,7 @@ class CellOptions:
         run.check()
         return cell
 
-    def values(
-        self, recipe: Path, given: dict[str, Node], run: Run, verb: str
-    ) -> tuple[dict[str, Node], int]:
+    def values(self, recipe: Path, given: dict[str, Node], run: Run, verb: str) -> tuple[dict[str, Node], int]:
         """Return the values with those of the chosen cell, and the number of the sample."""
         cell = self.chosen(recipe, given, run=run, verb=verb)
         return (given, self.sample or 0) if cell is None else ({**given, **cell.given}, cell.sample)
@@ -195,9 +193,7 @@ class WorkerOptions:
             yield crew
 
 
-def check_several(
-    one: bool, *, jobs: int | None, shard: Shard | None = None, cluster: str | None = None
-) -> None:
+def check_several(one: bool, *, jobs: int | None, shard: Shard | None = None, cluster: str | None = None) -> None:
     """Raise a usage error if options for several models are given for one, which cannot be split."""
     for name, given in (("--shard", shard), ("--jobs", jobs), ("--cluster", cluster)):
         if one and given is not None and _is_written(name):
@@ -297,11 +293,7 @@ class Tally:
 
     def _text(self, form: str) -> str | None:
         if form == "json":
-            answer = {
-                "recipe": str(self.recipe),
-                "cells": self.total,
-                "failed": [asdict(each) for each in self.failed],
-            }
+            answer = {"recipe": str(self.recipe), "cells": self.total, "failed": [asdict(each) for each in self.failed]}
             return json.dumps(answer)
         if not self.failed:
             return None

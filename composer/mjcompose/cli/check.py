@@ -45,9 +45,7 @@ class Options:
     choices: Choices = group(Choices)
     cells: CellsOptions = group(CellsOptions)
     workers: WorkerOptions = group(WorkerOptions)
-    no_compile: bool = flag(
-        "--no-compile", help="Do not compile the models in MuJoCo, and do not run their checks."
-    )
+    no_compile: bool = flag("--no-compile", help="Do not compile the models in MuJoCo, and do not run their checks.")
     limits: TimeOptions = group(TimeOptions)
     junit: str | None = option("--junit", metavar="FILE", help="Write the result of each check as JUnit XML ('-' is"
                                " standard output).")  # fmt: skip
@@ -151,9 +149,7 @@ class _Checking:
                     own = replace(context, sink=Sink(), timings=[])
                     if isinstance(result, Died):
                         message = f"the process that checked this recipe {result.how}, twice"
-                        own.sink.error(
-                            "worker-died", message, Span(str(recipe), 1, 1), help="give `--jobs 1`"
-                        )
+                        own.sink.error("worker-died", message, Span(str(recipe), 1, 1), help="give `--jobs 1`")
                         result = RecipeResult((), (), frozenset(), timings=(), failed=True)
                     for each in result.diagnostics:
                         own.sink.add(each)
@@ -204,9 +200,7 @@ class _Checking:
             result = make_recipe(maker, session, self.given)
         return self._of_model(maker.recipe, result, maker.context, notes_cells=notes_cells)
 
-    def _of_model(
-        self, recipe: Path, result: RecipeResult, context: Context, *, notes_cells: bool
-    ) -> _Result:
+    def _of_model(self, recipe: Path, result: RecipeResult, context: Context, *, notes_cells: bool) -> _Result:
         """Return the result of a model; `notes_cells` if the user did not ask for cells."""
         outcomes = result.outcomes
         self.run.suites.append(_suite(recipe, outcomes, context.sink.errors, context=context))
@@ -244,9 +238,7 @@ class _Checking:
                 label = each.cell.label
                 tally.take(label, each.diagnostics, context.sink, failed=each.failed)
                 if run.junit is not None:  # suites grow with the cells
-                    run.suites.append(
-                        _suite(recipe, each.outcomes, each.diagnostics, context=context, cell=label)
-                    )
+                    run.suites.append(_suite(recipe, each.outcomes, each.diagnostics, context=context, cell=label))
                 checks += len(each.outcomes)
         code = FINDINGS if tally.failed or ended else 0
         counted = f", {len(chosen)} model{'s' * (len(chosen) != 1)}{_counted(checks)}"
@@ -266,8 +258,7 @@ def _suite(
     shown = context.shown(recipe)
     cases = [Case(_MODEL, _MODEL, others, file=shown)]
     cases += [
-        Case(each.name, each.kind, each.diagnostics, file=each.span.file, line=each.span.line)
-        for each in outcomes
+        Case(each.name, each.kind, each.diagnostics, file=each.span.file, line=each.span.line) for each in outcomes
     ]
     return Suite(shown if cell is None else f"{shown}: {cell.name}", cases, cell)
 

@@ -139,9 +139,7 @@ def _named(tag: str) -> Callable[[Path, Context], Iterator[str]]:
     """Return a function for the names of all elements with a tag."""
 
     def offered(recipe: Path, context: Context) -> Iterator[str]:
-        yield from (
-            name for each in _model(recipe, context) if each.tag == tag and (name := each.get("name"))
-        )
+        yield from (name for each in _model(recipe, context) if each.tag == tag and (name := each.get("name")))
 
     return offered
 

@@ -92,9 +92,7 @@ def _page(word: Path) -> Answer:
         return in_terminal(text, width, use_color(out=True)) + ("" if url is None else f"\n\n{url}")
 
     return Answer(
-        words,
-        {"explains": "code", "code": code, "summary": CODES[code], "page": text, "url": url},
-        is_ascii=False,
+        words, {"explains": "code", "code": code, "summary": CODES[code], "page": text, "url": url}, is_ascii=False
     )
 
 

@@ -78,9 +78,7 @@ def _show(found: Fixed, context: Context) -> None:
     for path, (before, after) in found.files.items():
         for line in difference(before, after, context.shown(path), done="fixed").splitlines():
             style = {"+": "added", "-": "removed", "@": "gutter"}.get(line[:1])
-            click.echo(
-                printable(paint(style, line) if style else line, colors=True), color=use_color(out=True)
-            )
+            click.echo(printable(paint(style, line) if style else line, colors=True), color=use_color(out=True))
 
 
 def _written(found: Fixed, context: Context) -> bool:

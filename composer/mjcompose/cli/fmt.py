@@ -123,6 +123,4 @@ def difference(source: bytes, result: bytes, shown: str, done: str) -> str:
     """Return a unified diff of two texts of a file; `done` describes the second one."""
     before, after = (each.decode("utf-8").splitlines(keepends=True) for each in (source, result))
     lines = difflib.unified_diff(before, after, shown, f"{shown} ({done})")
-    return "".join(
-        line if line.endswith("\n") else f"{line}\n\\ No newline at end of file\n" for line in lines
-    )
+    return "".join(line if line.endswith("\n") else f"{line}\n\\ No newline at end of file\n" for line in lines)

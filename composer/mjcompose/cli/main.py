@@ -188,9 +188,7 @@ class _Verbs(click.Group):
         from mjcompose.base.extensions import names
 
         if more := [
-            (name, f"A command of {owner}.")
-            for name, owner in names("commands").items()
-            if name not in _VERBS
+            (name, f"A command of {owner}.") for name, owner in names("commands").items() if name not in _VERBS
         ]:
             with formatter.section("Commands of other packages"):
                 formatter.write_dl(more)

@@ -34,12 +34,8 @@ class Options:
                                 help="The MuJoCo version that MODEL is written for, 3.0 to 4.0.")  # fmt: skip
     after: str | None = option("--mujoco", metavar="VERSION", help="The MuJoCo version to write for, which may be"
                                " older.  [default: the installed one]")  # fmt: skip
-    out: str | None = output(
-        "Where to write the result: a new FILE.xml next to MODEL, or a new folder with all files."
-    )
-    in_place: bool = flag(
-        "--in-place", help="Write the changes to MODEL and the files that it includes or attaches."
-    )
+    out: str | None = output("Where to write the result: a new FILE.xml next to MODEL, or a new folder with all files.")
+    in_place: bool = flag("--in-place", help="Write the changes to MODEL and the files that it includes or attaches.")
     adopt: tuple[str, ...] = option("--adopt", multiple=True, metavar="CHANGE", help="Adopt a changed default instead"
                                     " of writing out the old one, as in --adopt native-ccd.")  # fmt: skip
     pythons: tuple[Path, ...] = option(
@@ -70,12 +66,7 @@ def migrate(options: Options, run: Run) -> Answer | int:
     model, out, context = options.model, options.out, run.context
     progress(f"reading {model}")
     wish = Wish(
-        model,
-        options.before,
-        options.after,
-        adopt=options.adopt,
-        pythons=options.pythons,
-        proves=options.prove,
+        model, options.before, options.after, adopt=options.adopt, pythons=options.pythons, proves=options.prove
     )
     result = migrated(wish, context, progress)
     if run.is_strict:
@@ -214,11 +205,7 @@ def _data(result: Result, written: Path | None, context: Context) -> dict[str, A
         "to": migrated.after,
         "output": None if written is None else str(written),
         "steps": [
-            {
-                "change": each.change,
-                "place": None if each.span is None else str(each.span),
-                "words": each.words,
-            }
+            {"change": each.change, "place": None if each.span is None else str(each.span), "words": each.words}
             for each in migrated.steps
         ],
         "diff": {

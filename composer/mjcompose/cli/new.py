@@ -144,6 +144,4 @@ def _kept(path: str, folder: Path, files: Mapping[str, str]) -> str:
     if path not in files or not os.path.isfile(folder / path):
         return kept
     lines = lacking(path, read_regular(folder / path).decode("utf-8", "replace"), files[path])
-    return (
-        f"{kept}; the project's own would have: {', '.join(f'`{line}`' for line in lines)}" if lines else kept
-    )
+    return f"{kept}; the project's own would have: {', '.join(f'`{line}`' for line in lines)}" if lines else kept

@@ -67,9 +67,7 @@ class FetchOptions:
 
     heading: ClassVar[str] = "Sources"
     locked: bool = flag("--locked", help="Fail if the lock file is missing or outdated.")
-    offline: bool = flag(
-        "--offline", help="Fetch nothing. Use the locked or last fetched sources in the store."
-    )
+    offline: bool = flag("--offline", help="Fetch nothing. Use the locked or last fetched sources in the store.")
     frozen: bool = flag("--frozen", help="The same as --locked --offline.")
 
 
@@ -136,9 +134,7 @@ class Choices:
             if isinstance(node, Mapping):
                 found.update({name: value for name, (_, value) in node.entries.items()})
             elif node is not None:
-                context.sink.error(
-                    "wrong-type", "a file of values is a mapping from names to values", node.span
-                )
+                context.sink.error("wrong-type", "a file of values is a mapping from names to values", node.span)
         for written in self.sets:
             name, equals, text_of_value = written.partition("=")
             if not equals or not name:
@@ -199,9 +195,7 @@ def _limits(ctx: click.Context, parameter: click.Parameter, given: tuple[str, ..
             example = _EXAMPLES[NAMES[name].metadata["unit"]]
             raise click.BadParameter(f"`{each}` gives no value: write `{name}={example}`.", ctx, parameter)
         if name == "memory" and value < LEAST:
-            raise click.BadParameter(
-                f"`{each}` is not enough: a build needs at least {LEAST >> 20}M.", ctx, parameter
-            )
+            raise click.BadParameter(f"`{each}` is not enough: a build needs at least {LEAST >> 20}M.", ctx, parameter)
         ctx.with_resource(allow(**{NAMES[name].name: value}))
         if name == "memory":
             bound(int(value))

@@ -155,9 +155,7 @@ def _data(result: BuildResult, spec: OutputSpec, out: str) -> dict[str, object]:
     if result.merged:
         answer["merged"] = {kind: dict(names) for kind, names in result.merged.items()}
     if adopted := [each for each in result.adopted if each.is_written]:
-        answer["adopted"] = [
-            {"setting": each.setting, "value": each.value, "parts": each.parts} for each in adopted
-        ]
+        answer["adopted"] = [{"setting": each.setting, "value": each.value, "parts": each.parts} for each in adopted]
     if result.excluded:
         answer["excluded"] = result.excluded
     if result.replaced:
@@ -212,9 +210,7 @@ def remarks(result: BuildResult, spec: OutputSpec) -> Iterator[str]:
         if result.is_new:
             yield from (f"  built: {line}" for line in result.why)
         else:
-            yield from (
-                f"  not built again: {line}" for line in result.why or ("nothing that it depends on changed",)
-            )
+            yield from (f"  not built again: {line}" for line in result.why or ("nothing that it depends on changed",))
 
 
 def _replacing(before: Mapping[str, Any]) -> str:

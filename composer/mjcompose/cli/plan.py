@@ -24,9 +24,7 @@ class Options:
     recipe: Path = RECIPE
     choices: Choices = group(Choices)
     cell: CellOptions = group(CellOptions)
-    expanded: bool = flag(
-        "--expanded", help="Print the concrete recipe, with the file and line of every value."
-    )
+    expanded: bool = flag("--expanded", help="Print the concrete recipe, with the file and line of every value.")
     licenses: bool = flag("--licenses", help="Print only the license of every part.")
     fetching: FetchOptions = group(FetchOptions)
     limits: LimitOptions = group(LimitOptions)
@@ -72,9 +70,7 @@ def plan(options: Options, run: Run) -> Answer:
     )
 
 
-def _data(
-    plan: Plan, preview: PlanPreview | None, filled: FilledValues, cells: Sequence[Cell]
-) -> dict[str, Any]:
+def _data(plan: Plan, preview: PlanPreview | None, filled: FilledValues, cells: Sequence[Cell]) -> dict[str, Any]:
     """Return the plan as data, with the cells that are built separately."""
     from mjcompose.build.plan.describe import as_data
 
@@ -101,7 +97,5 @@ def _cell_lines(plan: Plan, filled: FilledValues, cells: Sequence[Cell]) -> Iter
         names = first.name
         if others:
             names += f" … {others[-1].name}, {first.name} without a draw"
-        values = ", ".join(
-            f"{name} = {shown(value)}" for name, value in first.values().items() if value is not None
-        )
+        values = ", ".join(f"{name} = {shown(value)}" for name, value in first.values().items() if value is not None)
         yield f"  {names}  {values}".rstrip()

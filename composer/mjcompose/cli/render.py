@@ -29,16 +29,12 @@ def _size(context: click.Context, option: click.Parameter, text: str | None) -> 
 
     found = None if text is None else size_of(text)
     if text is not None and found is None:
-        message = (
-            f"`{text}` is not WIDTHxHEIGHT in pixels, from 16 to {MOST_PIXELS}: write for instance `640x480`."
-        )
+        message = f"`{text}` is not WIDTHxHEIGHT in pixels, from 16 to {MOST_PIXELS}: write for instance `640x480`."
         raise click.BadParameter(message)
     return found
 
 
-def _color(
-    context: click.Context, option: click.Parameter, text: str | None
-) -> tuple[int, int, int, int] | None:
+def _color(context: click.Context, option: click.Parameter, text: str | None) -> tuple[int, int, int, int] | None:
     from mjcompose.tools.view.render import COLORS, color_of
 
     found = None if text is None else color_of(text)

@@ -68,9 +68,7 @@ def is_quiet() -> bool:
     return _given("quiet")
 
 
-def report(
-    context: Context, form: str, *, err: bool = False, texts: Mapping[str, bytes] | None = None
-) -> None:
+def report(context: Context, form: str, *, err: bool = False, texts: Mapping[str, bytes] | None = None) -> None:
     """Print all diagnostics: text to standard error, JSON and GitHub commands to standard output.
 
     With `err` these go to standard error too, for a command that prints a model. `texts` are new contents of files,

@@ -17,12 +17,8 @@ from mjcompose.cli.run import Answer, Run, argument, command, flag, group, optio
 @dataclass(frozen=True, slots=True)
 class Options:
     model: str = argument(shell_complete=completion.files)
-    places: bool = flag(
-        "--places", help="List the places where a part can be attached, as written in a recipe."
-    )
-    depth: int | None = option(
-        "--depth", type=click.IntRange(min=1), metavar="N", help="Show only N levels of bodies."
-    )
+    places: bool = flag("--places", help="List the places where a part can be attached, as written in a recipe.")
+    depth: int | None = option("--depth", type=click.IntRange(min=1), metavar="N", help="Show only N levels of bodies.")
     choices: Choices = group(Choices)
     cell: CellOptions = group(CellOptions)
     fetching: FetchOptions = group(FetchOptions)

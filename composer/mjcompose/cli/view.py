@@ -30,8 +30,7 @@ class Options:
     html: Path | None = option("--html", type=click.Path(path_type=Path, dir_okay=False), metavar="FILE",
                                help="Write a page that needs no server and no network, and exit.")  # fmt: skip
     physics: bool = flag(
-        "--physics",
-        help="With --html: include MuJoCo (3.5 MB) in the page, so that it can run the simulation.",
+        "--physics", help="With --html: include MuJoCo (3.5 MB) in the page, so that it can run the simulation."
     )
     key: str | None = option("--key", metavar="KEY", help="The keyframe at the start. Default: the first one.",
                              shell_complete=completion.keys)  # fmt: skip
@@ -112,9 +111,7 @@ def _live(workshop: Workshop, service: Service, run: Run) -> int:
     return 0
 
 
-def _page(
-    operand: Operand, out: Path, options: Options, given: dict[str, Node], session: Session
-) -> str | None:
+def _page(operand: Operand, out: Path, options: Options, given: dict[str, Node], session: Session) -> str | None:
     """Write the page; return the report, or None if there is none."""
     from mjcompose.tools.diff.sides import load
     from mjcompose.tools.view.page import write_page
@@ -124,9 +121,7 @@ def _page(
         return None
     progress(f"building {operand.label}")
     cell = options.cell
-    side = load(
-        operand, "view", session, given=given, pick=cell.pick, sample=cell.sample, whole=options.physics
-    )
+    side = load(operand, "view", session, given=given, pick=cell.pick, sample=cell.sample, whole=options.physics)
     if side is None or operand.context.sink.has_errors:
         return None
     size = write_page(side, out, options.key, context=operand.context, session=session)

@@ -110,9 +110,7 @@ class Checker:
             return Fault("unknown-element", message, at, key=True, help=help)
         return unknown_attribute(name, tag, kinds, at=at)
 
-    def value(
-        self, verb: str, fitting: list[Attribute], index: int | None, value: Any, tag: str, at: Path
-    ) -> None:
+    def value(self, verb: str, fitting: list[Attribute], index: int | None, value: Any, tag: str, at: Path) -> None:
         """Check the value of one attribute, or of one of its numbers."""
         subject = f"`{tag}`"
         if not self._templates(value, at):
@@ -121,9 +119,7 @@ class Checker:
             self._arithmetic(verb, fitting, index, value=value, tag=tag, at=at)
             return
         if isinstance(value, dict):
-            self.faults.append(
-                Fault("wrong-type", f"`{at[-1]}` of {subject} expects a value, got a mapping", at)
-            )
+            self.faults.append(Fault("wrong-type", f"`{at[-1]}` of {subject} expects a value, got a mapping", at))
             return
         tried: list[list[Fault]] = []
         for attribute in fitting:
@@ -316,12 +312,7 @@ def _numbered(tag: str, properties: dict[str, Schema], number: Schema) -> Schema
         for name, attributes in attributes_of(tag).items()
         if any(each.is_number and each.max_length != 1 for each in attributes)
     ]
-    schema: Schema = {
-        "type": "object",
-        "properties": properties,
-        "additionalProperties": False,
-        "minProperties": 1,
-    }
+    schema: Schema = {"type": "object", "properties": properties, "additionalProperties": False, "minProperties": 1}
     if several:
         schema["patternProperties"] = {rf"^({'|'.join(several)})\[[0-9]+\]$": number}
     return schema

@@ -165,9 +165,7 @@ class Attachment(Model):
     example: ClassVar = "{model: …}"
     instead: ClassVar = {
         "keyframes": "write `keys: prefix` to keep them apart, or `drop: [key]` to leave them out",
-        **dict.fromkeys(
-            ("before", "after"), "put the part there in the file: its order is that of the parts"
-        ),
+        **dict.fromkeys(("before", "after"), "put the part there in the file: its order is that of the parts"),
     }
 
     model: Annotated[str | Mapping[str, Any], ModelField()] = Field(examples=["./FILE.xml"])
@@ -213,10 +211,7 @@ class Attachment(Model):
     prefix: Annotated[str | None, Prefix()] = None
     """What stands before the part's names in place of the key; empty for no prefix and no separator."""
     replicate: Annotated[
-        tuple[Axis, ...],
-        Items(1),
-        Checked(_too_many),
-        Expects("a list of axes", "[{count: 3, offset: [0.1, 0, 0]}]"),
+        tuple[Axis, ...], Items(1), Checked(_too_many), Expects("a list of axes", "[{count: 3, offset: [0.1, 0, 0]}]")
     ] = ()
     """Copies in rows, one axis an entry: `PREFIX0/`, `PREFIX1/`, … or `PREFIX0_0/`, …"""
     keys: Literal["merge", "prefix"] = "merge"
@@ -329,22 +324,14 @@ def prefix_fault(prefix: str, context: Settings, at: tuple[str, ...] = (), key: 
     if not prefix:
         message = "a prefix is empty"
         return Fault(
-            "bad-name",
-            message,
-            at,
-            key=key,
-            help='to attach without a prefix, write `prefix: ""` in the part',
+            "bad-name", message, at, key=key, help='to attach without a prefix, write `prefix: ""` in the part'
         )
     if any(character.isspace() for character in prefix):
         joined = "_".join(prefix.split())
-        return Fault(
-            "bad-name", f"the prefix `{prefix}` has a space in it", at, key=key, help=f"write `{joined}`"
-        )
+        return Fault("bad-name", f"the prefix `{prefix}` has a space in it", at, key=key, help=f"write `{joined}`")
     if is_unprintable(prefix):
         return unprintable("a prefix", at, key=key)
     if separator in prefix and separator in PATH_LIKE:
         help = "mjcompose adds the separator; a part that is attached to another part has a prefix of its own"
-        return Fault(
-            "bad-name", f"the prefix `{prefix}` has the separator `{separator}` in it", at, key=key, help=help
-        )
+        return Fault("bad-name", f"the prefix `{prefix}` has the separator `{separator}` in it", at, key=key, help=help)
     return None

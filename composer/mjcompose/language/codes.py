@@ -43,9 +43,7 @@ def read_codes(value: Any, at: Path, faults: list[Fault]) -> tuple[str, ...]:
             message = f"the code `{code}` does not exist"
             faults.append(Fault("wrong-keyword", message, (*at, index), notes=(note,), help=near, fix=fix))
         elif code in value[:index]:
-            faults.append(
-                Fault("name-clash", f"`{code}` is allowed twice", (*at, index), help="take one out")
-            )
+            faults.append(Fault("name-clash", f"`{code}` is allowed twice", (*at, index), help="take one out"))
     return tuple(each for each in value if isinstance(each, str))
 
 

@@ -66,9 +66,7 @@ class FieldDistribution:
     @property
     def is_whole(self) -> bool:
         """Return whether one draw is a whole value with all its numbers."""
-        return self.kind == CHOICE and not all(
-            _is_number(each) or isinstance(each, Angle) for each in self.values
-        )
+        return self.kind == CHOICE and not all(_is_number(each) or isinstance(each, Angle) for each in self.values)
 
     def of(self, component: int) -> Distribution:
         """Return the distribution of the number of one component. A choice has none."""
@@ -89,10 +87,7 @@ class FieldDistribution:
         The random bits are those of `component`, and the parameters those of `of`.
         """
         if len(samples) < _MANY:
-            return [
-                self.draw(bits(seed, each, stream, element=element, component=component), of)
-                for each in samples
-            ]
+            return [self.draw(bits(seed, each, stream, element=element, component=component), of) for each in samples]
         from mjcompose.base import array_math as many  # numpy
 
         found = many.bits(seed, samples, stream, element=element, component=component)
@@ -133,9 +128,7 @@ PositiveSpread = Annotated[tuple[Annotated[float | Angle, Measure(gt=0)], ...], 
 PositiveNumbers = Annotated[tuple[Positive, ...], Items(1, single=True)]
 Plain = Annotated[tuple[float, ...], Items(1, single=True)]
 PlainSpread = Annotated[tuple[NotNegative, ...], Items(1, single=True)]
-WholeNumbers = Annotated[
-    tuple[Annotated[Whole, Field(gt=-_LARGEST, lt=_LARGEST)], ...], Items(1, single=True)
-]
+WholeNumbers = Annotated[tuple[Annotated[Whole, Field(gt=-_LARGEST, lt=_LARGEST)], ...], Items(1, single=True)]
 
 
 def _bounds(example: str) -> tuple[Items, Expects]:
@@ -205,12 +198,7 @@ _MEAN = Field(None, description="the middle; by default what changes nothing")
 class BellOfChange(Written):
     """A bell about `mean` with the standard deviation `std`."""
 
-    instead: ClassVar = {
-        "mu": "mean",
-        **dict.fromkeys(("sigma", "stddev", "sd"), "std"),
-        "low": "min",
-        "high": "max",
-    }
+    instead: ClassVar = {"mu": "mean", **dict.fromkeys(("sigma", "stddev", "sd"), "std"), "low": "min", "high": "max"}
     example: ClassVar = "{mean: 1, std: 0.1}"
 
     mean: Numbers | None = _MEAN
@@ -275,10 +263,7 @@ class Choice(_Whole):
 
     values: Annotated[
         tuple[
-            Annotated[
-                Any, Checked(_no_value), WithJsonSchema({"type": ["number", "boolean", "string", "array"]})
-            ],
-            ...,
+            Annotated[Any, Checked(_no_value), WithJsonSchema({"type": ["number", "boolean", "string", "array"]})], ...
         ],
         Items(1),
         Expects("a list of values", "[1, 2, 5]"),
@@ -312,9 +297,7 @@ class Change(Model):
     """A distribution of factors, or of what is added."""
 
     rules: ClassVar = (
-        OneOf(
-            *KINDS, lacks="has no distribution", advice="write `{uniform: [0.8, 1.2]}`", noun="distribution"
-        ),
+        OneOf(*KINDS, lacks="has no distribution", advice="write `{uniform: [0.8, 1.2]}`", noun="distribution"),
     )
     example: ClassVar = "{uniform: [0.8, 1.2]}"
     noun: ClassVar = "distribution"
@@ -364,10 +347,7 @@ def _in(value: float | Angle, unit: Literal["deg", "rad"] | None) -> float:
 
 def _fault_of(distribution: Distribution) -> str | None:
     """Return what is wrong with the numbers of a distribution, or None."""
-    if (
-        isinstance(distribution, Uniform | LogUniform | Integers | TruncNormal)
-        and distribution.low > distribution.high
-    ):
+    if isinstance(distribution, Uniform | LogUniform | Integers | TruncNormal) and distribution.low > distribution.high:
         return f"the first bound, {shown(distribution.low)}, is above the second, {shown(distribution.high)}"
     if isinstance(distribution, TruncNormal) and distribution.is_empty:
         return "between `min` and `max` there is next to nothing of it"

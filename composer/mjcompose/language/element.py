@@ -161,9 +161,7 @@ class Reader:
             return None
         keyed = keyed or {}
         if FRAGMENT in value:
-            return self.fragment(
-                {kind.tag: kind}, f"the place of {owner}", value, at=at, keyed=keyed, own=own
-            )
+            return self.fragment({kind.tag: kind}, f"the place of {owner}", value, at=at, keyed=keyed, own=own)
         attributes: dict[str, Value] = dict(keyed)
         meant: list[str] = []
         below = list(children)
@@ -192,9 +190,7 @@ class Reader:
         self.angles(kind, attributes, at, owner=owner, joint=joint)
         return Element(kind.tag, attributes, tuple(below), at=path_of(value))
 
-    def keyed(
-        self, kinds: Iterable[ElementType], name: str, value: Any, at: Path, owner: str
-    ) -> AbcMapping[str, str]:
+    def keyed(self, kinds: Iterable[ElementType], name: str, value: Any, at: Path, owner: str) -> AbcMapping[str, str]:
         """Return the attributes that the key of an entry gives to its element, which is one of `kinds`: its name.
 
         With `name: ""` in the entry, the element has no name, and the key is only a label in the recipe.
@@ -212,13 +208,8 @@ class Reader:
         if isinstance(value, list):
             if kind.max_count is not None and len(value) > kind.max_count:
                 few = "one" if kind.max_count == 1 else str(kind.max_count)
-                self.faults.append(
-                    Fault("wrong-length", f"{owner} can have {few} `{kind.tag}`, got {len(value)}", at)
-                )
-            read = [
-                self.element(kind, item, (*at, i), owner=label(kind.tag, item))
-                for i, item in enumerate(value)
-            ]
+                self.faults.append(Fault("wrong-length", f"{owner} can have {few} `{kind.tag}`, got {len(value)}", at))
+            read = [self.element(kind, item, (*at, i), owner=label(kind.tag, item)) for i, item in enumerate(value)]
             return [each for each in read if each is not None]
         if isinstance(value, dict) and _is_named(kind, value):
             name = next(iter(value))
@@ -248,8 +239,7 @@ class Reader:
                 self.faults.append(
                     Fault(
                         "wrong-type",
-                        f"`{key}` in the `{CONFIG}` of {owner} expects text or a number, "
-                        f"got {kind_of(setting)}",
+                        f"`{key}` in the `{CONFIG}` of {owner} expects text or a number, got {kind_of(setting)}",
                         (*at, key),
                     )
                 )
@@ -349,13 +339,7 @@ class Reader:
         if kind.children and (_is_element(value) or (near and near[0] in kind.children)):
             notes = (exists_note("element", kind.children, name),)
             return Fault(
-                "unknown-element",
-                f"`{name}` cannot stand in {owner}",
-                at,
-                key=True,
-                notes=notes,
-                help=help,
-                fix=fix,
+                "unknown-element", f"`{name}` cannot stand in {owner}", at, key=True, notes=notes, help=help, fix=fix
             )
         return fault_at(unknown_attribute(name, owner, attributes), at, key=True, help=help, fix=fix)
 
@@ -401,9 +385,7 @@ def _meant(kind: ElementType, name: str, value: Any, there: Collection[str]) -> 
     if kind.attributes.keys() >= _OBJECT and name in GRAMMAR.objtypes and isinstance(value, str):
         return [*_OBJECT]
     head = name.partition(":")[0]
-    missing = [
-        each for each, attribute in kind.attributes.items() if attribute.required and each not in there
-    ]
+    missing = [each for each, attribute in kind.attributes.items() if attribute.required and each not in there]
     return [head] if head in missing else closest(name, missing)
 
 
@@ -439,6 +421,4 @@ def _is_named(kind: ElementType, value: dict[str, Any]) -> bool:
 
 
 def _is_element(value: Any) -> bool:
-    return isinstance(value, dict) or (
-        isinstance(value, list) and any(isinstance(item, dict) for item in value)
-    )
+    return isinstance(value, dict) or (isinstance(value, list) and any(isinstance(item, dict) for item in value))

@@ -24,11 +24,7 @@ _ITEMS = {"real": "number", "int": "integer"}
 
 # Schemas that many attributes share.
 SHARED: dict[str, Schema] = {
-    "number": {
-        "type": ["number", "string"],
-        "pattern": _NUMBER_PATTERN,
-        "patternErrorMessage": _NUMBER_HINT,
-    },
+    "number": {"type": ["number", "string"], "pattern": _NUMBER_PATTERN, "patternErrorMessage": _NUMBER_HINT},
     "integer": {
         "type": ["integer", "string"],
         "minimum": INT_MIN,
@@ -216,16 +212,13 @@ def _children(kind: ElementType) -> Schema:
     several: Schema = {"items": one}
     if kind.max_count is not None:
         several["maxItems"] = kind.max_count
-    return described(
-        {"type": ["object", "array"], "if": {"type": "array"}, "then": several, "else": one}, kind.doc
-    )
+    return described({"type": ["object", "array"], "if": {"type": "array"}, "then": several, "else": one}, kind.doc)
 
 
 def _settings() -> Schema:
     single: Schema = {"type": ["string", "number", "boolean"]}
     return described(
-        by_name({"type": [*single["type"], "array"], "items": single}),
-        "the settings of the plugin, by its own keys",
+        by_name({"type": [*single["type"], "array"], "items": single}), "the settings of the plugin, by its own keys"
     )
 
 
@@ -272,7 +265,4 @@ def by_name(value: Schema) -> Schema:
 
 @definition("nameless")
 def _definition_of_nameless(_: str) -> Schema:
-    return {
-        "const": "",
-        "description": '`""`: the element has no name; the key is not its name',
-    }
+    return {"const": "", "description": '`""`: the element has no name; the key is not its name'}

@@ -72,9 +72,7 @@ class Condition:
         if len(in_own_model(path)) >= _MAX_DEPTH:
             return node
         if isinstance(node, Mapping):
-            entries = {
-                name: (key, self._kept(value, (*path, name))) for name, (key, value) in node.entries.items()
-            }
+            entries = {name: (key, self._kept(value, (*path, name))) for name, (key, value) in node.entries.items()}
             return Mapping(dict(_present(entries)), node.span)
         if isinstance(node, Sequence):
             items = [self._kept(item, (*path, index)) for index, item in enumerate(node.items)]
@@ -150,9 +148,7 @@ def has_conditions(node: Node, path: Path = ()) -> bool:
     else:
         items = node.items if isinstance(node, Sequence) else ()
         inner = [((*path, index), item) for index, item in enumerate(items)]
-    return len(in_own_model(path)) < _MAX_DEPTH and any(
-        has_conditions(value, below) for below, value in inner
-    )
+    return len(in_own_model(path)) < _MAX_DEPTH and any(has_conditions(value, below) for below, value in inner)
 
 
 def _is_item(path: Path) -> bool:
@@ -198,9 +194,7 @@ def expand(document: Mapping, given: Map[str, Node], sink: Sink, any: bool = Fal
     parameters = _params(document, sink)
     _check_names(document, axes, parameters, given=given, sink=sink)
     scope: dict[str, Value] = {**settle(parameters, given, sink, in_cells=_axes(document)), **chosen}
-    rest = Mapping(
-        {name: entry for name, entry in document.entries.items() if name not in SETTLED}, document.span
-    )
+    rest = Mapping({name: entry for name, entry in document.entries.items() if name not in SETTLED}, document.span)
     broken = (_declared(document, "params") | _declared(document, "variants")) - scope.keys()
     substitution = Substitution(scope, parameters, broken, sink=sink)
     condition = Condition(scope, axes, broken, sink=sink, any=any)
@@ -258,10 +252,7 @@ def _check_names(
         assert isinstance(variants, Mapping)
         note = Note("the parameter", parameters[name].span)
         sink.error(
-            "name-clash",
-            f"`{name}` is a variant and a parameter",
-            variants.entries[name][0].span,
-            notes=(note,),
+            "name-clash", f"`{name}` is a variant and a parameter", variants.entries[name][0].span, notes=(note,)
         )
     tried = _declared(document, "params") | _declared(document, "variants")
     for name, node in given.items():
@@ -335,9 +326,7 @@ class _Matrix:
     def _axes(self) -> dict[str, tuple[Node, ...]]:
         written = find(self.node, ("axes",))
         assert isinstance(written, Mapping)
-        axes = {
-            key.name: values.items for key, values in written.entries.values() if isinstance(values, Sequence)
-        }
+        axes = {key.name: values.items for key, values in written.entries.values() if isinstance(values, Sequence)}
         self.around = self._around(axes)
         for axis, items in axes.items():
             for value in items:  # check each alone: does the name exist, and may it have that value?
@@ -410,9 +399,7 @@ class _Matrix:
         name = settled_name(name, scope)
         node = find(self.node, ("name",))
         if not isinstance(node, Scalar):
-            return "-".join(
-                [name, *(shown(scope[axis]) for axis in (*self.axes, *(given.keys() - self.axes.keys())))]
-            )
+            return "-".join([name, *(shown(scope[axis]) for axis in (*self.axes, *(given.keys() - self.axes.keys())))])
         try:
             return str(Template.parse(str(node.value)).value({**scope, "name": name}))
         except ExpressionError as error:
@@ -442,17 +429,13 @@ def _check_unique(made: list[Cell], matrix: _Matrix, sink: Sink) -> None:
         if other is not cell:
             entry = matrix.node.entries.get("name")
             differing = [
-                axis
-                for axis in cell.given
-                if not _same(cell.given[axis], other.given.get(axis, cell.given[axis]))
+                axis for axis in cell.given if not _same(cell.given[axis], other.given.get(axis, cell.given[axis]))
             ]
             sink.error(
                 "name-clash",
                 f"two cells of the matrix are called `{cell.name}`",
                 entry[1].span if entry else cell.span,
-                notes=(Note(f"they differ in {', '.join(f'`{axis}`' for axis in differing)}"),)
-                if differing
-                else (),
+                notes=(Note(f"they differ in {', '.join(f'`{axis}`' for axis in differing)}"),) if differing else (),
                 help=f"put `${{{differing[0]}}}` into the name" if differing else "take one of the two out",
             )
             return

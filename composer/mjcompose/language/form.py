@@ -38,14 +38,7 @@ def fault_at(
     fix = fix if help else diagnostic.fix
     help = help or diagnostic.help
     return Fault(
-        diagnostic.code,
-        diagnostic.message,
-        at,
-        key=key,
-        notes=diagnostic.notes,
-        help=help,
-        names=names,
-        fix=fix,
+        diagnostic.code, diagnostic.message, at, key=key, notes=diagnostic.notes, help=help, names=names, fix=fix
     )
 
 
@@ -204,9 +197,7 @@ SCHEMAS: dict[str, Schema] = {
 COUNT = tuple(SCHEMAS)
 
 
-def read_count(
-    value: dict[str, Any], at: Path, faults: list[Fault], owner: str = ""
-) -> tuple[int | None, bool]:
+def read_count(value: dict[str, Any], at: Path, faults: list[Fault], owner: str = "") -> tuple[int | None, bool]:
     """Return the number, None for at least one, and whether none is allowed. `owner` is the subject of messages."""
     expect, optional = value.get("expect"), value.get("optional", False)
     of = f" of {owner}" if owner else ""
@@ -304,9 +295,7 @@ class Form(ABC):
 
 
 # Characters that no XML file can contain, not even escaped.
-_UNPRINTABLE = frozenset(
-    map(chr, (*range(9), 11, 12, *range(14, 32), 0xFFFE, 0xFFFF, *range(0xD800, 0xE000)))
-)
+_UNPRINTABLE = frozenset(map(chr, (*range(9), 11, 12, *range(14, 32), 0xFFFE, 0xFFFF, *range(0xD800, 0xE000))))
 
 
 def is_unprintable(text: str) -> bool:
@@ -316,9 +305,7 @@ def is_unprintable(text: str) -> bool:
 
 def unprintable(subject: str, at: Path, *, key: bool = False, name: bool = True) -> Fault:
     """Return the fault of a text with such a character."""
-    return Fault(
-        "bad-name" if name else "wrong-type", f"{subject} has a character that XML cannot hold", at, key=key
-    )
+    return Fault("bad-name" if name else "wrong-type", f"{subject} has a character that XML cannot hold", at, key=key)
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,9 +13,7 @@ from mjcompose.model.grammar import Constraint, ElementType
 from mjcompose.model.values import check_value, items, parse_real
 
 
-def report_missing(
-    kind: ElementType, present: Collection[str], owner: str, at: Path, faults: list[Fault]
-) -> None:
+def report_missing(kind: ElementType, present: Collection[str], owner: str, at: Path, faults: list[Fault]) -> None:
     """Report all required attributes that are missing."""
     missing = [each for each in kind.attributes.values() if each.required and each.name not in present]
     if len(missing) == 1:
@@ -61,11 +59,7 @@ def report_clashing(
         else:
             asking, asked = rule.bundles
             asking_all = all(name in present for name in asking)
-            fault = (
-                _incomplete(asking, [n for n in asked if n not in present], owner, at=at)
-                if asking_all
-                else None
-            )
+            fault = _incomplete(asking, [n for n in asked if n not in present], owner, at=at) if asking_all else None
         if fault is not None:
             faults.append(fault)
 
@@ -93,8 +87,7 @@ def _exclusive(rule: Constraint, present: Collection[str], owner: str, at: Path)
 def _cheapest(bundles: Iterable[Iterable[str]], present: Collection[str]) -> str:
     """Return what to add if one of several bundles must be complete: the fewest keys beside the given ones."""
     lacking = min(
-        ([name for name in bundle if name not in present] for bundle in bundles),
-        key=lambda names: len(names),
+        ([name for name in bundle if name not in present] for bundle in bundles), key=lambda names: len(names)
     )
     return f"write `{', '.join(f'{name}: …' for name in lacking)}`"
 
@@ -108,9 +101,7 @@ def _incomplete(there: Collection[str], missing: Collection[str], owner: str, at
     message = f"{owner} has `{first}` without {wanted}"
     lacks = next(iter(missing)) if len(missing) == 1 else None
     names = (first, *missing)
-    return Fault(
-        "missing-key", message, (*at, first), key=True, help=help, lacks=lacks, beside=True, names=names
-    )
+    return Fault("missing-key", message, (*at, first), key=True, help=help, lacks=lacks, beside=True, names=names)
 
 
 def _says(name: str, doc: str) -> bool:
@@ -235,9 +226,7 @@ class _Check:
                 numbers = tuple(number for item in items(value) if (number := parse_real(item)) is not None)
                 bare = bare_angle(attribute, numbers, attributes.get("type"), at=self.at, owner=owner)
                 if bare is not None:
-                    self.fault(
-                        "bare-angle", bare.message, help="write `angle: degree` at the top of the recipe"
-                    )
+                    self.fault("bare-angle", bare.message, help="write `angle: degree` at the top of the recipe")
         faults: list[Fault] = []
         present = {**attributes, "name": ""} if named else attributes
         report_missing(kind, present, owner, at=(), faults=faults)
@@ -248,11 +237,7 @@ class _Check:
     def text(self, text: str) -> None:
         if text.strip() and self.stack and self.stack[-1] is not None:
             lead = len(text) - len(text.lstrip())
-            at = (
-                self.parser.CurrentLineNumber,
-                self.parser.CurrentColumnNumber + 1 + lead,
-                len(text.strip()),
-            )
+            at = (self.parser.CurrentLineNumber, self.parser.CurrentColumnNumber + 1 + lead, len(text.strip()))
             message = f"text stands in `{self.stack[-1].tag}`, where MJCF has none"
             self.fault("xml-syntax", message, at, help="take it out, or write it as a comment: `<!-- … -->`")
 

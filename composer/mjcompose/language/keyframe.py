@@ -70,12 +70,7 @@ def read_controls(
 
 
 def _numbers(
-    reader: Reader,
-    value: Mapping[str, Any],
-    at: Path,
-    owner: str,
-    path: tuple[str, ...],
-    held: list[tuple[str, ...]],
+    reader: Reader, value: Mapping[str, Any], at: Path, owner: str, path: tuple[str, ...], held: list[tuple[str, ...]]
 ) -> dict[str, Any]:
     """Return the entries other than `hold`. The paths of those with `hold` are added to `held`."""
     left: dict[str, Any] = {}
@@ -219,9 +214,7 @@ def _keyframe(reader: Reader, name: str, value: Any) -> Keyframe | None:
 
 
 def _time(reader: Reader, value: Any, at: Path, owner: str) -> float | None:
-    read = read_value(
-        GRAMMAR.element("keyframe/key").attributes[TIME], value, at, owner=owner, faults=reader.faults
-    )
+    read = read_value(GRAMMAR.element("keyframe/key").attributes[TIME], value, at, owner=owner, faults=reader.faults)
     if isinstance(read, Angle):
         message = f"`{TIME}` of {owner} is in seconds, and {shown(str(read))} is an angle"
         reader.faults.append(Fault("wrong-type", message, at))

@@ -28,12 +28,7 @@ def is_usable(key: Key, what: str, sink: Sink) -> bool:
 
     if _NAME.fullmatch(key.name) is None:
         help = f"write `{suggested}`" if _NAME.fullmatch(suggested := re.sub(r"\W", "_", key.name)) else None
-        sink.error(
-            "bad-name",
-            f"{what} has letters, digits and `_` in its name, got `{key.name}`",
-            key.span,
-            help=help,
-        )
+        sink.error("bad-name", f"{what} has letters, digits and `_` in its name, got `{key.name}`", key.span, help=help)
         return False
     if key.name in RESERVED or key.name in KEYWORDS or key.name in FUNCTIONS or key.name in CONSTANTS:
         sink.error(
@@ -107,9 +102,7 @@ class Parameter:
         if not _has_type(value, self.type):
             help = "declare it as `{type: float, …}` to have any number" if self.type == "int" else None
             return Diagnostic(
-                "wrong-type",
-                f"parameter `{self.name}` is {_NOUNS[self.type]}, got {_quoted(value)}",
-                help=help,
+                "wrong-type", f"parameter `{self.name}` is {_NOUNS[self.type]}, got {_quoted(value)}", help=help
             )
         if self.choices and value not in self.choices:
             known = [self._shown(each) for each in self.choices]
@@ -119,9 +112,7 @@ class Parameter:
                 "out-of-range", f"parameter `{self.name}` is one of {listed}, got {_quoted(value)}", help=help
             )
         if isinstance(value, tuple) and self.length is not None and len(value) != self.length:
-            return Diagnostic(
-                "wrong-length", f"parameter `{self.name}` has {self.length} numbers, got {len(value)}"
-            )
+            return Diagnostic("wrong-length", f"parameter `{self.name}` has {self.length} numbers, got {len(value)}")
         for number in value if isinstance(value, tuple) else (value,):
             if isinstance(number, bool) or not isinstance(number, (int, float)):
                 continue
@@ -185,11 +176,7 @@ def settle(
                 sink.error("missing-key", message, parameter.span, help=help)
             continue
         value = plain(node)
-        answer = (
-            Diagnostic("wrong-type", f"parameter `{name}` is a value")
-            if value is None
-            else parameter.read(value)
-        )
+        answer = Diagnostic("wrong-type", f"parameter `{name}` is a value") if value is None else parameter.read(value)
         if isinstance(answer, Diagnostic):
             note = Note("the parameter is declared here", parameter.span)
             sink.add(replace(answer, span=node.span, notes=(note,)))
@@ -213,9 +200,7 @@ def read_axes(document: Mapping, sink: Sink) -> Axes:
     if not isinstance(found[1], Mapping):
         if words := _words(found[1]):
             help = f"write `variants: {{AXIS: {_pieces(words)}}}`"
-        sink.error(
-            "wrong-type", "`variants` is a mapping from axes to their values", found[1].span, help=help
-        )
+        sink.error("wrong-type", "`variants` is a mapping from axes to their values", found[1].span, help=help)
         return {}
     axes: Axes = {}
     for key, values in found[1].entries.values():
@@ -232,10 +217,7 @@ def read_axes(document: Mapping, sink: Sink) -> Axes:
             if not isinstance(piece, Mapping):
                 message = f"`{value.name}` of variant `{key.name}` is a piece of recipe, a mapping"
                 sink.error(
-                    "wrong-type",
-                    message,
-                    value.span,
-                    help=f"write `{value.name}: {{}}` for one that changes nothing",
+                    "wrong-type", message, value.span, help=f"write `{value.name}: {{}}` for one that changes nothing"
                 )
                 continue
             if piece.entries.keys().isdisjoint(NO_PIECE):
@@ -346,9 +328,7 @@ class Substitution:
         return node_of(value, node.span)
 
 
-def report(
-    error: ExpressionError, node: Scalar, known: list[str], broken: frozenset[str], sink: Sink
-) -> None:
+def report(error: ExpressionError, node: Scalar, known: list[str], broken: frozenset[str], sink: Sink) -> None:
     """Report an error in an expression, at its place in the scalar; errors about a `broken` name are follow-ups."""
     if isinstance(error, UnknownName) and error.name in broken:
         return
@@ -372,6 +352,4 @@ def within(node: Scalar, start: int, end: int) -> Span:
     if quotes not in (0, 2):
         return span
     first = span.column + quotes // 2
-    return Span(
-        span.file, span.line, first + start, end_line=span.line, end_column=first + max(end, start + 1)
-    )
+    return Span(span.file, span.line, first + start, end_line=span.line, end_column=first + max(end, start + 1))

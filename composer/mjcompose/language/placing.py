@@ -118,13 +118,7 @@ def faults_in_place(node: Located, judge: Judge) -> Iterator[Fault]:
             yield Fault("unknown-key", message, (*at, "choice"), key=True, help=advice_to_choose(choice))
             continue
         yield from (
-            Fault(
-                "unknown-key",
-                f"a model that is written in place has no `{name}`",
-                (*at, name),
-                key=True,
-                help=help,
-            )
+            Fault("unknown-key", f"a model that is written in place has no `{name}`", (*at, name), key=True, help=help)
             for name, help in OF_A_FILE.items()
             if name in model.entries
         )
@@ -193,21 +187,14 @@ def _no_pose(name: str, read: tuple[Single, ...]) -> Fault | None:
     if not all(math.isfinite(number) for number in numbers):
         wrong = next(index for index, number in enumerate(numbers) if not math.isfinite(number))
         return Fault("out-of-range", f"{IT} expects finite numbers", (wrong,), help="write a number")
-    axes = {
-        "quat": [numbers],
-        "axisangle": [numbers[:3]],
-        "zaxis": [numbers],
-        "xyaxes": [numbers[:3], numbers[3:]],
-    }
+    axes = {"quat": [numbers], "axisangle": [numbers[:3]], "zaxis": [numbers], "xyaxes": [numbers[:3], numbers[3:]]}
     for axis in axes.get(name, ()):
         if math.hypot(*axis) < TINY:
             message = f"{IT} is not an orientation: all its numbers are zero"
             return Fault("out-of-range", message, help=f"leave `{name}` out, or write {_NEUTRAL[name]}")
     if name == "xyaxes" and math.hypot(*cross(numbers[:3], numbers[3:])) < TINY:
         message = f"{IT} is not an orientation: its two axes have the same direction"
-        return Fault(
-            "out-of-range", message, help="write axes at a right angle, such as `[1, 0, 0, 0, 1, 0]`"
-        )
+        return Fault("out-of-range", message, help="write axes at a right angle, such as `[1, 0, 0, 0, 1, 0]`")
     return None
 
 
@@ -224,9 +211,7 @@ class JointField(Form):
         several = {"type": "array", "minItems": 1, "items": {**one, "required": ["name"]}}
         return {"anyOf": [{"enum": [*WORDS]}, {"type": "object", **one}, several]}
 
-    def read(
-        self, value: Any, faults: list[Fault], settings: Settings
-    ) -> str | Element | tuple[Element, ...] | None:
+    def read(self, value: Any, faults: list[Fault], settings: Settings) -> str | Element | tuple[Element, ...] | None:
         reader = Reader(settings, faults)
         if isinstance(value, str) and value in WORDS:
             return value
@@ -283,9 +268,7 @@ def _joint(reader: Reader, value: Any, at: Path) -> Element | None:
 def _no_joint(value: Any) -> Fault:
     help = "write one of `none`, `free`, `ball`, `mocap`, or `{type: hinge, axis: [0, 0, 1]}`"
     if not isinstance(value, str):
-        return Fault(
-            "wrong-type", f"`joint` expects a word, a mapping or a list, got {kind_of(value)}", help=help
-        )
+        return Fault("wrong-type", f"`joint` expects a word, a mapping or a list, got {kind_of(value)}", help=help)
     near, fix = closest(value, WORDS), None
     if value in JointType:
         help = f"write `joint: {{type: {value}, axis: [0, 0, 1]}}`"

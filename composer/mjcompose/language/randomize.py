@@ -13,15 +13,7 @@ from mjcompose.base.diagnostic import Fault, Path
 from mjcompose.base.distribution import CHOICE
 from mjcompose.base.limits import advice, in_force
 from mjcompose.language.assign import MASS, Checker
-from mjcompose.language.distribution import (
-    DISTRIBUTIONS,
-    KINDS,
-    Change,
-    FieldDistribution,
-    Operation,
-    Written,
-    read,
-)
+from mjcompose.language.distribution import DISTRIBUTIONS, KINDS, Change, FieldDistribution, Operation, Written, read
 from mjcompose.language.form import Settings, shown
 from mjcompose.language.forms.attribute import Selects
 from mjcompose.language.forms.model import IT, OWNER, Model
@@ -140,9 +132,7 @@ class DrawField(Model):
             yield from _attribute_faults(self, self.select, at, bare_angles=context.bare_angles)
 
 
-def _attribute_faults(
-    field: DrawField, selector: Selector, at: Path, *, bare_angles: bool
-) -> Iterator[Fault]:
+def _attribute_faults(field: DrawField, selector: Selector, at: Path, *, bare_angles: bool) -> Iterator[Fault]:
     """Yield what the grammar does not allow of an attribute, or of the numbers that are drawn for it."""
     name, index = attribute_and_index(field.attr)
     kinds = kinds_of(selector.tag)
@@ -165,9 +155,7 @@ def _attribute_faults(
     if found:
         fault = found[0]
         wrong_name = fault.code in ("unknown-attribute", "unknown-key", "unknown-element") or fault.key
-        yield replace(
-            fault, at=("attr",) if wrong_name else at, key=False, fix=fault.fix if wrong_name else None
-        )
+        yield replace(fault, at=("attr",) if wrong_name else at, key=False, fix=fault.fix if wrong_name else None)
         return
     whole = [each for each in fitting if each.type == "int"]
     if fitting and len(whole) == len(fitting) and distribution.kind not in ("integers", CHOICE):
@@ -183,9 +171,7 @@ def _like(field: DrawField) -> Any:
     number: Any = 1 if distribution.kind == "integers" else 0.5
     if distribution.unit is not None:
         number = f"{number}{distribution.unit}"
-    elif field.operation != "scale" and all(
-        each == 0 for items in distribution.parameters.values() for each in items
-    ):
+    elif field.operation != "scale" and all(each == 0 for items in distribution.parameters.values() for each in items):
         number = 0
     return number if distribution.components is None else [number] * distribution.components
 
@@ -194,9 +180,7 @@ def _range_faults(field: DrawField, name: str, index: int | None, at: Path) -> I
     """Yield the fault of a distribution with bounds that have no meaning. Draws of others are checked one by one."""
     distribution = field.distribution
     for component in range(distribution.components or 1):
-        lowest = min(
-            (each for each in distribution.extremes(component) if abs(each) != float("inf")), default=0.0
-        )
+        lowest = min((each for each in distribution.extremes(component) if abs(each) != float("inf")), default=0.0)
         place = index if index is not None else component
         if lowest < 0 and must_not_be_negative(name, place):
             what = "factors" if field.operation == "scale" else "values"
@@ -209,9 +193,7 @@ _MAX_SEED = 2**64 - 1
 
 
 def _seed_fault(value: int) -> Fault | None:
-    return (
-        None if value <= _MAX_SEED else Fault("out-of-range", f"{IT} is {value}, and must be less than 2**64")
-    )
+    return None if value <= _MAX_SEED else Fault("out-of-range", f"{IT} is {value}, and must be less than 2**64")
 
 
 def _samples_fault(value: int) -> Fault | None:
@@ -227,15 +209,10 @@ class Randomize(Model):
     instead: ClassVar = {"emit": NO_EMIT}
 
     seed: Annotated[
-        int,
-        Field(ge=0, json_schema_extra={"maximum": _MAX_SEED}),
-        BeforeValidator(whole),
-        Checked(_seed_fault),
+        int, Field(ge=0, json_schema_extra={"maximum": _MAX_SEED}), BeforeValidator(whole), Checked(_seed_fault)
     ] = Field(examples=["7"])
     """What makes these draws differ from those of another seed: a whole number below 2**64."""
-    samples: Annotated[int, Field(ge=1), BeforeValidator(whole), Checked(_samples_fault)] = Field(
-        examples=["10"]
-    )
+    samples: Annotated[int, Field(ge=1), BeforeValidator(whole), Checked(_samples_fault)] = Field(examples=["10"])
     """How many samples there are, besides sample 0, the model without any draw."""
     named: Annotated[
         dict[str, DrawField],

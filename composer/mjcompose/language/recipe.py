@@ -97,9 +97,7 @@ def _addition(reader: Reader, value: Any, at: Path) -> Addition | None:
         help = "write `to: world`, or the name of a body"
         reader.faults.append(replace(fault, key=False, help=help))
     kinds = addable(target[0] if target else "body")
-    element = _element(
-        reader, value, at, kinds=kinds, place="the world" if target and target[0] == WORLD else "`add`"
-    )
+    element = _element(reader, value, at, kinds=kinds, place="the world" if target and target[0] == WORLD else "`add`")
     if target is None or element is None:
         return None
     return Addition(target[0], target[1], element, at=path_of(value))
@@ -188,9 +186,7 @@ def _definition_of_addition(_: str) -> Schema:
         "anyOf": [{"type": "string", "minLength": 1}, frame],
         "description": "the name of a body, `world`, or `{frame: NAME}`",
     }
-    elements = {
-        tag: reference(f"element:{kind.path}") for tag, kind in GRAMMAR.element("body").children.items()
-    }
+    elements = {tag: reference(f"element:{kind.path}") for tag, kind in GRAMMAR.element("body").children.items()}
     schema = mapping({"to": target, **elements, FRAGMENT: reference("fragment")})
     return {**schema, "required": ["to"], "minProperties": 2, "maxProperties": 2}
 
@@ -213,9 +209,7 @@ class Version(Form):
         message = f"`recipe` expects the version of the language, the number {VERSION}, got {kind_of(value)}"
         help = f"write `recipe: {VERSION}`"
         if type(value) is int and value > VERSION:
-            message = (
-                f"the recipe is written in version {value} of the language; this mjcompose knows {VERSION}"
-            )
+            message = f"the recipe is written in version {value} of the language; this mjcompose knows {VERSION}"
             help = f"install a newer mjcompose, or write `recipe: {VERSION}`"
         faults.append(Fault("recipe-version", message, help=help))
         return VERSION
@@ -229,9 +223,7 @@ def _sequence_fault(text: str) -> Fault | None:
     """Return the fault of a sequence of rotations, or None."""
     if len(text) == 3 and set(text.lower()) <= set("xyz"):
         return None
-    message = (
-        f"`eulerseq` is three letters of `xyz` (about the moving axes) and `XYZ` (fixed axes), got `{text}`"
-    )
+    message = f"`eulerseq` is three letters of `xyz` (about the moving axes) and `XYZ` (fixed axes), got `{text}`"
     return Fault("wrong-keyword", message, help="write for instance `eulerseq: xyz`")
 
 
@@ -262,9 +254,7 @@ class Recipe(Model):
     base: Annotated[Attachment | None, Start()] = None
     """The model to start from: a part without a prefix, at the world; without it, an empty one."""
     attach: Annotated[
-        Mapping[str, Attachment],
-        Prefixes(),
-        Expects("a mapping from prefix to part", "{PREFIX: {model: …}}"),
+        Mapping[str, Attachment], Prefixes(), Expects("a mapping from prefix to part", "{PREFIX: {model: …}}")
     ] = Field(default_factory=dict)
     """The parts: a mapping from the prefix of their names to what they are and where they hang."""
     compiler: Annotated[Element | None, Singleton("compiler", SETTABLE)] = None
@@ -309,9 +299,9 @@ class Recipe(Model):
     """Keys: a mapping from their names to entries by the names of joints, actuators and mocap bodies."""
     randomize: Annotated[Any, Lazy("mjcompose.language.randomize:Randomize")] = None
     """Seeded draws: samples of the model that `build --all` builds."""
-    check: Annotated[
-        dict[str, CheckEntry], Expects("a mapping from names to checks", "{whole: {unchanged: {}}}")
-    ] = Field({})
+    check: Annotated[dict[str, CheckEntry], Expects("a mapping from names to checks", "{whole: {unchanged: {}}}")] = (
+        Field({})
+    )
     """What must hold of the model: a mapping from a name to a check."""
     allow: Annotated[tuple[str, ...], Allowed()] = ()
     """The codes of warnings that are meant to be there: they are not reported. Parts and edits can have it, too."""

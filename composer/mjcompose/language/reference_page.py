@@ -188,13 +188,7 @@ def _index(whole: Schema, keys: _Keys) -> str:
     sections = GRAMMAR.root.children
     own = [row for name, row in linked.items() if name not in sections]
     lines = [_HEAD, "## Top-level keys", *_examples("top"), "", *_TABLE, *own]
-    lines += [
-        "",
-        "## Sections of MJCF",
-        "",
-        *_TABLE,
-        *(row for name, row in linked.items() if name in sections),
-    ]
+    lines += ["", "## Sections of MJCF", "", *_TABLE, *(row for name, row in linked.items() if name in sections)]
     lines += ["", "[Model references](model_references.md) are the values of `base`, `model` and `extends`."]
     return "\n".join(lines) + "\n"
 

@@ -157,14 +157,7 @@ _ID: Schema = {
     "minLength": 1,
     "description": "A name for merging: an item with the same one replaces this one.",
 }
-_WITH_WHEN = (
-    "Attachment",
-    "CheckEntry",
-    "addition",
-    "class",
-    "element.contact.pair",
-    "element.contact.exclude",
-)
+_WITH_WHEN = ("Attachment", "CheckEntry", "addition", "class", "element.contact.pair", "element.contact.exclude")
 
 
 def add_variation(schema: Schema, definitions: dict[str, Schema]) -> None:

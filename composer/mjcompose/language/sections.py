@@ -44,11 +44,7 @@ class Section(Form):
         """Return the entries of a mapping from tags to elements."""
         if not isinstance(value, dict):
             message = f"`{self.tag}` expects a mapping from tags to elements, got {kind_of(value)}"
-            help = (
-                "write the tag as a key: `TAG: …`, not as an item of a list"
-                if isinstance(value, list)
-                else None
-            )
+            help = "write the tag as a key: `TAG: …`, not as an item of a list" if isinstance(value, list) else None
             reader.faults.append(Fault("wrong-type", message, help=help))
             return []
         known: list[tuple[ElementType, Any, Path]] = []
@@ -56,9 +52,7 @@ class Section(Form):
             if tag in self.kind.children:
                 known.append((self.kind.children[tag], item, (tag,)))
             else:
-                reader.faults.append(
-                    self.unknown(tag, (tag,), f"`{self.tag}` has no element `{tag}`", key=True)
-                )
+                reader.faults.append(self.unknown(tag, (tag,), f"`{self.tag}` has no element `{tag}`", key=True))
         return known
 
     def unknown(self, tag: str, at: Path, message: str, key: bool) -> Fault:
@@ -93,9 +87,7 @@ class ByTag(Elements):
 
     def schema(self) -> Schema:
         kinds = self.kind.children.values()
-        return mapping(
-            {kind.tag: described(by_name(reference(f"named:{kind.path}")), kind.doc) for kind in kinds}
-        )
+        return mapping({kind.tag: described(by_name(reference(f"named:{kind.path}")), kind.doc) for kind in kinds})
 
     def element(self, reader: Reader, kind: ElementType, name: str, value: Any, at: Path) -> Element | None:
         owner = f"{kind.tag} `{name}`"
@@ -141,9 +133,7 @@ class Singleton(Section):
         if self.settable and isinstance(value, dict):
             kind = self.kind
             value = dict(value)
-            for name in [
-                n for n in value if n not in self.settable and (n in kind.attributes or n == FRAGMENT)
-            ]:
+            for name in [n for n in value if n not in self.settable and (n in kind.attributes or n == FRAGMENT)]:
                 reader.faults.append(self._unsettable(name))
                 del value[name]
         return reader.element(self.kind, value, (), f"`{self.tag}`")
@@ -191,18 +181,12 @@ class Extension(ByTag):
             below = (*at, "instance")
             for each, item in reader.names(value["instance"], below, f"`instance` of plugin `{name}`"):
                 instance = reader.element(
-                    kind.children["instance"],
-                    item,
-                    (*below, each),
-                    f"instance `{each}`",
-                    keyed={"name": each},
+                    kind.children["instance"], item, (*below, each), f"instance `{each}`", keyed={"name": each}
                 )
                 instances += [instance] if instance is not None else []
         owner = f"{kind.tag} `{name}`"
         keyed = {"plugin": name}
-        return reader.element(
-            kind, value, at, owner, keyed=keyed, own=("instance",), children=tuple(instances)
-        )
+        return reader.element(kind, value, at, owner, keyed=keyed, own=("instance",), children=tuple(instances))
 
 
 PARENT = "parent"
@@ -357,9 +341,7 @@ def _step(reader: Reader, kind: ElementType, value: Any, at: Path, owner: str) -
     return _short(reader, step, tag, value=value, at=at, owner=label)
 
 
-def _short(
-    reader: Reader, step: ElementType, tag: str, value: dict[str, Any], at: Path, owner: str
-) -> Element | None:
+def _short(reader: Reader, step: ElementType, tag: str, value: dict[str, Any], at: Path, owner: str) -> Element | None:
     """Return a step such as `{pulley: 2}`, in which a tag has the value of its only attribute, or None."""
     for name in value:
         if name != tag:
@@ -406,9 +388,7 @@ class Typed(Elements):
         keyed = reader.keyed(self.kind.children.values(), name, value, at=(name,), owner=owner)
         own = () if keyed else (NAME,)
         if FRAGMENT in value:
-            return reader.fragment(
-                self.kind.children, f"`{self.tag}`", value, at=(name,), keyed=keyed, own=own
-            )
+            return reader.fragment(self.kind.children, f"`{self.tag}`", value, at=(name,), keyed=keyed, own=own)
         tag = value.get(TYPE)
         if TYPE not in value:
             reader.faults.append(self._without_type(name, value))
@@ -428,13 +408,7 @@ class Typed(Elements):
         return self._tendon(reader, kind, name, value=value, owner=owner, keyed=keyed)
 
     def _tendon(
-        self,
-        reader: Reader,
-        kind: ElementType,
-        name: str,
-        value: dict[str, Any],
-        owner: str,
-        keyed: Mapping[str, str],
+        self, reader: Reader, kind: ElementType, name: str, value: dict[str, Any], owner: str, keyed: Mapping[str, str]
     ) -> Element | None:
         steps: tuple[Element, ...] = ()
         if PATH in value:
@@ -455,18 +429,14 @@ class Typed(Elements):
             message = f"{self.tag} `{name}` has no key `{meant}`"
             return Fault("unknown-key", message, (name, meant), key=True, help=f"write `{TYPE}`",
                          fix=renaming(meant, [TYPE]))  # fmt: skip
-        inner = next(
-            (tag for tag in value if tag in self.kind.children and isinstance(value[tag], dict)), None
-        )
+        inner = next((tag for tag in value if tag in self.kind.children and isinstance(value[tag], dict)), None)
         return Fault(
             "missing-key",
             f"{self.tag} `{name}` lacks `{TYPE}`",
             (name,),
             key=True,
             notes=(exists_note("type", self.kind.children),),
-            help=f"write `{name}: {{{TYPE}: {inner}, …}}`"
-            if inner
-            else f"write the MJCF tag as its `{TYPE}`",
+            help=f"write `{name}: {{{TYPE}: {inner}, …}}`" if inner else f"write the MJCF tag as its `{TYPE}`",
             lacks=TYPE,
         )
 
@@ -508,12 +478,9 @@ def _definition_of_variant(path: str) -> Schema:
             "type": "array",
             "minItems": 1,
             "items": reference(f"step:{kind.path}"),
-            "description": "what it goes over, in order: "
-            + ", ".join(f"`{{{tag}: …}}`" for tag in kind.children),
+            "description": "what it goes over, in order: " + ", ".join(f"`{{{tag}: …}}`" for tag in kind.children),
         }
-        return element(
-            kind, (NAME,), {**properties, PATH: steps}, required=(PATH,), fragment=False, children=False
-        )
+        return element(kind, (NAME,), {**properties, PATH: steps}, required=(PATH,), fragment=False, children=False)
     return element(kind, (NAME,), properties, fragment=False)
 
 

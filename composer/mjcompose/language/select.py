@@ -11,16 +11,7 @@ from mjcompose.base.suggest import advised, closest, exists_note
 from mjcompose.base.suggest import unknown_attribute as no_attribute
 from mjcompose.language.element import Reader, path_of
 from mjcompose.language.element_schema import mapping
-from mjcompose.language.form import (
-    EXCLUSIVE,
-    Element,
-    Schema,
-    fault_at,
-    kind_of,
-    reference,
-    shown,
-    unknown_key,
-)
+from mjcompose.language.form import EXCLUSIVE, Element, Schema, fault_at, kind_of, reference, shown, unknown_key
 from mjcompose.language.sections import Lists
 from mjcompose.language.value import attribute_and_index
 from mjcompose.model.grammar import GRAMMAR, ElementType
@@ -50,11 +41,7 @@ def pattern_fault(text: str, owner: str, at: Path) -> Fault | None:
         )
     if is_regular(text):
         wrong = fault_of(text[1:-1])
-        return (
-            Fault("wrong-type", f"the regular expression of {owner} is not valid: {wrong}", at)
-            if wrong
-            else None
-        )
+        return Fault("wrong-type", f"the regular expression of {owner} is not valid: {wrong}", at) if wrong else None
     stray = stray_brace(text)
     if stray is None:
         return None
@@ -111,13 +98,9 @@ def read_selector(
         return None
     pattern = _pattern(value[tag], tag, (*at, tag), faults)
     outer = {
-        name: read_selector(value[name], (*at, name), f"`{name}`", faults)
-        for name in ("parent", "in")
-        if name in value
+        name: read_selector(value[name], (*at, name), f"`{name}`", faults) for name in ("parent", "in") if name in value
     }
-    texts = {
-        name: _text(value[name], name, (*at, name), faults) for name in ("part", "class") if name in value
-    }
+    texts = {name: _text(value[name], name, (*at, name), faults) for name in ("part", "class") if name in value}
     kinds = kinds_of(tag)
     if "class" in value and kinds and not any(kind.takes_class or kind.tag == "default" for kind in kinds):
         message = f"`{tag}` takes no class"
@@ -149,9 +132,7 @@ def _unknown_tag(tag: str, at: Path) -> Fault:
             "write a tag and narrow it: `parent` and `in` are the steps of a path, `where` is a condition; the first"
             ' geom without a name of a body is `{geom: "**", parent: {body: torso}, where: "${index == 0}"}`'
         )
-    notes = (
-        () if help else (Note("a tag of MJCF (`geom`), a path (`equality/joint`), a family (`actuator`)"),)
-    )
+    notes = () if help else (Note("a tag of MJCF (`geom`), a path (`equality/joint`), a family (`actuator`)"),)
     message = f"MJCF has no element `{tag}`"
     return Fault("unknown-element", message, at, key=True, notes=notes, help=help, fix=fix)
 
@@ -186,9 +167,7 @@ def _where(value: Any, tag: str, at: Path, faults: list[Fault]) -> dict[str, Any
         return value
     if not isinstance(value, dict) or not value:
         help = 'write `where: {type: mesh}`, or `where: "${size[0] > 0.1}"`'
-        message = (
-            f"`where` is a mapping from attributes to values, or one boolean expression, got {kind_of(value)}"
-        )
+        message = f"`where` is a mapping from attributes to values, or one boolean expression, got {kind_of(value)}"
         faults.append(Fault("wrong-type", message, at, help=help))
         return None
     kinds = kinds_of(tag)
@@ -322,11 +301,7 @@ def _is_element(item: Any) -> bool:
 
 
 def _items(value: Any, at: Path) -> list[tuple[Path, Any]]:
-    return (
-        [((*at, index), item) for index, item in enumerate(value)]
-        if isinstance(value, list)
-        else [(at, value)]
-    )
+    return [((*at, index), item) for index, item in enumerate(value)] if isinstance(value, list) else [(at, value)]
 
 
 def _exclude(reader: Reader, value: Any, at: Path, top: Path) -> list[Collisions]:
@@ -359,9 +334,7 @@ def _auto(reader: Reader, value: Mapping[str, Any], at: Path, top: Path) -> list
     for key, number in given.items():
         path = (*at, AUTO, key)
         if key not in ("samples", "seed"):
-            reader.faults.append(
-                unknown_key(f"`{key}` is not a key of `{AUTO}`", key, ("samples", "seed"), at=path)
-            )
+            reader.faults.append(unknown_key(f"`{key}` is not a key of `{AUTO}`", key, ("samples", "seed"), at=path))
         elif isinstance(number, bool) or not isinstance(number, int):
             message = f"`{key}` expects a whole number, got {kind_of(number)}"
             reader.faults.append(Fault("wrong-type", message, path))
@@ -370,9 +343,7 @@ def _auto(reader: Reader, value: Mapping[str, Any], at: Path, top: Path) -> list
             reader.faults.append(Fault("out-of-range", message, path))
     if len(reader.faults) > before:
         return []
-    return [
-        Collisions(EXCLUDE, (), (*top, *at), samples=given.get("samples", SAMPLES), seed=given.get("seed", 0))
-    ]
+    return [Collisions(EXCLUDE, (), (*top, *at), samples=given.get("samples", SAMPLES), seed=given.get("seed", 0))]
 
 
 def _no_word(word: str, at: Path) -> Fault:
@@ -382,9 +353,7 @@ def _no_word(word: str, at: Path) -> Fault:
     return Fault("wrong-keyword", message, at, help=help)
 
 
-def _between(
-    reader: Reader, what: Literal["exclude", "collide"], value: Any, at: Path, top: Path
-) -> list[Collisions]:
+def _between(reader: Reader, what: Literal["exclude", "collide"], value: Any, at: Path, top: Path) -> list[Collisions]:
     """Return the entry of one `{between: [ARM, TABLE]}`, or None after a reported fault."""
     example = f"write `{what}: {{{BETWEEN}: [ARM, TABLE]}}`, with names of parts or globs over bodies"
     before = len(reader.faults)
@@ -397,9 +366,7 @@ def _between(
             note = exists_note("key", (BETWEEN,), key)
             message = f"`{key}` is not a key of `{what}`"
             near = f"write `{BETWEEN}`" if closest(key, (BETWEEN,)) else None
-            reader.faults.append(
-                Fault("unknown-key", message, (*at, key), key=True, notes=(note,), help=near)
-            )
+            reader.faults.append(Fault("unknown-key", message, (*at, key), key=True, notes=(note,), help=near))
     if BETWEEN not in value:
         if len(reader.faults) == before:
             reader.faults.append(Fault("missing-key", f"`{what}` lacks `{BETWEEN}`", at, help=example))

@@ -58,9 +58,7 @@ class Given(Form):
             return {}
         for name, each in value.items():
             if each is None or isinstance(each, dict):
-                message = (
-                    f"`with.{name}` expects a number, a text, true, false or a list, got {kind_of(each)}"
-                )
+                message = f"`with.{name}` expects a number, a text, true, false or a list, got {kind_of(each)}"
                 faults.append(Fault("wrong-type", message, (name,)))
         return dict(value)
 
@@ -130,18 +128,9 @@ def _drop(value: Any, index: int, at: Path, faults: list[Fault]) -> Drop | None:
     if paths_of(value):
         return Drop(None, Selector(value, EVERYTHING), index)
     help, fix = advised(value, known_tags())
-    notes = (
-        () if help else (Note("a section (`contact`), a tag (`light`) or a selector (`{geom: visual_*}`)"),)
-    )
+    notes = () if help else (Note("a section (`contact`), a tag (`light`) or a selector (`{geom: visual_*}`)"),)
     faults.append(
-        Fault(
-            "unknown-element",
-            f"MJCF has no section and no element `{value}`",
-            at,
-            notes=notes,
-            help=help,
-            fix=fix,
-        )
+        Fault("unknown-element", f"MJCF has no section and no element `{value}`", at, notes=notes, help=help, fix=fix)
     )
     return None
 

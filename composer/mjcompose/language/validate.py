@@ -73,9 +73,7 @@ def _whole(path: Path) -> Path:
     return path[:2] if is_made else path
 
 
-def _means(
-    key: str | int, keys: Collection[str], known: Collection[str] = tuple(Recipe.model_fields)
-) -> bool:
+def _means(key: str | int, keys: Collection[str], known: Collection[str] = tuple(Recipe.model_fields)) -> bool:
     """Return whether a key, or what it was probably meant to be, is one of `keys`."""
     near = [str(key)] if key in known else closest(str(key), known)
     return any(meant in keys for meant in near)
@@ -110,9 +108,7 @@ def _outermost(paths: Iterator[Path]) -> list[Path]:
     for path in sorted(set(paths), key=len):
         if not any(path[: len(each)] == each for each in kept):
             kept.append(path)
-    return sorted(
-        kept, key=lambda path: [step if isinstance(step, int) else -1 for step in path], reverse=True
-    )
+    return sorted(kept, key=lambda path: [step if isinstance(step, int) else -1 for step in path], reverse=True)
 
 
 def _without(node: Mapping, path: Path) -> Mapping:
@@ -175,9 +171,9 @@ def faults(error: ValidationError, data: Any) -> Iterator[Fault]:
         yield fault
 
 
-_PART_KEYS = frozenset(
-    str(field.alias or name) for name, field in Attachment.model_fields.items()
-) - frozenset(Recipe.model_fields)
+_PART_KEYS = frozenset(str(field.alias or name) for name, field in Attachment.model_fields.items()) - frozenset(
+    Recipe.model_fields
+)
 _OF_MJCF = {
     "worldbody": "write `add: [{to: world, body: {…}}]`",
     "include": "write `attach` for another model, or `base` for the one to start from",

@@ -44,9 +44,7 @@ def bare_angle(attribute: Attribute, value: Value, joint: str | None, at: Path, 
     # A number with decimals that is at most a full turn in radians is most likely in radians.
     radians = any(not float(items[i]).is_integer() and abs(float(items[i])) <= FULL_TURN for i in bare)  # type: ignore[arg-type]
     unit, name = ("rad", "radian") if radians else ("deg", "degree")
-    with_unit: list[Any] = [
-        f"{shown(item)}{unit}" if index in bare else item for index, item in enumerate(items)
-    ]
+    with_unit: list[Any] = [f"{shown(item)}{unit}" if index in bare else item for index, item in enumerate(items)]
     instead = shown(with_unit) if isinstance(value, tuple) else with_unit[0]
     alone = len(bare) == 1 and isinstance(value, tuple)
     clear = radians or any(abs(float(items[i])) > FULL_TURN for i in bare)  # type: ignore[arg-type]
@@ -231,9 +229,7 @@ def read_value(attribute: Attribute, value: Any, at: Path, owner: str, faults: l
     return read if _printable(attribute, read, at, subject=subject, faults=faults) else None
 
 
-def _read_list(
-    attribute: Attribute, value: list[Any], at: Path, subject: str, faults: list[Fault]
-) -> Value | None:
+def _read_list(attribute: Attribute, value: list[Any], at: Path, subject: str, faults: list[Fault]) -> Value | None:
     items: list[Any] = [_angle(attribute, item) for item in value]
     several = attribute.is_number and attribute.max_length != 1
     if several:
@@ -292,11 +288,7 @@ def _item_fault(attribute: Attribute, item: object, at: Path, subject: str) -> F
     wanted = f"{noun} of 32 bits" if code == "out-of-range" else noun
     advice = item_instead(attribute, item)
     message = f"{subject} expects {wanted}, got {kind_of(item)}"
-    return (
-        Fault(code, message, at)
-        if advice is None
-        else Fault(code, message, at, help=advice.help, fix=advice.fix)
-    )
+    return Fault(code, message, at) if advice is None else Fault(code, message, at, help=advice.help, fix=advice.fix)
 
 
 def _fault(attribute: Attribute, value: Any, answer: Refusal, code: str, at: Path, subject: str) -> Fault:
@@ -326,9 +318,7 @@ def _printable(attribute: Attribute, value: object, at: Path, subject: str, faul
     return False
 
 
-NOT_NEGATIVE = frozenset(
-    "mass density diaginertia armature damping frictionloss stiffness friction size".split()
-)
+NOT_NEGATIVE = frozenset("mass density diaginertia armature damping frictionloss stiffness friction size".split())
 """Attributes of which a draw must not make a negative number: of the first number, if they are polynomials."""
 _POLYNOMIALS = ("damping", "stiffness")
 

@@ -49,10 +49,7 @@ Values = Annotated[tuple[Written, ...], Items(1), Expects("a list of values", "[
 Bound = Annotated[float | Angle, Measure()]
 Combinations = Annotated[
     tuple[
-        Annotated[
-            dict[str, Written], Field(min_length=1), Expects("a mapping from axes to values", "{load: 1}")
-        ],
-        ...,
+        Annotated[dict[str, Written], Field(min_length=1), Expects("a mapping from axes to values", "{load: 1}")], ...
     ],
     Items(),
     Expects("a list of mappings from axes to values", "[{load: 1}]"),
@@ -82,16 +79,12 @@ class Declaration(Model):
     type: (
         Annotated[
             Literal["bool", "int", "float", "string", "vector"],
-            Keywords(
-                {"number": "float", "text": "string", "choice": "`choices: […]` lists the values of a choice"}
-            ),
+            Keywords({"number": "float", "text": "string", "choice": "`choices: […]` lists the values of a choice"}),
         ]
         | None
     ) = None
     """what kind of value it has; without it, that of the default"""
-    default: (
-        Annotated[Any, Checked(_value_fault), Checked(_default_fault), WithJsonSchema(_DEFAULT)] | None
-    ) = None
+    default: Annotated[Any, Checked(_value_fault), Checked(_default_fault), WithJsonSchema(_DEFAULT)] | None = None
     """its value where none is given; without it, one must be given"""
     min: Bound | None = None
     """the least that it, or a component of it, may be"""
@@ -169,9 +162,9 @@ class Grid(Model):
     example: ClassVar = "{axes: {gripper: [small, large]}}"
     instead: ClassVar = {"emit": NO_EMIT}
 
-    axes: Annotated[
-        dict[str, Values], Expects("a mapping from variants and parameters to lists of values")
-    ] = Field(examples=["{gripper: [small, large]}"])
+    axes: Annotated[dict[str, Values], Expects("a mapping from variants and parameters to lists of values")] = Field(
+        examples=["{gripper: [small, large]}"]
+    )
     """The values of each variant or parameter, all combinations of which are built."""
     exclude: Combinations = ()
     """Combinations that are not built."""
@@ -211,9 +204,7 @@ def read_params(document: Located, sink: Sink) -> dict[str, Parameter]:
 
 def read_grid(document: Located, sink: Sink) -> Grid | None:
     """Return the section `matrix`, or None after reported faults."""
-    found: Grid | None = read(
-        Grid, to_python(document.entries["matrix"][1]), document, at=("matrix",), sink=sink
-    )
+    found: Grid | None = read(Grid, to_python(document.entries["matrix"][1]), document, at=("matrix",), sink=sink)
     return found
 
 
@@ -225,7 +216,5 @@ def read(form: type[Model], data: Any, document: Node, *, at: Path, sink: Sink) 
         for each in faults(error, form, data, start=at):
             related = (Note(text, locate(document, place, key=True)) for text, place in each.related)
             span = locate(document, each.at, key=each.key)
-            sink.error(
-                each.code, each.message, span, notes=(*each.notes, *related), help=each.help, fix=each.fix
-            )
+            sink.error(each.code, each.message, span, notes=(*each.notes, *related), help=each.help, fix=each.fix)
         return None

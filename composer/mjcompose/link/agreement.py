@@ -28,14 +28,7 @@ from mjcompose.model.select import kind_of
 from mjcompose.model.unit import Unit
 
 SINGLETONS = ("option", "visual", "statistic")
-_SMALLER_IS_SAFER = (
-    "timestep",
-    "tolerance",
-    "ls_tolerance",
-    "noslip_tolerance",
-    "ccd_tolerance",
-    "sleep_tolerance",
-)
+_SMALLER_IS_SAFER = ("timestep", "tolerance", "ls_tolerance", "noslip_tolerance", "ccd_tolerance", "sleep_tolerance")
 _LARGER_IS_SAFER = ("iterations", "ls_iterations", "noslip_iterations", "ccd_iterations", "sdf_iterations",
                     "sdf_initpoints")  # fmt: skip
 
@@ -170,13 +163,9 @@ def common_settings(
         first = given[0][1]
         if all(equal_values(first.value, wanted.value) for _, wanted in given):
             names = tuple(
-                name
-                for owner, wanted in given
-                for name in ([owner + inner for inner in wanted.parts] or [owner])
+                name for owner, wanted in given for name in ([owner + inner for inner in wanted.parts] or [owner])
             )
-            found[path] = Adopted(
-                path, first.value, names, at=first.span, is_written=not is_default(path, first.value)
-            )
+            found[path] = Adopted(path, first.value, names, at=first.span, is_written=not is_default(path, first.value))
             del asked[path]
     return found, asked
 
@@ -311,9 +300,7 @@ def _report(linking: Linking, part: Part, wishes: list[_Wish], all_wishes: list[
     sentence, *lines = resolving_settings(asked, linking.request.overridden_options).split("\n")
     help = "\n".join([f"{sentence}; or {', or '.join(others)}", *lines])
     subjects = (part.called, *(wish.path for wish in wishes))
-    linking.sink.error(
-        "option-conflict", message, span, notes=notes, help=help, cause=cause, subjects=subjects
-    )
+    linking.sink.error("option-conflict", message, span, notes=notes, help=help, cause=cause, subjects=subjects)
 
 
 def _report_merged(linking: Linking, part: Part, wishes: list[_Wish]) -> None:
@@ -330,11 +317,7 @@ def _message_of(part: Part, wishes: list[_Wish]) -> tuple[str, list[Note], Span,
     if len(wishes) == 1:
         message = first.difference(f"`{part.called}` wants {first.shown} to be")
         place = first.written()
-        notes = (
-            []
-            if place is None or first.have is None
-            else [Note(f"`{first.have.value}` is written here", place)]
-        )
+        notes = [] if place is None or first.have is None else [Note(f"`{first.have.value}` is written here", place)]
     else:
         names = ", ".join(wish.shown for wish in wishes[:_NAMED])
         more = f" and {len(wishes) - _NAMED} more settings" if len(wishes) > _NAMED else ""
@@ -388,9 +371,7 @@ def resolving_settings(wanted: Mapping[str, str], settled: Collection[str]) -> s
         tokens = value.split()
         place[name] = f"[{', '.join(tokens)}]" if len(tokens) > 1 else value
     written_already = {path.split("/")[0] for path in settled}
-    new = [
-        f"{section}: {_flow(values)}" for section, values in tree.items() if section not in written_already
-    ]
+    new = [f"{section}: {_flow(values)}" for section, values in tree.items() if section not in written_already]
     grown = [
         f"say which it is in the recipe's `{section}`, for example `{_flow(values)[1:-1]}`"
         for section, values in tree.items()
@@ -437,19 +418,13 @@ def _check(linking: Linking, unit: Unit, element: Node) -> None:
     kind = kind_of(element)
     joint = text_in_effect(element, kind, "type", classes=unit.classes) if element.tag == "joint" else None
     for name, limited in _LIMITED_BY.items():
-        if (
-            name not in kind.attributes
-            or limited not in kind.attributes
-            or joint in _IGNORED_BY.get(name, ())
-        ):
+        if name not in kind.attributes or limited not in kind.attributes or joint in _IGNORED_BY.get(name, ()):
             continue
         if not any(read(text_in_effect(element, kind, name, classes=unit.classes) or "")):
             continue
         if (text_in_effect(element, kind, limited, classes=unit.classes) or "auto") == "auto":
             called = (
-                f"{element.tag} `{element.get('name')}`"
-                if element.get("name")
-                else f"`<{element.tag}>` without a name"
+                f"{element.tag} `{element.get('name')}`" if element.get("name") else f"`<{element.tag}>` without a name"
             )
             linking.sink.error(
                 "mujoco-rejects",

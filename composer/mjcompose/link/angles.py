@@ -27,15 +27,7 @@ from mjcompose.base.diagnostic import Note
 from mjcompose.base.rotation import normalise, quat_from_euler
 from mjcompose.link import numbers
 from mjcompose.link.linking import Flex, Linking, Part
-from mjcompose.model.classes import (
-    MAIN,
-    NESTED,
-    Classes,
-    DefaultClass,
-    childclass_of,
-    through_frames,
-    written,
-)
+from mjcompose.model.classes import MAIN, NESTED, Classes, DefaultClass, childclass_of, through_frames, written
 from mjcompose.model.grammar import GRAMMAR, to_text
 from mjcompose.model.unit import Unit
 
@@ -154,11 +146,7 @@ def _joints(unit: Unit) -> None:
         for attribute in _ANGULAR:
             writer: Node | None = joint
             if written(joint, attribute) is None:
-                writer = (
-                    _writer(joint, classes, childclass, attribute=attribute)
-                    if attribute in in_classes
-                    else None
-                )
+                writer = _writer(joint, classes, childclass, attribute=attribute) if attribute in in_classes else None
             if writer is None:
                 continue
             turns = _is_angle(unit, classes, joint, childclass=childclass, attribute=attribute)
@@ -169,9 +157,7 @@ def _joints(unit: Unit) -> None:
                 given.setdefault((writer, attribute), []).append((joint, turns))
     for flex, body in _flexes(unit.root) if in_classes else ():
         for attribute in _ANGULAR:
-            writer = _writer(
-                body, classes, body.get("childclass") or childclass_of(body), attribute=attribute
-            )
+            writer = _writer(body, classes, body.get("childclass") or childclass_of(body), attribute=attribute)
             if writer is not None:
                 given.setdefault((writer, attribute), []).append((flex, False))
     own += _of_classes(given)

@@ -17,15 +17,7 @@ from mjcompose.link.key_layout import JOINTS, joint_type
 from mjcompose.link.linking import Linking, Part, Sense
 from mjcompose.link.numbers import pose_in_world, read_pose
 from mjcompose.link.settings import is_leaf
-from mjcompose.model.classes import (
-    MAIN,
-    ORIENTATIONS,
-    Classes,
-    childclass_of,
-    default_tag,
-    own,
-    through_frames,
-)
+from mjcompose.model.classes import MAIN, ORIENTATIONS, Classes, childclass_of, default_tag, own, through_frames
 from mjcompose.model.cost import scaled_above
 from mjcompose.model.edit import attached_notes
 from mjcompose.model.names import word
@@ -59,9 +51,7 @@ def bodies(linking: Linking) -> None:
     if not lost:
         _report_ring(linking, [*order.waiting])
     prefixes = [part.prefix for part in order.waiting if part.prefix]
-    linking.sink.suppress_about(
-        [*prefixes, *(each.removesuffix(linking.request.separator) for each in prefixes)]
-    )
+    linking.sink.suppress_about([*prefixes, *(each.removesuffix(linking.request.separator) for each in prefixes)])
 
 
 class _AttachmentOrder:
@@ -196,10 +186,7 @@ def _report_missing_place(linking: Linking, part: Part) -> None:
         help = f"`{name}` is a {usable[0]}: write `{usable[0]}: {name}`"
     elif other:
         notes.insert(
-            0,
-            Note(
-                f"`{name}` is {word(other[0], article=True)}; parts are attached to sites, bodies and frames"
-            ),
+            0, Note(f"`{name}` is {word(other[0], article=True)}; parts are attached to sites, bodies and frames")
         )
     linking.sink.error(
         "attach-place",
@@ -336,9 +323,7 @@ class _PartAttachment:
         self.pose, self.written = {}, {}
         return self.parent
 
-    def _add(
-        self, tag: str, attributes: Mapping[str, str], written: Mapping[str, Span] | None = None
-    ) -> Node:
+    def _add(self, tag: str, attributes: Mapping[str, str], written: Mapping[str, Span] | None = None) -> Node:
         """Create an element. `written` has the places of its attributes in the recipe."""
         origins = self.linking.base.origins
         child = self.parent.makeelement(tag, dict(attributes))
@@ -362,9 +347,7 @@ class _PartAttachment:
             added = self._add(joint.tag, {**undone, **joint.attributes}, joint.written)
             name = str(added.get("name") or "")
             if name:
-                message = (
-                    f"the joint `{name}` that `joint` gives `{part.called}` has the name of another joint"
-                )
+                message = f"the joint `{name}` that `joint` gives `{part.called}` has the name of another joint"
                 self._declare("joint", name, added, message=message, help="choose another name", at=part.span)
         if part.prefix:
             linking.names.declared.setdefault("body", {})[part.prefix] = body
@@ -392,9 +375,7 @@ class _PartAttachment:
             help = "give it another name: `sense: {name: wrist, force: true}`"
             self._declare(kind, name, node, message=message, help=help, at=sense.span)
 
-    def _declare(
-        self, namespace: str, name: str, node: Node, *, message: str, help: str, at: Span | None
-    ) -> None:
+    def _declare(self, namespace: str, name: str, node: Node, *, message: str, help: str, at: Span | None) -> None:
         """Note the name of an element that the attachment creates. A name that exists is an error."""
         linking = self.linking
         earlier = linking.names.declared.setdefault(namespace, {}).setdefault(name, node)
@@ -425,9 +406,7 @@ def _bound_mass(linking: Linking, body: Node) -> None:
     """Give the body of an attachment the least mass that the base asks for every body, if it has none of its own."""
     # MuJoCo 4.0 raises mass and moments of each body to `boundmass` and `boundinertia`, those of 0, too.
     least, moment = linking.base.settings.boundmass, linking.base.settings.boundinertia
-    if (float(least) or float(moment)) and not any(
-        has_mass(geom, linking.base.classes) for geom in own(body, "geom")
-    ):
+    if (float(least) or float(moment)) and not any(has_mass(geom, linking.base.classes) for geom in own(body, "geom")):
         inertial = {"pos": "0 0 0", "mass": least, "diaginertia": f"{moment} {moment} {moment}"}
         body.insert(0, body.makeelement("inertial", inertial))
 

@@ -124,9 +124,7 @@ def static_bodies(unit: Unit) -> list[Node]:
 
 def fuse(linking: Linking, unit: Unit, part: Part | None, found: Survey) -> set[Node]:
     """Turn the bodies that MuJoCo has fused into frames. Return the bodies that they became part of."""
-    fused = [
-        element for element, _ in walk_bodies(unit.root) if element.tag == "body" and found.is_gone(element)
-    ]
+    fused = [element for element, _ in walk_bodies(unit.root) if element.tag == "body" and found.is_gone(element)]
     hosts = {body: _body_fused_with(body, found) for body in fused}
     if any(_report_flexcomp(linking, unit, body, host=host) for body, host in hosts.items()):
         return set()

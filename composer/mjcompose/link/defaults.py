@@ -328,9 +328,7 @@ def _gains(linking: Linking, unit: Unit, *, wrap: bool = False) -> _Gains | None
         return None
     copy = unit.copied()
     if wrap:
-        defaults(
-            Linking(copy, [], Sink(), request=linking.request, base_class=f"top{linking.request.separator}")
-        )
+        defaults(Linking(copy, [], Sink(), request=linking.request, base_class=f"top{linking.request.separator}"))
     arrays = tuple(f"actuator_{name}" for name in _GAINS)
     measured = linking.measure(copy, arrays, attempt=wrap)
     own = unit.root.findall("actuator/*")
@@ -346,9 +344,7 @@ def _gains(linking: Linking, unit: Unit, *, wrap: bool = False) -> _Gains | None
     return found
 
 
-def _write(
-    unit: Unit, actuator: Node, gain: Callable[[Classes, DefaultClass, str], DefaultClass | None]
-) -> None:
+def _write(unit: Unit, actuator: Node, gain: Callable[[Classes, DefaultClass, str], DefaultClass | None]) -> None:
     """Write the values of the class that `gain` finds, if the composition has other values."""
     from mjcompose.model.classes import default_text  # few models need it
 

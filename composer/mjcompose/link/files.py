@@ -35,9 +35,7 @@ Merged = Mapping[str, Mapping[str, str]]
 """By kind: for each name that is gone, the name that stands for it."""
 
 
-def dedup(
-    model: Unit, uses: Sequence[FileUse], prefixes: Collection[str]
-) -> tuple[Merged, tuple[FileUse, ...]]:
+def dedup(model: Unit, uses: Sequence[FileUse], prefixes: Collection[str]) -> tuple[Merged, tuple[FileUse, ...]]:
     """Merge equal textures, materials, meshes and height fields. Return the merged names and the remaining files.
 
     The first element stays. `prefixes` are those of all parts: what one and the same part has twice stays two. Reads
@@ -48,9 +46,7 @@ def dedup(
     gone: set[Node] = set()
     for kind in KINDS:
         kept: dict[Hashable, list[_KeptElement]] = {}
-        for element in [
-            each for section in model.root.iterchildren("asset") for each in section.iterchildren(kind)
-        ]:
+        for element in [each for section in model.root.iterchildren("asset") for each in section.iterchildren(kind)]:
             declared = declaration(element, "asset")
             if declared is None:
                 continue
@@ -103,9 +99,7 @@ class _Meanings:
         inherited = self._inherited(tag, self._classes.get(element.get("class")))
         return self._written(element, known, values), tuple(inherited)
 
-    def _written(
-        self, element: Node, known: Mapping[str, Attribute], values: Mapping[str, str | None]
-    ) -> Hashable:
+    def _written(self, element: Node, known: Mapping[str, Attribute], values: Mapping[str, str | None]) -> Hashable:
         attributes = tuple(
             sorted(
                 (name, self._value(element, name, known.get(name), value=value))
@@ -197,9 +191,7 @@ def files(linking: Linking) -> None:
             _give_paths(linking, unit, prefix, named=named, taken=taken)
 
 
-def _give_paths(
-    linking: Linking, unit: Unit, prefix: str, named: list[tuple[Node, str, str]], taken: Taken
-) -> None:
+def _give_paths(linking: Linking, unit: Unit, prefix: str, named: list[tuple[Node, str, str]], taken: Taken) -> None:
     directory = str(unit.directory)
     folders = {"texture": join(directory, unit.settings.texture_folder)}
     mesh_folder = join(directory, unit.settings.mesh_folder)
@@ -208,9 +200,7 @@ def _give_paths(
     use = linking.files.append
     # Of most files no path has to be shortened.
     plain = [
-        f"{folders.get(element.tag, mesh_folder)}/{name}"
-        if simple and element.tag != "skin" and is_plain(name)
-        else ""
+        f"{folders.get(element.tag, mesh_folder)}/{name}" if simple and element.tag != "skin" and is_plain(name) else ""
         for element, _, name in named
     ]
     listed = unit.door.admit_listed(filter(None, plain))
@@ -218,9 +208,7 @@ def _give_paths(
         tag = element.tag
         if where:
             path = name if "/" in name and is_settled(unit, tag, name) else target + name
-            source = listed.get(where) or _readable_path(
-                linking, unit, element, attribute=attribute, path=where
-            )
+            source = listed.get(where) or _readable_path(linking, unit, element, attribute=attribute, path=where)
             if source is None:
                 continue
             alone: tuple[str, bytes | None] = (source, None)
@@ -232,9 +220,7 @@ def _give_paths(
         known = unit.contents.get(written) if unit.contents else None
         content = known if isinstance(known, bytes) else None
         if known is None:
-            source = _readable_path(
-                linking, unit, element, attribute=attribute, path=join(directory, written)
-            )
+            source = _readable_path(linking, unit, element, attribute=attribute, path=join(directory, written))
         else:
             source = held(known if isinstance(known, Path) else join(directory, written))
         if source is None:
@@ -277,9 +263,7 @@ def is_settled(unit: Unit, tag: object, name: str) -> bool:
     return not (settings.texture_folder if tag == "texture" else settings.mesh_folder)
 
 
-def _free_path(
-    unit: Unit, tag: object, written: str, source: str, content: bytes | None, taken: Taken
-) -> str:
+def _free_path(unit: Unit, tag: object, written: str, source: str, content: bytes | None, taken: Taken) -> str:
     below = path_in_assets(unit.settings, written)
     path = f"{ASSETS}/{unit.label}/{below}"
     if is_settled(unit, tag, written):

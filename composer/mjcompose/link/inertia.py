@@ -135,9 +135,7 @@ def settle_inertia(linking: Linking, unit: Unit, changed: Collection[Node], foun
 
     Afterwards the unit has MuJoCo's own rules, in the place of those that the survey has applied.
     """
-    ruled = [
-        name for name in _RULES if getattr(unit.settings, name).split() != getattr(_DEFAULT, name).split()
-    ]
+    ruled = [name for name in _RULES if getattr(unit.settings, name).split() != getattr(_DEFAULT, name).split()]
     bodies = [body for body in _bodies(unit) if (ruled or body in changed) and not found.is_gone(body)]
     if _write_measured(KeptSettings(linking, unit, ruled or ["fusestatic"]), bodies, found):
         unit.forget_settings(*ruled)
@@ -168,9 +166,7 @@ def _write_measured(kept: KeptSettings, bodies: Iterable[Node], found: Survey) -
         # does under `auto`: `<body><inertial mass="1" …/><geom size="1"/></body>` weighs 1 in MuJoCo 4.0.
         if any(mass) or any(moments) or written or own(body, "geom"):
             values = {"pos": pos, "quat": quat, "mass": mass, "diaginertia": moments}
-            body.insert(
-                0, body.makeelement("inertial", {name: numbers.text(given) for name, given in values.items()})
-            )
+            body.insert(0, body.makeelement("inertial", {name: numbers.text(given) for name, given in values.items()}))
     return True
 
 

@@ -66,9 +66,7 @@ class _Multiplied:
 
     def copied(self, replicate: Node, number: int, suffix: str, lost: frozenset[Name]) -> _Multiplied:
         """Return a copy that refers to the copies of what is `lost`."""
-        refers = frozenset(
-            (kind, name + suffix if (kind, name) in lost else name) for kind, name in self.refers
-        )
+        refers = frozenset((kind, name + suffix if (kind, name) in lost else name) for kind, name in self.refers)
         name = self.name + suffix if self.name else ""
         return replace(self, within=(*self.within, (replicate, number)), name=name, refers=refers)
 
@@ -112,9 +110,7 @@ def _multiply(
     taken = [thing for thing in things if not thing.refers.isdisjoint(lost)]
     whole = [thing for thing in taken if thing.refers <= lost]
     ends = suffixes(replicate)
-    copies = [
-        thing.copied(replicate, number, end, lost=lost) for number, end in enumerate(ends) for thing in whole
-    ]
+    copies = [thing.copied(replicate, number, end, lost=lost) for number, end in enumerate(ends) for thing in whole]
     return kept + copies, frozenset(("tendon", thing.name) for thing in taken if thing.name)
 
 
@@ -192,15 +188,7 @@ JOINTS = ("joint", "freejoint")
 _BLOCKS = ("flexcomp", "composite", "attach")
 _INNER = ("body", "replicate", *_BLOCKS)
 # Actuators with one control and, by tag, this many activations; the others only MuJoCo knows.
-_ACTIVATIONS = {
-    "motor": 0,
-    "velocity": 0,
-    "damper": 0,
-    "adhesion": 0,
-    "intvelocity": 1,
-    "cylinder": 1,
-    "muscle": 1,
-}
+_ACTIVATIONS = {"motor": 0, "velocity": 0, "damper": 0, "adhesion": 0, "intvelocity": 1, "cylinder": 1, "muscle": 1}
 
 
 Holder = Node | Copy
@@ -419,9 +407,7 @@ class _Reader:
         if known is not None:
             return known
         if tag == "position":
-            if actuator.get("timeconst") is None and not (
-                self.influence[1] and self._inherits_state(actuator)
-            ):
+            if actuator.get("timeconst") is None and not (self.influence[1] and self._inherits_state(actuator)):
                 return _STATELESS
         elif tag == "general":
             slot = self._general(actuator)
@@ -446,12 +432,7 @@ class _Reader:
             said = self._said_of_general(str(general.get("class") or ""))
             if said is None:
                 return None
-            gain, dyntype, size, inputs = (
-                gain or said[0],
-                dyntype or said[1],
-                size or said[2],
-                inputs or said[3],
-            )
+            gain, dyntype, size, inputs = (gain or said[0], dyntype or said[1], size or said[2], inputs or said[3])
         if gain in _SEVERAL or dyntype in _SEVERAL or inputs:
             return None
         if not size or int(size) < 0:  # the default of MuJoCo

@@ -16,27 +16,9 @@ from mjcompose.link import numbers
 from mjcompose.link.key_layout import BLOCK, Copy, Holder, Layout, Slot
 from mjcompose.link.linking import Linking, Part
 from mjcompose.link.measure import Reference
-from mjcompose.link.unit_keys import (
-    VECTORS,
-    final_layout,
-    holders,
-    keys_of,
-    measure_references_again,
-    reshaped_flexes,
-)
+from mjcompose.link.unit_keys import VECTORS, final_layout, holders, keys_of, measure_references_again, reshaped_flexes
 from mjcompose.model.classes import ORIENTATIONS
-from mjcompose.model.unit import (
-    Key,
-    KeyRecord,
-    Number,
-    PartKeys,
-    Unit,
-    line_of,
-    moved,
-    numbers_of,
-    set_line,
-    texts,
-)
+from mjcompose.model.unit import Key, KeyRecord, Number, PartKeys, Unit, line_of, moved, numbers_of, set_line, texts
 
 BASE = "base"
 """What the base is called among the parts."""
@@ -76,18 +58,10 @@ def _own_keys(linking: Linking, unit: Unit, layout: Layout, part: Part | None) -
         record = unit.origins.keys.get(element)
         time = numbers_of(record, element, "time")
         key = Key(
-            str(element.get("name") or ""),
-            time[0] if time else None,
-            element,
-            file=unit.file,
-            origins=unit.origins,
+            str(element.get("name") or ""), time[0] if time else None, element, file=unit.file, origins=unit.origins
         )
         for vector in VECTORS:
-            taken = (
-                cut_row(linking, unit, layout, element=element, vector=vector)
-                if element.get(vector)
-                else None
-            )
+            taken = cut_row(linking, unit, layout, element=element, vector=vector) if element.get(vector) else None
             if taken is not None:
                 key.values[vector] = taken
         yield _moved(linking, part, layout, key=key)
@@ -209,9 +183,7 @@ def _carry(part: Part, layout: Layout, vector: str, taken: dict[Holder, list[Num
     if vector in ("qpos", "qvel"):
         for joint, slot in layout.joints.items():
             if slot.free and joint in taken:
-                taken[joint] = moved(
-                    taken[joint], _carry_slot(pose, slot, vector, values=texts(taken[joint])), by
-                )
+                taken[joint] = moved(taken[joint], _carry_slot(pose, slot, vector, values=texts(taken[joint])), by)
     elif vector in ("mpos", "mquat"):
         for body in layout.mocaps:
             if body in taken:
@@ -250,14 +222,10 @@ def _carry_references(linking: Linking, part: Part, layout: Layout) -> None:
         return
     for joint, slot in layout.joints.items():
         if slot.free and joint in linking.keys.references:
-            linking.keys.references[joint] = _carry_slot(
-                pose, slot, "qpos", values=linking.keys.references[joint]
-            )
+            linking.keys.references[joint] = _carry_slot(pose, slot, "qpos", values=linking.keys.references[joint])
     for body in layout.mocaps:
         if body in linking.keys.mocap_references:
-            linking.keys.mocap_references[body] = [
-                pose @ each for each in linking.keys.mocap_references[body]
-            ]
+            linking.keys.mocap_references[body] = [pose @ each for each in linking.keys.mocap_references[body]]
 
 
 def keyframes(linking: Linking) -> None:
@@ -413,9 +381,7 @@ def _policy(linking: Linking, part: Part | None) -> str:
 
 def _name(part: Part | None, key: Key) -> str:
     """Return the name of a key of the base or of a part in the finished model."""
-    return (
-        part.prefix + key.name if part is not None and part.keyframes == "prefix" and key.name else key.name
-    )
+    return part.prefix + key.name if part is not None and part.keyframes == "prefix" and key.name else key.name
 
 
 def _merge_keys(linking: Linking, key: Key, other: Key, *, settled: bool) -> None:
@@ -423,11 +389,7 @@ def _merge_keys(linking: Linking, key: Key, other: Key, *, settled: bool) -> Non
     key.others += (other.element, *other.others)
     if key.time is None:
         key.time = other.time
-    elif (
-        not settled
-        and other.time is not None
-        and numbers.read(other.time.text) != numbers.read(key.time.text)
-    ):
+    elif not settled and other.time is not None and numbers.read(other.time.text) != numbers.read(key.time.text):
         _report_times(linking, key, other)
     for vector, columns in other.values.items():
         key.values.setdefault(vector, {}).update(columns)
@@ -442,9 +404,7 @@ def _report_times(linking: Linking, key: Key, other: Key) -> None:
         other.span("time"),
         notes=(Note("the other one is here", key.span("time")),),
         help="write `keys: prefix` in one of the parts to keep its keys apart",
-        cause=Cause(
-            f"times in {key.span('time').file} and {other.span('time').file}", f"the key `{key.name}`"
-        ),
+        cause=Cause(f"times in {key.span('time').file} and {other.span('time').file}", f"the key `{key.name}`"),
     )
 
 

@@ -214,18 +214,8 @@ def _all(*facts: Fact) -> frozenset[Fact]:
 # - A part hangs on a place by its final name, with the angles of the model (`bodies`), and takes the pose of a site
 #   from its class (`defaults`). Whether its body is aligned is known by then (`alignment`).
 PASSES: tuple[Pass, ...] = (
-    Pass(
-        note_flexes,
-        "noted by the linker",
-        needs=_all(Fact.OWN_NAMES, Fact.ALONE),
-        leaves=_all(Fact.FLEXES_NOTED),
-    ),
-    Pass(
-        flex_turns,
-        "checked by the linker",
-        needs=_all(Fact.FLEXES_NOTED, Fact.OWN_NAMES),
-        stops=False,
-    ),
+    Pass(note_flexes, "noted by the linker", needs=_all(Fact.OWN_NAMES, Fact.ALONE), leaves=_all(Fact.FLEXES_NOTED)),
+    Pass(flex_turns, "checked by the linker", needs=_all(Fact.FLEXES_NOTED, Fact.OWN_NAMES), stops=False),
     Pass(
         replicates,
         "a copy by a `<replicate>`, written out",
@@ -263,27 +253,14 @@ PASSES: tuple[Pass, ...] = (
         leaves=_all(Fact.ALIGNED),
         stops=False,
     ),
-    Pass(
-        inertia,
-        "the inertia rules of its file, made explicit",
-        needs=_all(Fact.REDUCED, Fact.ALONE, Fact.OWN_NAMES),
-    ),
+    Pass(inertia, "the inertia rules of its file, made explicit", needs=_all(Fact.REDUCED, Fact.ALONE, Fact.OWN_NAMES)),
     Pass(
         fitted_sizes,
         "fitted by MuJoCo to the mesh's bounding box, by `fitaabb`",
         needs=_all(Fact.REDUCED, Fact.ALONE, Fact.OWN_NAMES),
     ),
-    Pass(
-        autolimits,
-        "checked by the linker",
-        needs=_all(Fact.ALONE, Fact.OWN_NAMES, Fact.OWN_SECTIONS),
-        stops=False,
-    ),
-    Pass(
-        lengthranges,
-        "measured by MuJoCo on its file alone",
-        needs=_all(Fact.ALONE, Fact.OWN_SECTIONS),
-    ),
+    Pass(autolimits, "checked by the linker", needs=_all(Fact.ALONE, Fact.OWN_NAMES, Fact.OWN_SECTIONS), stops=False),
+    Pass(lengthranges, "measured by MuJoCo on its file alone", needs=_all(Fact.ALONE, Fact.OWN_SECTIONS)),
     Pass(
         angles,
         "in the model's unit of angle and Euler sequence",
@@ -298,12 +275,7 @@ PASSES: tuple[Pass, ...] = (
         needs=_all(Fact.OWN_SECTIONS),
         leaves=_all(Fact.OPTIONS_ADOPTED),
     ),
-    Pass(
-        agreement,
-        "what the parts ask for",
-        needs=_all(Fact.OPTIONS_ADOPTED, Fact.OWN_NAMES),
-        stops=False,
-    ),
+    Pass(agreement, "what the parts ask for", needs=_all(Fact.OPTIONS_ADOPTED, Fact.OWN_NAMES), stops=False),
     Pass(
         roots,
         "left out, as the part is welded to its place",
@@ -372,12 +344,7 @@ PASSES: tuple[Pass, ...] = (
         needs=_all(Fact.JOINED, Fact.UNROLLED, Fact.OWN_SECTIONS),
         stops=False,
     ),
-    Pass(
-        check_roots,
-        "checked by the linker",
-        needs=_all(Fact.JOINED, Fact.ROOTS_NOTED),
-        stops=False,
-    ),
+    Pass(check_roots, "checked by the linker", needs=_all(Fact.JOINED, Fact.ROOTS_NOTED), stops=False),
     Pass(
         check_flexes,
         "checked by the linker",

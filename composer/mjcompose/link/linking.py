@@ -252,9 +252,7 @@ class Measure(Protocol):
     There are none if MuJoCo refuses the unit. A refusal is reported, unless `attempt` is set.
     """
 
-    def __call__(
-        self, unit: Unit, arrays: tuple[str, ...], *, attempt: bool = False
-    ) -> Mapping[str, list[float]]: ...
+    def __call__(self, unit: Unit, arrays: tuple[str, ...], *, attempt: bool = False) -> Mapping[str, list[float]]: ...
 
 
 class LaterPlaces(Protocol):
@@ -353,9 +351,7 @@ class Linking:
 
     def flat(self) -> Unit:
         """Return the current model with its files, without the parts that are not joined yet."""
-        contents = {
-            use.path: use.content if use.content is not None else _path(use.source) for use in self.files
-        }
+        contents = {use.path: use.content if use.content is not None else _path(use.source) for use in self.files}
         return replace(self.base, contents=contents or self.base.contents)
 
     def span(self, unit: Unit, element: Node, attribute: str | None = None) -> Span:

@@ -63,9 +63,7 @@ def measure_with(
         wanted = tuple(name for name in arrays if name not in _SIZES)
         text = write(unit.root)
         with folder_of(unit) as folder:
-            measured = engine.measure(
-                folder, arrays=wanted, text=text.decode(), limits=limits, session=session
-            )
+            measured = engine.measure(folder, arrays=wanted, text=text.decode(), limits=limits, session=session)
         compiled = measured.compiled
         if not compiled.ok:
             if not attempt:
@@ -155,9 +153,7 @@ def flexible_widths(linking: Linking, unit: Unit) -> dict[Node, Slot] | None:
     if len(slots) - brought == len(actuators):
         found.update(zip(actuators, slots, strict=False))
     elif (replicate := next(unit.root.iter("replicate"), None)) is not None:
-        raise Unknown(
-            replicate
-        )  # it multiplies actuators that refer to nothing in it: see `replicate_capture.py`
+        raise Unknown(replicate)  # it multiplies actuators that refer to nothing in it: see `replicate_capture.py`
     unknown: Node | None = None
     try:
         layout = lay_out(unit, found)
@@ -197,10 +193,7 @@ def _flexes(linking: Linking, unit: Unit) -> Iterator[tuple[Node, Slot]]:
         if arrays:
             # The vertices and nodes of a flex slide; hinges are the twists of a rod (since MuJoCo 4.0).
             twists = arrays["jnt_type"].count(HINGE)
-            yield (
-                flex,
-                Slot(BLOCK, (int(arrays["nq"][0]) - twists, int(arrays["nv"][0]) - twists), twists=twists),
-            )
+            yield (flex, Slot(BLOCK, (int(arrays["nq"][0]) - twists, int(arrays["nv"][0]) - twists), twists=twists))
 
 
 def _flex_alone(unit: Unit, flex: Node) -> Unit:
@@ -296,9 +289,7 @@ def _note_references(linking: Linking, unit: Unit, layout: Layout, qpos0: list[f
         at += width
 
 
-def _note_mocaps(
-    linking: Linking, layout: Layout, arrays: Mapping[str, list[float]], is_mocap: list[bool]
-) -> None:
+def _note_mocaps(linking: Linking, layout: Layout, arrays: Mapping[str, list[float]], is_mocap: list[bool]) -> None:
     """Record the places of mocap bodies that are not in the tree, or several times."""
     bodies = iter([body for body, found in enumerate(is_mocap) if found])
     for holder, count in layout.mocaps.items():
@@ -379,9 +370,7 @@ class KeptSettings:
         linking, unit, first = self.linking, self.unit, self.names[0]
         named = " and ".join(f"`{name}`" for name in self.names)
         compilers = list(unit.root.iterchildren("compiler"))
-        compiler = next(
-            (each for each in compilers if each.get(first) is not None), [*compilers, unit.root][0]
-        )
+        compiler = next((each for each in compilers if each.get(first) is not None), [*compilers, unit.root][0])
         linking.sink.error(
             "compiler-setting",
             f"{named} of `{unit.label}` cannot be kept in a composition: {why}",
@@ -514,9 +503,7 @@ class Reference:
             row += given
         return row
 
-    def _found(
-        self, vector: str, values: Mapping[Holder, list[Number]]
-    ) -> Callable[[Holder], list[Number] | None]:
+    def _found(self, vector: str, values: Mapping[Holder, list[Number]]) -> Callable[[Holder], list[Number] | None]:
         """Return a function for the numbers that a key has for a holder, also if it has another number of copies now.
 
         Every copy that a replicate makes of a part has the numbers of the part. Copies that are one element now must

@@ -124,9 +124,7 @@ class _UnitRenaming:
 
     def _report_dangling(self, namespace: str, name: str, *, element: Node, own: Sequence[str]) -> None:
         """Report a reference to nothing within a source. `own` are the names that the source has."""
-        attribute = next(
-            (str(key) for key, value in element.items() if name in (value, *str(value).split())), None
-        )
+        attribute = next((str(key) for key, value in element.items() if name in (value, *str(value).split())), None)
         self.linking.sink.add(
             unknown_name(
                 word(namespace),

@@ -30,15 +30,7 @@ from mjcompose.link.linking import Linking
 from mjcompose.link.numbers import orientation_radians
 from mjcompose.model.cost import scaled_above
 from mjcompose.model.files import read_settings
-from mjcompose.model.names import (
-    DECLARES,
-    REFERS,
-    REFERS_BY,
-    WORLD,
-    NameIndex,
-    naming_table,
-    object_namespace,
-)
+from mjcompose.model.names import DECLARES, REFERS, REFERS_BY, WORLD, NameIndex, naming_table, object_namespace
 from mjcompose.model.unit import Unit
 
 
@@ -62,9 +54,7 @@ def copy_poses(
 _SECTIONS = ("contact", "tendon", "equality", "actuator", "sensor", "custom")
 _OF_NOTHING = ("numeric", "text")
 # What a replicate copies; assets, numbers and texts keep their names, so that they always resolve.
-_COPIED = frozenset(
-    "body joint geom site camera light tendon equality actuator sensor pair exclude flex skin".split()
-)
+_COPIED = frozenset("body joint geom site camera light tendon equality actuator sensor pair exclude flex skin".split())
 
 
 def check_replicates(linking: Linking) -> None:
@@ -82,9 +72,7 @@ def check_replicates(linking: Linking) -> None:
     error: the `<replicate>` of `part.xml` would multiply the `<clock>` without a name of `base.xml`, too
     """
     waiting = {unit: list(multiplied_elements(unit)) for unit in linking.units if linking.notes.replicates}
-    if not any(
-        found for other, found in waiting.items() for unit, _ in linking.notes.replicates if other is not unit
-    ):
+    if not any(found for other, found in waiting.items() for unit, _ in linking.notes.replicates if other is not unit):
         return
     places = {element: at for at, element in enumerate(linking.base.root.iter("*"))}
     made = copied_names(linking.base.root)
@@ -197,11 +185,7 @@ def spare_added(linking: Linking) -> None:
     base = linking.base
     nests = list(_outermost(base))
     added = (
-        {
-            each
-            for each in multiplied_elements(base)
-            if not isinstance(base.origins.owner(each, base.file), str)
-        }
+        {each for each in multiplied_elements(base) if not isinstance(base.origins.owner(each, base.file), str)}
         if nests
         else ()
     )
@@ -216,9 +200,7 @@ def spare_added(linking: Linking) -> None:
         multiplied = [
             each
             for each in added
-            if any(
-                resolves_in_copies(linking, each, replicate, places=places, made=made) for replicate in inside
-            )
+            if any(resolves_in_copies(linking, each, replicate, places=places, made=made) for replicate in inside)
         ]
         if multiplied and _stands_alone(base, index_of, nest, inside=inside, spared=multiplied):
             for each in inside:
@@ -255,8 +237,7 @@ def _write_out_foreign(linking: Linking, holding: list[Unit]) -> None:
         for nest in list(_outermost(unit)):
             inside = list(inner_first(nest))
             turns = any(
-                _reads_otherwise(linking, unit, each) or _rounds_otherwise(linking, unit, each)
-                for each in inside
+                _reads_otherwise(linking, unit, each) or _rounds_otherwise(linking, unit, each) for each in inside
             )
             if (
                 turns or any(_multiplies(other, index_of, inside) for other in units if other is not unit)
@@ -294,9 +275,7 @@ def _rounds_otherwise(linking: Linking, unit: Unit, replicate: Node) -> bool:
     )
 
 
-def _multiplies(
-    unit: Unit, index_of: _IndexOf, replicates: list[Node], spared: Collection[Node] = ()
-) -> bool:
+def _multiplies(unit: Unit, index_of: _IndexOf, replicates: list[Node], spared: Collection[Node] = ()) -> bool:
     """Return whether one of the replicates may multiply any element of the unit, except for those that are spared."""
     found = [each for each in multiplied_elements(unit) if each not in spared]
     if not found:
@@ -346,9 +325,7 @@ def _write_out(linking: Linking, unit: Unit, replicate: Node) -> None:
     x, y, z = [*numbers.read(str(replicate.get("offset") or "")), 0.0, 0.0, 0.0][:3]
     angles = tuple(numbers.read(str(replicate.get("euler") or "0 0 0")))
     ends = suffixes(replicate)
-    poses = copy_poses(
-        len(ends), (x, y, z), angles, sequence=settings.eulerseq, degrees=settings.angle == "degree"
-    )
+    poses = copy_poses(len(ends), (x, y, z), angles, sequence=settings.eulerseq, degrees=settings.angle == "degree")
     declared = {each for node in replicate.iterdescendants("*") for each in _names(node)}
     at = holder.index(replicate)
     for number, (pose, end) in enumerate(zip(poses, ends, strict=True)):

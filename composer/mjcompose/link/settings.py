@@ -68,9 +68,7 @@ def alignment(linking: Linking) -> None:
     # The joints of attachments hang in no tree yet, so that the walk above has not met them.
     for part in linking.parts if linking.notes.aligned else ():
         part.joints = tuple(
-            replace(joint, attributes={"align": "false", **joint.attributes})
-            if joint.tag == "freejoint"
-            else joint
+            replace(joint, attributes={"align": "false", **joint.attributes}) if joint.tag == "freejoint" else joint
             for joint in part.joints
         )
 
@@ -333,9 +331,7 @@ def memory_size(linking: Linking) -> None:
         f"`size.{first.name}` of {_quoted(first.called)} is {first.value}, which is too little for the whole model:"
         f" MuJoCo's own choice, {_megabytes(own)}, is used",
         first.span,
-        notes=[
-            Note(f"{_quoted(each.called)} asks for `{each.name}` {each.value}", each.span) for each in others
-        ],
+        notes=[Note(f"{_quoted(each.called)} asks for `{each.name}` {each.value}", each.span) for each in others],
         help=f"to set it yourself, write in the recipe `size: {{memory: {_megabytes(own)}}}`, or another amount",
     )
 

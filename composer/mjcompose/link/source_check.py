@@ -184,14 +184,7 @@ class _Clashing:
 
 
 _Fault = (
-    _Malformed
-    | _UnknownAttribute
-    | _Misnamed
-    | _RepeatedKey
-    | _RepeatedClass
-    | _UnknownElement
-    | _TooMany
-    | _Clashing
+    _Malformed | _UnknownAttribute | _Misnamed | _RepeatedKey | _RepeatedClass | _UnknownElement | _TooMany | _Clashing
 )
 
 
@@ -204,9 +197,7 @@ def check_source(unit: Unit, sink: Sink) -> bool:
     if found:
         passed_over = set(unread(unit.root))
         found = [each for each in found if _what(each) not in passed_over]
-    version = version_of(
-        _what(each) for each in found if isinstance(each, _UnknownAttribute | _UnknownElement)
-    )
+    version = version_of(_what(each) for each in found if isinstance(each, _UnknownAttribute | _UnknownElement))
     for fault in found:
         if isinstance(fault, _UnknownAttribute | _UnknownElement):
             fault = replace(fault, version=version)
@@ -290,9 +281,7 @@ def _is_checked(node: Node) -> bool:
 
 def _of_constraints(node: Node, kind: ElementType) -> Iterator[_Clashing]:
     for rule in kind.constraints:
-        written = (
-            tuple(name for (name,) in rule.bundles if name in node.attrib) if rule.kind == "exclusive" else ()
-        )
+        written = tuple(name for (name,) in rule.bundles if name in node.attrib) if rule.kind == "exclusive" else ()
         if len(written) > 1:
             yield _Clashing(node, written)
 
@@ -305,14 +294,10 @@ def _of_name(node: Node, kind: ElementType) -> Iterator[_Misnamed]:
         parent, name = node.getparent(), node.get("class")
         if parent is None or parent.tag == "default":
             if not name:
-                yield _Misnamed(
-                    node, "class", "a default class inside another has no name", help='write `class="…"`'
-                )
+                yield _Misnamed(node, "class", "a default class inside another has no name", help='write `class="…"`')
         elif name not in (None, "", "main"):
             message = f"a default class at the top is called `main`, and not `{name}`"
-            yield _Misnamed(
-                node, "class", message, help=f'put it into one: `<default><default class="{name}">`'
-            )
+            yield _Misnamed(node, "class", message, help=f'put it into one: `<default><default class="{name}">`')
 
 
 def _is_newer() -> bool:

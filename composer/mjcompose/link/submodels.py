@@ -65,9 +65,7 @@ def _size_of(unit: Unit, file: str, known: dict[str, Weight], depth: int) -> Wei
     if key not in known:
         known[key] = NOTHING  # a model that is made of itself, which is reported where it is bundled
         if (sub := _read(unit, file)) is not None:
-            weight = expanded(
-                sub.root, _sizes_in(sub, known, depth), lambda flexcomp: file_points(flexcomp, sub)
-            )
+            weight = expanded(sub.root, _sizes_in(sub, known, depth), lambda flexcomp: file_points(flexcomp, sub))
             known[key] = weight._replace(points=weight.points + mesh_points(sub))
     return known[key]
 
@@ -188,9 +186,7 @@ class _Bundler:
     linking: Linking
     keyed: bool
 
-    def bundle(
-        self, unit: Unit, element: Node, file: str, *, folder: str, above: tuple[str, ...] = ()
-    ) -> None:
+    def bundle(self, unit: Unit, element: Node, file: str, *, folder: str, above: tuple[str, ...] = ()) -> None:
         """Bundle a model that another one refers to. `above` are the models that lead to it."""
         known = unit.contents.get(file)
         source = held(known if isinstance(known, Path) else join(str(unit.directory), file))
@@ -247,25 +243,18 @@ class _Bundler:
             limit = "submodels"
         else:
             return
-        self.linking.sink.error(
-            "limit-exceeded", message, self.linking.span(unit, element, "file"), help=advice(limit)
-        )
+        self.linking.sink.error("limit-exceeded", message, self.linking.span(unit, element, "file"), help=advice(limit))
         raise _TooManyError
 
     def _bundled_before(self, unit: Unit, element: Node, file: str, model: bytes) -> None:
         """Bundle the sub-model of a composition, whose files are next to it in a folder with its name."""
-        taken = {
-            use.path: use.content if use.content is not None else Path(use.source)
-            for use in self.linking.files
-        }
+        taken = {use.path: use.content if use.content is not None else Path(use.source) for use in self.linking.files}
         folder = file.rsplit("/", 1)[0]
         start = file.removesuffix(".xml") + "/"
         files = {path: content for path, content in unit.contents.items() if path.startswith(start)}
         files = {path.removeprefix(folder): content for path, content in {file: model, **files}.items()}
         number, free = 1, folder
-        while any(
-            not _same_bytes(taken.get(free + path, content), content) for path, content in files.items()
-        ):
+        while any(not _same_bytes(taken.get(free + path, content), content) for path, content in files.items()):
             number += 1
             free = f"{folder}-{number}"
         element.set("file", free + file.removeprefix(folder))
@@ -274,9 +263,7 @@ class _Bundler:
         for path, content in files.items():
             data = content if isinstance(content, bytes) else None
             source = held(folder + path if isinstance(content, bytes) else content)
-            self.linking.files.append(
-                FileUse(element, "file", free + path, source=source, content=data, shared=False)
-            )
+            self.linking.files.append(FileUse(element, "file", free + path, source=source, content=data, shared=False))
 
     def _free(self, path: str, source: str) -> str:
         taken = {use.path: use.source for use in self.linking.files}

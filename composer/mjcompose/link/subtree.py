@@ -156,9 +156,7 @@ class SideFinder:
     A sensor may, for example, refer to an actuator that refers to a joint.
     """
 
-    def __init__(
-        self, unit: Unit, inside: Iterable[Node], outside: Iterable[Node], *, in_world: bool = True
-    ) -> None:
+    def __init__(self, unit: Unit, inside: Iterable[Node], outside: Iterable[Node], *, in_world: bool = True) -> None:
         self._unit, self._in_world = unit, in_world
         self._inside = _Names(inside)
         self._outside = _Names(outside)
@@ -186,9 +184,7 @@ class SideFinder:
         if is_rod(element):
             twists = self._inside.names | self._outside.names
             rod = str(element.get("name") or "")
-            others += sorted(
-                each for each in twists if each[0] == "joint" and rod and twisted_by(each[1]) == rod
-            )
+            others += sorted(each for each in twists if each[0] == "joint" and rod and twisted_by(each[1]) == rod)
         for namespace, name in (*references(element, section), *others):
             verdict = self._of_name(namespace, name)
             within = within or verdict.side in (Side.INSIDE, Side.BOTH)
@@ -197,9 +193,7 @@ class SideFinder:
         # Another body becomes the world of what is taken, which an equality with the world does not follow.
         if not self._in_world and section == "equality" and side_of_world(element) is not None:
             without, lacks = True, lacks or "the world"
-        side = (
-            (Side.BOTH if without else Side.INSIDE) if within else (Side.OUTSIDE if without else Side.NEITHER)
-        )
+        side = (Side.BOTH if without else Side.INSIDE) if within else (Side.OUTSIDE if without else Side.NEITHER)
         verdict = self._verdicts[element] = Verdict(side, lacks)
         return verdict
 
@@ -267,9 +261,7 @@ class _Names:
     def makes(self, name: str) -> int:
         """Return the length of the name's beginning that is the name of something that MuJoCo multiplies, or 0."""
         starts = [start for start in self._begun if name.startswith(start)]
-        starts += [
-            start for start in self._numbered if name.startswith(start) and name[len(start) :][-1:].isdigit()
-        ]
+        starts += [start for start in self._numbered if name.startswith(start) and name[len(start) :][-1:].isdigit()]
         return max((len(start) + 1 for start in starts), default=0)
 
 
@@ -333,9 +325,7 @@ def take_subtree(
         return None
     inside = list(body.iter("*"))
     kept = set(inside)
-    outside = [
-        each for top in unit.root.iterchildren("worldbody") for each in top.iter("*") if each not in kept
-    ]
+    outside = [each for top in unit.root.iterchildren("worldbody") for each in top.iter("*") if each not in kept]
     in_world = next(body.iterancestors("body"), None) is None
     concern = SideFinder(unit, inside, outside, in_world=in_world)
     left = [*_named(outside), *_cut_in_the_tree(concern, unit, inside)]
@@ -354,9 +344,7 @@ def _find(unit: Unit, name: str, sink: Sink, span: Span | None) -> Node | None:
     if body is None:
         names = [str(each.get("name")) for each in bodies if each.get("name")]
         message, notes = f"`{unit.label}` has no body `{name}` to take", attached_notes(unit, name)
-        sink.add(
-            unknown_name("body", name, names, span=span, message=message, written="subtree: {}", notes=notes)
-        )
+        sink.add(unknown_name("body", name, names, span=span, message=message, written="subtree: {}", notes=notes))
         return None
     copies = next(body.iterancestors("replicate"), None)
     if copies is not None:
@@ -394,15 +382,7 @@ def _named(elements: Iterable[Node]) -> Iterator[DroppedElement]:
         if element.tag in ("worldbody", "frame", "replicate"):
             continue
         declared = declaration(element, "worldbody")
-        if declared is not None or element.tag in (
-            "body",
-            "geom",
-            "joint",
-            "freejoint",
-            "site",
-            "light",
-            "camera",
-        ):
+        if declared is not None or element.tag in ("body", "geom", "joint", "freejoint", "site", "light", "camera"):
             tag = str(element.tag)
             yield DroppedElement("joint" if tag == "freejoint" else tag, declared[1] if declared else "")
 
@@ -424,10 +404,7 @@ def _cut_in_the_tree(concern: SideFinder, unit: Unit, inside: list[Node]) -> Ite
 def _cut_element(element: Node, section: str, lacks: str, unit: Unit) -> DroppedElement:
     declared = declaration(element, section)
     return DroppedElement(
-        _kind_word(element, section),
-        declared[1] if declared else "",
-        lacks,
-        span=unit.origins.span(element, unit.file),
+        _kind_word(element, section), declared[1] if declared else "", lacks, span=unit.origins.span(element, unit.file)
     )
 
 
@@ -490,9 +467,7 @@ def _leave_sections(unit: Unit, concern: SideFinder) -> Iterator[DroppedElement]
                 staying.append((element, tag))
             else:
                 declared = declaration(element, tag)
-                going.append(
-                    (element, DroppedElement(_kind_word(element, tag), declared[1] if declared else ""))
-                )
+                going.append((element, DroppedElement(_kind_word(element, tag), declared[1] if declared else "")))
     needed = concern.needed_by(staying)
     for element, left in going:  # only now: what an element concerns is found by way of others
         if element in needed:
@@ -561,12 +536,7 @@ def _leave_keys(unit: Unit, rows: _Rows) -> Iterator[DroppedElement]:
         said = False
         record = KeyRecord()
         for vector, columns in vectors.items():
-            row = [
-                number
-                for holder, numbers in columns.items()
-                if element_of(holder) in staying
-                for number in numbers
-            ]
+            row = [number for holder, numbers in columns.items() if element_of(holder) in staying for number in numbers]
             said = said or bool(row)
             if row:
                 key.set(vector, " ".join(texts(row)))

@@ -137,11 +137,7 @@ def bare_model(unit: Unit) -> BareModel | None:
     if any(flex.get("file") or flex.get("mesh") for flex in flexes):
         return None
     found = BareModel(
-        unit.file,
-        "",
-        {},
-        flexes={str(flex.get("name") or ""): (flex, _copies(flex)) for flex in flexes},
-        rows={},
+        unit.file, "", {}, flexes={str(flex.get("name") or ""): (flex, _copies(flex)) for flex in flexes}, rows={}
     )
     made = root.makeelement("mujoco")
     # The last one counts.
@@ -198,13 +194,7 @@ def _tree(source: Node, made: Node, found: BareModel, wrapped: set[str], around:
                 _name(child, own, "joint" if tag == "freejoint" else tag, found=found, around=around)
             made.append(own)
             if tag in ("body", "frame", "replicate"):
-                _tree(
-                    child,
-                    own,
-                    found,
-                    wrapped=wrapped,
-                    around=(child, *around) if tag == "replicate" else around,
-                )
+                _tree(child, own, found, wrapped=wrapped, around=(child, *around) if tag == "replicate" else around)
         elif tag == "flexcomp":
             own = copy.copy(child)
             own.tail = None
@@ -215,9 +205,7 @@ def _tree(source: Node, made: Node, found: BareModel, wrapped: set[str], around:
             made.append(own)
         elif tag == "geom" and child.get("name") in wrapped:
             made.append(
-                made.makeelement(
-                    "geom", {"name": str(child.get("name")), "type": "sphere", "size": ".01", "mass": "0"}
-                )
+                made.makeelement("geom", {"name": str(child.get("name")), "type": "sphere", "size": ".01", "mass": "0"})
             )
 
 
@@ -275,9 +263,7 @@ _ACTUATORS = frozenset(
 
 def _with_attributes(source: Node, made: Node, names: tuple[str, ...] | None) -> Node:
     """Return an element with only these attributes of another one, or with all of them."""
-    attributes = {
-        str(name): str(value) for name, value in source.attrib.items() if names is None or str(name) in names
-    }
+    attributes = {str(name): str(value) for name, value in source.attrib.items() if names is None or str(name) in names}
     return made.makeelement(str(source.tag), attributes)
 
 
@@ -369,9 +355,7 @@ _SHAPING = ("type", "count", "dim", "dof", "rigid", "file", "mesh", "point", "el
 def reshaped_flexes(linking: Linking) -> set[Node]:
     """Return the flexes that edits give other vertices, so that their numbers in keys mean nothing any more."""
     shapes = linking.keys.shapes
-    return {
-        flex for flex in linking.base.root.iter("flexcomp") if _shape(flex) != shapes.get(flex, _shape(flex))
-    }
+    return {flex for flex in linking.base.root.iter("flexcomp") if _shape(flex) != shapes.get(flex, _shape(flex))}
 
 
 def _shape(flex: Node) -> str:
@@ -390,9 +374,7 @@ def _complete_rows(linking: Linking, unit: Unit, layout: Layout) -> None:
         if not any(rows) or all(len(row) in (0, layout.total(vector)) for row in rows):
             continue
         ends = list(accumulate(width for _, width in holders(layout, vector)))
-        short = [
-            at for at, row in enumerate(rows) if ends and 0 < len(row) < ends[-1] and len(row) not in ends
-        ]
+        short = [at for at, row in enumerate(rows) if ends and 0 < len(row) < ends[-1] and len(row) not in ends]
         array = f"key_{vector}"
         if not short or linking.measure is None or not (found := linking.measure(unit, (array,))):
             continue

@@ -48,9 +48,7 @@ def roots(linking: Linking) -> None:
                     holder.remove(joint)
                 else:
                     alone = len(bodies) == 1 and floats_by_itself(part.unit)
-                    linking.notes.floating.append(
-                        Floating(part, body, joint, called=_called(body), alone=alone)
-                    )
+                    linking.notes.floating.append(Floating(part, body, joint, called=_called(body), alone=alone))
             if body.get("mocap") == "true":
                 alone = len(bodies) == 1 and floats_by_itself(part.unit, mocap=True)
                 linking.notes.floating.append(Floating(part, body, None, called=_called(body), alone=alone))
@@ -172,9 +170,7 @@ def _planes(linking: Linking, part: Part) -> None:
     # bodies".
     root, classes = part.unit.root, part.unit.classes
     by_class = any(
-        geom.get("type") == "plane"
-        for section in root.iterchildren("default")
-        for geom in section.iter("geom")
+        geom.get("type") == "plane" for section in root.iterchildren("default") for geom in section.iter("geom")
     )
     for worldbody in root.iterchildren("worldbody"):
         for geom in worldbody.iter("geom"):
@@ -267,10 +263,7 @@ def _refuse(linking: Linking, hung: _MovedWorld, found: list[Node]) -> None:
     named = f" `{first.get('name')}`" if first.get("name") else ""
     more = f" ({len(found) - 1} more such elements)" if len(found) > 1 else ""
     if hung.copied is not None and hung.name:
-        why, note = (
-            "a `<replicate>` makes several of it",
-            Note("here", linking.span(linking.base, hung.copied)),
-        )
+        why, note = ("a `<replicate>` makes several of it", Note("here", linking.span(linking.base, hung.copied)))
         help = "leave it out (`drop`), or attach the part in the model with the `<replicate>`"
     else:
         why, note = "that body has no name", Note("the body", linking.span(linking.base, hung.holder))
@@ -371,13 +364,8 @@ def _check_free_motors(linking: Linking, hung: _MovedWorld, degrees: bool, seque
         push, twist = ([*gear, *[0.0] * 6][at : at + 3] for at in (0, 3))
         # MuJoCo 4.0 turns a free body about its own axes, or about those of the world with `jointinparent`.
         along = [push, twist] if actuator.get("jointinparent") else [push]
-        if any(
-            math.dist(rotate(turn, each), each) > _SAME * max(map(abs, each)) for each in along if any(each)
-        ):
-            what = (
-                f"pushes along the axes of the world, which is another way for `{hung.part.called}`: "
-                "it is turned"
-            )
+        if any(math.dist(rotate(turn, each), each) > _SAME * max(map(abs, each)) for each in along if any(each)):
+            what = f"pushes along the axes of the world, which is another way for `{hung.part.called}`: it is turned"
             help = "let it act on a site of the body: its `gear` is in the axes of the site"
             _warn(linking, hung.part, actuator, what=what, help=help)
 
@@ -407,9 +395,7 @@ def _check_flexes(linking: Linking, hung: _MovedWorld) -> None:
 
 def _warn(linking: Linking, part: Part, element: Node, what: str, help: str) -> None:
     named = f" `{element.get('name')}`" if element.get("name") else ""
-    linking.sink.warning(
-        "world-frame", f"{element.tag}{named} {what}", linking.span(part.unit, element), help=help
-    )
+    linking.sink.warning("world-frame", f"{element.tag}{named} {what}", linking.span(part.unit, element), help=help)
 
 
 def sections(linking: Linking) -> None:

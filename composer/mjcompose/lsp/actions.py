@@ -126,11 +126,7 @@ def offer(offered: Offer) -> Iterator[Action]:
     """Yield, for each warning at the place, a change that adds its code to `allow`."""
     tree, analysis = offered.tree, offered.analysis
     for diagnostic in offered.diagnostics if tree is not None else ():
-        if (
-            diagnostic.severity is not Severity.ERROR
-            and diagnostic.code != "unused-allow"
-            and tree is not None
-        ):
+        if diagnostic.severity is not Severity.ERROR and diagnostic.code != "unused-allow" and tree is not None:
             change = with_item(tree, analysis.lines, analysis.file, ALLOW, diagnostic.code)
             if change is not None:
                 yield Action(f"acknowledge this: `{ALLOW}: [{diagnostic.code}]`", (change,), diagnostic)
@@ -193,9 +189,7 @@ def offer_near(offered: Offer) -> Iterator[Action]:
     question = offered.question
     cursor = question.cursor
     written = cursor.whole.strip()
-    about = next(
-        (each for each in offered.diagnostics if each.fix is None and written in _about(each.subjects)), None
-    )
+    about = next((each for each in offered.diagnostics if each.fix is None and written in _about(each.subjects)), None)
     if about is None or not written:
         return
     labels = [item.label for item in complete(question).items if item.kind != "pattern"]
@@ -227,11 +221,7 @@ def offer_settle(offered: Offer) -> Iterator[Action]:
 
 def _wanted(diagnostic: Diagnostic, analysis: Analysis) -> Iterator[tuple[str, tuple[str, ...], str]]:
     """Yield part, path and value of each setting that is written at a place of the diagnostic."""
-    places = {
-        _line(span)
-        for span in (diagnostic.span, *(note.span for note in diagnostic.notes))
-        if span is not None
-    }
+    places = {_line(span) for span in (diagnostic.span, *(note.span for note in diagnostic.notes)) if span is not None}
     for part, unit in analysis.names.sources.items():
         for section in SECTIONS:
             for top in unit.root.iterchildren(section):

@@ -34,9 +34,7 @@ if TYPE_CHECKING:
 def marks(files: Iterable[PathlibPath], texts: Entries[str, bytes]) -> dict[PathlibPath, Mark | int]:
     """Return a mark for each file, which changes with its content. `texts` are unsaved texts by real path."""
     return {
-        file: hash(text)
-        if texts and (text := texts.get(os.path.realpath(file))) is not None
-        else mark_of(file)
+        file: hash(text) if texts and (text := texts.get(os.path.realpath(file))) is not None else mark_of(file)
         for file in files
     }
 
@@ -403,9 +401,7 @@ def _candidates(lines: list[str], cursor: Cursor) -> Iterator[str]:
     line, before, after = lines[at], lines[:at], lines[at + 1 :]
     if cursor.in_flow:
         for head in (line, line[: cursor.end], line[: cursor.start].rstrip().rstrip(",:")):
-            yield "\n".join(
-                [*before, head + cursor.quote * (head.count(cursor.quote) % 2) + _closers(head), *after]
-            )
+            yield "\n".join([*before, head + cursor.quote * (head.count(cursor.quote) % 2) + _closers(head), *after])
             yield "\n".join([*before, head + ": null" + _closers(head), *after])
     elif not cursor.has_colon:
         yield "\n".join([*before, line + ":", *after])

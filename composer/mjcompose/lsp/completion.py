@@ -138,9 +138,7 @@ def offer_parameters(question: Question) -> Iterator[Item]:
     if cursor.role in ("key", "either") and (found := _at(cursor.path, question)) is not None:
         for each in found.values():
             colon = "" if cursor.has_colon else ": "
-            yield Item(
-                each.name, each.kind, each.detail, each.doc, 15, each.name + colon, again=bool(each.values)
-            )
+            yield Item(each.name, each.kind, each.detail, each.doc, 15, each.name + colon, again=bool(each.values))
     if cursor.role in ("value", "either") and cursor.path:
         path = cursor.path[:-1] if isinstance(cursor.path[-1], int) else cursor.path
         found = _at(path[:-1], question) or {}
@@ -149,9 +147,7 @@ def offer_parameters(question: Question) -> Iterator[Item]:
             yield Item(value, "word", settable.detail if settable else "", rank=10 + at)
         if cursor.path[0] == "randomize" and cursor.path[-1] == "param":
             own = settables(question.data).values()
-            yield from (
-                Item(each.name, each.kind, each.detail, each.doc) for each in own if each.kind == "parameter"
-            )
+            yield from (Item(each.name, each.kind, each.detail, each.doc) for each in own if each.kind == "parameter")
 
 
 def _at(path: Path, question: Question) -> dict[str, Settable] | None:

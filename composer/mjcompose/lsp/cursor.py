@@ -272,9 +272,7 @@ class _Scan:
         path = self.path() if role != "key" else self.holder()
         top = self.stack[-1] if self.stack else None
         keys = tuple(top.keys) if top is not None and role == "key" and not top.is_list else ()
-        return Cursor(
-            path, role, text[start:column], line, start, end, quote, whole=text[start:end], written=keys
-        )
+        return Cursor(path, role, text[start:column], line, start, end, quote, whole=text[start:end], written=keys)
 
     def path(self) -> Path:
         return tuple(frame.step for frame in self.stack if frame.step is not None)

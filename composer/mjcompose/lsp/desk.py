@@ -41,9 +41,7 @@ if TYPE_CHECKING:
     from mjcompose.model.unit import Unit
 
 
-def carried(
-    found: Iterable[Diagnostic], file: str, old: Sequence[str], new: Sequence[str]
-) -> tuple[Diagnostic, ...]:
+def carried(found: Iterable[Diagnostic], file: str, old: Sequence[str], new: Sequence[str]) -> tuple[Diagnostic, ...]:
     """Return diagnostics of an earlier text at their places in a new one. Those on changed lines are left out."""
     if list(old) == list(new):
         return tuple(found)
@@ -173,9 +171,7 @@ class Workspace:
     def context(self) -> Context:
         return Context(folder=self.folder, fetching=Fetching(offline=True))
 
-    def analyse(
-        self, path: Path, text: str, texts: Mapping[str, bytes], before: Analysis | None = None
-    ) -> Analysis:
+    def analyse(self, path: Path, text: str, texts: Mapping[str, bytes], before: Analysis | None = None) -> Analysis:
         """Return the analysis of a recipe with the texts of the editor. What it lacks now is taken from `before`."""
         if len(text) > _MOST_TEXT:
             return Analysis(path, self.folder, text, found=(_too_large(text, shown(path, self.folder)),))
@@ -389,16 +385,12 @@ class Desk:
         document = self.documents.get(path)
         if document is None or document.kind != "recipe":
             return None
-        while document.work is not None and (
-            document.analysis is None or (newest and document.done < document.count)
-        ):
+        while document.work is not None and (document.analysis is None or (newest and document.done < document.count)):
             await asyncio.wait([document.work])
         analysis = document.analysis
         if not traced or analysis is None:
             return analysis
-        whole = await asyncio.get_running_loop().run_in_executor(
-            self._analysing, self.workspace.traced, analysis
-        )
+        whole = await asyncio.get_running_loop().run_in_executor(self._analysing, self.workspace.traced, analysis)
         if document.analysis is analysis:
             document.analysis = whole
         return whole
@@ -440,9 +432,7 @@ class Desk:
                     )  # fmt: skip
                 elif document.kind == "model":
                     document.seen = version
-                    found = await loop.run_in_executor(
-                        self._analysing, self.workspace.check_model, document.path, text
-                    )
+                    found = await loop.run_in_executor(self._analysing, self.workspace.check_model, document.path, text)
                     self._report(document.path, by_file(found, shown(document.path, self.folder)))
             except Exception:
                 self._log(traceback.format_exc())

@@ -176,9 +176,7 @@ def show_key(question: Question) -> Hover | None:
         text = doc_of((*cursor.path, cursor.whole), question.data)
         return Hover(f"**`{cursor.whole}`**\n\n{text}", question.word) if text else None
     text = words_of(question.forms).get(cursor.whole.strip(), "")
-    text = text or (
-        doc_of(cursor.path, question.data) if cursor.path and isinstance(cursor.path[-1], str) else ""
-    )
+    text = text or (doc_of(cursor.path, question.data) if cursor.path and isinstance(cursor.path[-1], str) else "")
     return Hover(f"**`{cursor.whole.strip()}`**\n\n{text}", question.word) if text else None
 
 
@@ -220,9 +218,7 @@ def _of_recipe(plan: Plan, question: Question) -> Iterator[str]:
     if plan.description:
         yield f"- {plan.description}"
     yield f"- parts: {', '.join(f'`{part}`' for part in plan.part_names) or 'none'}"
-    for each in of_nested(
-        question.path[:-1] if question.path != ("base",) else question.path, question
-    ).values():
+    for each in of_nested(question.path[:-1] if question.path != ("base",) else question.path, question).values():
         yield f"- `{each.name}`: {each.detail}{'; ' if each.doc else ''}{each.doc}"
 
 

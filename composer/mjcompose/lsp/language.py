@@ -177,9 +177,7 @@ def _may_be(schema: Schema, data: Any) -> bool:
 
 
 def _is_type(types: str | list[str], data: Any) -> bool:
-    return any(
-        isinstance(data, _TYPES.get(each, ())) for each in ([types] if isinstance(types, str) else types)
-    )
+    return any(isinstance(data, _TYPES.get(each, ())) for each in ([types] if isinstance(types, str) else types))
 
 
 def _holds(condition: Schema, data: Any) -> bool:
@@ -199,6 +197,4 @@ def _holds(condition: Schema, data: Any) -> bool:
     if "anyOf" in condition and not any(_holds(each, data) for each in condition["anyOf"]):
         return False
     inner = condition.get("properties", {})
-    return all(
-        _holds(each, data[name]) for name, each in inner.items() if name in data and isinstance(each, dict)
-    )
+    return all(_holds(each, data[name]) for name, each in inner.items() if name in data and isinstance(each, dict))

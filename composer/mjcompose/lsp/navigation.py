@@ -16,19 +16,7 @@ from mjcompose.build.plan.plan import Plan
 from mjcompose.language.expand import cells
 from mjcompose.language.value import angle_places
 from mjcompose.lsp import subject
-from mjcompose.lsp.analysis import (
-    Analysis,
-    Change,
-    Fold,
-    Hint,
-    Hover,
-    Known,
-    Lens,
-    Question,
-    Symbol,
-    lines_of,
-    shown,
-)
+from mjcompose.lsp.analysis import Analysis, Change, Fold, Hint, Hover, Known, Lens, Question, Symbol, lines_of, shown
 from mjcompose.lsp.cursor import Path
 from mjcompose.lsp.hover import describe, values_of
 from mjcompose.lsp.language import Form, forms_at, forms_below, kinds_of
@@ -43,9 +31,7 @@ if TYPE_CHECKING:
 
 def definition(question: Question) -> list[Span]:
     """Return the places where what is at the cursor is defined."""
-    return list(
-        dict.fromkeys([*_elements(question), *_part(question), *_parameter(question), *_model(question)])
-    )
+    return list(dict.fromkeys([*_elements(question), *_part(question), *_parameter(question), *_model(question)]))
 
 
 def _elements(question: Question) -> Iterator[Span]:
@@ -151,9 +137,7 @@ def hover_in_model(path: File, line: int, analyses: Iterable[Analysis]) -> Hover
 
 def references_in_recipes(path: File, line: int, analyses: Iterable[Analysis]) -> list[Span]:
     """Return the places in recipes and models that refer to the element on a line."""
-    found = [
-        span for each in analyses for known in elements_at(path, line, each) for span in uses_of(known, each)
-    ]
+    found = [span for each in analyses for known in elements_at(path, line, each) for span in uses_of(known, each)]
     return list(dict.fromkeys(found))
 
 
@@ -369,9 +353,7 @@ def _standing(found: Iterable[Symbol], analysis: Analysis) -> Iterator[Symbol]:
     for each in found:
         span, whole = (analysis.now(place, analysis.tree_of) for place in (each.span, each.whole))
         if span is not None:
-            yield replace(
-                each, span=span, whole=whole or span, children=tuple(_standing(each.children, analysis))
-            )
+            yield replace(each, span=span, whole=whole or span, children=tuple(_standing(each.children, analysis)))
 
 
 def _of_symbols(node: Node, depth: int) -> Iterator[Symbol]:

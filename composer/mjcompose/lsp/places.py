@@ -63,9 +63,7 @@ def matches(path: Path, written: dict[str, Any], analysis: Analysis) -> list[Nod
         return None
 
 
-def _selected(
-    unit: Unit, selector: Selector, separator: str, parts: Mapping[Node, str] | None = None
-) -> list[Node]:
+def _selected(unit: Unit, selector: Selector, separator: str, parts: Mapping[Node, str] | None = None) -> list[Node]:
     return Selection(unit.root, unit.classes, separator, parts or {}).of(selector)
 
 
@@ -188,13 +186,7 @@ def without_variant(path: Path) -> Path:
 
 def _in_place(path: Path) -> tuple[Path, Path] | None:
     """Return the part whose in-place recipe contains a path, and the path inside that recipe, or None."""
-    length = (
-        2
-        if path[:2] == ("base", "model")
-        else 3
-        if path[:1] == ("attach",) and path[2:3] == ("model",)
-        else 0
-    )
+    length = 2 if path[:2] == ("base", "model") else 3 if path[:1] == ("attach",) and path[2:3] == ("model",) else 0
     return (path[: length - 1], path[length:]) if length and len(path) > length else None
 
 
@@ -269,9 +261,7 @@ def _of_mjcf(path: Path, forms: list[Form], around: Any) -> Wanted | None:
             return _by_type(attribute.refers_by, around)
         if attribute.refers and not attribute.refers.startswith("attached:"):
             return Wanted((attribute.refers,))
-    if name in ("site", "geom", "sidesite") and any(
-        form.role.startswith("step.tendon.spatial") for form in forms
-    ):
+    if name in ("site", "geom", "sidesite") and any(form.role.startswith("step.tendon.spatial") for form in forms):
         return Wanted(("geom",) if name == "geom" else ("site",))
     if name == "joint" and any(form.role.startswith("step.tendon.fixed") for form in forms):
         return Wanted(("joint",))

@@ -124,10 +124,7 @@ class Frames:
         if not isinstance(message, dict) or message.get("jsonrpc") != "2.0":
             return INVALID_REQUEST, "a message is an object with `jsonrpc` 2.0"
         if "method" not in message:
-            return (
-                INVALID_REQUEST,
-                None if "id" in message else "a message has neither a `method` nor an `id`",
-            )
+            return (INVALID_REQUEST, None if "id" in message else "a message has neither a `method` nor an `id`")
         method = message["method"]
         if not isinstance(method, str) or ("id" in message and number is None):
             return INVALID_REQUEST, "a method is a text, and the `id` of a request a text or a whole number"
@@ -190,9 +187,7 @@ class Converter:
         end_text = lines[last] if lines else ""
         return lsp.Range(
             lsp.Position(line, analysis.units(text, start, self.encoding)),
-            lsp.Position(
-                last, analysis.units(end_text, max(end, start) if last == line else end, self.encoding)
-            ),
+            lsp.Position(last, analysis.units(end_text, max(end, start) if last == line else end, self.encoding)),
         )
 
     def column(self, lines: list[str], position: lsp.Position) -> int:
@@ -266,9 +261,7 @@ class Converter:
         )  # fmt: skip
 
     def hint(self, found: analysis.Hint) -> lsp.InlayHint:
-        return lsp.InlayHint(
-            self.range(found.span).end, found.text, padding_left=True, tooltip=found.doc or None
-        )
+        return lsp.InlayHint(self.range(found.span).end, found.text, padding_left=True, tooltip=found.doc or None)
 
     def lens(self, found: analysis.Lens) -> lsp.CodeLens:
         command = lsp.Command(found.title, found.command, arguments=list(found.arguments))

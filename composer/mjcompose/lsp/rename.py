@@ -92,10 +92,7 @@ def renameable(question: Question) -> Span | None:
     if parameter is None or parameter[1] is not None or parameter[0] not in subject.settables(question.data):
         return None
     for span in subject.parameter_uses(parameter[0], question.analysis.tree):
-        if (
-            span.line == question.line + 1
-            and span.column - 1 <= question.column <= (span.end_column or 0) - 1
-        ):
+        if span.line == question.line + 1 and span.column - 1 <= question.column <= (span.end_column or 0) - 1:
             return span
     return None
 
@@ -104,9 +101,7 @@ def rename(question: Question, new: str, others: Iterable[Analysis]) -> Rename:
     """Return all changes that a new name needs. `others` are the recipes that may include this one."""
     at, parameter = subject.part_named_at(question), subject.parameter_at(question)
     if renameable(question) is None:
-        return Rename(
-            refusal="only parts, parameters and variants of a recipe without faults of YAML can be renamed"
-        )
+        return Rename(refusal="only parts, parameters and variants of a recipe without faults of YAML can be renamed")
     try:
         if at is not None and len(at) == 2:
             return _rename_part(str(at[1]), new, question.analysis, others)
@@ -147,12 +142,7 @@ def _inclusions(other: Analysis, analysis: Analysis) -> Iterator[tuple[str, str]
     if any(source.path == analysis.path for source, _ in plan.extended):
         yield "", ""
     for place in plan.walk():
-        if (
-            isinstance(place.model, Plan)
-            and place.part
-            and place.model.path == analysis.path
-            and not place.model.at
-        ):
+        if isinstance(place.model, Plan) and place.part and place.model.path == analysis.path and not place.model.at:
             yield place.part, place.prefix
 
 
@@ -252,6 +242,4 @@ def _path_of(part: str, analysis: Analysis) -> Path | None:
     plan = analysis.plan
     if part == RESERVED:
         return (RESERVED,)
-    return next(
-        (step.at for step in (plan.parts if plan else ()) if part_called(step.at, plan) == part), None
-    )
+    return next((step.at for step in (plan.parts if plan else ()) if part_called(step.at, plan) == part), None)

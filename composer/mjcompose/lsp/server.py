@@ -61,9 +61,7 @@ class Server(LanguageServer):
         self.uris: dict[Path, str] = {}
 
     def begin(self, folder: Path) -> None:
-        encoding = str(
-            getattr(self.workspace.position_encoding, "value", self.workspace.position_encoding) or "utf-16"
-        )
+        encoding = str(getattr(self.workspace.position_encoding, "value", self.workspace.position_encoding) or "utf-16")
         self.converter = Converter(encoding, folder, self.lines, self.uri)
         self.desk = Desk(folder, self.publish, self.say)
         self.errands = Errands(folder)
@@ -248,9 +246,7 @@ async def renamed(own: Server, params: lsp.RenameParams) -> lsp.WorkspaceEdit | 
     return own.converter.edit(found.changes)
 
 
-@_feature(
-    lsp.TEXT_DOCUMENT_CODE_ACTION, lsp.CodeActionOptions([lsp.CodeActionKind.QuickFix, "refactor.rewrite"])
-)
+@_feature(lsp.TEXT_DOCUMENT_CODE_ACTION, lsp.CodeActionOptions([lsp.CodeActionKind.QuickFix, "refactor.rewrite"]))
 async def acted(own: Server, params: lsp.CodeActionParams) -> list[lsp.CodeAction] | None:
     path = own.path(params.text_document.uri)
     analysis, document = await own.desk.analysed(path, True), own.desk.documents.get(path)

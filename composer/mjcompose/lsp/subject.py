@@ -40,9 +40,7 @@ def uses_in(tree: Node | None) -> Iterator[Use]:
         yield from _walk(tree, data, (), forms_at((), data), [], None)
 
 
-def _walk(
-    node: Node, data: Any, path: Path, forms: list[Form], above: list[Form], around: Any
-) -> Iterator[Use]:
+def _walk(node: Node, data: Any, path: Path, forms: list[Form], above: list[Form], around: Any) -> Iterator[Use]:
     if isinstance(node, Scalar):
         wanted = wanted_value(path, above, around) if path and isinstance(node.value, str) else None
         if wanted is not None:
@@ -111,9 +109,7 @@ def settables(data: Any) -> dict[str, Settable]:
         default = said.get("default")
         if isinstance(default, bool):
             values = ("true", "false")
-        found[name] = Settable(
-            name, "parameter", text(default), values, text(said.get("unit")), text(said.get("doc"))
-        )
+        found[name] = Settable(name, "parameter", text(default), values, text(said.get("unit")), text(said.get("doc")))
     for name, written in _entries(data, "variants"):
         values = tuple(written) if isinstance(written, dict) else ()
         found[name] = Settable(name, "variant", values[0] if values else "", values)
@@ -212,9 +208,7 @@ def _keys(node: Node | None, path: Path, name: str) -> list[Span]:
     sets = path in (("params",), ("variants",), ("matrix", "axes")) or path[-1:] == ("when",)
     sets = sets or (path[:1] == ("matrix",) and len(path) == 3)
     own = [node.entries[name][0].span] if sets and name in node.entries else []
-    return own + [
-        span for key, (_, value) in node.entries.items() for span in _keys(value, (*path, key), name)
-    ]
+    return own + [span for key, (_, value) in node.entries.items() for span in _keys(value, (*path, key), name)]
 
 
 def _written(node: Scalar) -> str:
@@ -230,10 +224,7 @@ def wanted_as_value(question: Question) -> Wanted | None:
     if question.cursor.role not in ("value", "either") or not path:
         return None
     around = path[:-2] if isinstance(path[-1], int) else path[:-1]
-    forms = [
-        *forms_at(path[:-1], question.data),
-        *(forms_at(around, question.data) if around != path[:-1] else ()),
-    ]
+    forms = [*forms_at(path[:-1], question.data), *(forms_at(around, question.data) if around != path[:-1] else ())]
     return wanted_value(path, forms, question.at(around))
 
 
@@ -250,9 +241,7 @@ def named_at(question: Question) -> list[Known]:
     wanted, name, analysis = wanted_at(question), question.cursor.whole.strip(), question.analysis
     if wanted is None or not name:
         return []
-    found = [
-        (rank, each) for rank, each in fitting(wanted, analysis.names, analysis.plan) if each.name == name
-    ]
+    found = [(rank, each) for rank, each in fitting(wanted, analysis.names, analysis.plan) if each.name == name]
     best = min((rank for rank, _ in found), default=0)
     return [each for rank, each in found if rank == best and each.namespace != PART]
 

@@ -54,9 +54,7 @@ def door_of(confine_to: Folders | None) -> Door:
     folders = as_folders("confine_to", confine_to)
     whose = ", ".join(f"`{folder}`" for folder in folders) or "no folder"
     return Door.of(
-        folders,
-        f"{whose}, which is all that `confine_to` names",
-        "add the folder: `confine_to=[…, '{absolute}']`",
+        folders, f"{whose}, which is all that `confine_to` names", "add the folder: `confine_to=[…, '{absolute}']`"
     )
 
 
@@ -141,9 +139,7 @@ def skins_after_prefix(parent: Model, old: str, new: str) -> Skins:
     """Return the new skin files of a model and of the models above it after the prefix of a child changes."""
     found: Skins = []
     for here, prefix in parent.levels():
-        changed = renamed_skins(
-            here, _Prefixes(prefix + old, prefix + new, here.names.declared.get("body", {}))
-        )
+        changed = renamed_skins(here, _Prefixes(prefix + old, prefix + new, here.names.declared.get("body", {})))
         if changed:
             found.append((here, changed))
     return found

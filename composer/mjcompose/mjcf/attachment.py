@@ -80,8 +80,7 @@ class AttachmentFrame(Element):
         self._check_body_name()
         checked = edit.check(self._model, kind, targets(attributes), frame=self._attachment)
         return cast(
-            Element,
-            view(self._model, edit.create(self._model, self._node, tag, edit=checked, position=position)),
+            Element, view(self._model, edit.create(self._model, self._node, tag, edit=checked, position=position))
         )
 
     def _write(self, attributes: Mapping[str, object]) -> None:
@@ -113,9 +112,7 @@ class AttachmentFrame(Element):
 
     def remove(self, cascade: bool = False) -> None:
         """Raise `MjcfError`: an attachment frame cannot be removed. Call `detach()` on the child instead."""
-        raise failure(
-            "not-supported", "an attachment frame goes with its model: `detach()` that", call_site()
-        )
+        raise failure("not-supported", "an attachment frame goes with its model: `detach()` that", call_site())
 
     def attach(self, other: RootElement) -> Element:
         """Raise `MjcfError`: attach models to an element of the parent or of the child instead."""

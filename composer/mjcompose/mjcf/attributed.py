@@ -95,9 +95,7 @@ class Attributed:
         if known is None:
             raise no_attribute(self._kind, attribute)
         if self._alive()._node.get(known.name) is None:
-            raise failure(
-                "unknown-attribute", f"`{attribute}` of {self._described()} is not set", call_site()
-            )
+            raise failure("unknown-attribute", f"`{attribute}` of {self._described()} is not set", call_site())
         origins, file = self._model.unit.origins, self._model.unit.file
         return origins.span(self._node, file, known.name)
 

@@ -337,9 +337,7 @@ class Binding:
         has = getattr(self, name)
         if has.ndim < (1 if self._one else 2):
             raise failure(
-                "wrong-type",
-                f"`{name}` of {self._labelled()} has one number for each, and no columns",
-                call_site(),
+                "wrong-type", f"`{name}` of {self._labelled()} has one number for each, and no columns", call_site()
             )
         known = column_names(fields(self._kind)[name].array, has.shape[-1])
         try:
@@ -412,9 +410,7 @@ class Binding:
         if regular is not None:
             return array[regular]
         release = RELEASES.get(field.array)
-        return ScatteredRows.of(
-            array, index, *([partial(release, self._model, field.array)] if release else [])
-        )
+        return ScatteredRows.of(array, index, *([partial(release, self._model, field.array)] if release else []))
 
     def _rows(self, run: Run, at: int, field: Field) -> range:
         rows = run.rows(self._model, self._ids[at])
@@ -467,9 +463,7 @@ class EmptyBinding:
 
     def __setattr__(self, name: str, value: Any) -> None:
         if np.size(value):
-            raise failure(
-                "wrong-length", f"`{name}` of nothing has the shape (0,), got {np.shape(value)}", call_site()
-            )
+            raise failure("wrong-length", f"`{name}` of nothing has the shape (0,), got {np.shape(value)}", call_site())
 
     def __getitem__(self, key: object) -> Array:
         return np.empty(0)

@@ -30,8 +30,7 @@ _GENERAL = "general"
 OF_ALL = frozenset(
     name
     for name in GRAMMAR.element("actuator/motor").attributes
-    if name != "class"
-    and all(name in GRAMMAR.element(f"actuator/{tag}").attributes for tag in (_GENERAL, "position"))
+    if name != "class" and all(name in GRAMMAR.element(f"actuator/{tag}").attributes for tag in (_GENERAL, "position"))
 )
 # Tags of which MuJoCo takes every attribute that a class gives as if it were written on the element.
 _PLAIN = frozenset({_GENERAL, "motor", "position", "velocity", "intvelocity", "adhesion"})
@@ -52,9 +51,7 @@ def is_plain(found: DefaultClass, node: Node) -> bool:
     return True
 
 
-def commit(
-    model: Model, node: Node, given: Mapping[str, str], found: DefaultClass, *, partly: bool = False
-) -> None:
+def commit(model: Model, node: Node, given: Mapping[str, str], found: DefaultClass, *, partly: bool = False) -> None:
     """Write attributes onto an actuator so that MuJoCo reads the same with its classes and without them.
 
     `given` has the attributes from the classes that the actuator's own tag has. If these are not enough, the actuator
@@ -86,9 +83,7 @@ def commit(
             return
     if as_good is not None:
         _replace_by(model, node, as_good)
-    message = (
-        f"{describe(model, node)} keeps needing its default class, which gives it what cannot be written"
-    )
+    message = f"{describe(model, node)} keeps needing its default class, which gives it what cannot be written"
     warn(message, MjcfWarning)
 
 
@@ -108,12 +103,7 @@ def _written_elements(found: DefaultClass | None) -> Iterator[Node]:
 
 
 def _candidates(
-    node: Node,
-    given: Mapping[str, str],
-    wanted: Mapping[str, str],
-    bare: Mapping[str, str],
-    *,
-    in_general: bool,
+    node: Node, given: Mapping[str, str], wanted: Mapping[str, str], bare: Mapping[str, str], *, in_general: bool
 ) -> Iterator[Node]:
     """Yield the element with all attributes from its classes, with those that all tags share, and as a `general`."""
     for names in (given.keys(), given.keys() & OF_ALL):
@@ -201,11 +191,7 @@ def _by_role(node: Node) -> dict[str, str]:
 _SECTIONS_OF_NO_ELEMENTS = ("default", "extension")
 _NEVER_GIVEN = frozenset({"class", "texture"})  # textures are a matter of several elements
 # Attributes of which the nearest that is written counts alone.
-_ONE_OF = (
-    frozenset(ORIENTATIONS),
-    frozenset({"type", "directional"}),
-    frozenset({"kv", "dampratio"}),
-)
+_ONE_OF = (frozenset(ORIENTATIONS), frozenset({"type", "directional"}), frozenset({"kv", "dampratio"}))
 _TEXTS = frozenset({"reference", "references", "file", "string"})
 # A single number stands for both.
 _NEVER_COMPLETED = frozenset({"springlength"})

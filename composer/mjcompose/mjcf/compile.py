@@ -120,9 +120,7 @@ def _in_place(name: str) -> Any:
     return write
 
 
-IN_PLACE = [
-    f"__i{operator}__" for operator in "add sub mul truediv floordiv mod pow and or xor lshift rshift".split()
-]
+IN_PLACE = [f"__i{operator}__" for operator in "add sub mul truediv floordiv mod pow and or xor lshift rshift".split()]
 
 for _name in IN_PLACE:
     setattr(Scattered, _name, _in_place(_name))
@@ -200,9 +198,7 @@ def engine() -> MjModel:
     try:
         import mujoco
     except ImportError as error:
-        raise failure(
-            "mujoco-missing", f"MuJoCo cannot be imported: {error}", help="pip install mujoco"
-        ) from error
+        raise failure("mujoco-missing", f"MuJoCo cannot be imported: {error}", help="pip install mujoco") from error
     return mujoco
 
 

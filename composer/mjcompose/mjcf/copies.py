@@ -145,9 +145,7 @@ class _Composition:
         for each in self.attached:
             child = each.child.restored()
             frame = each.frame.restored(origins)
-            child.hung = model.attachments[child.prefix] = Attachment(
-                model, child, nodes[each.host], frame=frame
-            )
+            child.hung = model.attachments[child.prefix] = Attachment(model, child, nodes[each.host], frame=frame)
             for joint in frame:
                 model.note(joint)
         return model

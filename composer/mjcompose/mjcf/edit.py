@@ -133,9 +133,7 @@ def check(
         try:
             text = _text(model, kind, attribute, value=value, written=written, edit=edit)
         except BadValue as fault:
-            raise _bad_value(
-                kind, attribute, fault, model=model, name=values.get("name"), node=node
-            ) from None
+            raise _bad_value(kind, attribute, fault, model=model, name=values.get("name"), node=node) from None
         edit.texts[attribute.name] = text
         if text is None:
             written.pop(attribute.name, None)
@@ -153,12 +151,7 @@ def check(
 
 
 def _text(
-    model: Model,
-    kind: ElementType,
-    attribute: Attribute,
-    value: object,
-    written: Mapping[str, str],
-    edit: Edit,
+    model: Model, kind: ElementType, attribute: Attribute, value: object, written: Mapping[str, str], edit: Edit
 ) -> str | None:
     if value is None:
         return None
@@ -257,18 +250,14 @@ def _give_names(edit: Edit) -> None:
         model.note(node)
 
 
-def _check_name(
-    model: Model, kind: ElementType, edit: Edit, node: Node | None, frame: Attachment | None
-) -> None:
+def _check_name(model: Model, kind: ElementType, edit: Edit, node: Node | None, frame: Attachment | None) -> None:
     """Raise `MjcfError` if the name that an edit sets is already used in the composition."""
     attribute = naming_attribute(kind)
     if attribute is None or attribute.declares is None:
         return
     namespace = attribute.declares
     after_file = kind.path in NAMED_AFTER_FILE
-    if node is not None and edit.texts.keys().isdisjoint(
-        {attribute.name, "file"} if after_file else {attribute.name}
-    ):
+    if node is not None and edit.texts.keys().isdisjoint({attribute.name, "file"} if after_file else {attribute.name}):
         return
     name = _text_after(edit, node, attribute.name)
     if not name and after_file and (file := _text_after(edit, node, "file")):
@@ -278,9 +267,7 @@ def _check_name(
     if not name:
         return
     if node is not None and namespace == "default" and node.getparent() is model.unit.root and name != MAIN:
-        raise failure(
-            "wrong-type", f"the top default class is called `{MAIN}`, and cannot be `{name}`", call_site()
-        )
+        raise failure("wrong-type", f"the top default class is called `{MAIN}`, and cannot be `{name}`", call_site())
     before = None if node is None else model.declared(node)
     if before is not None and before[1] != name:
         edit.renaming = Renaming.of([NewName(model, namespace, before[1], new=name)])
@@ -343,9 +330,4 @@ def _bad_value(
             help = did_you_mean(refusal.unknown, attribute.keywords)
     else:
         code = "wrong-length" if refusal.is_length else "wrong-type"
-    return failure(
-        code,
-        f"`{spoken(attribute.name)}` of {what} {refusal}",
-        call_site(),
-        help=help,
-    )
+    return failure(code, f"`{spoken(attribute.name)}` of {what} {refusal}", call_site(), help=help)

@@ -102,9 +102,7 @@ def no_attribute(kind: ElementType, name: str, members: Iterable[str] = ()) -> M
     known = sorted(map(spoken, kind.attributes))
     tags = sorted(map(spoken, kind.children)) if meant else []
     other = ATTRIBUTES.get(name) if meant else None
-    found = unknown_attribute(
-        name, f"`<{kind.tag}>`", known, span=call_site(), help=other, near=[*tags, *meant]
-    )
+    found = unknown_attribute(name, f"`<{kind.tag}>`", known, span=call_site(), help=other, near=[*tags, *meant])
     notes = (*found.notes, exists_note("element", tags, name)) if tags else found.notes
     return error_of(replace(found, notes=notes), MjcfAttributeError)
 

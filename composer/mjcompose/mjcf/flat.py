@@ -156,9 +156,7 @@ def _plain_files(unit: Unit) -> tuple[int, int] | None:
 
     Return None if a path has to be shortened, if two file names are equal, or if a file has to be read.
     """
-    if any(
-        next(section.iterchildren("model"), None) is not None for section in unit.root.iterchildren("asset")
-    ):
+    if any(next(section.iterchildren("model"), None) is not None for section in unit.root.iterchildren("asset")):
         return None
     seen = set()
     moving = staying = 0
@@ -326,9 +324,7 @@ def link_checked(model: Model, conflict: Policy, copy: Callable[[Model], Unit], 
     with ExitStack() as ending:
         started: list[Measure] = []
         measure = _measure(sink, prefixes, ending, started=started) if mounting.parts else None
-        linking = Linking(
-            mounting.base, mounting.parts, sink, request=Request(conflict=conflict), measure=measure
-        )
+        linking = Linking(mounting.base, mounting.parts, sink, request=Request(conflict=conflict), measure=measure)
         if not mounting.parts:
             if check_keys:
                 layouts(linking)
@@ -346,9 +342,7 @@ def link_checked(model: Model, conflict: Policy, copy: Callable[[Model], Unit], 
             prune(linking.base)
     if sink.has_errors:
         raise MjcfError(map(_for_python, sink.errors))
-    return Flat(
-        linking.base, linking.files, list(map(_for_python, sink.diagnostics)), is_measured=bool(started)
-    )
+    return Flat(linking.base, linking.files, list(map(_for_python, sink.diagnostics)), is_measured=bool(started))
 
 
 def _check(model: Model, conflict: Policy) -> None:

@@ -257,9 +257,7 @@ def _files(source: Model) -> list[tuple[Node, str, Asset]]:
 
 
 def _has_elements(root: Node) -> bool:
-    return any(
-        len(section) for section in root.iterchildren("*") if section.tag not in (*_SETTINGS, "default")
-    )
+    return any(len(section) for section in root.iterchildren("*") if section.tag not in (*_SETTINGS, "default"))
 
 
 def _equal(a: str | None, b: str | None) -> bool:

@@ -30,16 +30,7 @@ from mjcompose.mujoco.messages import of_other_version
 
 _STAND_IN = "stands in for what is attached"
 # What an actuator acts on, and what it needs of that.
-_OF_TRANSMISSIONS = (
-    "joint",
-    "jointinparent",
-    "tendon",
-    "slidersite",
-    "cranksite",
-    "site",
-    "refsite",
-    "inheritrange",
-)
+_OF_TRANSMISSIONS = ("joint", "jointinparent", "tendon", "slidersite", "cranksite", "site", "refsite", "inheritrange")
 # Here an element is part of the bodies and their mass, or of what they are made of.
 _OF_BODIES = frozenset({"worldbody", "default", "asset", "extension"})
 
@@ -154,9 +145,7 @@ def _check_names(unit: Unit, sink: Sink) -> None:
                     "class-clash" if is_class else "name-clash",
                     f"another {'default class' if is_class else namespace} is called `{name}` already",
                     unit.origins.span(node, unit.file, attribute if node.get(attribute) else "file"),
-                    notes=(
-                        Note("the first one is here", unit.origins.span(first[namespace, name], unit.file)),
-                    ),
+                    notes=(Note("the first one is here", unit.origins.span(first[namespace, name], unit.file)),),
                     help="give one of the two another name",
                 )
 
@@ -340,8 +329,7 @@ class Mounting:
         for each in self.mounted:
             to_radians = in_radians and each.parent_unit.settings.angle == "degree"
             each.part.joints = tuple(
-                _joint(joint, each, tops[each.parent_prefix], to_radians=to_radians)
-                for joint in each.attachment.frame
+                _joint(joint, each, tops[each.parent_prefix], to_radians=to_radians) for joint in each.attachment.frame
             )
 
     def clear_up(self) -> None:

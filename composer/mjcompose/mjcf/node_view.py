@@ -84,9 +84,7 @@ def attach(model: Model, host: Node, child: Model) -> Node:
             help="attach to a site, a body, a frame or the worldbody",
         )
     if any(above.tag == "replicate" for above in host.iterancestors()):
-        raise failure(
-            "not-supported", f"{place} is inside a `<replicate>`, where nothing can be attached", call_site()
-        )
+        raise failure("not-supported", f"{place} is inside a `<replicate>`, where nothing can be attached", call_site())
     if child is model or child in model.ancestors():
         message = f"`{child.name}` cannot be attached to itself" if child is model else (
             f"`{child.name}` cannot be attached to {place}, which is part of it"
@@ -96,8 +94,7 @@ def attach(model: Model, host: Node, child: Model) -> Node:
         there = child.hung
         raise failure(
             "attach-place",
-            f"`{child.name}` is attached already, to {describe(there.parent, there.host)} of "
-            f"`{there.parent.name}`",
+            f"`{child.name}` is attached already, to {describe(there.parent, there.host)} of `{there.parent.name}`",
             call_site(),
             notes=(Note("it was attached here", there.parent.span(there.frame)),),
             help="`detach()` it first, or attach a copy: `copy.deepcopy(model)`",

@@ -86,9 +86,7 @@ def from_xml_string(
     b'...'
     """
     if not isinstance(xml_string, str | bytes):
-        raise failure(
-            "wrong-type", f"`xml_string` expects text, got `{type(xml_string).__name__}`", call_site()
-        )
+        raise failure("wrong-type", f"`xml_string` expects text, got `{type(xml_string).__name__}`", call_site())
     files = Files(as_files("assets", assets))
     directory = as_path("base_dir", base_dir) if base_dir is not None else Path()
     door = door_of(confine_to)
@@ -281,9 +279,7 @@ def _files(model: RootElement, model_filename: str, conflict: Policy) -> dict[st
     try:
         check_paths(files)
     except BundleError as error:
-        raise failure(
-            "file-unreadable", f"a file of the model cannot be exported: {error}", call_site()
-        ) from None
+        raise failure("file-unreadable", f"a file of the model cannot be exported: {error}", call_site()) from None
     issue_warnings(flat)
     return files
 

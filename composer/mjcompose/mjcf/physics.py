@@ -119,9 +119,7 @@ class Physics:
         """Make physics of an `MjModel`, and of its `MjData` if one is given. Neither is copied."""
         for what, value, kind in (("model", model, "MjModel"), ("data", data, "MjData")):
             if not isinstance(value, getattr(engine(), kind)) and not (value is None and what == "data"):
-                raise failure(
-                    "wrong-type", f"`{what}` expects an `{kind}`, got `{type(value).__name__}`", call_site()
-                )
+                raise failure("wrong-type", f"`{what}` expects an `{kind}`, got `{type(value).__name__}`", call_site())
         self._model = model
         self._data = engine().MjData(model) if data is None else data
         self.legacy_step = False
@@ -154,16 +152,12 @@ class Physics:
         Raises `MjcfError` if MuJoCo refuses the text.
         """
         if not isinstance(xml_string, str):
-            raise failure(
-                "wrong-type", f"`xml_string` expects text, got `{type(xml_string).__name__}`", call_site()
-            )
+            raise failure("wrong-type", f"`xml_string` expects text, got `{type(xml_string).__name__}`", call_site())
         files = as_files("assets", assets)
         try:
             text = xml_string.encode()
         except UnicodeEncodeError as error:
-            raise failure(
-                "not-mjcf", f"`xml_string` is not Unicode text: {error.reason}", call_site()
-            ) from None
+            raise failure("not-mjcf", f"`xml_string` is not Unicode text: {error.reason}", call_site()) from None
         return cls(compile_text(text, files))
 
     @classmethod
@@ -275,9 +269,7 @@ class Physics:
         return _restored, (self._data, self.legacy_step)
 
     @short_traceback
-    def render(
-        self, height: int = 240, width: int = 320, camera: int | str | NodeView = -1
-    ) -> NDArray[np.uint8]:
+    def render(self, height: int = 240, width: int = 320, camera: int | str | NodeView = -1) -> NDArray[np.uint8]:
         """Render the state at the last `forward()` or `step()` as an RGB image of the shape `(height, width, 3)`.
 
         `height` and `width` are in pixels. `camera` is the index, name or element of a camera; -1 is the free camera.
@@ -378,12 +370,8 @@ class Physics:
             message = f"the frame of `{element.name}` is not a body of the compiled model: it had no joint"
             help = "bind what it is attached to, or the bodies of the attached model"
         elif element.tag == WORLD_SECTION:
-            message = (
-                f"the world of `{element._model.name}` is not a body of the compiled model: it was attached"
-            )
-            help = (
-                "bind what it is attached to, the bodies in it, or its attachment frame once that has a joint"
-            )
+            message = f"the world of `{element._model.name}` is not a body of the compiled model: it was attached"
+            help = "bind what it is attached to, the bodies in it, or its attachment frame once that has a joint"
         elif self._of_tree and element._node not in taken.known:
             message = f"{what} came after the model was compiled"
             help = "compile it again"

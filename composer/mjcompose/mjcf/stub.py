@@ -143,11 +143,7 @@ def _members(kind: ElementType, words: dict[tuple[str, ...], str], values: dict[
     attributes = {spoken(each.name): each for each in kind.attributes.values()}
     taken = dir(RootElement if kind is GRAMMAR.root else Element)
     held = [f"{each}: {_child(kind, child)}" for each, child in _children(kind) if each not in taken]
-    held += [
-        f"{each}: {_type(attribute, words, '')}"
-        for each, attribute in attributes.items()
-        if each not in taken
-    ]
+    held += [f"{each}: {_type(attribute, words, '')}" for each, attribute in attributes.items() if each not in taken]
     yield from _packed(held)
     if kind.path in values:
         yield f"    def set_attributes(self, **attributes: Unpack[{values[kind.path]}]) -> None: ..."

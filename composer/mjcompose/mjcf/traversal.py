@@ -44,9 +44,7 @@ def children(model: Model, node: Node, query: Query) -> Iterator[Target]:
     frame = model.frame_above(node)
     if frame is not None:
         attachment = model.attachment_of(frame)
-        yield from (
-            Target(model, joint) for joint in frame.iterchildren(*query.tags) if _matches_joint(joint, query)
-        )
+        yield from (Target(model, joint) for joint in frame.iterchildren(*query.tags) if _matches_joint(joint, query))
         yield from _top_level(attachment.child, query)
         return
     section = section_of(node)

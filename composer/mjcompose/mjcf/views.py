@@ -55,12 +55,7 @@ def _class_for(model: Model, node: Node) -> Any:
 def class_of(kind: ElementType) -> type[Any]:
     """Return the class for elements of a kind: an `Element` with a documented property for each attribute and child."""
     base = _CLASSES[0].element
-    inside = {
-        **members(kind, taken=dir(base)),
-        "__slots__": (),
-        "__module__": base.__module__,
-        "_kind": kind,
-    }
+    inside = {**members(kind, taken=dir(base)), "__slots__": (), "__module__": base.__module__, "_kind": kind}
     return type(class_name(kind), (base,), inside)
 
 
@@ -148,9 +143,7 @@ def _takes(attribute: Attribute) -> str:
         return "a file name, or an `Asset`"
     if attribute.type in ("keyword", "keywords"):
         shown = attribute.keywords[:SHOWN_KEYWORDS]
-        words = ", ".join(f"'{word}'" for word in shown) + (
-            ", …" if len(shown) < len(attribute.keywords) else ""
-        )
+        words = ", ".join(f"'{word}'" for word in shown) + (", …" if len(shown) < len(attribute.keywords) else "")
         return words if attribute.type == "keyword" else f"some of {words}"
     if attribute.type == "bool":
         return "True or False"

@@ -76,9 +76,7 @@ def written(element: Node, attribute: str) -> str | None:
 
 @cache
 def _numeric() -> frozenset[str]:
-    kinds = [
-        GRAMMAR.element(f"default/{tag}") for tag in GRAMMAR.element("default").children if tag != "default"
-    ]
+    kinds = [GRAMMAR.element(f"default/{tag}") for tag in GRAMMAR.element("default").children if tag != "default"]
     return frozenset(each.name for kind in kinds for each in kind.attributes.values() if each.is_number)
 
 
@@ -128,9 +126,7 @@ class Classes:
         value = written(element, attribute)
         if value is not None:
             return value
-        found = self.get(str(element.get("class") or childclass or MAIN)).lookup(
-            default_tag(element), attribute
-        )
+        found = self.get(str(element.get("class") or childclass or MAIN)).lookup(default_tag(element), attribute)
         return found[0] if found else None
 
 
@@ -259,9 +255,7 @@ def levels(element: Node, kind: ElementType, attribute: Attribute, classes: Clas
     if kind.takes_class and attribute.in_default:
         for step in chain(element, classes):
             writer = _writer(step, element, attribute)
-            found.append(
-                Level("class", step.name, writer, text=None if writer is None else writer.get(attribute.name))
-            )
+            found.append(Level("class", step.name, writer, text=None if writer is None else writer.get(attribute.name)))
     found.append(Level("mujoco", None, None, text=default_text(attribute)))
     return list(_taken(found, attribute))
 

@@ -114,9 +114,7 @@ class Weight(NamedTuple):
         """A body with this in it."""
         own, carried = self.loose, self.dofs - self.loose
         matrix = self.matrix + own * (own + 1) // 2 + own * carried
-        return Weight(
-            self.elements + 1, self.bodies + 1, self.dofs, matrix=matrix, loose=0, points=self.points
-        )
+        return Weight(self.elements + 1, self.bodies + 1, self.dofs, matrix=matrix, loose=0, points=self.points)
 
 
 NOTHING = Weight()
@@ -178,11 +176,7 @@ def written(root: Node) -> int:
 
 
 def check_size(
-    unit: Unit,
-    sink: Sink,
-    attached: Callable[[Node], Weight] = lambda _: NOTHING,
-    *,
-    opens_files: bool = True,
+    unit: Unit, sink: Sink, attached: Callable[[Node], Weight] = lambda _: NOTHING, *, opens_files: bool = True
 ) -> None:
     """Report a model that is larger than the limits allow, at the element that makes it so. Nothing is expanded.
 
@@ -225,9 +219,7 @@ def _is_small(root: Node, elements: int) -> bool:
     by_default, trees = default_dofs(root), []
     for section in root.iterchildren("*"):
         if section.tag == "worldbody":
-            trees += [
-                sum(joint_dofs(joint, by_default) for joint in place.iter(*_JOINTS)) for place in section
-            ]
+            trees += [sum(joint_dofs(joint, by_default) for joint in place.iter(*_JOINTS)) for place in section]
         else:
             joints = (joint for joint in section.iter(*_JOINTS) if _holds_joints(joint.getparent()))
             trees.append(sum(joint_dofs(joint, by_default) for joint in joints))
@@ -274,9 +266,7 @@ def _is_within(unit: Unit, total: Weight, made: dict[Node, Weight], sink: Sink) 
 
 
 def expanded(
-    root: Node,
-    attached: Callable[[Node], Weight] = lambda _: NOTHING,
-    in_file: Callable[[Node], int] = lambda _: 0,
+    root: Node, attached: Callable[[Node], Weight] = lambda _: NOTHING, in_file: Callable[[Node], int] = lambda _: 0
 ) -> Weight:
     """How large a tree is once it is expanded; `in_file` says how many points the file of a `<flexcomp>` has.
 
@@ -318,9 +308,7 @@ def _made(
     return made, NOTHING
 
 
-def _expanded(
-    node: Node, inside: Weight, attached: Callable[[Node], Weight], in_file: Callable[[Node], int]
-) -> Weight:
+def _expanded(node: Node, inside: Weight, attached: Callable[[Node], Weight], in_file: Callable[[Node], int]) -> Weight:
     """What stands in the place of an element, which itself counts as one more."""
     one = Weight(1)
     if node.tag == "replicate":
@@ -401,11 +389,7 @@ def _reserving(unit: Unit, elements: int) -> Iterator[tuple[Node, str, int]]:
         if node.tag == "texture" and node.get("file") is None:
             width = number(node.get("width"))
             is_cube = (node.get("type") or "cube") != "2d"
-            yield (
-                node,
-                "width",
-                _CHANNELS * width * (6 * width if is_cube else number(node.get("height"))),
-            )
+            yield (node, "width", _CHANNELS * width * (6 * width if is_cube else number(node.get("height"))))
         elif node.tag == "hfield" and node.get("file") is None:
             yield node, "nrow", number(node.get("nrow")) * number(node.get("ncol"))
         elif node.tag == "lengthrange":
@@ -464,12 +448,7 @@ def check_attributes(root: Node, data: bytes, file: str, sink: Sink) -> bool:
         return True
     (node,) = found
     message = f"`<{node.tag}>` has {len(node.attrib)} attributes; {most} are allowed"
-    sink.error(
-        CODE,
-        message,
-        Span(file, line_of(node) or 1, 1),
-        help=advice("attributes", len(node.attrib)),
-    )
+    sink.error(CODE, message, Span(file, line_of(node) or 1, 1), help=advice("attributes", len(node.attrib)))
     return False
 
 

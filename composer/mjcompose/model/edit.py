@@ -211,8 +211,7 @@ def _is_of_flex(model: Editable, used: str, flex: str) -> bool:
     if end == used or not (end == "twist" or end[-1:].isdigit()):
         return False
     return not any(
-        len(other) > len(flex) and used.startswith(f"{other}_")
-        for other in model.names.declared.get("flex", ())
+        len(other) > len(flex) and used.startswith(f"{other}_") for other in model.names.declared.get("flex", ())
     )
 
 
@@ -430,9 +429,7 @@ def _outermost(nodes: Iterable[tuple[M, Node]]) -> tuple[tuple[M, Node], ...]:
     """Return each node once, without those inside another one."""
     models = {node: model for model, node in nodes}
     return tuple(
-        (model, node)
-        for node, model in models.items()
-        if not any(above in models for above in node.iterancestors())
+        (model, node) for node, model in models.items() if not any(above in models for above in node.iterancestors())
     )
 
 

@@ -410,9 +410,7 @@ class Grammar:
             path=path,
             tag=path.rpartition("/")[2],
             attributes=attributes,
-            children=Children(
-                {child.rpartition("/")[2]: child for child in raw.get("children", ())}, self.element
-            ),
+            children=Children({child.rpartition("/")[2]: child for child in raw.get("children", ())}, self.element),
             min_count=low,
             max_count=high,
             constraints=constraints,
@@ -489,9 +487,7 @@ class Grammar:
             doc=docs.get(f"{place.removeprefix('default/')}/{name}") or docs.get(name, ""),
         )  # fmt: skip
 
-    def _keywords(
-        self, name: str | None
-    ) -> tuple[tuple[str, ...], Mapping[str, tuple[str | None, str | None]], bool]:
+    def _keywords(self, name: str | None) -> tuple[tuple[str, ...], Mapping[str, tuple[str | None, str | None]], bool]:
         if name is None:
             return (), {}, False
         entry = self._data["keywords"][name]

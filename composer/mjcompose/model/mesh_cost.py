@@ -152,11 +152,7 @@ def _in_file(element: Node, unit: Unit, count: _Count) -> int | None:
         if isinstance(held, bytes):
             return most_points(len(held), kind) if count is most_points else count(held, kind)
         real = unit.door.admit(str(held or join(str(unit.directory), path)))
-        return (
-            most_points(os.stat(real).st_size, kind)
-            if count is most_points
-            else _memory(count, kind).ask(real)
-        )
+        return most_points(os.stat(real).st_size, kind) if count is most_points else _memory(count, kind).ask(real)
     except (OSError, Refused):
         return 0
 
@@ -206,9 +202,7 @@ def check_meshes(unit: Unit, attached: int, sink: Sink, *, opens_files: bool = T
     if largest is not None and points[largest] < total:
         note = Note(f"{points[largest]} of them are those of this mesh, the largest")
     message = f"the meshes of the model have {total} points; {most} are allowed"
-    sink.error(
-        "limit-exceeded", message, span, notes=(note,) if note else (), help=advice("mesh-points", total)
-    )
+    sink.error("limit-exceeded", message, span, notes=(note,) if note else (), help=advice("mesh-points", total))
     return False
 
 
@@ -275,9 +269,7 @@ def _hulled(root: Node) -> set[str] | None:
     if any(each.get("mesh") for each in root.iterfind("default//geom")):
         return None
     classes = Classes(root)
-    return {
-        str(each.get("mesh")) for each in root.iter("geom") if each.get("mesh") and _collides(each, classes)
-    }
+    return {str(each.get("mesh")) for each in root.iter("geom") if each.get("mesh") and _collides(each, classes)}
 
 
 def _collides(geom: Node, classes: Classes) -> bool:

@@ -49,9 +49,7 @@ def word(namespace: str, article: bool = False) -> str:
     >>> word("default"), word("actuator", article=True)
     ('default class', 'an actuator')
     """
-    noun = {"default": "default class", "instance": "plugin instance", "pair": "contact pair"}.get(
-        namespace, namespace
-    )
+    noun = {"default": "default class", "instance": "plugin instance", "pair": "contact pair"}.get(namespace, namespace)
     return f"{'an' if noun[0] in 'aeiou' else 'a'} {noun}" if article else noun
 
 
@@ -90,9 +88,7 @@ def declaring(section: str) -> dict[Any, tuple[tuple[str, str], ...]]:
 def _referring(section: str) -> dict[Any, tuple[tuple[str, int, str], ...]]:
     """Return for each tag the attributes that refer to names, how, and their namespace or the attribute with it."""
     return {
-        tag: tuple(
-            (name, *action) for name, action in actions.items() if action[0] not in (DECLARES, GENERATES)
-        )
+        tag: tuple((name, *action) for name, action in actions.items() if action[0] not in (DECLARES, GENERATES))
         for tag, actions in naming_table(section).items()
     }
 
@@ -113,9 +109,7 @@ def users(section: Node, namespace: str, name: str) -> Iterator[tuple[Node, str]
     found: Any = _WITH(section, name=name)  # libxml2 looks at all attributes in a quarter of Python's time
     for node, attribute in [(each.getparent(), each.attrname) for each in found]:
         kind, target = table.get(node.tag, {}).get(attribute, (DECLARES, ""))
-        if (kind, target) == (REFERS, namespace) or (
-            kind == REFERS_BY and object_namespace(node, target) == namespace
-        ):
+        if (kind, target) == (REFERS, namespace) or (kind == REFERS_BY and object_namespace(node, target) == namespace):
             yield node, attribute
 
 
@@ -206,9 +200,7 @@ class NameIndex:
         declared, uses = index.declared, index.uses
         for section in root.iterchildren("*"):
             rows = _rows(str(section.tag))
-            for node in (
-                section.iterdescendants(*rows) if rows else ()
-            ):  # as `note` does, in a third of the time
+            for node in section.iterdescendants(*rows) if rows else ():  # as `note` does, in a third of the time
                 values: dict[str, str] = dict(node.items())  # type: ignore[arg-type]  # of a parsed tree
                 for attribute, kind, namespace in rows[node.tag] if values else ():
                     value = values.get(attribute)

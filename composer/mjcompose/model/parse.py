@@ -139,10 +139,7 @@ _TOUCHING = re.compile(r"""(<[^<>]*?=\s*(?:"[^"]*"|'[^']*'))(?=[\w:])""")
 _CDATA = b"<![CDATA["
 _DROPPED = ("body", "frame")
 _INCLUDED = "refer to the model that includes it"
-_NO_MODEL = {
-    "mujocoinclude": _INCLUDED,
-    "robot": "it looks like URDF: a recipe reads it if its name ends in `.urdf`",
-}
+_NO_MODEL = {"mujocoinclude": _INCLUDED, "robot": "it looks like URDF: a recipe reads it if its name ends in `.urdf`"}
 
 
 def parse_file(
@@ -489,9 +486,7 @@ def all_admitted(unit: Unit, sink: Sink, shown: Callable[[Path], str] | None = N
         try:
             unit.door.admit(use.path)
         except Refused as refused:
-            refused.report(
-                sink, use.unit.origins.span(use.element, use.unit.file, use.attribute), shown=shown
-            )
+            refused.report(sink, use.unit.origins.span(use.element, use.unit.file, use.attribute), shown=shown)
     return sink.error_count == before
 
 

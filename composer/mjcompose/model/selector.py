@@ -53,9 +53,7 @@ class Selector:
         if isinstance(self.where, str):
             narrowed.append(f"where: {self.where}")
         elif self.where:
-            narrowed.append(
-                f"where: {{{', '.join(f'{name}: {_shown(v)}' for name, v in self.where.items())}}}"
-            )
+            narrowed.append(f"where: {{{', '.join(f'{name}: {_shown(v)}' for name, v in self.where.items())}}}")
         return f"{{{', '.join([f'{self.tag}: {self.pattern}', *narrowed])}}}"
 
 
@@ -77,9 +75,7 @@ def paths_of(tag: str) -> frozenset[str]:
         return frozenset(path for path in family if not path.startswith("default/"))
     if "/" in tag:
         return frozenset({tag}) if tag in GRAMMAR.paths else frozenset()
-    usual = frozenset(
-        kind.path for section in _USUAL for name, kind in GRAMMAR.within(section).items() if name == tag
-    )
+    usual = frozenset(kind.path for section in _USUAL for name, kind in GRAMMAR.within(section).items() if name == tag)
     if usual:
         return usual
     fitting = [path for path in GRAMMAR.paths if path.rpartition("/")[2] == tag]

@@ -142,9 +142,7 @@ def moved(numbers: list[Number], now: Sequence[str], part: tuple[str, Span | Non
     for source in (number.source for number in numbers):
         if id(source) not in sources:
             sources[id(source)] = replace(source, moved=(*source.moved, part))
-    return [
-        Number(text, sources[id(number.source)], number.at) for number, text in zip(numbers, now, strict=True)
-    ]
+    return [Number(text, sources[id(number.source)], number.at) for number, text in zip(numbers, now, strict=True)]
 
 
 def taken(numbers: Iterable[Number], span: Span) -> list[Number]:
@@ -199,9 +197,7 @@ class Origins:
             node = node.getparent()
         return default_file
 
-    def span(
-        self, element: Node, default_file: str, attribute: str | None = None, *, key: bool = False
-    ) -> Span:
+    def span(self, element: Node, default_file: str, attribute: str | None = None, *, key: bool = False) -> Span:
         """Return the place to show for `element`: its start tag.
 
         With `attribute` it is the value of that attribute, or with `key` its name, if it is written there.
@@ -224,9 +220,7 @@ class Origins:
         if not isinstance(owner, str):
             return owner(attribute)
         written = {str(name): str(value) for name, value in element.items()}
-        return self.in_file(
-            owner, line_of(element), str(element.tag), written=written, attribute=attribute, key=key
-        )
+        return self.in_file(owner, line_of(element), str(element.tag), written=written, attribute=attribute, key=key)
 
     def in_file(
         self, file: str, line: int | None, tag: str, written: Mapping[str, str], attribute: str | None = None,

@@ -123,11 +123,7 @@ def check_value(attribute: Attribute, text: str) -> Refusal | None:
     """Check the text of an XML attribute, as MuJoCo reads it."""
     kind = attribute.type
     if kind == "bool":
-        return (
-            None
-            if text in ("true", "false")
-            else Refusal(f"expects `true` or `false`, got `{shorten(text)}`")
-        )
+        return None if text in ("true", "false") else Refusal(f"expects `true` or `false`, got `{shorten(text)}`")
     if kind == "keyword":
         return None if text in attribute.keywords else unknown_keyword(attribute, text)
     if kind == "chars":
@@ -171,9 +167,7 @@ def check_python(attribute: Attribute, value: object) -> Refusal | None:
     if not isinstance(value, str):
         if isinstance(value, bool | int | float):
             text = show(value)
-            return Refusal(
-                f"expects {expected(attribute)}, got {article(value)} `{text}`", hint=f"quote it: '{text}'"
-            )
+            return Refusal(f"expects {expected(attribute)}, got {article(value)} `{text}`", hint=f"quote it: '{text}'")
         return Refusal(f"expects {expected(attribute)}, got {article(value)}")
     if attribute.required and not value and kind != "name":
         return Refusal("must not be empty")
@@ -232,9 +226,7 @@ def check_list(attribute: Attribute, value: object) -> Refusal | None:
     for item in value:
         word = keyword_text(plain(item)) if attribute.type == "keywords" else item
         if not isinstance(word, str) or not word:
-            return Refusal(
-                f"expects every item to be {'a keyword' if attribute.type == 'keywords' else 'a name'}"
-            )
+            return Refusal(f"expects every item to be {'a keyword' if attribute.type == 'keywords' else 'a name'}")
         if attribute.type == "references" and len(items(word)) != 1:
             return Refusal(f"expects names without spaces, got `{shorten(word)}`")
         words.append(word)
@@ -312,16 +304,12 @@ def unknown_keyword(attribute: Attribute, word: str) -> Refusal:
     if not word:
         choices = either(attribute.keywords) if len(attribute.keywords) <= SHOWN_KEYWORDS else "a keyword"
         return Refusal(
-            f"expects {choices}, got nothing",
-            unknown=word,
-            lists_keywords=len(attribute.keywords) <= SHOWN_KEYWORDS,
+            f"expects {choices}, got nothing", unknown=word, lists_keywords=len(attribute.keywords) <= SHOWN_KEYWORDS
         )
     near = word.strip().lower()
     for keyword in attribute.keywords:
         if keyword.lower() == near:
-            return Refusal(
-                f"has no keyword `{shorten(word)}`", unknown=word, hint=f"it is spelled `{keyword}`"
-            )
+            return Refusal(f"has no keyword `{shorten(word)}`", unknown=word, hint=f"it is spelled `{keyword}`")
     if len(attribute.keywords) <= SHOWN_KEYWORDS:
         return Refusal(
             f"expects {either(attribute.keywords)}, got `{shorten(word)}`", unknown=word, lists_keywords=True

@@ -69,9 +69,7 @@ def _readable(kind: ElementType, version: str | None) -> frozenset[str]:
     return frozenset(name for name, each in kind.attributes.items() if _exists(each, version))
 
 
-def _below(
-    parent: Node, kind: ElementType, blind: bool, version: str | None
-) -> Iterator[tuple[Node, str | None]]:
+def _below(parent: Node, kind: ElementType, blind: bool, version: str | None) -> Iterator[tuple[Node, str | None]]:
     stack = [(parent, kind, blind)]
     while stack:
         parent, kind, blind = stack.pop()
@@ -134,9 +132,7 @@ def report(said: str, file: str, line: int, column: int, text: str, sink: Sink) 
         sink.error("xml-syntax", message, Span(file, line, column), help=HELP)
         return
     said = re.sub(r", line \d+, column \d+.*", "", said, flags=re.DOTALL)
-    message, help = next(
-        (make(found) for pattern, make in _KNOWN if (found := pattern.match(said))), _plain(said)
-    )
+    message, help = next((make(found) for pattern, make in _KNOWN if (found := pattern.match(said))), _plain(said))
     notes: tuple[Note, ...] = ()
     if opened := _OPENED.search(said):
         lines = text.splitlines()
@@ -145,9 +141,7 @@ def report(said: str, file: str, line: int, column: int, text: str, sink: Sink) 
         if begin >= 0:
             span = Span(file, at, begin + 1, end_line=at, end_column=begin + 2 + len(tag))
             notes = (Note(f"`<{tag}>` begins here", span),)
-    sink.error(
-        "xml-syntax", f"`{file}` is not XML: {message}", Span(file, line, column), notes=notes, help=help
-    )
+    sink.error("xml-syntax", f"`{file}` is not XML: {message}", Span(file, line, column), notes=notes, help=help)
 
 
 _OPENED = re.compile(r"(?:Opening and ending tag mismatch:|Premature end of data in tag|Couldn't find end of Start Tag)"
@@ -170,9 +164,7 @@ _KNOWN: tuple[tuple[re.Pattern[str], Callable[[re.Match[str]], _Words]], ...] = 
         (r"Start tag expected, '<' not found", _words("it does not begin with `<`")),
         (
             r"Opening and ending tag mismatch: (\S+) line (\d+) and (\S+)",
-            _words(
-                r"`</\3>` stands where `<\1>` is still open", r"end the tag with `/>`, or write `</\1>` first"
-            ),
+            _words(r"`</\3>` stands where `<\1>` is still open", r"end the tag with `/>`, or write `</\1>` first"),
         ),
         (r"Premature end of data in tag (\S+)", _words(r"`<\1>` is never closed", r"write `</\1>`")),
         (
@@ -181,30 +173,16 @@ _KNOWN: tuple[tuple[re.Pattern[str], Callable[[re.Match[str]], _Words]], ...] = 
         ),
         (
             r"Unescaped '<' not allowed in attributes values",
-            _words(
-                "a `<` stands in the value of an attribute", "close the quote before it; a real `<` is `&lt;`"
-            ),
+            _words("a `<` stands in the value of an attribute", "close the quote before it; a real `<` is `&lt;`"),
         ),
-        (
-            r"AttValue: \" or ' expected",
-            _words("the value of an attribute has no quotes", 'write `name="value"`'),
-        ),
-        (
-            r"AttValue: ' expected",
-            _words("the value of an attribute is never closed", "add the closing quote"),
-        ),
+        (r"AttValue: \" or ' expected", _words("the value of an attribute has no quotes", 'write `name="value"`')),
+        (r"AttValue: ' expected", _words("the value of an attribute is never closed", "add the closing quote")),
         (
             r"Specification mandates? value for attribute (\S+)",
             _words(r"the attribute `\1` has no value", r'write `\1="…"`'),
         ),
-        (
-            r"Attribute (\S+) redefined",
-            _words(r"the attribute `\1` is written twice in one tag", "keep one of them"),
-        ),
-        (
-            r"xmlParseEntityRef: no name|EntityRef: expecting ';'",
-            _words("a `&` stands by itself", "write `&amp;`"),
-        ),
+        (r"Attribute (\S+) redefined", _words(r"the attribute `\1` is written twice in one tag", "keep one of them")),
+        (r"xmlParseEntityRef: no name|EntityRef: expecting ';'", _words("a `&` stands by itself", "write `&amp;`")),
         (r"Entity '(\S+)' not defined", _words(r"nothing is known of `&\1;`", "write the character itself")),
         (
             r"Comment not terminated|Comment must not contain",
@@ -214,10 +192,7 @@ _KNOWN: tuple[tuple[re.Pattern[str], Callable[[re.Match[str]], _Words]], ...] = 
             r"Extra content at the end of the document",
             _words("something stands after the end of its one outermost element"),
         ),
-        (
-            r"[Ee]xcessive depth in document: (\d+)",
-            _words(r"elements stand more than \1 deep inside one another"),
-        ),
+        (r"[Ee]xcessive depth in document: (\d+)", _words(r"elements stand more than \1 deep inside one another")),
         (r"CData section not finished", _words("a `<![CDATA[` is never closed", "close it with `]]>`")),
         (
             r"xmlParseCharRef: invalid|PCDATA invalid Char|[Ii]nvalid character",
@@ -229,10 +204,7 @@ _KNOWN: tuple[tuple[re.Pattern[str], Callable[[re.Match[str]], _Words]], ...] = 
             r"error parsing attribute name",
             _words("a tag is not ended before the next one begins", "end it with `>`, or with `/>`"),
         ),
-        (
-            r"attributes construct error",
-            _words("attributes are not parted from one another", "put a space between"),
-        ),
+        (r"attributes construct error", _words("attributes are not parted from one another", "put a space between")),
         (
             r"Input is not proper UTF-8|Invalid bytes in character encoding|switching encoding: encoder error",
             _words("it is not UTF-8 text, and does not say what else", "save the file as UTF-8"),

@@ -83,9 +83,7 @@ def _up_to_the_next(own: str, size: str, *addresses: str) -> Callable[[Model, in
 
 
 def _plastic(own: str) -> Run:
-    return Run(
-        own, _up_to_the_next(own, "nplastic", "jnt_plasticadr", "tendon_plasticadr", "flex_plasticadr")
-    )
+    return Run(own, _up_to_the_next(own, "nplastic", "jnt_plasticadr", "tendon_plasticadr", "flex_plasticadr"))
 
 
 def _corners(model: Model, index: int) -> int:

@@ -613,11 +613,6 @@ def words(mujoco: Any, array: str) -> Mapping[int, str]:
     members: Mapping[str, Any] = getattr(mujoco, about(array).enumeration).__members__
     prefix = next(iter(members)).partition("_")[0] + "_"
     by_number = {
-        int(value): name.removeprefix(prefix).lower()
-        for name, value in members.items()
-        if name.startswith(prefix)
+        int(value): name.removeprefix(prefix).lower() for name, value in members.items() if name.startswith(prefix)
     }
-    return {
-        number: _TAGS.get(name, name) if array == "sensor_type" else name
-        for number, name in by_number.items()
-    }
+    return {number: _TAGS.get(name, name) if array == "sensor_type" else name for number, name in by_number.items()}

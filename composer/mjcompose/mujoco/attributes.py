@@ -170,10 +170,7 @@ _TABLE: Mapping[str, tuple[str, Mapping[str, str]]] = {
     "key": ("time", {}),
 }
 TAGS = tuple(_TABLE)
-ANGLES: Mapping[str, frozenset[str]] = {
-    "hinge": frozenset({"range", "ref", "springref"}),
-    "ball": frozenset({"range"}),
-}
+ANGLES: Mapping[str, frozenset[str]] = {"hinge": frozenset({"range", "ref", "springref"}), "ball": frozenset({"range"})}
 """Attributes of joints that are angles, by the type of the joint."""
 
 
@@ -276,9 +273,7 @@ def arrays_of(attribute: str, tag: str | None = None) -> frozenset[str]:
     """
     ends = _BECOMES.get(attribute, attribute).split()
     if tag is None:
-        return frozenset(
-            {*ends, *DERIVED, *(array.partition("_")[2] or array for array in _own(attribute, TAGS))}
-        )
+        return frozenset({*ends, *DERIVED, *(array.partition("_")[2] or array for array in _own(attribute, TAGS))})
     kind = _KINDS.get(tag, tag)
     starts = [KINDS[kind].arrays if kind in KINDS else kind, *_BEYOND.get(kind, [])]
     following = {end if end.startswith("qpos") else f"{start}_{end}" for start in starts for end in ends}

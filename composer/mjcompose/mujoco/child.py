@@ -77,9 +77,7 @@ def _compile(request: dict[str, Any], mujoco: Any, kept: dict[str, Any]) -> dict
         if request["keep"] is not None:
             kept[request["keep"]] = model
         return answer | _described(request, mujoco, model) | {"ok": True}
-    except (
-        Exception
-    ) as error:  # ValueError, RuntimeError, FatalError and pybind11's translations of C++ exceptions
+    except Exception as error:  # ValueError, RuntimeError, FatalError and pybind11's translations of C++ exceptions
         return answer | _fault(error)
 
 

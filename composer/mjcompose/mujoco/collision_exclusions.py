@@ -43,9 +43,7 @@ def needless(mujoco: Any, model: Any, asked: dict[str, int]) -> list[dict[str, A
     moved = _moved(mujoco, model)
     jaws = {pair for pair in rest if _are_jaws(model, pair, moved)}
     closing = {pair for pair, (why, _) in found.items() if why == TOUCHING and pair in jaws}
-    left = {
-        pair for pair in rest - jaws if pair not in found and _is_tied(mujoco, model, pair, sliding=False)
-    }
+    left = {pair for pair in rest - jaws if pair not in found and _is_tied(mujoco, model, pair, sliding=False)}
     for pose in _poses(mujoco, model, asked["samples"], seed=asked["seed"]) if left or closing else ():
         touched = _touched(mujoco, model, pose)
         left -= touched
@@ -55,9 +53,7 @@ def needless(mujoco: Any, model: Any, asked: dict[str, int]) -> list[dict[str, A
         if not (left or closing):
             break
     random = np.random.Generator(np.random.PCG64(asked["seed"]))
-    found |= {
-        pair: (NEVER, "") for pair in sorted(left) if _least(mujoco, model, pair, random=random) > _NEAR
-    }
+    found |= {pair: (NEVER, "") for pair in sorted(left) if _least(mujoco, model, pair, random=random) > _NEAR}
     return [
         {
             "bodies": [model.body(body).name for body in pair],
@@ -91,12 +87,7 @@ def _checked(mujoco: Any, model: Any) -> Iterator[tuple[int, int]]:
             if welds[one] == welds[other]:
                 continue
             # MuJoCo never filters what is welded to the world.
-            if (
-                filters
-                and welds[one]
-                and welds[other]
-                and (above[one] == welds[other] or above[other] == welds[one])
-            ):
+            if filters and welds[one] and welds[other] and (above[one] == welds[other] or above[other] == welds[one]):
                 continue
             if any(a & d or c & b for a, b in first for c, d in second):
                 yield one, other
@@ -126,12 +117,8 @@ def _moved(mujoco: Any, model: Any) -> set[int]:
             coupled.append({one, other})
         elif kind == int(kinds.mjEQ_TENDON) and other >= 0:
             has = model if hasattr(model, "ten_J_rowadr") else data  # MuJoCo 3 has them in the data
-            rows = [
-                slice(has.ten_J_rowadr[n], has.ten_J_rowadr[n] + has.ten_J_rownnz[n]) for n in (one, other)
-            ]
-            coupled.append(
-                {int(model.dof_jntid[dof]) for row in rows for dof in has.ten_J_colind.ravel()[row]}
-            )
+            rows = [slice(has.ten_J_rowadr[n], has.ten_J_rowadr[n] + has.ten_J_rownnz[n]) for n in (one, other)]
+            coupled.append({int(model.dof_jntid[dof]) for row in rows for dof in has.ten_J_colind.ravel()[row]})
         elif kind in (int(kinds.mjEQ_CONNECT), int(kinds.mjEQ_WELD)):
             if int(model.eq_objtype[each]) == int(mujoco.mjtObj.mjOBJ_SITE):
                 one, other = (int(model.site_bodyid[site]) for site in (one, other))
@@ -161,8 +148,7 @@ def _between(model: Any, pair: tuple[int, int]) -> Iterator[int]:
 def _least(mujoco: Any, model: Any, pair: tuple[int, int], random: np.random.Generator) -> float:
     """Return how near the two come where their joints are turned one after the other, from several poses."""
     geoms = [
-        range(int(model.body_geomadr[body]), int(model.body_geomadr[body] + model.body_geomnum[body]))
-        for body in pair
+        range(int(model.body_geomadr[body]), int(model.body_geomadr[body] + model.body_geomnum[body])) for body in pair
     ]
     meant = [
         (one, other)
@@ -211,9 +197,7 @@ def _ends(model: Any, joint: int) -> tuple[float, float]:
 
 
 def _is_free(mujoco: Any, model: Any, body: int) -> bool:
-    return any(
-        int(model.jnt_type[joint]) == int(mujoco.mjtJoint.mjJNT_FREE) for joint in _joints(model, body)
-    )
+    return any(int(model.jnt_type[joint]) == int(mujoco.mjtJoint.mjJNT_FREE) for joint in _joints(model, body))
 
 
 def _joints(model: Any, body: int) -> range:
@@ -249,9 +233,7 @@ def _poses(mujoco: Any, model: Any, count: int, seed: int) -> Iterator[Any]:
             if type == int(kinds.mjJNT_BALL):
                 turn = random.standard_normal(4)
                 data.qpos[at : at + 4] = turn / np.linalg.norm(turn)
-            elif type == int(kinds.mjJNT_HINGE) or (
-                type == int(kinds.mjJNT_SLIDE) and model.jnt_limited[joint]
-            ):
+            elif type == int(kinds.mjJNT_HINGE) or (type == int(kinds.mjJNT_SLIDE) and model.jnt_limited[joint]):
                 low, high = _ends(model, joint)
                 data.qpos[at] = low + random.random() * (high - low)
         yield data

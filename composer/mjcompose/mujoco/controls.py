@@ -158,9 +158,7 @@ class Divergence:
         return f"NaN or a huge {word} in {where}"
 
 
-def advance(
-    mujoco: Any, model: Model, data: Any, end: float, begun: float = 0.0, most: float = math.inf
-) -> str | None:
+def advance(mujoco: Any, model: Model, data: Any, end: float, begun: float = 0.0, most: float = math.inf) -> str | None:
     """Step until `end` seconds after the time `begun`, or for `most` seconds of this machine's time.
 
     Return why the simulation cannot go on, or None.
@@ -206,9 +204,7 @@ def hold(mujoco: Any, model: Any, question: dict[str, Any]) -> dict[str, Any]:
     act: list[float | None] = [None] * model.na
     for law, force in zip(laws, forces, strict=True):
         law.write(float(force), ctrl, act)
-    unlike = {
-        str(law.control): law.kind for law in laws if law.kind and not (question["forces"] and law.gain)
-    }
+    unlike = {str(law.control): law.kind for law in laws if law.kind and not (question["forces"] and law.gain)}
     unknown = [law.control for law in laws if law.is_unknown and law.count]
     return {"ctrl": ctrl, "act": act, "unlike": unlike, "unknown": unknown, "left": left}
 
@@ -229,9 +225,7 @@ class _Law:
         output = int(model.actuator_outadr[index]) if hasattr(model, "actuator_outadr") else index
         self.length = float(data.actuator_length[output])
         self.output = output
-        gain, bias, dynamic = (
-            int(getattr(model, f"actuator_{name}type")[index]) for name in ("gain", "bias", "dyn")
-        )
+        gain, bias, dynamic = (int(getattr(model, f"actuator_{name}type")[index]) for name in ("gain", "bias", "dyn"))
         gainprm, biasprm = model.actuator_gainprm[index], model.actuator_biasprm[index]
         by_plugin = is_by_plugin(model, index)
         self.spec = 0
@@ -279,9 +273,7 @@ class _Law:
 def _balance(mujoco: Any, model: Any, data: Any, laws: list[_Law], count: int) -> tuple[np.ndarray, float]:
     """Return the actuator forces that balance `qfrc_inverse` on the dofs that they move, and the remaining force."""
     moments = np.zeros((len(data.moment_rownnz), model.nv))
-    mujoco.mju_sparse2dense(
-        moments, data.actuator_moment, data.moment_rownnz, data.moment_rowadr, data.moment_colind
-    )
+    mujoco.mju_sparse2dense(moments, data.actuator_moment, data.moment_rownnz, data.moment_rowadr, data.moment_colind)
     rows = moments[[law.output for law in laws]]
     moved = np.flatnonzero(np.abs(rows).max(axis=0, initial=0) > 0)
     found = np.zeros(count)

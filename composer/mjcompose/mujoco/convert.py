@@ -212,10 +212,7 @@ def export_usd(model: Path, out: Path, session: Session) -> Exported:
     if not answer.ok:
         return Exported(error=answer.error)
     return Exported(
-        answer.value["missing"],
-        None,
-        tuple(answer.value["textures"]),
-        warnings=tuple(answer.value["warnings"]),
+        answer.value["missing"], None, tuple(answer.value["textures"]), warnings=tuple(answer.value["warnings"])
     )
 
 
@@ -241,10 +238,7 @@ def export(mujoco: Any, argument: dict[str, str]) -> dict[str, Any]:
         elif not textures:
             settled.Export(str(out))
         warnings = [text for text in _WARNING.findall(log()) if not _OWN_AFFAIRS.search(text)]
-    return found | {
-        "textures": textures if suffix != ".usdz" else [],
-        "warnings": list(dict.fromkeys(warnings)),
-    }
+    return found | {"textures": textures if suffix != ".usdz" else [], "warnings": list(dict.fromkeys(warnings))}
 
 
 _SHARED = "Flattened_Prototype_"
@@ -276,9 +270,7 @@ def _settled(layer: Any, sdf: Any) -> Any:
     while waiting:
         prim = waiting.pop()
         for each in _shared(prim):
-            prim.referenceList.ReplaceItemEdits(
-                each, sdf.Reference("", numbered[each.primPath], each.layerOffset)
-            )
+            prim.referenceList.ReplaceItemEdits(each, sdf.Reference("", numbered[each.primPath], each.layerOffset))
         waiting += prim.nameChildren
     return settled
 

@@ -176,9 +176,7 @@ class Session:
     almost the same model again and again: it has a standing folder (`standing`).
     """
 
-    def __init__(
-        self, limits: Limits | None = None, *, rendering: bool = False, remembers: bool = False
-    ) -> None:
+    def __init__(self, limits: Limits | None = None, *, rendering: bool = False, remembers: bool = False) -> None:
         self.limits = limits or Limits()
         self.rendering, self.remembers = rendering, remembers
         self.no_opengl: str | None = None
@@ -231,9 +229,7 @@ class Session:
         that needs the compiled model itself, such as simulating it. The kept models are lost with a crash.
         """
         name = f"{function.__module__}:{function.__qualname__}"
-        line = json.dumps(
-            {"function": name, "models": list(models), "argument": argument}, ensure_ascii=False
-        )
+        line = json.dumps({"function": name, "models": list(models), "argument": argument}, ensure_ascii=False)
         answer = self._start() or self._exchange(line, self.limits.seconds)
         return self._crashed() if answer is None else answer
 
@@ -285,9 +281,7 @@ class Session:
             return _failure(f"MuJoCo cannot be imported in {sys.executable}: {hello['missing']}", "missing")
         if version_key(hello["mujoco"]) < version_key(OLDEST):
             self._stop()
-            message = (
-                f"MuJoCo {hello['mujoco']} builds no models here, it only loads them: {OLDEST} or newer does"
-            )
+            message = f"MuJoCo {hello['mujoco']} builds no models here, it only loads them: {OLDEST} or newer does"
             return _failure(message, "missing")
         self.mujoco_version = hello["mujoco"]
         return None

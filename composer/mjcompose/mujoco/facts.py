@@ -97,8 +97,7 @@ def touching(mujoco: Any, model: Any, prefixes: list[str]) -> list[dict[str, Any
     off = int(mujoco.mjtDisableBit.mjDSBL_CONTACT) | int(mujoco.mjtDisableBit.mjDSBL_CONSTRAINT)
     model.opt.disableflags &= ~off
     explicit = {
-        frozenset((int(one), int(other)))
-        for one, other in zip(model.pair_geom1, model.pair_geom2, strict=True)
+        frozenset((int(one), int(other))) for one, other in zip(model.pair_geom1, model.pair_geom2, strict=True)
     }
     found: dict[tuple[int, int], dict[str, Any]] = {}
     for key in range(-1, model.nkey):

@@ -165,9 +165,7 @@ def simplify(mesh: Mesh, faces: int) -> Mesh:
             fewest = min(fewest, len(found.faces))
             if 4 <= len(found.faces) <= faces:
                 return found
-    raise UnusableError(
-        f"it cannot be simplified to {faces} faces without being torn: {fewest} is the fewest"
-    )
+    raise UnusableError(f"it cannot be simplified to {faces} faces without being torn: {fewest} is the fewest")
 
 
 def _tries(mesh: Mesh, faces: int) -> Iterator[Mesh]:
@@ -180,10 +178,7 @@ def _tries(mesh: Mesh, faces: int) -> Iterator[Mesh]:
             if len(found.faces) <= faces:
                 break
             points, triangles = fast_simplification.simplify(
-                found.vertices.astype(numpy.float32),
-                found.faces.astype(numpy.int32),
-                target_count=faces,
-                agg=boldness,
+                found.vertices.astype(numpy.float32), found.faces.astype(numpy.int32), target_count=faces, agg=boldness
             )[:2]
             solid = trimesh.Trimesh(points, triangles, process=True)
             solid.update_faces(solid.nondegenerate_faces())
@@ -382,6 +377,4 @@ def _made(mesh: Any, method: str, wanted: Any) -> dict[str, Any]:
 
 def _digits(error: dict[str, Any]) -> dict[str, Any]:
     """Four digits, so that they are the same on other machines."""
-    return {
-        name: float(f"{value:.4g}") if isinstance(value, float) else value for name, value in error.items()
-    }
+    return {name: float(f"{value:.4g}") if isinstance(value, float) else value for name, value in error.items()}

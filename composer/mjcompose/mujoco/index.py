@@ -99,13 +99,7 @@ class Index:
     @staticmethod
     def from_data(data: Mapping[str, Any]) -> Index:
         """Return the index for the JSON data of one, `asdict(index)`."""
-        kinds = {
-            "joints": Joint,
-            "actuators": Actuator,
-            "sensors": Sensor,
-            "keyframes": Keyframe,
-            "cameras": Camera,
-        }
+        kinds = {"joints": Joint, "actuators": Actuator, "sensors": Sensor, "keyframes": Keyframe, "cameras": Camera}
         rows: dict[str, Any] = {
             name: tuple(kind(**{key: _frozen(value) for key, value in row.items()}) for row in data[name])
             for name, kind in kinds.items()

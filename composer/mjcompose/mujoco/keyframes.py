@@ -50,9 +50,7 @@ def key_differences(
     found: list[Difference] = []
     if keys is Keys.NONE:
         return found
-    moved = (
-        transform if roots is Roots.MOVED and transform is not None and not transform.is_identity else None
-    )
+    moved = transform if roots is Roots.MOVED and transform is not None and not transform.is_identity else None
     for key, target in _match(matching, keys, moved):
         name = matching.alone.describe("key", key)
         if target == ABSENT:
@@ -87,11 +85,7 @@ def _match(matching: Correspondence, keys: Keys, moved: Pose | None) -> Iterator
             continue
         there = given.get(name, name if keys is Keys.MERGE else matching.prefix + name)
         # A key of a model that MuJoCo itself attaches to the part has the prefix, whatever happens to the others.
-        found = [
-            composed.ids["key"][each]
-            for each in (there, matching.prefix + name)
-            if each in composed.ids["key"]
-        ]
+        found = [composed.ids["key"][each] for each in (there, matching.prefix + name) if each in composed.ids["key"]]
         alike = (each for each in found if not _says_otherwise(matching, index, each, moved=moved))
         target = next(alike, found[0] if found else ABSENT)
         taken.add(target)
@@ -125,10 +119,7 @@ def _entries(matching: Correspondence, key: int, target: int, moved: Pose | None
             continue
         name = matching.composed.describe("actuator", there)
         for vector in ("ctrl", "act"):
-            mine, theirs = (
-                _entry(alone, vector, key, index=actuator),
-                _entry(composed, vector, target, index=there),
-            )
+            mine, theirs = (_entry(alone, vector, key, index=actuator), _entry(composed, vector, target, index=there))
             yield f"key_{vector} of `{name}`", mine, theirs, 0.0
     for kind in ("tendon", "flex"):
         for index, there in enumerate(matching.ids[kind]):
@@ -186,9 +177,7 @@ def _mocap(model: Model, key: int, body: int) -> Array:
     return np.concatenate([pos, quat])
 
 
-def _plastic(
-    matching: Correspondence, kind: str, key: int, target: int, index: int, there: int
-) -> Iterator[Entry]:
+def _plastic(matching: Correspondence, kind: str, key: int, target: int, index: int, there: int) -> Iterator[Entry]:
     if not hasattr(matching.alone.model, "key_plastic"):
         return
     mine = _plastic_state(matching.alone.model, kind, key, index=index)
@@ -277,10 +266,7 @@ def _described(model: Model) -> dict[str, Any]:
     }
     for vector, width in _MOCAP.items():
         holders[vector] = [[*each, at * width, (at + 1) * width] for at, each in enumerate(mocaps)]
-    keys = [
-        {vector: getattr(model, f"key_{vector}")[at].tolist() for vector in holders}
-        for at in range(model.nkey)
-    ]
+    keys = [{vector: getattr(model, f"key_{vector}")[at].tolist() for vector in holders} for at in range(model.nkey)]
     return {"holders": holders, "keys": keys}
 
 

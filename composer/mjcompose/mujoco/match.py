@@ -55,9 +55,7 @@ class Difference:
         if self.field == EXTRA:
             return f"{subject} is not in the part alone"
         why = f" ({self.why})" if self.why else ""
-        return (
-            f"{subject}: `{self.field}` is {_number(self.actual)}, alone it is {_number(self.expected)}{why}"
-        )
+        return f"{subject}: `{self.field}` is {_number(self.actual)}, alone it is {_number(self.expected)}{why}"
 
 
 def _number(value: Value) -> str:
@@ -262,10 +260,7 @@ class Correspondence:
             parents = sorted(self.worlds) if parent == 0 else [found[parent]]
             taken = self.taken["body"]
             candidates = [
-                i
-                for p in parents
-                for i in there.get(p, ())
-                if not self.composed.names["body"][i] and i not in taken
+                i for p in parents for i in there.get(p, ()) if not self.composed.names["body"][i] and i not in taken
             ]
             children, candidates = self._match_by_load(children, candidates)
             self._assign("body", children, candidates)
@@ -294,9 +289,7 @@ class Correspondence:
                 self._assign(kind, children, [i for b in bodies for i in there.get(b, ())])
 
     def _match_global(self, kind: str) -> None:
-        children = [
-            i for i, name in enumerate(self.alone.names[kind]) if not name and self.ids[kind][i] == ABSENT
-        ]
+        children = [i for i, name in enumerate(self.alone.names[kind]) if not name and self.ids[kind][i] == ABSENT]
         if not children:
             return
         images = self.taken | {"body": {*self.taken["body"], 0, *self.worlds}}
@@ -322,9 +315,7 @@ class Correspondence:
                 if target == ABSENT or (kind == "body" and index == 0):
                     continue
                 pairs = zip(
-                    links(self.alone.model, kind, index),
-                    links(self.composed.model, kind, target),
-                    strict=False,
+                    links(self.alone.model, kind, index), links(self.composed.model, kind, target), strict=False
                 )
                 for mine, theirs in pairs:
                     if (
@@ -367,9 +358,7 @@ class Correspondence:
                 if alike and number == 0 and all(self._apart(kind, i, j) for j in alike):
                     continue  # an equal element elsewhere belongs to another part
                 if alike:
-                    nearest = (
-                        min(alike, key=lambda j: self._apart(kind, i, j)) if len(alike) > 1 else alike[0]
-                    )
+                    nearest = min(alike, key=lambda j: self._apart(kind, i, j)) if len(alike) > 1 else alike[0]
                     alike.remove(nearest)
                     self._take(kind, i, nearest)
             mine = [i for i in mine if found[i] == ABSENT]
@@ -416,9 +405,7 @@ def _unnamed_by_body(roster: NameTable, kind: str) -> dict[int, list[int]]:
     return on_body
 
 
-def presence_differences(
-    matching: Correspondence, others: Sequence[tuple[str, Model]] | None
-) -> list[Difference]:
+def presence_differences(matching: Correspondence, others: Sequence[tuple[str, Model]] | None) -> list[Difference]:
     """Return missing elements; with ``others``, extra ones as well. ``keyframes`` handles keys."""
     rosters = None if others is None else [(prefix, NameTable(model)) for prefix, model in others]
     found: list[Difference] = []

@@ -34,10 +34,7 @@ _ARRAY = re.compile(r"^Invalid model: (?P<name>[a-z]+_\w+)")
 _WORD = re.compile(r"\w+")
 _QUOTED = re.compile(r"'([^'\n]+)'")
 # Messages about settings of the whole model, for which MuJoCo knows no line.
-_SECTIONS = {
-    "size": re.compile(r"<size |arena memory|mj_stackAlloc"),
-    "option": re.compile(r"\bintegrator='"),
-}
+_SECTIONS = {"size": re.compile(r"<size |arena memory|mj_stackAlloc"), "option": re.compile(r"\bintegrator='")}
 
 
 class Topic(Enum):
@@ -193,9 +190,7 @@ def _not_well_formed(found: re.Match[str]) -> Fault:
     element = re.fullmatch(r"XMLElement name=(\S+)", rest)
     detail = f": {rest}" if rest and not element else ""
     return Fault(
-        f"not well-formed XML: {what}{detail}",
-        _positive(found["line"]),
-        element=element[1] if element else None,
+        f"not well-formed XML: {what}{detail}", _positive(found["line"]), element=element[1] if element else None
     )
 
 
@@ -307,9 +302,7 @@ def translate(message: str, element: Node | None) -> Translation:
     return Translation(diagnostic, attribute, topic=said.topic)
 
 
-def unknown_attribute(
-    element: Node, name: str, file: str | None = None, version: str | None = None
-) -> Translation:
+def unknown_attribute(element: Node, name: str, file: str | None = None, version: str | None = None) -> Translation:
     """Return the translation for an attribute that MJCF does not have in that place.
 
     `file` is the model in which it is written, and `version` a MuJoCo that reads it, if these are known.
@@ -403,22 +396,14 @@ def locate_fault(said: Translation, element: Node, model: Unit) -> FaultLocation
     if said.attribute is None:
         masses = _masses(element, model) if said.topic is Topic.MASS else ()
         written = next((each for each in masses if _in_recipe(each)), None)
-        return (
-            FaultLocation(span)
-            if written is None
-            else FaultLocation(written, (Note("the body stands here", span),))
-        )
+        return FaultLocation(span) if written is None else FaultLocation(written, (Note("the body stands here", span),))
     level = _class_level(said.attribute, element, model)
     if level is None or level.writer is None:
         return FaultLocation(span)
     there = model.origins.span(level.writer, model.file, said.attribute)
     if _in_recipe(there):
-        return FaultLocation(
-            there, (Note(f"the default class `{level.name}` gives it to this {element.tag}", span),)
-        )
-    return FaultLocation(
-        span, (Note(f"`{said.attribute}` is that of the default class `{level.name}`", there),)
-    )
+        return FaultLocation(there, (Note(f"the default class `{level.name}` gives it to this {element.tag}", span),))
+    return FaultLocation(span, (Note(f"`{said.attribute}` is that of the default class `{level.name}`", there),))
 
 
 def _class_level(attribute: str, element: Node, model: Unit) -> Level | None:
@@ -427,9 +412,7 @@ def _class_level(attribute: str, element: Node, model: Unit) -> Level | None:
     known = kind.attributes.get(attribute) if kind is not None else None
     if kind is None or known is None or element.get(attribute) is not None:
         return None
-    given = (
-        level for level in levels(element, kind, known, classes=model.classes) if level.taken or level.text
-    )
+    given = (level for level in levels(element, kind, known, classes=model.classes) if level.taken or level.text)
     nearest = next(given, None)
     return nearest if nearest is not None and nearest.kind == "class" else None
 

@@ -61,11 +61,7 @@ def camera(mujoco: Any, scenes: Sequence[tuple[Any, Any]], aspect: float) -> Any
         return free
     azimuth, elevation = math.radians(free.azimuth), math.radians(free.elevation)
     forward = np.array(
-        [
-            math.cos(elevation) * math.cos(azimuth),
-            math.cos(elevation) * math.sin(azimuth),
-            math.sin(elevation),
-        ]
+        [math.cos(elevation) * math.cos(azimuth), math.cos(elevation) * math.sin(azimuth), math.sin(elevation)]
     )
     right = np.array([math.sin(azimuth), -math.cos(azimuth), 0.0])
     axes = np.stack([right, np.cross(right, forward), forward])
@@ -432,9 +428,7 @@ def sheet(mujoco: Any, asked: Mapping[str, Any]) -> None:
     height, width, _ = tiles[0].shape
     columns = columns_of(len(tiles), width / height)
     rows = math.ceil(len(tiles) / columns)
-    paper = np.full(
-        (rows * (height + _GAP) + _GAP, columns * (width + _GAP) + _GAP, 3), _SHEET_PAPER, np.uint8
-    )
+    paper = np.full((rows * (height + _GAP) + _GAP, columns * (width + _GAP) + _GAP, 3), _SHEET_PAPER, np.uint8)
     for number, tile in enumerate(tiles):
         row, column = divmod(number, columns)
         top, left = _GAP + row * (height + _GAP), _GAP + column * (width + _GAP)

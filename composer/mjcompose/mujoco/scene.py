@@ -116,10 +116,7 @@ def columns(model: Any) -> dict[str, dict[str, list[Any]]]:
     """Return the columns of every kind."""
     table = NameTable(model)
     found = {
-        kind: {
-            "name": table.names[kind],
-            **{name: short(getattr(model, array)) for name, array in arrays.items()},
-        }
+        kind: {"name": table.names[kind], **{name: short(getattr(model, array)) for name, array in arrays.items()}}
         for kind, arrays in COLUMNS.items()
     }
     found["actuator"] |= _controls(model)
@@ -217,9 +214,7 @@ def height_fields(model: Any, blobs: Blobs) -> list[dict[str, Any]]:
     """Return each height field: rows times columns of uint16, where 65535 is its full height."""
     found = []
     for number in range(model.nhfield):
-        rows, columns, first = (
-            int(each[number]) for each in (model.hfield_nrow, model.hfield_ncol, model.hfield_adr)
-        )
+        rows, columns, first = (int(each[number]) for each in (model.hfield_nrow, model.hfield_ncol, model.hfield_adr))
         heights = model.hfield_data[first : first + rows * columns]
 
         def encode(heights: Any = heights) -> bytes:
@@ -275,16 +270,13 @@ def _skin(model: Any, number: int, blobs: Blobs) -> dict[str, Any]:
     first, count = int(model.skin_boneadr[number]), int(model.skin_bonenum[number])
     bones = range(first, first + count)
     moved = [
-        _rows(bone, model.skin_bonevertid, first=model.skin_bonevertadr, count=model.skin_bonevertnum)
-        for bone in bones
+        _rows(bone, model.skin_bonevertid, first=model.skin_bonevertadr, count=model.skin_bonevertnum) for bone in bones
     ]
     weights = [
         _rows(bone, model.skin_bonevertweight, first=model.skin_bonevertadr, count=model.skin_bonevertnum)
         for bone in bones
     ]
-    flat = (
-        rows(model.skin_texcoord, model.skin_texcoordadr, model.skin_vertnum) if mapped else np.zeros((0, 2))
-    )
+    flat = rows(model.skin_texcoord, model.skin_texcoordadr, model.skin_vertnum) if mapped else np.zeros((0, 2))
     arrays = [
         corners.astype(np.float32), faces.astype(np.uint32), flat.astype(np.float32),
         np.concatenate([*moved, np.zeros(0)]).astype(np.uint32),
@@ -324,9 +316,7 @@ def _flex(model: Any, data: Any, number: int, blobs: Blobs) -> dict[str, Any]:
         : int(model.flex_elemnum[number]) * (dimensions + 1)
     ]
     if dimensions == 3:
-        shell = model.flex_shell[int(model.flex_shelldataadr[number]) :][
-            : int(model.flex_shellnum[number]) * 3
-        ]
+        shell = model.flex_shell[int(model.flex_shelldataadr[number]) :][: int(model.flex_shellnum[number]) * 3]
     else:
         shell = elements if dimensions == 2 else np.zeros(0)
     arrays = [

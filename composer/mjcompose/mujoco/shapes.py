@@ -242,9 +242,7 @@ def hull_of(vertices: numpy.ndarray, most: int | None = None) -> Hull:
     faces = numpy.searchsorted(kept, found.simplices)
     corners = vertices[kept]
     # Qhull turns its triangles either way.
-    normals = numpy.cross(
-        corners[faces[:, 1]] - corners[faces[:, 0]], corners[faces[:, 2]] - corners[faces[:, 0]]
-    )
+    normals = numpy.cross(corners[faces[:, 1]] - corners[faces[:, 0]], corners[faces[:, 2]] - corners[faces[:, 0]])
     wrong = (normals * found.equations[:, :3]).sum(axis=1) < 0
     faces[wrong] = faces[wrong][:, ::-1]
     return Hull(corners, faces)
@@ -299,9 +297,7 @@ class Doubt:
         return f"if {why}, write `{write.format(between.join(f'{each * factor:g}' for each in scale))}`"
 
 
-def doubts(
-    mesh: Measured, reach: float, *, touches: bool = True, inside: str | None = None
-) -> Iterator[Doubt]:
+def doubts(mesh: Measured, reach: float, *, touches: bool = True, inside: str | None = None) -> Iterator[Doubt]:
     """Yield what is doubtful of a mesh. `reach` is the greatest distance of neighbouring bodies, in metres.
 
     What is only seen (`touches` is false) may be flat. `inside` says what needs an inside, as a clause; a mesh may be

@@ -40,15 +40,7 @@ from mjcompose.mujoco.match import (
     presence_differences,
     reference_differences,
 )
-from mjcompose.mujoco.references import (
-    ON_JOINTS,
-    ON_TENDON,
-    WRAP_JOINT,
-    WRAP_SITE,
-    Array,
-    links,
-    twists_a_rod,
-)
+from mjcompose.mujoco.references import ON_JOINTS, ON_TENDON, WRAP_JOINT, WRAP_SITE, Array, links, twists_a_rod
 
 _OF_FLEXES = "MuJoCo does not turn the axes of a flex's vertices with a frame"
 _POSED = {"body": "body", "geom": "geom", "site": "site", "camera": "cam"}
@@ -111,16 +103,12 @@ class Placing:
                 actual = self._there(kind, index)
                 name = self.matching.composed.describe(kind, self.matching.ids[kind][index])
                 if not _near(expected.pos, actual.pos, bound):
-                    found.append(
-                        Difference(kind, name, f"{arrays}_pos", expected=expected.pos, actual=actual.pos)
-                    )
+                    found.append(Difference(kind, name, f"{arrays}_pos", expected=expected.pos, actual=actual.pos))
                 turned = tuple(-x for x in actual.quat)
                 if not _near(expected.quat, actual.quat, bound) and not _near(expected.quat, turned, bound):
                     why = _OF_FLEXES if kind == "body" and index in vertices else ""
                     found.append(
-                        Difference(
-                            kind, name, f"{arrays}_quat", expected=expected.quat, actual=actual.quat, why=why
-                        )
+                        Difference(kind, name, f"{arrays}_quat", expected=expected.quat, actual=actual.quat, why=why)
                     )
         found += self._lights(bound)
         return found
@@ -169,9 +157,7 @@ _SHOWN = 12
 class InComposition(Rules):
     """What may differ between a part alone and in a composition, by the table of arrays."""
 
-    def __init__(
-        self, matching: Correspondence, coupling: Coupling, placing: Placing, tolerance: float
-    ) -> None:
+    def __init__(self, matching: Correspondence, coupling: Coupling, placing: Placing, tolerance: float) -> None:
         self.matching, self.coupling, self.placing, self.tolerance = matching, coupling, placing, tolerance
         self.alone, self.composed = matching.alone.model, matching.composed.model
         self.moved = not coupling.in_place
@@ -202,11 +188,7 @@ class InComposition(Rules):
         data[at : at + 3] = (pose @ Pose((x, y, z))).pos
         if is_weld:
             w, a, b, c = data[6:10].tolist()
-            turn = (
-                multiply(pose.quat, (w, a, b, c))
-                if of_world[0]
-                else multiply((w, a, b, c), pose.inverse().quat)
-            )
+            turn = multiply(pose.quat, (w, a, b, c)) if of_world[0] else multiply((w, a, b, c), pose.inverse().quat)
             data[6:10] = np.array(turn) * (1.0 if np.dot(turn, actual[6:10]) >= 0 else -1.0)
         return data
 
@@ -349,9 +331,7 @@ def number_differences(matching: Correspondence, rules: Rules) -> list[Differenc
             found.append(Difference(each.kind, name, f"{field}, rows", expected=rows[0], actual=rows[1]))
             continue
         several = field.startswith("dof_")  # a row for each degree of freedom
-        for row in (
-            np.flatnonzero(each.different.reshape(len(each.different), -1).any(axis=1)) if several else [...]
-        ):
+        for row in np.flatnonzero(each.different.reshape(len(each.different), -1).any(axis=1)) if several else [...]:
             expected, actual, different = each.expected[row], each.actual[row], each.different[row]
             at: Any = ...
             if different.size > _SHOWN:
@@ -476,9 +456,7 @@ def compare(
     if not coupling.in_place:
         found += placing.differences(tolerance)
     in_world = placing.transform if matching.mount == 0 else None
-    found += key_differences(
-        matching, in_world, keys, roots=roots_in_keys, tolerance=tolerance, replaced=replaced_keys
-    )
+    found += key_differences(matching, in_world, keys, roots=roots_in_keys, tolerance=tolerance, replaced=replaced_keys)
     return [difference for difference in found if not _ignored(difference, ignore)]
 
 

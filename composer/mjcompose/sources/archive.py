@@ -5,26 +5,14 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING
 
-from mjcompose.sources.reference import (
-    Form,
-    Reference,
-    SourceKind,
-    check_secrets,
-    malformed,
-    never,
-    take_apart,
-)
+from mjcompose.sources.reference import Form, Reference, SourceKind, check_secrets, malformed, never, take_apart
 
 if TYPE_CHECKING:
     from mjcompose.sources.fetching import Lookup
     from mjcompose.sources.reference import Source
 
-_FORM = Form(
-    "https://host/archive.zip#path/model.xml", "a file in a zip or tar (plain, gz, bz2, xz) on the web"
-)
-_PINNED = Form(
-    "https://host/archive.zip@sha256:HEX#path/model.xml", "the same; another archive there is an error"
-)
+_FORM = Form("https://host/archive.zip#path/model.xml", "a file in a zip or tar (plain, gz, bz2, xz) on the web")
+_PINNED = Form("https://host/archive.zip@sha256:HEX#path/model.xml", "the same; another archive there is an error")
 
 
 def _parse(text: str) -> Reference:

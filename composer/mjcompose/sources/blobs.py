@@ -99,9 +99,7 @@ def hold(store: Path, key: str) -> None:
     if own not in _OWN:
         held(store)  # also removes leases of killed processes
         path = store / LEASES / f"{os.getpid()}.{os.urandom(6).hex()}"
-        file = os.open(
-            path, os.O_RDWR | os.O_CREAT | os.O_EXCL | os.O_APPEND | getattr(os, "O_CLOEXEC", 0), 0o600
-        )
+        file = os.open(path, os.O_RDWR | os.O_CREAT | os.O_EXCL | os.O_APPEND | getattr(os, "O_CLOEXEC", 0), 0o600)
         lock_file(file)
         _OWN[own] = path, file, set()
     _, file, keys = _OWN[own]
@@ -221,9 +219,7 @@ def write_whole(store: str | PathLike[str], path: str | PathLike[str], *pieces: 
         for file in (stage, path):
             os.makedirs(os.path.dirname(file), exist_ok=True)
         with open(stage, "xb", buffering=0) as stream:
-            with contextlib.suppress(
-                OSError
-            ):  # on a file system without locks, leftovers are removed after a time
+            with contextlib.suppress(OSError):  # on a file system without locks, leftovers are removed after a time
                 lock_file(stream.fileno(), wait=False)
             for piece in pieces:
                 _write_all(stream, piece)
@@ -341,9 +337,7 @@ def mujocos_in(store: Path) -> Iterator[KeptMujoco]:
         with contextlib.suppress(OSError):
             used = (folder / READY).stat().st_mtime
             written = read_regular(folder / READY, is_source=False).decode("ascii", "replace").strip()
-            yield KeptMujoco(
-                folder.name, folder, int(written) if written.isdecimal() else _measured(folder), used=used
-            )
+            yield KeptMujoco(folder.name, folder, int(written) if written.isdecimal() else _measured(folder), used=used)
 
 
 def incomplete_in(store: Path) -> list[Path]:

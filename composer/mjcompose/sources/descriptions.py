@@ -116,9 +116,7 @@ def _model_file(description: Any, reference: Reference) -> Path:
             continue
         path = Path(written)
         if not os.path.isfile(path) or not has_format(path):
-            raise SourceError(
-                "source-not-found", f"`{reference.text}` stands for `{path}`, which is not a model file"
-            )
+            raise SourceError("source-not-found", f"`{reference.text}` stands for `{path}`, which is not a model file")
         return path
     raise SourceError("source-kind", f"`{reference.text}` has neither MJCF nor URDF")
 

@@ -100,9 +100,7 @@ class _Download:
             except _Broken as broken:
                 last, pause = str(broken), broken.pause
             except LocationValueError as error:
-                raise SourceError(
-                    "source-fetch", f"`{self.url}` cannot be fetched: {_in_short(error)}"
-                ) from None
+                raise SourceError("source-fetch", f"`{self.url}` cannot be fetched: {_in_short(error)}") from None
             except HTTPError as error:
                 last, pause = _in_short(error), 0.0
                 # urllib3 also reports a refused connection as a timeout.
@@ -187,15 +185,12 @@ class _Download:
         way = take_apart(leads_to, at)
         if way is None or way.scheme not in ("http", "https"):
             raise SourceError(
-                "source-fetch",
-                f"`{self.url}` leads to `{hide(leads_to)}`, which is not an address of the web",
+                "source-fetch", f"`{self.url}` leads to `{hide(leads_to)}`, which is not an address of the web"
             )
         leads_to = way.geturl()
         was_open = self.url.startswith("http:")
         if way.scheme == "http" and not (was_open and is_this_machine(way.netloc)):
-            raise SourceError(
-                "source-fetch", f"`{self.url}` leads to `{hide(leads_to)}`, which is not encrypted"
-            )
+            raise SourceError("source-fetch", f"`{self.url}` leads to `{hide(leads_to)}`, which is not encrypted")
         return leads_to
 
     def _check_reach(self, at: str) -> None:
@@ -217,14 +212,10 @@ class _Download:
             forget(self.partial)
             raise _Broken("the server has another file now")
         if status in (404, 410):
-            raise SourceError(
-                "source-not-found", f"`{self.url}` does not exist: the server answered {status}"
-            )
+            raise SourceError("source-not-found", f"`{self.url}` does not exist: the server answered {status}")
         if status not in (200, 206):
             why = " (it wants a login, which is not supported)" if status in (401, 403, 407) else ""
-            raise SourceError(
-                "source-fetch", f"`{self.url}` cannot be fetched: the server answered {status}{why}"
-            )
+            raise SourceError("source-fetch", f"`{self.url}` cannot be fetched: the server answered {status}{why}")
         version = Version(response.headers.get("ETag", ""), response.headers.get("Last-Modified", ""))
         resumed = status == 206
         if resumed and not response.headers.get("Content-Range", "").startswith(f"bytes {have}-"):
@@ -257,9 +248,7 @@ class _Download:
 
         length = response.headers.get("Content-Length", "")
         total = size + int(length) if length.isdigit() else 0
-        self._note.write_text(
-            json.dumps({"etag": version.etag, "modified": version.modified}), encoding="utf-8"
-        )
+        self._note.write_text(json.dumps({"etag": version.etag, "modified": version.modified}), encoding="utf-8")
         seconds = patience(self.environment)
         reported = since = time.monotonic()
         before = size

@@ -216,9 +216,7 @@ def source_in(origin: Origin, reference: Reference) -> Source:
     """Return the file that a reference names in `origin`. Raises SourceError."""
     inside = PurePosixPath(reference.path)
     if inside.is_absolute() or ".." in inside.parts or "\\" in reference.path:
-        raise SourceError(
-            "source-kind", f"the model reference `{reference.text}` leaves what it was fetched with"
-        )
+        raise SourceError("source-kind", f"the model reference `{reference.text}` leaves what it was fetched with")
     existing = [origin.named(each) for each in model_files(origin.root, depth=6)]
     for left_out, why in origin.without:
         if inside.is_relative_to(left_out):
@@ -321,16 +319,12 @@ def _with_slashes(text: str, near: str | None) -> str:
 def _without_folder(text: str, wanted: Path) -> tuple[str, str, str | None]:
     """For a file in a missing folder, return the message, the existing folders, and the path with the nearest."""
     missing = next(
-        each
-        for each in (wanted.parent, *wanted.parent.parents)
-        if os.path.isdir(each.parent) or each == each.parent
+        each for each in (wanted.parent, *wanted.parent.parents) if os.path.isdir(each.parent) or each == each.parent
     )
     depth = len(wanted.parts) - len(missing.parts)
     written = text.removesuffix("".join(f"/{part}" for part in wanted.parts[-depth:]))
     try:
-        folders = sorted(
-            each.name for each in os.scandir(missing.parent) if each.is_dir() and each.name[0] != "."
-        )
+        folders = sorted(each.name for each in os.scandir(missing.parent) if each.is_dir() and each.name[0] != ".")
     except OSError:
         folders = []
     near = closest(missing.name, folders)
@@ -368,10 +362,7 @@ def without_suffix(text: str, existing: Iterable[str]) -> SourceError:
         help = f"write `{beside}`" if beside else foreign.help(text)
         return SourceError("source-kind", foreign.message(text), help=help)
     if suffix.lower() in (".zip", ".mjz", ".mjb"):
-        problem, fix = (
-            "is a bundle, which cannot be a part",
-            "refer to the recipe or the XML that it was built from",
-        )
+        problem, fix = ("is a bundle, which cannot be a part", "refer to the recipe or the XML that it was built from")
     else:
         problem = f"ends in `{suffix}`, which is not a model file" if suffix else "has no file suffix"
         fix = "end it in `.yaml` for a recipe, `.xml` for MJCF, `.urdf` for URDF, or write `menagerie:ROBOT`"

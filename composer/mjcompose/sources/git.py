@@ -4,15 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from mjcompose.sources.reference import (
-    CONTROL,
-    Form,
-    Reference,
-    SourceKind,
-    check_secrets,
-    malformed,
-    take_apart,
-)
+from mjcompose.sources.reference import CONTROL, Form, Reference, SourceKind, check_secrets, malformed, take_apart
 
 if TYPE_CHECKING:
     from mjcompose.sources.fetching import Lookup
@@ -48,9 +40,7 @@ def _parse(text: str) -> Reference:
         raise malformed(text, form, "does not say the revision")
     if not path:
         raise malformed(text, form, "does not say the file inside the repository")
-    return Reference(
-        text, KIND, f"{scheme.removeprefix('git+')}://{host}/{repository}", path=path, revision=revision
-    )
+    return Reference(text, KIND, f"{scheme.removeprefix('git+')}://{host}/{repository}", path=path, revision=revision)
 
 
 def _host(reference: Reference) -> str | None:

@@ -36,9 +36,7 @@ _PASSING = re.compile(
 """Failures that another try may overcome."""
 _NO_NAME = re.compile("could not resolve host", re.IGNORECASE)
 """The network or the name does not exist: another try a second later would fail too."""
-_ADVICE = re.compile(
-    r"(hint|warning): |Please make sure you have the correct access|and the repository exists", re.I
-)
+_ADVICE = re.compile(r"(hint|warning): |Please make sure you have the correct access|and the repository exists", re.I)
 
 
 class GitFailure(Exception):

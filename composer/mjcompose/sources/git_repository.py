@@ -32,9 +32,7 @@ def resolve(reference: Reference, lookup: Lookup) -> Source:
     id, known = reference.id, lookup.fetching.origins
     if id not in known:
         store = Store.of(lookup.environment)
-        known[id] = _Repository(
-            reference, id, store, environment=lookup.environment, fetching=lookup.fetching
-        ).origin()
+        known[id] = _Repository(reference, id, store, environment=lookup.environment, fetching=lookup.fetching).origin()
     return source_in(known[id], reference)
 
 
@@ -67,11 +65,7 @@ class _Repository:
             else:
                 commit = self._asked()
         entry = self.store.get("git", commit) or self._fetched(commit, pinned is not None)
-        without = (
-            (name.removeprefix(_WITHOUT), why)
-            for name, why in entry.about.items()
-            if name.startswith(_WITHOUT)
-        )
+        without = ((name.removeprefix(_WITHOUT), why) for name, why in entry.about.items() if name.startswith(_WITHOUT))
         return Origin(
             self.id, self.reference.kind, entry.content, commit=commit, tree=entry.about["tree"],
             without=(*without,), stored=entry.files,
@@ -103,9 +97,7 @@ class _Repository:
         with scratch("git") as folder:
             try:
                 self._history(Path(folder))
-                found = self._git.run(
-                    "rev-parse", "--verify", "-q", f"{short}^{{commit}}", folder=Path(folder)
-                )
+                found = self._git.run("rev-parse", "--verify", "-q", f"{short}^{{commit}}", folder=Path(folder))
             except GitFailure:
                 raise self._no_revision(refs) from None
         commit = found.decode().strip()
@@ -131,9 +123,7 @@ class _Repository:
         with tempfile.TemporaryDirectory(dir=target.parent) as folder:
             repository = Path(folder)
             self._get(commit, repository, pinned)
-            about["tree"] = (
-                self._git.run("rev-parse", f"{commit}^{{tree}}", folder=repository).decode().strip()
-            )
+            about["tree"] = self._git.run("rev-parse", f"{commit}^{{tree}}", folder=repository).decode().strip()
             left_out = self._write(repository, commit, target)
             about |= {f"{_WITHOUT}{name}": why for name, why in left_out.items()}
 
@@ -187,9 +177,7 @@ class _Repository:
                     "archive-refused", f"the repository `{self.reference.name}` is refused: it {what} {most}",
                     notes=words_of(failure), help=advice(limit),
                 )  # fmt: skip
-        help = (
-            "see that `git ls-remote` with that address works; with `--offline` what is in the store is used"
-        )
+        help = "see that `git ls-remote` with that address works; with `--offline` what is in the store is used"
         if "@" in self.reference.name.rpartition("/")[2]:
             help = "an `@` in the name of a branch or tag is written `%40`"
         message = f"the repository `{self.reference.name}` cannot be fetched"

@@ -54,9 +54,7 @@ def parse(text: str, fetched: str | None = None) -> Reference:
     if not text.strip():
         raise SourceError("source-kind", "a model reference is empty", notes=(_forms_note(),))
     if CONTROL.search(text):
-        raise SourceError(
-            "source-kind", f"the model reference `{CONTROL.sub('?', text)}` holds a control character"
-        )
+        raise SourceError("source-kind", f"the model reference `{CONTROL.sub('?', text)}` holds a control character")
     scheme = None if text.startswith((".", "/", "\\")) else _SCHEME.fullmatch(text)
     if scheme is None:
         return path.KIND.parse(text)

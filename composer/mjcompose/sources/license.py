@@ -82,9 +82,7 @@ def license_of(source: Source) -> str | None:
     """
     if (declared := _DECLARED.search(_text(source.path, _HEAD))) is not None:
         return declared[1]
-    named = sorted(
-        {name for path in source.licenses if (name := identify(_text(path, _LARGEST))) is not None}
-    )
+    named = sorted({name for path in source.licenses if (name := identify(_text(path, _LARGEST))) is not None})
     if named:
         return " AND ".join(f"({each})" if " OR " in each and len(named) > 1 else each for each in named)
     return source.license if all(map(is_empty, source.licenses)) else None
@@ -146,9 +144,7 @@ LEVELS = 3
 _NAME = re.compile(r"(licen[sc]e|copying|notice)s?([-_. ].*)?", re.IGNORECASE)
 _FOLDER = re.compile("licen[sc]es", re.IGNORECASE)
 _DEPTH = 3
-_NOT_TEXT = frozenset(
-    {".py", ".pyc", ".pyi", ".js", ".json", ".xml", ".yaml", ".yml", ".toml", ".sh", ".h", ".png"}
-)
+_NOT_TEXT = frozenset({".py", ".pyc", ".pyi", ".js", ".json", ".xml", ".yaml", ".yml", ".toml", ".sh", ".h", ".png"})
 
 
 def find(model: Path, base: Path | None = None) -> tuple[Path, ...]:

@@ -96,8 +96,7 @@ def to_text(lock: Lock) -> str:
     """Return the lock as text; equal locks have equal texts. No I/O."""
     data = lock.model_dump(exclude_defaults=True)
     data["sources"] = {
-        id: {**source, "files": dict(sorted(source["files"].items()))}
-        for id, source in sorted(data["sources"].items())
+        id: {**source, "files": dict(sorted(source["files"].items()))} for id, source in sorted(data["sources"].items())
     }
     if lock.shapes:
         data["shapes"] = dict(sorted(lock.shapes.items()))
@@ -144,9 +143,7 @@ def from_text(text: bytes | str, shown: str, sink: Sink, disputes: Disputed | No
         sink.error("lock-invalid", f"`{shown}` is not a lock: {first.message}", first.span, help=_HELP)
         return None
     if not isinstance(node, Mapping):
-        sink.error(
-            "lock-invalid", f"`{shown}` is not a lock", None if node is None else node.span, help=_HELP
-        )
+        sink.error("lock-invalid", f"`{shown}` is not a lock", None if node is None else node.span, help=_HELP)
         return None
     version = node.entries.get("lock")
     number = version[1] if version is not None else None
@@ -175,9 +172,7 @@ def from_text(text: bytes | str, shown: str, sink: Sink, disputes: Disputed | No
     if unknown:
         _report("", ("sources", unknown[0], "kind"), node, shown=shown, sink=sink)
         return None
-    if (
-        version is None or not isinstance(number, Scalar) or type(number.value) is not int
-    ):  # in Python, `True == 1`
+    if version is None or not isinstance(number, Scalar) or type(number.value) is not int:  # in Python, `True == 1`
         _report("missing" if version is None else "", ("lock",), node, shown=shown, sink=sink)
         return None
     return lock
@@ -218,9 +213,7 @@ def _report(fault: str, path: tuple[str | int, ...], node: Mapping, shown: str, 
         "extra_forbidden": "is not a key of a lock",
         "string_pattern_mismatch": "is not a hash",
     }.get(fault, "is not what it must be")
-    sink.error(
-        "lock-invalid", f"`{shown}` is not a lock: {where} {said}", locate(node, path, key=key), help=_HELP
-    )
+    sink.error("lock-invalid", f"`{shown}` is not a lock: {where} {said}", locate(node, path, key=key), help=_HELP)
 
 
 def _sides(text: str) -> tuple[str, str]:
@@ -250,8 +243,7 @@ def _sides(text: str) -> tuple[str, str]:
 def _both(ours: Lock, theirs: Lock) -> Lock:
     """Return everything that either side pins; for conflicts, our side. No I/O."""
     both = {
-        id: _joined(ours.sources[id], locked) if id in ours.sources else locked
-        for id, locked in theirs.sources.items()
+        id: _joined(ours.sources[id], locked) if id in ours.sources else locked for id, locked in theirs.sources.items()
     }
     shapes = {**theirs.shapes, **ours.shapes}
     return ours.model_copy(update={"sources": {**ours.sources, **both}, "shapes": shapes})

@@ -128,9 +128,7 @@ def _check_server(url: str, reference: Reference) -> None:
         ) from None
 
 
-def _folder(
-    library: Any, robot: Any, reference: Reference, environment: Mapping[str, str], fetching: Fetching
-) -> Path:
+def _folder(library: Any, robot: Any, reference: Reference, environment: Mapping[str, str], fetching: Fetching) -> Path:
     """Return the folder with the robot's files, downloading them if necessary."""
     root = environment.get("MENAGERIE_ROOT")
     if root:

@@ -132,9 +132,7 @@ def _licenses_of(owner: Distribution) -> Iterator[Path]:
 
 
 def _existing(reference: Reference, roots: list[Path]) -> list[str]:
-    return [
-        f"package:{reference.name}/{each}" for root in roots for each in nearby.model_files(root, depth=6)
-    ]
+    return [f"package:{reference.name}/{each}" for root in roots for each in nearby.model_files(root, depth=6)]
 
 
 def _not_installed(reference: Reference) -> SourceError:

@@ -11,16 +11,7 @@ from mjcompose.base.suggest import exists_note
 from mjcompose.sources import fetching as nearby
 from mjcompose.sources import license
 from mjcompose.sources.fetching import Fetching, Lookup
-from mjcompose.sources.reference import (
-    Form,
-    Reference,
-    Source,
-    SourceError,
-    SourceKind,
-    has_format,
-    never,
-    no_host,
-)
+from mjcompose.sources.reference import Form, Reference, Source, SourceError, SourceKind, has_format, never, no_host
 
 
 def _parse(text: str) -> Reference:
@@ -55,9 +46,7 @@ def _file(reference: Reference, relative_to: Path) -> Source:
         hint = "`~` is not expanded: write the whole path" if reference.path.startswith("~") else None
         if reference.path.startswith("menagerie/"):
             hint = f"write `menagerie:{PurePath(reference.path).relative_to('menagerie').with_suffix('')}`"
-        raise nearby.not_found(
-            reference.text, wanted, _existing(reference.path, wanted, relative_to), hint=hint
-        )
+        raise nearby.not_found(reference.text, wanted, _existing(reference.path, wanted, relative_to), hint=hint)
     return Source(wanted, reference.kind, reference.text, licenses=license.find(wanted))
 
 
@@ -85,14 +74,11 @@ def _left_out(reference: Reference, relative_to: Path, fetching: Fetching) -> So
     origin = fetching.around(relative_to)
     if origin is None:
         return None
-    inside = Path(
-        os.path.relpath(os.path.realpath(relative_to / reference.path), os.path.realpath(origin.root))
-    )
+    inside = Path(os.path.relpath(os.path.realpath(relative_to / reference.path), os.path.realpath(origin.root)))
     for name, why in origin.without:
         if inside.is_relative_to(name):
             return SourceError(
-                "source-not-found",
-                f"the model `{reference.text}` does not exist: `{name}` of `{origin.id}` is {why}",
+                "source-not-found", f"the model `{reference.text}` does not exist: `{name}` of `{origin.id}` is {why}"
             )
     return None
 

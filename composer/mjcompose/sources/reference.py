@@ -111,9 +111,7 @@ class Kind:
     def check_pinned(self, **known: str | None) -> None:
         """Raise ValueError if a source of this kind has a fact that its lock would not record."""
         if missing := [pin for pin, value in known.items() if value is not None and pin not in self.pins]:
-            raise ValueError(
-                f"the kind {self.name!r} knows {missing}, and `pins` in its row does not name it"
-            )
+            raise ValueError(f"the kind {self.name!r} knows {missing}, and `pins` in its row does not name it")
 
     def __post_init__(self) -> None:
         if not self.name.isidentifier() or not self.forms:
@@ -121,9 +119,7 @@ class Kind:
         if self.is_local and (self.is_fetched or self.pins):
             raise ValueError(f"the files of the kind {self.name!r} are the user's own: they are not pinned")
         if not self.pins.issubset(PINS):
-            raise ValueError(
-                f"the kind {self.name!r} pins {sorted(self.pins.difference(PINS))}: no lock has that"
-            )
+            raise ValueError(f"the kind {self.name!r} pins {sorted(self.pins.difference(PINS))}: no lock has that")
 
 
 @dataclass(frozen=True, slots=True)
@@ -178,9 +174,7 @@ def bare(text: str, form: Form) -> str:
 
 def malformed(text: str, form: Form, problem: str) -> SourceError:
     """Return the error for a reference that lacks something of its form."""
-    return SourceError(
-        "source-kind", f"the model reference `{text}` {problem}", help=f"the form is `{form.example}`"
-    )
+    return SourceError("source-kind", f"the model reference `{text}` {problem}", help=f"the form is `{form.example}`")
 
 
 def check_secrets(text: str, host: str) -> None:

@@ -85,9 +85,7 @@ def in_workspace(folder: Path) -> Iterator[tuple[str, Path]]:
             except OSError:
                 continue
             waiting += [
-                (each, depth + 1)
-                for each in inner
-                if each.name not in _NO_SOURCES and not each.name.startswith(".")
+                (each, depth + 1) for each in inner if each.name not in _NO_SOURCES and not each.name.startswith(".")
             ]
 
 

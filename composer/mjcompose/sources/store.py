@@ -117,9 +117,7 @@ class Store:
                 os.utime(folder / ENTRY)
         return entry
 
-    def add(
-        self, kind: Stored, key: str, origin: str, fill: Callable[[Path], None], about: Mapping[str, str]
-    ) -> Entry:
+    def add(self, kind: Stored, key: str, origin: str, fill: Callable[[Path], None], about: Mapping[str, str]) -> Entry:
         """Create an entry: `fill` writes its files into the given empty folder.
 
         `about` is read afterwards. The caller holds the lock of `key`. The entry is added completely or not at all.
@@ -208,9 +206,7 @@ class Store:
                         found.append(entry)
         return sorted(found, key=lambda entry: (entry.used, entry.key))
 
-    def prune(
-        self, limit: int, *, grace: float = GRACE, keep: frozenset[str] | set[str] = frozenset()
-    ) -> list[Kept]:
+    def prune(self, limit: int, *, grace: float = GRACE, keep: frozenset[str] | set[str] = frozenset()) -> list[Kept]:
         """Remove leftovers of killed processes, and the least recently used entries beyond `limit` bytes.
 
         Entries in `keep`, entries used in the last `grace` seconds and those in use by another process stay. Return

@@ -73,11 +73,7 @@ def check_reach(reference: Reference, kind: SourceKind, origin: Origin, trust: T
     except Exception:  # what cannot be judged is refused
         what = "what cannot be judged"
     else:
-        what = (
-            "something on this machine"
-            if host is None
-            else f"`{host}`, which is on this machine or in its network"
-        )
+        what = "something on this machine" if host is None else f"`{host}`, which is on this machine or in its network"
     raise SourceError(
         "source-outside",
         f"`{reference.text}` names {what}, and `{origin.id}`, whose recipe does, was fetched",
@@ -125,9 +121,7 @@ def _address(text: str) -> ipaddress.IPv4Address | ipaddress.IPv6Address | None:
         return None
 
 
-def _inner(
-    address: ipaddress.IPv4Address | ipaddress.IPv6Address,
-) -> ipaddress.IPv4Address | ipaddress.IPv6Address:
+def _inner(address: ipaddress.IPv4Address | ipaddress.IPv6Address) -> ipaddress.IPv4Address | ipaddress.IPv6Address:
     """Return the IPv4 address that an IPv6 address maps, or the address itself."""
     return (isinstance(address, ipaddress.IPv6Address) and address.ipv4_mapped) or address
 

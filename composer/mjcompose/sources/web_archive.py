@@ -272,16 +272,12 @@ class _Archive:
             entry = self.store.get("archive", sha256)
             if entry is None:
                 with self.store.lock(sha256, self.fetching.progress):
-                    entry = self.store.add(
-                        "archive", sha256, self.id, lambda target: unpack(partial, target), {}
-                    )
+                    entry = self.store.add("archive", sha256, self.id, lambda target: unpack(partial, target), {})
         except Unsafe as fault:
             forget(partial)
             if wanted and sha256 != wanted:
                 raise self._changed(wanted, sha256, (f"what is there now is refused: {fault}",)) from None
-            raise SourceError(
-                "archive-refused", f"the archive `{url}` is refused: {fault}", help=fault.help
-            ) from None
+            raise SourceError("archive-refused", f"the archive `{url}` is refused: {fault}", help=fault.help) from None
         forget(partial)
         if wanted and sha256 != wanted:
             before = self.fetching.known_files(self.id)

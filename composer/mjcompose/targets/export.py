@@ -96,9 +96,7 @@ def exported(bundle: Bundle, target: str, folder: Path, *, session: Session) -> 
 CANNOT, LOSS, FAILED = "target-cannot", "target-loss", "target-failed"
 
 
-def aimed(
-    bundle: Bundle, target: str, model: Unit, *, at: Span, context: Context, session: Session
-) -> Bundle | None:
+def aimed(bundle: Bundle, target: str, model: Unit, *, at: Span, context: Context, session: Session) -> Bundle | None:
     """Return the bundle that `target` reads, made from a bundle that MuJoCo has verified.
 
     Errors and losses go to the context's sink. `model` is the composed model, which knows where elements are

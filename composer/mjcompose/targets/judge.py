@@ -174,9 +174,7 @@ def differences(
             if read is None and (kind == "joint" or (facts["actuators"] and ("actuators", name) not in lost)):
                 yield Difference(f"{kind}s", kind, name, message=f"the {kind} `{name}` is missing")
             if read is not None:
-                yield from _attributes(
-                    kind, name, mine, read=read, lost=lost, tolerance=1e-5 if single else 1e-9
-                )
+                yield from _attributes(kind, name, mine, read=read, lost=lost, tolerance=1e-5 if single else 1e-9)
     if "shapes" in facts:
         yield from _shapes(model, truth["shapes"], facts["shapes"], losses=losses)
     yield from _poses(truth["poses"], facts["poses"], composite, tolerance=1e-4 if single else 1e-9)
@@ -189,11 +187,7 @@ def _attributes(
 ) -> Iterator[Difference]:
     for attribute, value in read.items():
         feature = FEATURES[attribute]
-        if (
-            attribute not in mine
-            or (feature, name) in lost
-            or (feature == "gains" and ("gears", name) in lost)
-        ):
+        if attribute not in mine or (feature, name) in lost or (feature == "gains" and ("gears", name) in lost):
             continue
         if not _close(value, mine[attribute], tolerance):
             words = _WORDS.get(attribute, attribute)
@@ -211,9 +205,7 @@ def _close(read: Any, mine: Any, tolerance: float) -> bool:
     return bool(read == mine)
 
 
-def _shapes(
-    model: Any, mine: dict[str, int], read: dict[str, int], losses: Iterable[Loss]
-) -> Iterator[Difference]:
+def _shapes(model: Any, mine: dict[str, int], read: dict[str, int], losses: Iterable[Loss]) -> Iterator[Difference]:
     left = dict(mine)
     for loss in losses:
         if loss.feature == "shapes" and loss.kind == "geom":
@@ -248,10 +240,7 @@ def _masses(mujoco: Any, model: Any, facts: Facts, tolerance: float) -> Iterator
             yield differs(f"the mass of `{name}` is {read['mass']:.9g}, not {mass:.9g}")
         elif mass > 0 and np.abs(np.array(read["com"]) - com).max() > max(tolerance, 1e-7):
             yield differs(f"the centre of mass of `{name}` is at {_shown(read['com'])}, not {_shown(com)}")
-        elif (
-            mass > 0
-            and np.abs(np.array(read["inertia"]) - inertia).max() > tolerance * np.abs(inertia).max() + 1e-12
-        ):
+        elif mass > 0 and np.abs(np.array(read["inertia"]) - inertia).max() > tolerance * np.abs(inertia).max() + 1e-12:
             yield differs(f"the inertia of `{name}` is {_shown(read['inertia'])}, not {_shown(inertia)}")
 
 
@@ -277,16 +266,12 @@ def _composite(mujoco: Any, model: Any, body: int, parts: list[int]) -> tuple[fl
     return mass, frame.T @ (centre - origin), frame.T @ inertia @ frame
 
 
-def _poses(
-    mine: Sequence[Facts], read: Sequence[Facts], composite: bool, tolerance: float
-) -> Iterator[Difference]:
+def _poses(mine: Sequence[Facts], read: Sequence[Facts], composite: bool, tolerance: float) -> Iterator[Difference]:
     worst, where = 0.0, ""
     for true, each in zip(mine, read, strict=True):
         for name, pose in true.items():
             if name in each:
-                off = max(
-                    float(np.abs(np.subtract(*pair)).max()) for pair in zip(each[name], pose, strict=True)
-                )
+                off = max(float(np.abs(np.subtract(*pair)).max()) for pair in zip(each[name], pose, strict=True))
                 if off > worst:
                     worst, where = off, name
             elif not composite:

@@ -100,9 +100,7 @@ def without_classes(root: Node) -> None:
                 names = [attribute.name for attribute, _ in given(element, kind, classes)]
                 if element.tag == "material":
                     _layers(element, classes)
-                found.append(
-                    (element, {name: text_in_effect(element, kind, name, classes=classes) for name in names})
-                )
+                found.append((element, {name: text_in_effect(element, kind, name, classes=classes) for name in names}))
     for element, texts in found:
         for name, text in texts.items():
             if text is not None:
@@ -204,9 +202,7 @@ def _lines(model: Any, number: int) -> Iterator[str]:
     corners = [model.mesh_face[faces], model.mesh_facenormal[faces]]
     yield from ("v {:.9g} {:.9g} {:.9g}".format(*each) for each in vertices.tolist())
     if model.mesh_texcoordadr[number] >= 0:
-        coordinates = _run(
-            model.mesh_texcoord, model.mesh_texcoordadr[number], model.mesh_texcoordnum[number]
-        )
+        coordinates = _run(model.mesh_texcoord, model.mesh_texcoordadr[number], model.mesh_texcoordnum[number])
         # MuJoCo flips the second texture coordinate of OBJ files.
         yield from (f"vt {u:.9g} {np.float32(1) - np.float32(v):.9g}" for u, v in coordinates.tolist())
         corners.insert(1, model.mesh_facetexcoord[faces])
@@ -410,21 +406,8 @@ def plain(mujoco: Any, path: Path) -> Draft:
     without_classes(root)
     without_frames(root)
     names = NameTable(model)
-    elements = {
-        kind: [each for each in nodes if each is not None] for kind, nodes in compiled_order(root).items()
-    }
-    for kind in (
-        "body",
-        "joint",
-        "geom",
-        "site",
-        "camera",
-        "light",
-        "actuator",
-        "equality",
-        "tendon",
-        "sensor",
-    ):
+    elements = {kind: [each for each in nodes if each is not None] for kind, nodes in compiled_order(root).items()}
+    for kind in ("body", "joint", "geom", "site", "camera", "light", "actuator", "equality", "tendon", "sensor"):
         if len(elements[kind]) != names.count(kind):
             count = f"{len(elements[kind])} of {names.count(kind)}"
             raise CannotBePlain(f"MuJoCo {mujoco.__version__} saves {count} elements of the kind {kind}")

@@ -98,11 +98,7 @@ def read_back(reader: Reader, python: str, model: Path, questions: dict[str, Any
     command = [python, "-I", str(_READERS / f"{reader.program}.py"), str(model), str(asked), str(out)]
     seconds = in_force().time
     with Process(
-        command,
-        stdin=subprocess.DEVNULL,
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.PIPE,
-        cwd=model.parent.parent,
+        command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, cwd=model.parent.parent
     ) as process:
         try:
             _, said = process.communicate(timeout=seconds)

@@ -164,14 +164,10 @@ def no_shapes(*kinds: str) -> Limit:
 def unread_in(joints: str, *attributes: str) -> tuple[Limit, ...]:
     """Return limits that remove attributes from joints of a type."""
     path = f".//joint[@type='{joints}']"
-    return tuple(
-        without_attribute(_DYNAMICS[name], path, name, what=_WORDS.get(name, name)) for name in attributes
-    )
+    return tuple(without_attribute(_DYNAMICS[name], path, name, what=_WORDS.get(name, name)) for name in attributes)
 
 
-def _leave_out(
-    feature: str, paths: Collection[str], why: str, draft: Draft, *, but: Collection[str] = ()
-) -> None:
+def _leave_out(feature: str, paths: Collection[str], why: str, draft: Draft, *, but: Collection[str] = ()) -> None:
     for path in paths:
         for element in list(draft.root.iterfind(path)):
             if element.tag not in but:
@@ -184,9 +180,7 @@ def _refuse(feature: str, path: str, why: str, help: str, draft: Draft) -> None:
         draft.lose(feature, element, why, outcome=Outcome.REFUSED, help=help)
 
 
-def _take(
-    feature: str, path: str, name: str, what: str, why: str, also: Collection[str], draft: Draft
-) -> None:
+def _take(feature: str, path: str, name: str, what: str, why: str, also: Collection[str], draft: Draft) -> None:
     for element in draft.root.iterfind(path):
         value = str(element.attrib.pop(name, ""))
         for each in also:
@@ -371,9 +365,7 @@ def _carried(draft: Draft) -> None:
 def greatest_force(model: Any, joint: int) -> float | None:
     """Return the greatest force (N) or torque (N·m) at a joint, from its actuators and its own limit; None without."""
     limits = [float(np.abs(model.jnt_actfrcrange[joint]).max())] if model.jnt_actfrclimited[joint] else []
-    drives = np.flatnonzero(
-        (model.actuator_trntype == _JOINT) & (model.actuator_trnid[:, 0] == joint)
-    ).tolist()
+    drives = np.flatnonzero((model.actuator_trntype == _JOINT) & (model.actuator_trnid[:, 0] == joint)).tolist()
     forces = [_greatest(model, each) for each in drives]
     known = [each for each in forces if each is not None]
     if drives and len(known) == len(drives):
@@ -387,14 +379,10 @@ def _greatest(model: Any, actuator: int) -> float | None:
     if model.actuator_forcelimited[actuator]:
         ends = model.actuator_forcerange[actuator]
     plain = not (
-        model.actuator_gaintype[actuator]
-        or model.actuator_biastype[actuator]
-        or model.actuator_dyntype[actuator]
+        model.actuator_gaintype[actuator] or model.actuator_biastype[actuator] or model.actuator_dyntype[actuator]
     )
     if plain and model.actuator_ctrllimited[actuator]:
-        ends = np.clip(
-            ends, *np.sort(model.actuator_ctrlrange[actuator] * model.actuator_gainprm[actuator][0])
-        )
+        ends = np.clip(ends, *np.sort(model.actuator_ctrlrange[actuator] * model.actuator_gainprm[actuator][0]))
     most = float(np.abs(ends).max()) * abs(float(model.actuator_gear[actuator][0]))
     return most if np.isfinite(most) else None
 

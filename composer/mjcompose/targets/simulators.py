@@ -11,13 +11,7 @@ import numpy as np
 
 from mjcompose.mujoco.arrays import words
 from mjcompose.targets.restrictions import NO_SOFT
-from mjcompose.targets.solver import (
-    is_enabled,
-    refused_elements,
-    refused_members,
-    refused_options,
-    with_plugins,
-)
+from mjcompose.targets.solver import is_enabled, refused_elements, refused_members, refused_options, with_plugins
 from mjcompose.targets.target import Outcome
 
 # From `_COLLISION_FUNC` of MJX 3.17.
@@ -248,17 +242,14 @@ def _sleepers(mujoco: Any, model: Any) -> Iterator[tuple[int, str]]:
                 yield body, "MuJoCo Warp does not have `sleep` of a body"
 
 
-WARP_SLEEP = refused_elements(
-    "sleep", "body", _sleepers, help="write `set: {sleep: null}`", outcome=Outcome.REFUSED
-)
+WARP_SLEEP = refused_elements("sleep", "body", _sleepers, help="write `set: {sleep: null}`", outcome=Outcome.REFUSED)
 
 
 def _flexes_warp(mujoco: Any, model: Any) -> Iterator[tuple[int, str]]:
     """Yield the flexes that it refuses: quadratic and rigid ones, and those with some kinds of contacts."""
     nothing = np.zeros(model.nflex, dtype=int)  # a MuJoCo may not have all of these
     interpolated, rigid, internal, passive = (
-        getattr(model, name, nothing)
-        for name in ("flex_interp", "flex_rigid", "flex_internal", "flex_passive")
+        getattr(model, name, nothing) for name in ("flex_interp", "flex_rigid", "flex_internal", "flex_passive")
     )
     discrete = getattr(mujoco.mjtIntegrator, "mjINT_DISCRETE", None)
     newton = model.opt.solver == int(mujoco.mjtSolver.mjSOL_NEWTON) and hasattr(model, "flex_stiffnessadr")

@@ -135,9 +135,7 @@ def _plain(draft: Draft) -> Any:
 def _options(draft: Draft) -> None:
     mine, plain = draft.model.opt, _plain(draft).opt
     changed = [
-        _WORDS.get(name, name)
-        for name in _OPTIONS
-        if not np.array_equal(getattr(mine, name), getattr(plain, name))
+        _WORDS.get(name, name) for name in _OPTIONS if not np.array_equal(getattr(mine, name), getattr(plain, name))
     ]
     for option in draft.root.iterchildren("option"):
         if changed:

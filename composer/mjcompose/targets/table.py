@@ -9,18 +9,7 @@ from pathlib import Path
 
 from mjcompose.base.extensions import Table
 from mjcompose.language.form import check_rows
-from mjcompose.targets.consumers import (
-    drake,
-    genesis,
-    isaac,
-    mjx,
-    newton,
-    pinocchio,
-    plain,
-    pybullet,
-    urdf,
-    warp,
-)
+from mjcompose.targets.consumers import drake, genesis, isaac, mjx, newton, pinocchio, plain, pybullet, urdf, warp
 from mjcompose.targets.names import MUJOCO, NAMES
 from mjcompose.targets.target import Outcome, Target
 
@@ -88,9 +77,7 @@ COMPARED: Mapping[str, str] = {
 
 PLAIN = plain.TARGET
 _ALL = (plain, drake, pinocchio, pybullet, newton, genesis, mjx, warp, isaac, urdf)
-TARGETS: Table[Target] = Table(
-    "targets", {each.TARGET.name: each.TARGET for each in _ALL}, "TARGET", kind=Target
-)
+TARGETS: Table[Target] = Table("targets", {each.TARGET.name: each.TARGET for each in _ALL}, "TARGET", kind=Target)
 
 check_rows("the targets of composer/mjcompose/targets/table.py", [MUJOCO, *TARGETS.own], NAMES)
 check_rows(
@@ -109,15 +96,11 @@ READ_BACK = _ROOT / "tests" / "targets" / "read_back.json"
 def features() -> str:
     """Return the table with a row for each feature that some target does not support. Other cells are empty."""
     lines = [f"| feature | {' | '.join(TARGETS)} |", f"|---|{'---|' * len(TARGETS)}"]
-    outcomes = {
-        name: {limit.feature: limit.outcome for limit in target.limits} for name, target in TARGETS.items()
-    }
+    outcomes = {name: {limit.feature: limit.outcome for limit in target.limits} for name, target in TARGETS.items()}
     for feature, words in FEATURES.items():
         cells = [outcomes[name].get(feature, Outcome.KEPT) for name in TARGETS]
         if set(cells) != {Outcome.KEPT}:
-            lines.append(
-                f"| {words} | {' | '.join('' if each == Outcome.KEPT else each for each in cells)} |"
-            )
+            lines.append(f"| {words} | {' | '.join('' if each == Outcome.KEPT else each for each in cells)} |")
     return "\n".join(lines) + "\n"
 
 

@@ -75,9 +75,7 @@ def grouped(losses: Iterable[Loss]) -> Iterator[list[Loss]]:
     """Yield the losses of one kind together, in their order."""
     groups: dict[tuple[str, ...], list[Loss]] = {}
     for loss in losses:
-        groups.setdefault(
-            (loss.outcome, loss.feature, loss.what, loss.why, loss.kind or loss.tag), []
-        ).append(loss)
+        groups.setdefault((loss.outcome, loss.feature, loss.what, loss.why, loss.kind or loss.tag), []).append(loss)
     yield from groups.values()
 
 

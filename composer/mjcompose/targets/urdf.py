@@ -82,9 +82,7 @@ def _shapes(draft: Draft, number: int, geom: Node, into: Node, package: str) -> 
     where = pose(model.geom_pos[number], model.geom_quat[number])
     shapes = list(_geometry(draft, number, geom, package=package))
     if not shapes:
-        draft.lose(
-            "shapes", geom, what=f"the {'height field' if geom.get('type') == 'hfield' else geom.get('type')}"
-        )
+        draft.lose("shapes", geom, what=f"the {'height field' if geom.get('type') == 'hfield' else geom.get('type')}")
     for kind in [kind for kind, wanted in (("visual", shown), ("collision", collides)) if wanted]:
         for at, shape in shapes:
             holder = etree.SubElement(into, kind)
@@ -264,17 +262,13 @@ def semantics(draft: Draft, name: str, names: list[str], joints: dict[str, Node]
     """Return the SRDF file of the robot `name`. `names` has the name of the link of each body."""
     model = draft.model
     root = etree.Element("robot", name=name)
-    movable = [
-        each for each, joint in joints.items() if joint.get("type") in ("revolute", "continuous", "prismatic")
-    ]
+    movable = [each for each, joint in joints.items() if joint.get("type") in ("revolute", "continuous", "prismatic")]
     if movable:
         group = etree.SubElement(root, "group", name=GROUP)
         for each in movable:
             etree.SubElement(group, "joint", name=each)
     for number, key in draft.of("key"):
-        state = etree.SubElement(
-            root, "group_state", name=str(key.get("name") or f"key{number}"), group=GROUP
-        )
+        state = etree.SubElement(root, "group_state", name=str(key.get("name") or f"key{number}"), group=GROUP)
         for joint, node in draft.of("joint"):
             if node.get("name") in movable:
                 value = model.key_qpos[number][model.jnt_qposadr[joint]]
@@ -322,18 +316,13 @@ def write_urdf(draft: Draft) -> dict[str, bytes]:
     model, title = draft.model, str(draft.root.get("model") or "model")
     package = package_name(title)
     bodies = draft.elements["body"]
-    names = [
-        WORLD,
-        *(str(body.get("name") or f"body{number}") for number, body in enumerate(bodies) if number),
-    ]
+    names = [WORLD, *(str(body.get("name") or f"body{number}") for number, body in enumerate(bodies) if number)]
     robot = etree.Element("robot", name=title)
     joints: dict[str, Node] = {}
     links = [link(draft, number, name, package=package) for number, name in enumerate(names)]
     floating = model.nbody > 1 and not (model.body_parentid[2:] == 0).any() and _is_free(draft, 1)
     if floating:
-        draft.lose(
-            "roots", bodies[1], "the root is the body that moves freely, not a world", outcome=Outcome.WRITTEN
-        )
+        draft.lose("roots", bodies[1], "the root is the body that moves freely, not a world", outcome=Outcome.WRITTEN)
         for geom in [node for number, node in draft.of("geom") if int(model.geom_bodyid[number]) == 0]:
             draft.lose("shapes", geom, "they are in the world, which is not in this URDF")
     for number, name in enumerate(names):
@@ -368,10 +357,7 @@ def _frame(draft: Draft, site: int, name: str, names: list[str]) -> list[Node]:
     model = draft.model
     called = f"{name}_site" if name in names else name
     where = pose(model.site_pos[site], model.site_quat[site])
-    return [
-        massless(called),
-        fixed(f"{called}_fixed", names[int(model.site_bodyid[site])], called, frame=where),
-    ]
+    return [massless(called), fixed(f"{called}_fixed", names[int(model.site_bodyid[site])], called, frame=where)]
 
 
 def package_name(title: str) -> str:

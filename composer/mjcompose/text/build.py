@@ -76,12 +76,7 @@ class Builder:
     """
 
     def __init__(
-        self,
-        text: str,
-        file: str,
-        sink: Sink,
-        restore: Callable[[str], str] | None = None,
-        empty: str | None = None,
+        self, text: str, file: str, sink: Sink, restore: Callable[[str], str] | None = None, empty: str | None = None
     ) -> None:
         self._text = text
         self._file = file
@@ -149,9 +144,7 @@ class Builder:
                 return self._root
             if self._total > self._most:
                 message = f"more than {self._most} values in one file"
-                self._sink.error(
-                    "yaml-too-large", message, self._marks.span(event), help=advice("yaml-values")
-                )
+                self._sink.error("yaml-too-large", message, self._marks.span(event), help=advice("yaml-values"))
                 return None
         for lone in self._lone:  # if reading stops, this is the reason
             self._sink.add(lone)
@@ -163,8 +156,7 @@ class Builder:
         if root is None or (isinstance(root, Scalar) and root.plain and not root.text):
             self._sink.error(
                 "yaml-empty",
-                f"`{self._file}` holds nothing"
-                + (" but comments" if self._text.lstrip().startswith("#") else ""),
+                f"`{self._file}` holds nothing" + (" but comments" if self._text.lstrip().startswith("#") else ""),
                 Span(self._file, 1, 1),
                 help=self._empty,
             )
@@ -227,9 +219,7 @@ class Builder:
         end = frame.first_end
         if frame.flow and event.end_mark.line + 1 == frame.line:
             end = event.end_mark.column + 1
-        span = Span(
-            self._file, frame.line, frame.column, end_line=frame.line, end_column=max(end, frame.column + 1)
-        )
+        span = Span(self._file, frame.line, frame.column, end_line=frame.line, end_column=max(end, frame.column + 1))
         node: Node
         if frame.entries is not None:
             node, standard = Mapping(frame.entries, span), _STANDARD + "map"
@@ -347,8 +337,7 @@ class Builder:
         if self._expanded > FREE_EXPANSION + len(self._text) or self._total > self._most:
             self._sink.error(
                 "yaml-alias-bomb",
-                f"with `*{name}` the aliases of this file stand for {self._expanded} values, "
-                "far more than are written",
+                f"with `*{name}` the aliases of this file stand for {self._expanded} values, far more than are written",
                 span,
             )
             return False

@@ -144,6 +144,4 @@ class Mask:
 
 def _unused(text: str) -> Iterator[str]:
     lowered = text.lower()
-    return (
-        chr(code) for code in range(0xE000, 0xF900) if chr(code) not in text and f"{code:x}" not in lowered
-    )
+    return (chr(code) for code in range(0xE000, 0xF900) if chr(code) not in text and f"{code:x}" not in lowered)

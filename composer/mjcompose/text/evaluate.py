@@ -24,15 +24,7 @@ from mjcompose.text.expression import (
     Vector,
     parse,
 )
-from mjcompose.text.expression_values import (
-    CONSTANTS,
-    FUNCTIONS,
-    MAX_INTEGER,
-    ArgumentError,
-    Value,
-    kind,
-    shown,
-)
+from mjcompose.text.expression_values import CONSTANTS, FUNCTIONS, MAX_INTEGER, ArgumentError, Value, kind, shown
 from mjcompose.text.node import OPENING
 
 _MAX_EXPONENT = 1024

@@ -150,11 +150,7 @@ def tokens(text: str) -> list[Token]:
         kind = str(match.lastgroup)
         token = match.group(kind)
         start = match.start(kind)
-        if (
-            kind == "number"
-            and match.end() < end
-            and (text[match.end()].isalnum() or text[match.end()] in "_.")
-        ):
+        if kind == "number" and match.end() < end and (text[match.end()].isalnum() or text[match.end()] in "_."):
             raise _run_on(text, start)
         if kind == "number" and len(token) > _MAX_DIGITS:
             raise ExpressionError("the number is too long", (start, match.end()))
@@ -171,9 +167,7 @@ def _unreadable(text: str, at: int) -> ExpressionError:
         return ExpressionError(f"the text that begins with {text[at]} has no end", (at, len(text)))
     for foreign, ours in _FOREIGN.items():
         if text.startswith(foreign, at):
-            return ExpressionError(
-                f"`{foreign}` is not an operator", (at, at + len(foreign)), f"write `{ours}`"
-            )
+            return ExpressionError(f"`{foreign}` is not an operator", (at, at + len(foreign)), f"write `{ours}`")
     if text[at] == ".":
         return ExpressionError("expressions have no attributes", (at, at + 1))
     return ExpressionError(f"`{text[at]}` has no meaning in an expression", (at, at + 1))

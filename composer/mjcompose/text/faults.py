@@ -215,9 +215,7 @@ def explain(error: Any, text: str, file: str, outer: bool) -> SyntaxFault:
     mark = error.problem_mark or error.context_mark
     at = min(mark.index, len(text)) if mark else 0
     since = min(error.context_mark.index, len(text)) if error.context_mark else at
-    stop = ParserStop(
-        text, file, error.context or "", problem=error.problem or "", since=since, at=at, outer=outer
-    )
+    stop = ParserStop(text, file, error.context or "", problem=error.problem or "", since=since, at=at, outer=outer)
     for rule in _RULES:
         fault = rule(stop)
         if fault is not None:

@@ -175,6 +175,4 @@ def _table(path: Path) -> tuple[tuple[str, ...], bool]:
 
 
 def _fits(path: Path, known: Path) -> bool:
-    return len(path) == len(known) and all(
-        wanted in ("*", name) for wanted, name in zip(known, path, strict=True)
-    )
+    return len(path) == len(known) and all(wanted in ("*", name) for wanted, name in zip(known, path, strict=True))

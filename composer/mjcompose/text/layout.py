@@ -243,9 +243,7 @@ def _header(first: Entry) -> tuple[list[Comment], bool]:
     if first.blank or not lead:
         split = len(lead)
     else:
-        split = max(
-            (index for index, each in enumerate(lead) if each.blank_before and index), default=len(lead)
-        )
+        split = max((index for index, each in enumerate(lead) if each.blank_before and index), default=len(lead))
     header, first.lead = lead[:split], lead[split:]
     parted = bool(header) and first.parted
     first.parted = False
@@ -390,9 +388,7 @@ class _Writer:
     def nested(self, entry: Entry, value: Collection, indent: int) -> None:
         """Write a block below its key; in a list, beside its dash."""
         compact = (
-            entry.key is None
-            and not (value.properties or entry.head or entry.inner)
-            and not value.entries[0].lead
+            entry.key is None and not (value.properties or entry.head or entry.inner) and not value.entries[0].lead
         )
         if not compact:
             self.block(value, indent + INDENT)

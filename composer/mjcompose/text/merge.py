@@ -80,8 +80,7 @@ def is_taken_out(path: Path) -> bool:
     """
     path = in_own_model(path)
     return any(
-        len(path) > len(edits) + 2 and _is_below(path, edits) and path[len(edits) + 1] == "set"
-        for edits in _EDITS
+        len(path) > len(edits) + 2 and _is_below(path, edits) and path[len(edits) + 1] == "set" for edits in _EDITS
     )
 
 
@@ -264,9 +263,7 @@ def _no_id(item: Node, sink: Sink) -> Node:
         return item
     name = item.entries["id"][1] if "id" in item.entries else None
     if name is not None and not (isinstance(name, Scalar) and name.value and isinstance(name.value, str)):
-        help = (
-            f"quote it: `id: '{name.text}'`" if isinstance(name, Scalar) and name.text else "write `id: NAME`"
-        )
+        help = f"quote it: `id: '{name.text}'`" if isinstance(name, Scalar) and name.text else "write `id: NAME`"
         sink.error("wrong-type", "`id` is a name for merging, which is text", name.span, help=help)
     return Mapping({name: entry for name, entry in item.entries.items() if name != "id"}, item.span)
 

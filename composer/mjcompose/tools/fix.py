@@ -52,9 +52,7 @@ def edit_of(diagnostic: Diagnostic, source: str) -> Edit | None:
     written = source[start:end]
     text = fix.replacement if fix.replaces is None else _renamed(written, fix, span.file.endswith(RECIPES))
     # The span of a list over several lines ends with its first line.
-    if text is None or (
-        fix.replaces is None and written[:1] in _CLOSING and written[-1] != _CLOSING[written[0]]
-    ):
+    if text is None or (fix.replaces is None and written[:1] in _CLOSING and written[-1] != _CLOSING[written[0]]):
         return None
     return Edit(start, end, text)
 
@@ -102,9 +100,7 @@ def _bounds(span: Span, source: str) -> tuple[int, int] | None:
 
 def _renamed(written: str, fix: Fix, is_yaml: bool) -> str | None:
     """Return another name in the necessary quotes, or None if the old one is not in the text."""
-    quotes = (
-        written[:1] if written[:1] in _QUOTES and written[-1:] == written[:1] and len(written) > 1 else ""
-    )
+    quotes = written[:1] if written[:1] in _QUOTES and written[-1:] == written[:1] and len(written) > 1 else ""
     if (written[1:-1] if quotes else written) != fix.replaces:
         return None
     if not is_yaml:
@@ -165,9 +161,7 @@ class _Fixing:
             self.useless |= useless
         result.left = tuple(left)
         result.files = {
-            path: (text, self.now[path])
-            for path, text in self.before.items()
-            if self.now.get(path, text) != text
+            path: (text, self.now[path]) for path, text in self.before.items() if self.now.get(path, text) != text
         }
         return result
 

@@ -77,12 +77,8 @@ _NOT_MODELS = ("README.md", "make_meshes.py")
 def examples(schema: str) -> dict[str, bytes]:
     """Return the files of the examples by path, with their license; `schema` is the schema of recipes."""
     folder, license = _places()
-    paths = (
-        path for path in sorted(folder.rglob("*")) if os.path.isfile(path) and path.name not in _NOT_MODELS
-    )
-    files = {
-        path.relative_to(folder).as_posix(): _read(path) for path in paths if "__pycache__" not in path.parts
-    }
+    paths = (path for path in sorted(folder.rglob("*")) if os.path.isfile(path) and path.name not in _NOT_MODELS)
+    files = {path.relative_to(folder).as_posix(): _read(path) for path in paths if "__pycache__" not in path.parts}
     return {**files, "LICENSE": license.read_bytes(), "recipe.schema.json": schema.encode()}
 
 
@@ -111,12 +107,7 @@ _FILES = {
     "pendulum_license": "models/pendulum/LICENSE",
 }
 # Files that the lock pins: with another content of one of them the project does not build.
-_NEEDED = (
-    "recipes/MODEL.yaml",
-    "recipes/MODEL.lock",
-    "models/pendulum/pendulum.xml",
-    "models/pendulum/LICENSE",
-)
+_NEEDED = ("recipes/MODEL.yaml", "recipes/MODEL.lock", "models/pendulum/pendulum.xml", "models/pendulum/LICENSE")
 # Files to which users add lines of their own.
 _SHARED = ("requirements.txt", ".gitignore")
 _ACTION = ".github/actions/mjcompose/action.yml"
@@ -159,9 +150,7 @@ def _filled(text: str, given: Mapping[str, str]) -> str:
 def _action() -> str:
     """Return the GitHub action: next to this file in an installed package, at the top of a clone."""
     installed = Path(__file__).with_name("action.yml")
-    return (installed if os.path.exists(installed) else Path(__file__).parents[3] / "action.yml").read_text(
-        "utf-8"
-    )
+    return (installed if os.path.exists(installed) else Path(__file__).parents[3] / "action.yml").read_text("utf-8")
 
 
 def write_project(

@@ -370,9 +370,7 @@ def outline(text: str, context: Context, given: Given | None = None, sample: int
     if source.format == "recipe":
         return _of_recipe(source.path, text, context, given=given, sample=sample)
     for name, node in (given or {}).items():
-        context.sink.error(
-            "unknown-name", f"`{text}` is not a recipe and has no parameter `{name}`", node.span
-        )
+        context.sink.error("unknown-name", f"`{text}` is not a recipe and has no parameter `{name}`", node.span)
     unit = None if given else Loader(context).unit(source, None, True)
     return None if unit is None else Outline(unit.model or unit.label, text, world_of(unit, lambda _: None))
 
@@ -415,9 +413,7 @@ def _of_bundle(path: Path, text: str, context: Context) -> Outline | None:
     except ReadError as error:
         context.sink.add(error.diagnostic)
         return None
-    unit = parse_text(
-        bundle.files[bundle.model], context.sink, file=bundle.model, directory=path, label=path.stem
-    )
+    unit = parse_text(bundle.files[bundle.model], context.sink, file=bundle.model, directory=path, label=path.stem)
     if unit is None:
         return None
     manifest = None
@@ -425,9 +421,7 @@ def _of_bundle(path: Path, text: str, context: Context) -> Outline | None:
         try:
             manifest = from_json(bundle.files[MANIFEST])
         except ValueError:
-            context.sink.warning(
-                "bundle-manifest", f"the manifest of `{text}` cannot be read: parts are not known"
-            )
+            context.sink.warning("bundle-manifest", f"the manifest of `{text}` cannot be read: parts are not known")
     parts: list[Part] = []
     if manifest is not None:
         parts = [Part(each.part, manifest.inputs[each.input].reference, each.body) for each in manifest.parts]
@@ -438,7 +432,5 @@ def _of_bundle(path: Path, text: str, context: Context) -> Outline | None:
 def _by_prefix(node: Node, manifest: Manifest | None) -> str | None:
     """Return the part with the longest matching prefix; an element without one may belong to the base or the recipe."""
     name = str(node.get("name") or "")
-    fitting = [
-        each for each in (manifest.parts if manifest else ()) if each.prefix and name.startswith(each.prefix)
-    ]
+    fitting = [each for each in (manifest.parts if manifest else ()) if each.prefix and name.startswith(each.prefix)]
     return max(fitting, key=lambda each: len(each.prefix)).part if fitting else None

@@ -102,9 +102,7 @@ def _element(drive: Drive, joint: Node) -> Node:
     kp, kd, kv = (_first(drive.numbers, names) for names in (_KP, _KD, _KV))
     if "effort" not in drive.interfaces and "position" in drive.interfaces and kp:
         given = {"kp": kp, **({"kv": kd} if kd else {})}
-        return _servo(
-            "position", drive, given, span=_range(drive.interfaces["position"]) or _joint_range(joint)
-        )
+        return _servo("position", drive, given, span=_range(drive.interfaces["position"]) or _joint_range(joint))
     if "effort" not in drive.interfaces and "velocity" in drive.interfaces and kv:
         span = _range(drive.interfaces["velocity"]) or ((-velocity, velocity) if velocity else None)
         return _servo("velocity", drive, {"kv": kv}, span=span)
@@ -133,10 +131,7 @@ def _range(interface: Node | None) -> tuple[float, float] | None:
 def _joint_range(joint: Node) -> tuple[float, float] | None:
     """The soft limits of a joint, else its limits; None for one without."""
     soft = joint.find("safety_controller")
-    for element, low, high in (
-        (soft, "soft_lower_limit", "soft_upper_limit"),
-        (joint.find("limit"), "lower", "upper"),
-    ):
+    for element, low, high in ((soft, "soft_lower_limit", "soft_upper_limit"), (joint.find("limit"), "lower", "upper")):
         if element is not None and joint.get("type") != "continuous":
             ends = _number(element.get(low)), _number(element.get(high))
             if ends[0] is not None and ends[1] is not None and ends[0] < ends[1]:
@@ -224,8 +219,7 @@ class Extras:
         if not any(_number_extras(each) is not None for each in given):
             return False
         values = [
-            str(one) if _number_extras(one) is not None else other
-            for one, other in zip(given, _FRICTION, strict=True)
+            str(one) if _number_extras(one) is not None else other for one, other in zip(given, _FRICTION, strict=True)
         ]
         for geom in self._geoms(link):
             self._set(geom, "friction", " ".join(values), source=contact)
@@ -410,9 +404,7 @@ class Reading:
     def _inner(self, tag: str, inner: Node, keeps_visuals: bool, known: Mapping[Node, str]) -> None:
         what = f"{tag}/{_name(inner)}"
         if what == "link/visual" and not keeps_visuals:
-            self.unread(
-                what, inner, "MuJoCo leaves visuals out; beside `model`, write `urdf: {visuals: keep}`"
-            )
+            self.unread(what, inner, "MuJoCo leaves visuals out; beside `model`, write `urdf: {visuals: keep}`")
         elif what == "link/visual":
             self.read(what, inner, "geom that touches nothing")
         elif inner in known:

@@ -210,11 +210,7 @@ def _look(visual: Any) -> tuple[list[float] | None, bytes | None]:
     rgba = None
     if color is not None:
         numbers = numpy.asarray(color, float).ravel()
-        numbers = (
-            numbers / 255
-            if numpy.asarray(color).dtype.kind in "iu" or numbers.max(initial=0) > 1
-            else numbers
-        )
+        numbers = numbers / 255 if numpy.asarray(color).dtype.kind in "iu" or numbers.max(initial=0) > 1 else numbers
         rgba = [round(float(each), 4) for each in (*numbers[:3], numbers[3] if len(numbers) > 3 else 1.0)]
     if picture is None:
         return rgba, None
@@ -264,11 +260,7 @@ def _stl(data: bytes) -> tuple[Any, Any]:
         rows = numpy.frombuffer(data, numpy.uint8, offset=84).reshape(count, 50)[:, 12:48]
         vertices = numpy.ascontiguousarray(rows).view("<f4").reshape(-1, 3).astype(float)
     else:
-        words = [
-            line.split()[1:4]
-            for line in data.decode("ascii").splitlines()
-            if line.strip().startswith("vertex")
-        ]
+        words = [line.split()[1:4] for line in data.decode("ascii").splitlines() if line.strip().startswith("vertex")]
         vertices = numpy.array(words, float)
     return vertices, numpy.arange(len(vertices)).reshape(-1, 3)
 

@@ -126,9 +126,7 @@ class Evaluator:
         except SyntaxError:
             raise
         except Exception as error:
-            raise Stopped(
-                "unsafe", f"the expression cannot be looked through: {type(error).__name__}"
-            ) from None
+            raise Stopped("unsafe", f"the expression cannot be looked through: {type(error).__name__}") from None
 
     def _of(self, node: ast.expr) -> Any:
         step = _STEPS.get(type(node))
@@ -183,9 +181,7 @@ class Evaluator:
             elif kind not in _SCALARS and kind is not Function:
                 raise Stopped("unsafe", f"an expression has no values of the kind `{kind.__name__}`")
             if count + len(waiting) > LARGEST:
-                raise Stopped(
-                    "costly", f"a value in an expression has more than {LARGEST} characters or items"
-                )
+                raise Stopped("costly", f"a value in an expression has more than {LARGEST} characters or items")
         return count
 
     # Steps, each of one kind of node.
@@ -433,9 +429,7 @@ class Evaluator:
             if isinstance(each, float):
                 found[name] = each
             elif not name.startswith("_") and callable(each):
-                found[name] = Function(
-                    name, functools.partial(special[name], each) if name in special else each
-                )
+                found[name] = Function(name, functools.partial(special[name], each) if name in special else each)
         return found
 
     def _text(self, *value: Any) -> str:

@@ -262,9 +262,7 @@ class _Work:
     def read(self, path: str) -> bytes:
         try:
             data = self.door.read(path)
-        except (
-            Refused
-        ) as refused:  # no OSError for xacro, which passes over an optional file that cannot be read
+        except Refused as refused:  # no OSError for xacro, which passes over an optional file that cannot be read
             raise Stopped("refused", refused.message(), path) from refused
         if path not in self.files:
             self.files.append(path)
@@ -311,9 +309,7 @@ class _Work:
         def extended(text: str) -> Any:
             words = text[2:-1].split()
             if words[:1] == ["cwd"]:
-                raise Stopped(
-                    "environment", "`$(cwd)` is the folder in which a command happens to run", "cwd"
-                )
+                raise Stopped("environment", "`$(cwd)` is the folder in which a command happens to run", "cwd")
             if words[:1] == ["dirname"]:
                 return self.folder()
             if words[:1] == ["arg"] and len(words) == 2:
@@ -360,18 +356,12 @@ def _no_way(*_: Any, **__: Any) -> Any:
 
 def _with_ends(parse: Callable[[str], Any], pattern: str) -> Callable[[str], Any] | None:
     """Parse `params` as xacro does, which takes for ever where quotes have no ends: it tries all ways to pair them."""
-    steady = (
-        pattern.replace("'.*?'", "'[^']*'").replace('\\".*?\\"', '\\"[^\\"]*\\"').replace("]+)+", "]++)++")
-    )
+    steady = pattern.replace("'.*?'", "'[^']*'").replace('\\".*?\\"', '\\"[^\\"]*\\"').replace("]+)+", "]++)++")
     if ".*?'" in steady or "]++)++" not in steady:
         return None  # another version of xacro
 
     def parsed(text: str) -> Any:
-        if (
-            re.match(r"\s*[^\s:=]+\s*:?=", text)
-            and re.match(steady, text) is None
-            and re.search("['\"]", text)
-        ):
+        if re.match(r"\s*[^\s:=]+\s*:?=", text) and re.match(steady, text) is None and re.search("['\"]", text):
             raise Stopped("unsafe", "a quote in `params` has no end")
         return parse(text)
 

@@ -86,9 +86,7 @@ def repair(robot: Robot, sink: Sink) -> list[str]:
         if each.inertial is None:
             _write(etree.SubElement(each.link, "inertial"), _LIGHTEST, _diagonal(_SMALLEST))
             became = f"{_LIGHTEST:g} kg and {_SMALLEST:g} kg m²"
-        elif (tensor := _tensor(each.inertial)) is None or (
-            not _mass(each.inertial) and not any(map(any, tensor))
-        ):
+        elif (tensor := _tensor(each.inertial)) is None or (not _mass(each.inertial) and not any(map(any, tensor))):
             each.link.remove(each.inertial)
             massless.append(name)
             became = "left out, and its shapes weigh nothing"
@@ -117,8 +115,7 @@ def _repaired(tensor: Matrix) -> tuple[Matrix, list[float]]:
     low = max(low, (high - middle) * (1 + 1e-9))
     moments = [low, middle, high]
     new = [
-        [sum(axes[row][k] * moments[k] * axes[column][k] for k in range(3)) for column in range(3)]
-        for row in range(3)
+        [sum(axes[row][k] * moments[k] * axes[column][k] for k in range(3)) for column in range(3)] for row in range(3)
     ]
     return new, sorted(moments)
 

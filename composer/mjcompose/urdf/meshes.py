@@ -133,9 +133,7 @@ class Meshes:
                 self.sink.note("mesh-look", message, span, help='run `pip install "mjcompose[mesh]"`')
                 return
             package = result["missing"]
-            message = (
-                f"MuJoCo does not read {called}, and the package `{package}`, which does, is not installed"
-            )
+            message = f"MuJoCo does not read {called}, and the package `{package}`, which does, is not installed"
             self.sink.error("not-installed", message, span, help='run `pip install "mjcompose[mesh]"`',
                             cause=Cause(f"mesh {result['missing']}", called))  # fmt: skip
             return
@@ -145,9 +143,7 @@ class Meshes:
         if result.get("parts") is None:
             if (why := result.get("error") or result.get("unreadable")) is not None:
                 message = f"the mesh {called} cannot be read: {why}"
-                self.sink.error(
-                    "mesh-unreadable", message, span, help="open it in a viewer, and export it anew"
-                )
+                self.sink.error("mesh-unreadable", message, span, help="open it in a viewer, and export it anew")
             return
         if not result["parts"]:
             self.sink.error("mesh-unreadable", f"the mesh {called} has no triangles", span,
@@ -254,11 +250,7 @@ _MAGIC = b"\x89PNG"
 def add_looks(robot: Robot, unit: Unit, pairs: list[tuple[Node, Node]], sink: Sink) -> dict[Node, str]:
     """Give geoms their materials with textures; the `<texture>` elements that were read, with what they became."""
     files = {str(mesh.get("name")): str(mesh.get("file")) for mesh in unit.root.iterfind("asset/mesh")}
-    named = {
-        str(each.get("name")): each
-        for each in robot.root.iter("material")
-        if each.find("texture") is not None
-    }
+    named = {str(each.get("name")): each for each in robot.root.iter("material") if each.find("texture") is not None}
     read: dict[Node, str] = {}
     kept: dict[str, str] = {}
     for element, source in pairs:
@@ -268,9 +260,7 @@ def add_looks(robot: Robot, unit: Unit, pairs: list[tuple[Node, Node]], sink: Si
         texture = None
         if material is not None:
             texture = material.find("texture")
-            texture = (
-                texture if texture is not None or material.find("color") is not None else _of(named, material)
-            )
+            texture = texture if texture is not None or material.find("color") is not None else _of(named, material)
         if texture is not None and (look := _picture(robot, texture, sink)) is not None:
             read[texture] = "material and texture"
             path = look.texture

@@ -27,15 +27,7 @@ from mjcompose.sources.reference import Source
 from mjcompose.urdf import inertia
 from mjcompose.urdf.actuators import Extras, Reading, add_actuators
 from mjcompose.urdf.meshes import Meshes, add_looks
-from mjcompose.urdf.robot import (
-    Robot,
-    explain,
-    known_packages,
-    locate_in_urdf,
-    mesh_of,
-    name_fused_links,
-    named_in,
-)
+from mjcompose.urdf.robot import Robot, explain, known_packages, locate_in_urdf, mesh_of, name_fused_links, named_in
 from mjcompose.urdf.xacro import Template, is_template, owned, parsed
 
 _READ = ("compiler", "option", "size")
@@ -98,9 +90,7 @@ class UrdfReader:
             and _is_of_inertia(converted)
         ):
             # Only now: what MuJoCo accepts is left as it is.
-            converted = self._converted(
-                robot, meshes.shells, stack, massless=inertia.repair(robot, self.sink)
-            )
+            converted = self._converted(robot, meshes.shells, stack, massless=inertia.repair(robot, self.sink))
         if converted is None:
             return None
         self._report_warnings(converted, robot)
@@ -134,14 +124,10 @@ class UrdfReader:
                 return None
             unit = Unit(root, shown, source.path.parent, label=source.path.stem, door=source.door)
             unit.origins.texts[shown] = FileText(source.path, data)
-            return Robot(
-                unit, source.path, known_packages(data.decode("utf-8", "replace"), source.path, given)
-            )
+            return Robot(unit, source.path, known_packages(data.decode("utf-8", "replace"), source.path, given))
         packages = ros.all_folders(source.path, given)
         arguments = dict(source.urdf.arguments)
-        expanded = Template(
-            source.path, source.door, packages, arguments=arguments, shown=self.shown
-        ).expanded()
+        expanded = Template(source.path, source.door, packages, arguments=arguments, shown=self.shown).expanded()
         for each in expanded.found:
             notes = (*each.notes, *self._asked()) if each.severity is Severity.ERROR else each.notes
             sink.add(replace(each, notes=notes))
@@ -244,9 +230,7 @@ class UrdfReader:
         if root.tag != "robot":
             help = "end its name in `.xml`" if root.tag == "mujoco" else "a URDF file begins with `<robot>`"
             help = SDF.help(shown) if root.tag == "sdf" else help
-            self._error(
-                "not-urdf", f"`{shown}` is not a URDF: its root is `<{root.tag}>`, not `<robot>`", help=help
-            )
+            self._error("not-urdf", f"`{shown}` is not a URDF: its root is `<{root.tag}>`, not `<robot>`", help=help)
         return root.tag == "robot"
 
     def _report_warnings(self, converted: Converted, robot: Robot) -> None:
@@ -298,9 +282,7 @@ class UrdfReader:
                 message = f"MuJoCo does not read `<{tag}>` in the `<mujoco>` of URDF"
                 note = exists_note("section", _READ, tag)
                 span = self._span(section)
-                self.sink.warning(
-                    "unknown-element", message, span, notes=(note,), help="write it into the recipe"
-                )
+                self.sink.warning("unknown-element", message, span, notes=(note,), help="write it into the recipe")
                 continue
             known = list(GRAMMAR.section(tag).attributes)
             for name in map(str, section.keys()):

@@ -94,9 +94,7 @@ def mesh_of(robot: Node, file: str) -> Node:
 def _steps_in_common(one: str, other: str) -> int:
     """Return how many steps at the end of two paths are equal."""
     count = 0
-    for mine, theirs in zip(
-        *(reversed(each.replace("\\", "/").split("/")) for each in (one, other)), strict=False
-    ):
+    for mine, theirs in zip(*(reversed(each.replace("\\", "/").split("/")) for each in (one, other)), strict=False):
         if mine != theirs:
             break
         count += 1
@@ -122,10 +120,7 @@ class _Sources:
             if section.tag == "worldbody":
                 yield from self._held(section, self.robot)
             elif section.tag == "asset":
-                yield from (
-                    (mesh, mesh_of(self.robot, str(mesh.get("file"))))
-                    for mesh in section.iterchildren("mesh")
-                )
+                yield from ((mesh, mesh_of(self.robot, str(mesh.get("file")))) for mesh in section.iterchildren("mesh"))
             elif section.tag == "equality":
                 yield from ((each, self._mimic(each)) for each in section.iterchildren("*"))
             elif own is not None and (found := own.find(str(section.tag))) is not None:
@@ -204,9 +199,7 @@ class Robot:
 
     def setting(self, name: str) -> str | None:
         """An attribute of `<mujoco><compiler>`: the last one counts, as for MuJoCo."""
-        found = [
-            each.get(name) for each in self.root.iterfind("mujoco/compiler") if each.get(name) is not None
-        ]
+        found = [each.get(name) for each in self.root.iterfind("mujoco/compiler") if each.get(name) is not None]
         return None if not found else str(found[-1])
 
     def set(self, name: str, value: str) -> None:
@@ -261,9 +254,7 @@ class Robot:
         etree.cleanup_namespaces(self.root)
         # A line for each element: MuJoCo says where it stumbles by the line alone.
         text = etree.tostring(self.root, encoding="unicode", pretty_print=True)
-        parser = etree.XMLParser(
-            huge_tree=True, resolve_entities=False, no_network=True, remove_blank_text=True
-        )
+        parser = etree.XMLParser(huge_tree=True, resolve_entities=False, no_network=True, remove_blank_text=True)
         new = etree.fromstring(text, parser)
         origins = Origins(texts=self.unit.origins.texts)
         for old, element in zip(self.root.iter("*"), new.iter("*"), strict=True):
@@ -374,9 +365,7 @@ def _repeated(element: Node, robot: Node, place: Place) -> Diagnostic | None:
 
 def _ring(element: Node, robot: Node, place: Place) -> Diagnostic | None:
     """MuJoCo starts from the links that have no parent, and names one of those that it has reached."""
-    joints = {
-        child: joint for joint in robot.iterchildren("joint") if (child := _end(joint, "child")) is not None
-    }
+    joints = {child: joint for joint in robot.iterchildren("joint") if (child := _end(joint, "child")) is not None}
     for start in joints:
         way, above = [start], _end(joints[start], "parent")
         while above is not None and above in joints and above not in way:

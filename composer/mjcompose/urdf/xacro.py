@@ -91,9 +91,7 @@ class Template:
         value = answer["value"]
         if "other" in value:
             message = f"this version of the package `xacro` is not known here: it has no `{value['other']}`"
-            other = Diagnostic(
-                "not-installed", message, here, help='run `pip install --upgrade "mjcompose[xacro]"`'
-            )
+            other = Diagnostic("not-installed", message, here, help='run `pip install --upgrade "mjcompose[xacro]"`')
             return Expanded(None, found=(other,))
         if value.get("missing"):
             message = "this is a template for xacro, and the package `xacro` is not installed"
@@ -102,22 +100,16 @@ class Template:
         files = [Path(each) for each in value["files"]]
         if refused := next((each for each in files if not self.door.sees(each)), None):
             outside = self.door.outside(str(refused))  # whatever has happened in the process
-            return Expanded(
-                None, found=(Diagnostic("source-outside", outside.message(), here, help=outside.help),)
-            )
+            return Expanded(None, found=(Diagnostic("source-outside", outside.message(), here, help=outside.help),))
         if "error" in value:
             return self._failed(value["error"], files)
         places = [self._span(each, files) for each in value["places"]]
         warnings = [
-            Diagnostic(
-                "xacro", f"xacro warns: {text}", Span(self._name(Path(file)), 1, 1), severity=Severity.WARNING
-            )
+            Diagnostic("xacro", f"xacro warns: {text}", Span(self._name(Path(file)), 1, 1), severity=Severity.WARNING)
             for text, file in value["warnings"]
         ]
         if value["unused"]:
-            return Expanded(
-                None, files=tuple(files), found=(self._unused(value["unused"][0], value["arguments"]),)
-            )
+            return Expanded(None, files=tuple(files), found=(self._unused(value["unused"][0], value["arguments"]),))
         return Expanded(value["text"].encode(), tuple(places), tuple(files), found=tuple(warnings))
 
     def _name(self, path: Path) -> str:
@@ -128,17 +120,13 @@ class Template:
         number, line, column, tag = place
         assert isinstance(number, int) and isinstance(line, int) and isinstance(column, int)
         length = len(str(tag)) + 1 if tag else 1
-        return Span(
-            self._name(files[number]), line, column + 1, end_line=line, end_column=column + 1 + length
-        )
+        return Span(self._name(files[number]), line, column + 1, end_line=line, end_column=column + 1 + length)
 
     def _unused(self, name: str, arguments: list[str]) -> Diagnostic:
         message = f"the template has no argument `{name}`"
         note = exists_note("argument", arguments, name)
         help = did_you_mean(name, arguments) or f"take `{name}` out of `with`"
-        return Diagnostic(
-            "unknown-name", message, Span(self._name(self.path), 1, 1), notes=(note,), help=help
-        )
+        return Diagnostic("unknown-name", message, Span(self._name(self.path), 1, 1), notes=(note,), help=help)
 
     def _failed(self, error: dict[str, object], files: list[Path]) -> Expanded:
         at = error["at"]
@@ -203,8 +191,7 @@ def owned(root: Node, owners: tuple[Span, ...], origins: Origins) -> None:
     """Give every element of the expanded tree its place in the template."""
     for element, owner in zip(root.iter("*"), owners, strict=True):
         origins.own(
-            element,
-            partial(_place, origins, owner, {str(name): str(value) for name, value in element.items()}),
+            element, partial(_place, origins, owner, {str(name): str(value) for name, value in element.items()})
         )
 
 
@@ -259,9 +246,7 @@ def files_named(path: Path, data: bytes, door: Door, packages: Mapping[str, Path
                         continue
 
 
-def _named(
-    written: str, file: Path, packages: Mapping[str, Path], door: Door, looks: Iterator[int]
-) -> Iterator[Path]:
+def _named(written: str, file: Path, packages: Mapping[str, Path], door: Door, looks: Iterator[int]) -> Iterator[Path]:
     """The paths that are meant. Only below the folder of the template and in packages is anything looked for."""
     text = _FIND.sub(lambda found: str(packages.get(found[1], f"/{found[1]}")), written)
     for scheme in ("package://", "model://"):

@@ -18,9 +18,7 @@ for leg in legs:
     leg.forcerange = leg.ctrlrange = model.actuator(leg.name).forcerange
 spec.attach(arm, prefix="arm/", frame=trunk.add_frame(pos=[0.1, 0, 0.06]))
 mast = trunk.add_body(name="mast", pos=[-0.15, 0, 0.06])
-mast.add_geom(
-    name="mast", type=mujoco.mjtGeom.mjGEOM_CAPSULE, fromto=[0, 0, 0, 0, 0, 0.3], size=[0.01, 0, 0], mass=0.2
-)
+mast.add_geom(name="mast", type=mujoco.mjtGeom.mjGEOM_CAPSULE, fromto=[0, 0, 0, 0, 0, 0.3], size=[0.01, 0, 0], mass=0.2)
 camera = mast.add_camera(name="mast", pos=[0, 0, 0.32])
 camera.alt.type = mujoco.mjtOrientation.mjORIENTATION_EULER
 camera.alt.euler = np.deg2rad([0, -110, -90])

@@ -82,9 +82,7 @@ def timed(name: str, trial, parameters: np.ndarray) -> np.ndarray:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("bundle")
     parser.add_argument("--learn-in", type=int, default=200, metavar="WORLDS")
     arguments = parser.parse_args()

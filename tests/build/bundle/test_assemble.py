@@ -114,10 +114,7 @@ def test_elements_are_told_where_they_are_written(folder: Path, session: engine.
 
 def test_names_that_were_changed_are_traced_back(folder: Path, session: engine.Session) -> None:
     renamed = {part.part: part.renamed for part in manifest(folder, session).parts}
-    assert renamed == {
-        "left": {"body": {"link": "left/rod"}},
-        "right/base": {"joint": {"elbow": "hook"}},
-    }
+    assert renamed == {"left": {"body": {"link": "left/rod"}}, "right/base": {"joint": {"elbow": "hook"}}}
 
 
 def test_what_was_chosen_and_what_was_found(folder: Path, session: engine.Session) -> None:

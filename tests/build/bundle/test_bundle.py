@@ -71,8 +71,7 @@ def test_odd_but_harmless_paths_are_kept(path: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("one", "two"),
-    [("a/X.obj", "A/x.obj"), ("straße", "STRASSE"), ("\u00e9", "e\u0301"), ("Model.XML", "model.xml")],
+    ("one", "two"), [("a/X.obj", "A/x.obj"), ("straße", "STRASSE"), ("\u00e9", "e\u0301"), ("Model.XML", "model.xml")]
 )
 def test_paths_that_are_one_where_case_does_not_count_are_refused(one: str, two: str) -> None:
     with pytest.raises(BundleError, match="are one file where case does not count"):
@@ -177,9 +176,7 @@ def test_equal_files_of_several_labels_are_kept_once(tmp_path: Path) -> None:
 
 
 def test_equal_names_of_one_label_are_numbered_and_equal_files_kept_once(tmp_path: Path) -> None:
-    files = [
-        put(tmp_path / folder / "LICENSE.txt", text) for folder, text in zip("abcd", "xyxz", strict=True)
-    ]
+    files = [put(tmp_path / folder / "LICENSE.txt", text) for folder, text in zip("abcd", "xyxz", strict=True)]
     assert license_files({"p": files}).files == {
         "LICENSES/p/LICENSE.txt": b"x",
         "LICENSES/p/LICENSE-2.txt": b"y",

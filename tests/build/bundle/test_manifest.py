@@ -49,9 +49,7 @@ def manifest() -> Manifest:
         variants={"light": "dim"},
         params={"reach": 0.5, "label": "x", "offset": [0, 0, 1]},
         sample=3,
-        draws=(
-            Draw(field="friction", element="cube0/box", attribute="friction", operation="set", value=0.7),
-        ),
+        draws=(Draw(field="friction", element="cube0/box", attribute="friction", operation="set", value=0.7),),
         inputs=(Input(path="arm.xml", reference="./arm.xml", kind="path", sha256="1" * 64),),
         files=files_of(BUNDLE),
         index=index_of(INDEX, {("joint", 0): ("joint", "arm.xml:12")}),
@@ -106,9 +104,7 @@ def test_other_data_is_refused(change: dict[str, object]) -> None:
 
 
 def test_the_schema_in_the_repository_is_current() -> None:
-    assert SCHEMA_FILE.read_text(encoding="utf-8") == schema(), (
-        "run `python -m mjcompose.build.bundle.manifest`"
-    )
+    assert SCHEMA_FILE.read_text(encoding="utf-8") == schema(), "run `python -m mjcompose.build.bundle.manifest`"
 
 
 def test_the_schema_names_the_dialect_and_every_key() -> None:
@@ -122,9 +118,7 @@ def test_the_schema_names_the_dialect_and_every_key() -> None:
 
 
 def test_the_rest_of_the_room_does_without_pydantic() -> None:
-    code = (
-        "import sys, mjcompose.build.bundle, mjcompose.build.verify.compile; print('pydantic' in sys.modules)"
-    )
+    code = "import sys, mjcompose.build.bundle, mjcompose.build.verify.compile; print('pydantic' in sys.modules)"
     environment = {"PYTHONPATH": str(Path(mjcompose.__file__).parents[1])}
     command = [sys.executable, "-c", code]
     shown = subprocess.run(command, capture_output=True, text=True, check=True, env=environment)

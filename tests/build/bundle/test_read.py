@@ -202,13 +202,9 @@ def test_a_file_without_a_name_is_told(tmp_path: Path) -> None:
 
 
 def test_a_model_that_expands_without_end(tmp_path: Path) -> None:
-    text = (
-        '<mujoco><worldbody><replicate count="2000000000"><geom size=".1"/></replicate></worldbody></mujoco>'
-    )
+    text = '<mujoco><worldbody><replicate count="2000000000"><geom size=".1"/></replicate></worldbody></mujoco>'
     (tmp_path / "model.xml").write_text(text)
-    with pytest.raises(
-        ReadError, match="`<replicate>` makes 1999999999 elements; 20000 are allowed"
-    ) as caught:
+    with pytest.raises(ReadError, match="`<replicate>` makes 1999999999 elements; 20000 are allowed") as caught:
         read(tmp_path)
     assert caught.value.code == "limit-exceeded"
     (tmp_path / "part.xml").write_text(text.replace("mujoco>", "mujocoinclude>"))

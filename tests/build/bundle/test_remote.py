@@ -79,9 +79,7 @@ def files(address: str) -> dict[str, bytes]:
         ("{hash}/{name}.mjb", ()),
     ],
 )
-def test_an_address_has_what_a_folder_has(
-    folder: Path, address: str, pattern: str, words: tuple[str, ...]
-) -> None:
+def test_an_address_has_what_a_folder_has(folder: Path, address: str, pattern: str, words: tuple[str, ...]) -> None:
     here, there = build(f"here/{pattern}", *words), build(f"{address}/{pattern}", *words)
     assert here.exit_code == there.exit_code == 0, there.output
     *said_here, count_here = here.stdout.replace("here/", f"{address}/").splitlines()
@@ -90,9 +88,7 @@ def test_an_address_has_what_a_folder_has(
     assert count_here == "r.yaml: 2 models built"
     assert count_there in (count_here, f"{count_here}, 2 from the cache")  # which is shared
     written = {
-        path.relative_to("here").as_posix(): path.read_bytes()
-        for path in Path("here").rglob("*")
-        if path.is_file()
+        path.relative_to("here").as_posix(): path.read_bytes() for path in Path("here").rglob("*") if path.is_file()
     }
     assert files(address) == written
 
@@ -117,21 +113,14 @@ def test_what_is_replaced_is_said_and_leaves_nothing(folder: Path, address: str)
 def test_files_of_others_are_not_replaced(folder: Path, address: str) -> None:
     fsspec.filesystem("memory").pipe_file(f"{address}/one/notes.txt", b"mine")
     result = run("build", "r.yaml", "-o", f"{address}/one/")
-    assert (
-        result.exit_code == 1
-        and "would delete files that mjcompose did not write: `notes.txt`" in result.stderr
-    )
+    assert result.exit_code == 1 and "would delete files that mjcompose did not write: `notes.txt`" in result.stderr
     assert sorted(files(address)) == ["one/notes.txt"]
 
 
 @pytest.mark.parametrize(
     ("out", "code", "said"),
     [
-        (
-            "nothing://a/{name}.zip",
-            1,
-            "error[output-unwritable]: cannot write `nothing://a`: Protocol not known",
-        ),
+        ("nothing://a/{name}.zip", 1, "error[output-unwritable]: cannot write `nothing://a`: Protocol not known"),
         ("memory://a/{name}.xml", 2, "text alone names files of this machine"),
         ("memory://a/{name}.usdz", 2, "USD is written by MuJoCo's converter"),
     ],
@@ -143,9 +132,7 @@ def test_what_cannot_be_is_one_error(folder: Path, out: str, code: int, said: st
 
 @pytest.mark.parametrize("pattern", ["{name}.zip", "{name}/", "{hash}/{name}/"])
 def test_models_are_listed_and_loaded(folder: Path, address: str, pattern: str) -> None:
-    assert (
-        build(f"{address}/{pattern}", *(("--shared-assets",) if "zip" not in pattern else ())).exit_code == 0
-    )
+    assert build(f"{address}/{pattern}", *(("--shared-assets",) if "zip" not in pattern else ())).exit_code == 0
     listed = run("list", address, "--where", "mass > 1", "--output-format", "json")
     assert [json.loads(line)["model"] for line in listed.stdout.splitlines()] == ["ball-2"], listed.output
     (found,) = mjcompose.load_many(address, where="mass > 1")

@@ -13,16 +13,12 @@ from mjcompose.build.bundle.staging import staged_file, write_folder, write_mjb
 
 
 def made(text: str = "<mujoco/>", **files: bytes) -> Bundle:
-    bundle = Bundle(
-        {"model.xml": text.encode(), **{path.replace("__", "/"): data for path, data in files.items()}}
-    )
+    bundle = Bundle({"model.xml": text.encode(), **{path.replace("__", "/"): data for path, data in files.items()}})
     return with_manifest(bundle, Manifest(name="m", mujoco=None, grammar="4.0", files=files_of(bundle)))
 
 
 def contents(folder: Path) -> dict[str, bytes]:
-    return {
-        path.relative_to(folder).as_posix(): path.read_bytes() for path in folder.rglob("*") if path.is_file()
-    }
+    return {path.relative_to(folder).as_posix(): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
 
 
 def test_it_holds_the_files_of_the_bundle(tmp_path: Path) -> None:
@@ -110,9 +106,7 @@ def test_a_file_above_the_folder_is_told(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("call", range(1, 4))
-def test_a_full_disk_leaves_the_old_output(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, call: int
-) -> None:
+def test_a_full_disk_leaves_the_old_output(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, call: int) -> None:
     out = tmp_path / "out"
     write_folder(made(old=b"1"), out)
     before = contents(out)
@@ -187,9 +181,7 @@ def test_it_is_as_readable_as_other_folders(tmp_path: Path) -> None:
     write_folder(made(), tmp_path / "out")
     (tmp_path / "other").mkdir()
     (tmp_path / "other" / "file").write_text("")
-    assert stat.S_IMODE((tmp_path / "out").stat().st_mode) == stat.S_IMODE(
-        (tmp_path / "other").stat().st_mode
-    )
+    assert stat.S_IMODE((tmp_path / "out").stat().st_mode) == stat.S_IMODE((tmp_path / "other").stat().st_mode)
     mode = (tmp_path / "out" / "model.xml").stat().st_mode
     assert mode == (tmp_path / "other" / "file").stat().st_mode
 

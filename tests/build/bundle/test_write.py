@@ -68,9 +68,7 @@ def test_files_stand_in_order_with_fixed_attributes(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("name", ["a.mjz", "odd name.zip"])
-def test_mujoco_opens_it_from_another_folder(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str
-) -> None:
+def test_mujoco_opens_it_from_another_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str) -> None:
     mujoco = pytest.importorskip("mujoco")
     write_archive(BUNDLE, tmp_path / name, {})
     (tmp_path / "elsewhere").mkdir()
@@ -114,9 +112,7 @@ def test_a_model_mujoco_would_not_find_is_refused(tmp_path: Path) -> None:
         ("", (1980, 1, 1, 0, 0, 0)),
     ],
 )
-def test_source_date_epoch_is_clamped_to_what_a_zip_can_tell(
-    tmp_path: Path, epoch: str, date: tuple[int, ...]
-) -> None:
+def test_source_date_epoch_is_clamped_to_what_a_zip_can_tell(tmp_path: Path, epoch: str, date: tuple[int, ...]) -> None:
     write_archive(BUNDLE, tmp_path / "a.zip", {"SOURCE_DATE_EPOCH": epoch})
     with zipfile.ZipFile(tmp_path / "a.zip") as archive:
         assert {entry.date_time for entry in archive.infolist()} == {date}
@@ -151,9 +147,7 @@ def test_its_bytes_do_not_depend_on_where_when_and_how_it_is_written(tmp_path: P
         folder.mkdir()
         environment = {**os.environ, "TZ": zone, "PYTHONHASHSEED": seed, "PYTHONPATH": root}
         out = f"name{number}.zip" if number else str(tmp_path / "first.mjz")
-        subprocess.run(
-            [sys.executable, "-c", SCRIPT, out, umask], cwd=folder, env=environment, check=True, timeout=60
-        )
+        subprocess.run([sys.executable, "-c", SCRIPT, out, umask], cwd=folder, env=environment, check=True, timeout=60)
         digests.add(hashlib.sha256((folder / out).read_bytes()).hexdigest())
     assert len(digests) == 1
 
@@ -189,9 +183,7 @@ def test_a_zip_of_what_is_packed_is_as_python_makes_it(tmp_path: Path) -> None:
 
 
 def test_what_was_packed_before_is_copied(tmp_path: Path) -> None:
-    kept: dict[str, Packed] = {
-        path: pack(content, level_of(path)) for path, content in PACKING_BUNDLE.files.items()
-    }
+    kept: dict[str, Packed] = {path: pack(content, level_of(path)) for path, content in PACKING_BUNDLE.files.items()}
     write_archive(PACKING_BUNDLE, tmp_path / "now.zip", {})
     write_archive(PACKING_BUNDLE, tmp_path / "kept.zip", {}, lambda bundle, path: kept[path])
     assert (tmp_path / "now.zip").read_bytes() == (tmp_path / "kept.zip").read_bytes()
@@ -233,12 +225,9 @@ def test_a_model_with_files_is_refused(tmp_path: Path) -> None:
 
 
 ROOT = Path(__file__).resolve().parents[3]
-BALL = Bundle(
-    {"model.xml": b'<mujoco model="ball"><worldbody><geom size="1"/><camera/></worldbody></mujoco>'}
-)
+BALL = Bundle({"model.xml": b'<mujoco model="ball"><worldbody><geom size="1"/><camera/></worldbody></mujoco>'})
 needs_converter = pytest.mark.skipif(
-    find_spec("mujoco_usd_converter") is None,
-    reason="mujoco-usd-converter (the extra `usd`) is not installed",
+    find_spec("mujoco_usd_converter") is None, reason="mujoco-usd-converter (the extra `usd`) is not installed"
 )
 
 
@@ -312,9 +301,7 @@ def test_usd_for_isaac_has_every_mass(tmp_path: Path) -> None:
     from cli.shell import run
     from pxr import Usd, UsdPhysics
 
-    result = run(
-        "build", str(ROOT / "recipes" / "demo.yaml"), "--target", "isaac", "-o", str(tmp_path / "demo.usdz")
-    )
+    result = run("build", str(ROOT / "recipes" / "demo.yaml"), "--target", "isaac", "-o", str(tmp_path / "demo.usdz"))
     assert result.exit_code == 0, result.output
     bundle = tmp_path / "demo"
     assert run("build", str(ROOT / "recipes" / "demo.yaml"), "-o", str(bundle)).exit_code == 0

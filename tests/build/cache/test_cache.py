@@ -35,8 +35,7 @@ def built(*arguments: str) -> tuple[list[str], list[str]]:
 
 
 @pytest.mark.parametrize(
-    ("out", "more"),
-    [("x.zip", ()), ("x/", ()), ("x.xml", ("--no-compile",)), ("x.zip", ("--dedup", "--no-compile"))],
+    ("out", "more"), [("x.zip", ()), ("x/", ()), ("x.xml", ("--no-compile",)), ("x.zip", ("--dedup", "--no-compile"))]
 )
 def test_the_bytes_are_those_of_a_build_without_cache(
     store: Path, folder: Path, out: str, more: tuple[str, ...]
@@ -45,9 +44,7 @@ def test_the_bytes_are_those_of_a_build_without_cache(
         (folder / name).mkdir()
         target = f"{name}/{out}"
         assert (
-            run(
-                "build", "cell.yaml", "-o", target, *more, *(["--no-cache"] if name == "without" else [])
-            ).exit_code
+            run("build", "cell.yaml", "-o", target, *more, *(["--no-cache"] if name == "without" else [])).exit_code
             == 0
         )
     assert snapshot(folder / "without") == snapshot(folder / "first") == snapshot(folder / "again")
@@ -124,9 +121,7 @@ def test_known_models_need_no_heavy_library(store: Path, folder: Path) -> None:
         "atexit.register(lambda: print([n for n in ('numpy', 'pydantic', 'lxml', 'yaml', 'click') if n in sys.modules]))\n"
         "from mjcompose.cli.main import main; main()"
     )
-    done = subprocess.run(
-        [sys.executable, "-c", tell], env=environment(), capture_output=True, text=True, check=True
-    )
+    done = subprocess.run([sys.executable, "-c", tell], env=environment(), capture_output=True, text=True, check=True)
     assert done.stdout.splitlines()[-1] == "['click']"
 
 
@@ -146,9 +141,7 @@ def test_why(store: Path, folder: Path) -> None:
     (folder / "models" / "NOTICE").write_text("more\n")
     assert built(*out)[0] == ["the licenses in `models` are others"]
     assert built(*out, "--dedup")[0] == ["`--dedup` is given"]
-    assert (
-        run("build", *out, "--no-cache", "--why").stdout.splitlines()[2] == "  built: the cache is not used"
-    )
+    assert run("build", *out, "--no-cache", "--why").stdout.splitlines()[2] == "  built: the cache is not used"
 
 
 def test_why_of_the_first_license_of_a_folder(store: Path, folder: Path) -> None:
@@ -221,13 +214,9 @@ def test_why_of_a_file_of_values(store: Path, folder: Path) -> None:
         "`tool` in `values.yaml` is palm, is new",
     ]
     file.write_text("load: 3\ntool: palm\n" + "# more\n" * 10_000)
-    assert built(*out, "--set-file", "values.yaml")[1] == [
-        "the recipe changed, in nothing that this model is made of"
-    ]
+    assert built(*out, "--set-file", "values.yaml")[1] == ["the recipe changed, in nothing that this model is made of"]
     file.write_text("load: 4\n")
-    assert built(*out, "--set-file", "values.yaml")[0] == [
-        "`values.yaml` changed; which of its values is not known"
-    ]
+    assert built(*out, "--set-file", "values.yaml")[0] == ["`values.yaml` changed; which of its values is not known"]
     assert built("matrix.yaml", "-o", "b.zip", "--set", "load=5")[0] == [
         "`--set-file values.yaml` is no longer given",
         "`load` is 5",
@@ -241,15 +230,11 @@ def test_a_touched_file_is_the_same(store: Path, folder: Path) -> None:
 
 
 def test_an_included_file_counts(store: Path, folder: Path) -> None:
-    (folder / "models" / "inner.xml").write_text(
-        '<mujoco><worldbody><geom name="g" size="1"/></worldbody></mujoco>'
-    )
+    (folder / "models" / "inner.xml").write_text('<mujoco><worldbody><geom name="g" size="1"/></worldbody></mujoco>')
     arm = folder / "models" / "arm.xml"
     arm.write_text(arm.read_text().replace("<asset>", '<include file="inner.xml"/><asset>'))
     built("cell.yaml", "-o", "a.zip")
-    (folder / "models" / "inner.xml").write_text(
-        '<mujoco><worldbody><geom name="g" size="2"/></worldbody></mujoco>'
-    )
+    (folder / "models" / "inner.xml").write_text('<mujoco><worldbody><geom name="g" size="2"/></worldbody></mujoco>')
     assert built("cell.yaml", "-o", "a.zip")[0] == ["`models/inner.xml` changed"]
 
 
@@ -268,9 +253,7 @@ def test_an_extended_and_a_nested_recipe_count(store: Path, folder: Path) -> Non
 def test_of_two_equal_recipes_one_gets_a_comment(store: Path, folder: Path) -> None:
     for name in ("left", "right"):
         (folder / f"{name}.yaml").write_text("recipe: 1\nname: arm\nbase: ./models/arm.xml\n")
-    (folder / "outer.yaml").write_text(
-        "recipe: 1\nattach:\n  a: {model: ./left.yaml}\n  b: {model: ./right.yaml}\n"
-    )
+    (folder / "outer.yaml").write_text("recipe: 1\nattach:\n  a: {model: ./left.yaml}\n  b: {model: ./right.yaml}\n")
     built("outer.yaml", "-o", "a.zip", "--no-compile")
     with (folder / "left.yaml").open("a") as left:
         left.write("# no longer equal\n")
@@ -322,9 +305,7 @@ def test_only_the_cells_that_a_change_concerns(store: Path, folder: Path) -> Non
     assert known == ["the recipe changed, in nothing that this model is made of"] * 2
     recipe.write_text(recipe.read_text() + "# a line more\n")
     assert built(*out)[0] == []
-    recipe.write_text(
-        "# now the check stands one line lower, and the manifests say where\n" + recipe.read_text()
-    )
+    recipe.write_text("# now the check stands one line lower, and the manifests say where\n" + recipe.read_text())
     assert len(built(*out)[0]) == 4
     run("build", "matrix.yaml", "--all", "-o", "c/{name}.zip", "--no-cache")
     assert snapshot(folder / "b") == snapshot(folder / "c")
@@ -391,16 +372,10 @@ def test_verify_finds_what_is_damaged(store: Path, folder: Path) -> None:
     assert not path.exists()
 
 
-def test_the_store_is_kept_below_its_bound(
-    store: Path, folder: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_store_is_kept_below_its_bound(store: Path, folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("MJCOMPOSE_CACHE_SIZE", "2K")
     run("build", "cell.yaml", "-o", "a.zip")
-    sizes = [
-        path.stat().st_size
-        for kind in ("asked", "built", "raw", "packed")
-        for path in (store / kind).iterdir()
-    ]
+    sizes = [path.stat().st_size for kind in ("asked", "built", "raw", "packed") for path in (store / kind).iterdir()]
     assert sum(sizes) <= 2048
     assert run("build", "cell.yaml", "-o", "b.zip").exit_code == 0
 
@@ -413,9 +388,7 @@ def test_a_store_that_cannot_be_written(store: Path, folder: Path, monkeypatch: 
     assert len(list((folder / "b").glob("*.zip"))) == 4
 
 
-@pytest.mark.skipif(
-    not hasattr(os, "geteuid") or os.geteuid() == 0, reason="who runs this may write everywhere"
-)
+@pytest.mark.skipif(not hasattr(os, "geteuid") or os.geteuid() == 0, reason="who runs this may write everywhere")
 def test_a_store_that_may_only_be_read(store: Path, folder: Path) -> None:
     run("build", "cell.yaml", "-o", "a.zip")
     for path in (store, *store.rglob("*")):
@@ -429,9 +402,7 @@ def test_a_store_that_may_only_be_read(store: Path, folder: Path) -> None:
 def test_a_full_disk(store: Path, folder: Path) -> None:
     """No file may be larger than what the output needs: what is kept in the store for it is refused, and told once."""
     cover = folder / "models" / "meshes" / "cover.obj"
-    cover.write_text(
-        cover.read_text() + "".join(f"v {number} {number * 7919 % 1000} 0\n" for number in range(20))
-    )
+    cover.write_text(cover.read_text() + "".join(f"v {number} {number * 7919 % 1000} 0\n" for number in range(20)))
     script = (
         "import resource, signal, errno, mjcompose.sources.blobs as blobs\n"
         "real = blobs.put\n"
@@ -461,10 +432,7 @@ def test_two_processes_at_once(store: Path, folder: Path) -> None:
     command = [sys.executable, "-m", "mjcompose", "build", "matrix.yaml", "--all", "-o"]
     running = [
         subprocess.Popen(
-            [*command, f"{name}/{{name}}.zip"],
-            env=environment(),
-            stderr=subprocess.PIPE,
-            stdout=subprocess.DEVNULL,
+            [*command, f"{name}/{{name}}.zip"], env=environment(), stderr=subprocess.PIPE, stdout=subprocess.DEVNULL
         )
         for name in ("a", "b", "a")
     ]
@@ -485,9 +453,7 @@ def test_killed_at_any_moment(store: Path, folder: Path) -> None:
     run("build", "matrix.yaml", "--all", "-o", "c/{name}.zip", "--no-cache")
     command = [sys.executable, "-m", "mjcompose", "build", "matrix.yaml", "--all", "-o", "b/{name}.zip"]
     for wanted in (0, 1, 2, 3):
-        running = subprocess.Popen(
-            command, env=environment(), stderr=subprocess.DEVNULL, stdout=subprocess.DEVNULL
-        )
+        running = subprocess.Popen(command, env=environment(), stderr=subprocess.DEVNULL, stdout=subprocess.DEVNULL)
         while running.poll() is None and len(list((folder / "b").glob("*.zip"))) < wanted:
             time.sleep(0.002)
         running.send_signal(signal.SIGKILL)

@@ -58,9 +58,7 @@ def test_a_package_of_another_version_is_a_change(tmp_path: Path) -> None:
     cache = Cache(Store(tmp_path), print)
     assert cache._changes(Answer("", (), (found,))) == []
     other = (found[0], "0.1", found[2].replace(found[1], "0.1"))
-    assert cache._changes(Answer("", (), (found, other))) == [
-        "the package `lxml` was 0.1, and is another version now"
-    ]
+    assert cache._changes(Answer("", (), (found, other))) == ["the package `lxml` was 0.1, and is another version now"]
 
 
 def test_what_leads_a_package_to_other_files_is_asked() -> None:
@@ -76,10 +74,7 @@ def test_every_variable_of_a_kind_of_source_is_asked(kind: SourceKind) -> None:
 
 
 def test_differences() -> None:
-    assert differences({"`--dedup`": GIVEN, "`load`": "1"}, {}) == (
-        "`--dedup` is no longer given",
-        "`load` was 1",
-    )
+    assert differences({"`--dedup`": GIVEN, "`load`": "1"}, {}) == ("`--dedup` is no longer given", "`load` was 1")
 
 
 def test_content_counts_where_stamps_differ(tmp_path: Path) -> None:

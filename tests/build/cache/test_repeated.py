@@ -71,16 +71,7 @@ def recipes(store: Path, folder: Path) -> Path:
         ("build", "warned.yaml", "-o", "build/x/"),
         ("build", "warned.yaml", "-o", "build/x.xml", "--output-format", "json"),
         ("build", "warned.yaml", "-o", "build/x.mjb"),
-        (
-            "build",
-            "warned.yaml",
-            "-o",
-            "build/x.zip",
-            "--output-format",
-            "github",
-            "--set-file",
-            "values.yaml",
-        ),
+        ("build", "warned.yaml", "-o", "build/x.zip", "--output-format", "github", "--set-file", "values.yaml"),
         ("check", "warned.yaml"),
         ("check", "warned.yaml", "cell.yaml", "--output-format", "json"),
     ],
@@ -165,9 +156,7 @@ def test_a_change_that_keeps_size_and_time_is_seen(recipes: Path) -> None:
         ({"PYTHONIOENCODING": "ascii"}, "known"),
     ],
 )
-def test_what_runs_otherwise_is_built_where_that_may_matter(
-    recipes: Path, more: dict[str, str], how: str
-) -> None:
+def test_what_runs_otherwise_is_built_where_that_may_matter(recipes: Path, more: dict[str, str], how: str) -> None:
     command(*BUILD)
     assert command(*BUILD, **more)[0] == how
     assert command(*BUILD)[0] == "known"
@@ -242,12 +231,8 @@ def test_what_is_known_keeps_what_it_was_fetched_with(recipes: Path, store: Path
     git = ["git", "-c", "user.name=a", "-c", "user.email=a@example.org"]
     for words in (["init", "-q"], ["add", "models"], ["commit", "-q", "-m", "first"]):
         subprocess.run([*git, *words], cwd=recipes, check=True)
-    head = subprocess.run(
-        [*git, "rev-parse", "HEAD"], cwd=recipes, check=True, capture_output=True, text=True
-    )
-    (recipes / "cell.yaml").write_text(
-        f"recipe: 1\nbase: git+file://{recipes}@{head.stdout.strip()}#models/arm.xml\n"
-    )
+    head = subprocess.run([*git, "rev-parse", "HEAD"], cwd=recipes, check=True, capture_output=True, text=True)
+    (recipes / "cell.yaml").write_text(f"recipe: 1\nbase: git+file://{recipes}@{head.stdout.strip()}#models/arm.xml\n")
     command(*BUILD)
     (entry,) = store.glob("git/*/entry.json")
     for wait in (10**15, 0, 0):
@@ -261,22 +246,10 @@ def test_what_is_known_keeps_what_it_was_fetched_with(recipes: Path, store: Path
 @pytest.mark.skipif(sys.platform != "linux", reason="names are text here")
 def test_names_that_are_no_text(recipes: Path) -> None:
     (recipes / "cell.yaml").rename(os.fsdecode(os.fsencode(recipes) + b"/caf\xe9.yaml"))
-    words = [
-        sys.executable,
-        "-m",
-        "mjcompose",
-        "build",
-        b"caf\xe9.yaml",
-        "--no-compile",
-        "-o",
-        b"caf\xe9.zip",
-    ]
-    program = _PROGRAM.format(
-        arguments=("build", "caf\udce9.yaml", "--no-compile", "-o", "caf\udce9.zip"), wait=0
-    )
+    words = [sys.executable, "-m", "mjcompose", "build", b"caf\xe9.yaml", "--no-compile", "-o", b"caf\xe9.zip"]
+    program = _PROGRAM.format(arguments=("build", "caf\udce9.yaml", "--no-compile", "-o", "caf\udce9.zip"), wait=0)
     first, again = (
-        subprocess.run([sys.executable, "-c", program], env=environment(), capture_output=True)
-        for _ in range(2)
+        subprocess.run([sys.executable, "-c", program], env=environment(), capture_output=True) for _ in range(2)
     )
     assert again.stderr.endswith(b"known\n") and again.returncode == 0
     assert again.stdout.startswith(b"caf\xe9.zip is up to date\n")

@@ -42,8 +42,7 @@ def ask() -> Ask:
             scope["whole"] = False
         question = {"kind": read.word, "asked": asked, "scope": scope}
         return [
-            from_json(each)
-            for each in ask_in_child(mujoco, mujoco.MjModel.from_xml_string(xml), question)["findings"]
+            from_json(each) for each in ask_in_child(mujoco, mujoco.MjModel.from_xml_string(xml), question)["findings"]
         ]
 
     return ask

@@ -30,9 +30,7 @@ PLANAR = """
 FREE = PLANAR.format(first="", second="")
 
 
-@pytest.mark.parametrize(
-    "target", ["[2, 0, 0]", "[0, 1.99, 0]", "[-1, 0.5, 0]", "[0, 0, 0]", "[1.2, -1.2, 0]"]
-)
+@pytest.mark.parametrize("target", ["[2, 0, 0]", "[0, 1.99, 0]", "[-1, 0.5, 0]", "[0, 0, 0]", "[1.2, -1.2, 0]"])
 def test_within_reach(ask, target: str) -> None:
     assert ask(FREE, f"reachable: {{site: tip, target: {target}, tolerance: 1e-4}}") == []
 
@@ -65,7 +63,9 @@ def test_a_site_that_nothing_moves(ask) -> None:
 
 
 def test_a_free_base_stays(ask) -> None:
-    body = '<mujoco><worldbody><body pos="0 0 1"><freejoint/><geom size=".1"/><site name="s"/></body></worldbody></mujoco>'
+    body = (
+        '<mujoco><worldbody><body pos="0 0 1"><freejoint/><geom size=".1"/><site name="s"/></body></worldbody></mujoco>'
+    )
     assert ask(body, "reachable: {site: s, target: [0, 0, 1]}") == []
     assert len(ask(body, "reachable: {site: s, target: [0, 0, 2]}")) == 1
 

@@ -156,9 +156,7 @@ def changed(before: mujoco.MjModel, after: mujoco.MjModel) -> set[str]:
     names_before, names_after = {key[:2] for key in old}, {key[:2] for key in new}
     found = {f"+{name}" for _, name in names_after - names_before}
     found |= {f"-{name}" for _, name in names_before - names_after}
-    return found | {
-        f"{key[1]} {key[2]}" for key in old.keys() & new.keys() if not np.array_equal(old[key], new[key])
-    }
+    return found | {f"{key[1]} {key[2]}" for key in old.keys() & new.keys() if not np.array_equal(old[key], new[key])}
 
 
 def force(model: mujoco.MjModel, name: str) -> float:

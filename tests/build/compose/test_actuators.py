@@ -107,8 +107,6 @@ def test_activations(tmp_path: Path, actuator: str, activation: str | None) -> N
 @pytest.mark.mujoco4("`pid` is new in MuJoCo 4")
 def test_each_control_of_a_pid(tmp_path: Path) -> None:
     with Session() as session:
-        found = units_of(
-            tmp_path, MODEL.format('<pid joint="hinge" kp="3" kv="1" input="pos vel ff"/>'), session
-        )
+        found = units_of(tmp_path, MODEL.format('<pid joint="hinge" kp="3" kv="1" input="pos vel ff"/>'), session)
         meant = found.of(found.linking.base.root.find("actuator")[0])
     assert meant.controls == ("an angle", "an angular velocity", None)

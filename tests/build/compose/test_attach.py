@@ -41,12 +41,7 @@ INSIDE = PART.split("<worldbody>")[1].split("</worldbody>")[0]
 
 
 def composed(folder: Path, recipe: str, **files: str) -> mujoco.MjModel:
-    for name, text in {
-        "part.xml": PART,
-        "base.xml": BASE,
-        "recipe.yaml": "recipe: 1\n" + recipe,
-        **files,
-    }.items():
+    for name, text in {"part.xml": PART, "base.xml": BASE, "recipe.yaml": "recipe: 1\n" + recipe, **files}.items():
         (folder / name.replace("__", ".")).write_text(text)
     context = Context(environment={}, folder=folder)
     built = build(Request(folder / "recipe.yaml", verified=False), context)
@@ -64,10 +59,7 @@ def places(model: mujoco.MjModel) -> dict[str, np.ndarray]:
     """Where every named body, geom and site is, the joints somewhere."""
     data = mujoco.MjData(model)
     data.qpos[:] = model.qpos0
-    kinds = (
-        int(mujoco.mjtJoint.mjJNT_HINGE),
-        int(mujoco.mjtJoint.mjJNT_SLIDE),
-    )  # no number is `in` enumerations
+    kinds = (int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE))  # no number is `in` enumerations
     for at in range(model.njnt):
         if model.jnt_type[at] in kinds:
             data.qpos[model.jnt_qposadr[at]] = 0.3
@@ -112,10 +104,7 @@ WRITTEN = "pos: [1, 2, 3], quat: [1, 0, 0, 0.5]"
             f"site: flange, {WRITTEN}, joint: {{type: slide, axis: [1, 0, 0]}}",
             f'{ON_SITE}<body name="" {OFFSET}><joint name="" type="slide" axis="1 0 0"/>{{}}</body></frame>',
         ),
-        (
-            f"body: arm, {WRITTEN}, joint: ball",
-            f'<body name="" {OFFSET}><joint name="" type="ball"/>{{}}</body>',
-        ),
+        (f"body: arm, {WRITTEN}, joint: ball", f'<body name="" {OFFSET}><joint name="" type="ball"/>{{}}</body>'),
         (
             "site: flange, joint: [{name: x, type: slide, axis: [1, 0, 0]}, {name: turn, axis: [0, 0, 1]}]",
             (
@@ -129,9 +118,7 @@ def test_places_and_joints(tmp_path: Path, asked: str, opened: str) -> None:
     ours = composed(tmp_path, f"base: ./base.xml\nattach: {{p: {{model: ./part.xml, {asked}}}}}\n")
     theirs = by_hand(SITE, opened.format(INSIDE))
     assert_same(ours, theirs)
-    assert [ours.joint(at).name for at in range(ours.njnt)] == [
-        theirs.joint(at).name for at in range(theirs.njnt)
-    ]
+    assert [ours.joint(at).name for at in range(ours.njnt)] == [theirs.joint(at).name for at in range(theirs.njnt)]
 
 
 @pytest.mark.parametrize("joint", ["free", "mocap"])
@@ -151,9 +138,7 @@ def test_what_floats_is_at_the_place_in_the_reference(tmp_path: Path, joint: str
     np.testing.assert_allclose(found[0], found[1], atol=1e-12)
 
 
-@pytest.mark.parametrize(
-    ("mate", "kind"), [("in", "site"), ("b", "body"), ("grasp", "frame"), ("tip", "frame")]
-)
+@pytest.mark.parametrize(("mate", "kind"), [("in", "site"), ("b", "body"), ("grasp", "frame"), ("tip", "frame")])
 def test_mate_lies_on_the_place(tmp_path: Path, mate: str, kind: str) -> None:
     """What is called so, marked with a site of its own, comes to lie on the place with its offset."""
     marked = PART
@@ -252,9 +237,7 @@ def test_each_part_is_looked_at_as_often_as_what_it_waits_for_comes(
     monkeypatch.setattr(bodies, "_find_mount", mount)
     count = 60
     parts = [f"  p{n}: {{model: ./p.xml, frame: f{n}}}" for n in reversed(range(count))]
-    entries = [
-        f"  - {{to: {f'p{n - 1}/b' if n % 2 else 'world'}, frame: {{name: f{n}}}}}" for n in range(count)
-    ]
+    entries = [f"  - {{to: {f'p{n - 1}/b' if n % 2 else 'world'}, frame: {{name: f{n}}}}}" for n in range(count)]
     part = '<mujoco><worldbody><body name="b"><geom size=".1"/></body></worldbody></mujoco>'
     model = composed(tmp_path, "\n".join(["attach:", *parts, "add:", *entries]), **{"p.xml": part})
     assert model.nbody == 1 + count
@@ -278,10 +261,7 @@ def reads_what_hangs_below(model: mujoco.MjModel, carrier: str, sensors: str, se
     force, torque = (data.sensor(f"{sensors}{tag}").data for tag in ("force", "torque"))
     assert force == pytest.approx(turned @ weight, abs=1e-6)
     assert torque == pytest.approx(turned @ np.cross(lever, weight), abs=1e-6)
-    assert (
-        model.body_parentid[body] == 0
-        or model.body_weldid[body] == model.body_weldid[model.body_parentid[body]]
-    )
+    assert model.body_parentid[body] == 0 or model.body_weldid[body] == model.body_weldid[model.body_parentid[body]]
     return np.array(force)
 
 
@@ -310,9 +290,7 @@ def test_sense_measures_what_hangs_below_a_place(tmp_path: Path, hung: str, name
 
 
 def test_sense_has_its_cutoff_its_own_axes_and_a_separator(tmp_path: Path) -> None:
-    base = BASE.replace(
-        "<worldbody>", '<default><site pos="9 9 9" euler="1 1 1" size=".1"/></default><worldbody>'
-    )
+    base = BASE.replace("<worldbody>", '<default><site pos="9 9 9" euler="1 1 1" size=".1"/></default><worldbody>')
     recipe = "separator: '-'\nbase: ./base.xml\nattach:\n  p: {model: ./part.xml, site: flange, sense: {torque: true, cutoff: 3}}\n"
     model = composed(tmp_path, recipe, base__xml=base)
     assert [model.sensor(at).name for at in range(model.nsensor)] == ["p-torque"]
@@ -365,9 +343,7 @@ def plain_robots(corpus: Path, tmp_path_factory: pytest.TempPathFactory) -> Path
 
 @pytest.mark.slow
 @pytest.mark.parametrize("arm", ARMS)
-def test_ten_tools_on_each_of_ten_arms_weigh_what_they_weigh(
-    plain_robots: Path, tmp_path: Path, arm: str
-) -> None:
+def test_ten_tools_on_each_of_ten_arms_weigh_what_they_weigh(plain_robots: Path, tmp_path: Path, arm: str) -> None:
     folder, rng = plain_robots, np.random.default_rng(len(arm))
     parts = ""
     for number, tool in enumerate(TOOLS):
@@ -447,9 +423,7 @@ def test_the_pose_of_a_part_is_where_its_world_is(tmp_path: Path, place: str) ->
     ("policy", "keys"),
     [("keys: merge", ["", "tool/"]), ("keys: prefix", ["a/", "a/tool/"]), ("drop: [key]", [None, None])],
 )
-def test_keys_begin_as_all_recipes_around_them_say(
-    tmp_path: Path, policy: str, keys: list[str | None]
-) -> None:
+def test_keys_begin_as_all_recipes_around_them_say(tmp_path: Path, policy: str, keys: list[str | None]) -> None:
     found, _ = made(tmp_path, f"attach: {{a: {{model: ./inner.yaml, {policy}}}}}\n")
     assert [found[part].keys for part in ("a/base", "a/tool")] == keys
 
@@ -554,9 +528,7 @@ def test_turned_about_the_mate(tmp_path: Path) -> None:
 
 def test_names_are_padded(tmp_path: Path) -> None:
     model = models(
-        tmp_path,
-        REPLICATE_PART,
-        "recipe: 1\nattach: {p: {model: ./part.xml, replicate: [{count: 2}, {count: 11}]}}\n",
+        tmp_path, REPLICATE_PART, "recipe: 1\nattach: {p: {model: ./part.xml, replicate: [{count: 2}, {count: 11}]}}\n"
     )
     names = [model.body(at).name for at in range(1, model.nbody, 2)]
     assert names[:2] + names[10:13] + names[-1:] == [
@@ -565,12 +537,9 @@ def test_names_are_padded(tmp_path: Path) -> None:
 
 
 def test_a_part_may_hang_on_a_copy_and_keys_go_with_the_copies(tmp_path: Path) -> None:
-    cube = REPLICATE_PART.replace('<joint name="j"/>', "").replace(
-        "<site", '<freejoint/><site name="top"/><site'
-    )
+    cube = REPLICATE_PART.replace('<joint name="j"/>', "").replace("<site", '<freejoint/><site name="top"/><site')
     cube = cube.replace(
-        "</mujoco>",
-        '<keyframe><key name="home" qpos="0 0 1 1 0 0 0" qvel="1 0 0 0 0 0"/></keyframe></mujoco>',
+        "</mujoco>", '<keyframe><key name="home" qpos="0 0 1 1 0 0 0" qvel="1 0 0 0 0 0"/></keyframe></mujoco>'
     )
     model = models(
         tmp_path,
@@ -582,8 +551,6 @@ def test_a_part_may_hang_on_a_copy_and_keys_go_with_the_copies(tmp_path: Path) -
     qpos, qvel = model.key("home").qpos.reshape(3, 7), model.key("home").qvel.reshape(3, 6)
     half = np.sqrt(0.5)
     np.testing.assert_allclose(
-        qpos,
-        [[0, 0, 1, 1, 0, 0, 0], [1, 0, 1, half, 0, 0, half], [1, 1, 1, 0, 0, 0, 1]],
-        atol=1e-12,
+        qpos, [[0, 0, 1, 1, 0, 0, 0], [1, 0, 1, half, 0, 0, half], [1, 1, 1, 0, 0, 0, 1]], atol=1e-12
     )
     np.testing.assert_allclose(qvel[:, :3], [[1, 0, 0], [0, 1, 0], [-1, 0, 0]], atol=1e-12)

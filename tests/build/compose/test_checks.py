@@ -172,20 +172,19 @@ def test_names_of_what_mujoco_makes_are_let_through(compose: Compose) -> None:
 
 def test_a_lost_place_is_one_fault(compose: Compose) -> None:
     """What would have been added counts as there."""
-    assert compose(
-        f"{HEAD}add: [{{to: bass, site: {{name: s}}}}]\nsensor: {{s: {{type: touch, site: s}}}}\n"
-    ) == ["3:12 unknown-name"]
-    assert compose(
-        f"{HEAD}default: {{c: {{parent: d}}}}\nadd: [{{to: base, geom: {{size: [1], class: c}}}}]\n"
-    ) == ["3:23 unknown-name"]
+    assert compose(f"{HEAD}add: [{{to: bass, site: {{name: s}}}}]\nsensor: {{s: {{type: touch, site: s}}}}\n") == [
+        "3:12 unknown-name"
+    ]
+    assert compose(f"{HEAD}default: {{c: {{parent: d}}}}\nadd: [{{to: base, geom: {{size: [1], class: c}}}}]\n") == [
+        "3:23 unknown-name"
+    ]
 
 
 def test_one_name_in_two_namespaces_is_no_clash(compose: Compose) -> None:
     assert not isinstance(
-        compose(f"{HEAD}add: [{{to: base, site: {{name: base}}}}, {{to: base, site: {{name: geom}}}}]\n"),
-        list,
+        compose(f"{HEAD}add: [{{to: base, site: {{name: base}}}}, {{to: base, site: {{name: geom}}}}]\n"), list
     )
     assert compose(f"{HEAD}add: [{{to: base, site: {{name: flange}}}}]\n") == ["3:31 name-clash"]
-    assert compose(
-        f"{HEAD}add: [{{to: world, frame: {{name: f}}}}, {{to: world, frame: {{name: f}}}}]\n"
-    ) == ["3:64 name-clash"]
+    assert compose(f"{HEAD}add: [{{to: world, frame: {{name: f}}}}, {{to: world, frame: {{name: f}}}}]\n") == [
+        "3:64 name-clash"
+    ]

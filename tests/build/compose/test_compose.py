@@ -51,9 +51,7 @@ def test_faults_of_every_stage_after_the_sources_are_told_at_once(compose: Compo
 
 def test_a_fault_of_a_nested_recipe_is_told_once(compose: Compose) -> None:
     inner = "recipe: 1\nbase: ./robot.xml\nsensor: {s: {type: touch, site: x}}\n"
-    text = (
-        "recipe: 1\nattach: {a: {model: ./inner.yaml}, b: {model: ./inner.yaml}, c: {model: ./inner.yaml}}\n"
-    )
+    text = "recipe: 1\nattach: {a: {model: ./inner.yaml}, b: {model: ./inner.yaml}, c: {model: ./inner.yaml}}\n"
     assert compose(text, inner__yaml=inner) == ["inner3:33 unknown-name"]
 
 

@@ -52,9 +52,7 @@ def test_one_friction_a_body(tmp_path: Path) -> None:
     field = '    f: {select: {geom: "**"}, attr: "friction[0]", uniform: [0.4, 1.2], per: body}\n'
     built = sample(tmp_path, field)
     model = model_of(built)
-    found = {
-        (int(model.geom_bodyid[geom]), float(model.geom_friction[geom, 0])) for geom in range(model.ngeom)
-    }
+    found = {(int(model.geom_bodyid[geom]), float(model.geom_friction[geom, 0])) for geom in range(model.ngeom)}
     assert len(found) == model.nbody == 7
     assert "brick1/knob" in [each.element for each in built.composed.drawn]
 
@@ -87,9 +85,7 @@ def test_a_group_is_at_one_point_of_all_its_distributions(
         f'    d: {{select: {{joint: "**/turn"}}, attr: armature, {bounds}, group: g, per: {per}}}\n'
         f'    f: {{select: {{joint: "**/turn"}}, attr: "damping[{index}]", scale: {{uniform: [0, 1]}}, group: g, per: {per}}}\n'
     )
-    drawn = {
-        (each.field, each.element): each.value for each in sample(tmp_path, fields, number).composed.drawn
-    }
+    drawn = {(each.field, each.element): each.value for each in sample(tmp_path, fields, number).composed.drawn}
     elements = {element for _, element in drawn}
     assert len({drawn["d", element] for element in elements}) == (1 if per == "sample" else 3)
     for element in elements:

@@ -24,14 +24,7 @@ def test_drop(radian: Case) -> None:
     )
     before = radian.model("recipe: 1\nbase: ./arm.xml\n")
     found = changed(before, model)
-    assert {each for each in found if each[0] == "-"} == {
-        "-sun",
-        "-no",
-        "-visual_upper",
-        "-prop",
-        "-free",
-        "-ball",
-    }
+    assert {each for each in found if each[0] == "-"} == {"-sun", "-no", "-visual_upper", "-prop", "-free", "-ball"}
     assert {each for each in found if each[0] != "-"} <= {
         f"{key} {row}" for key in ("home", "other") for row in ("qpos", "qvel")
     }
@@ -50,9 +43,7 @@ def test_what_is_dropped_is_listed(radian: Case) -> None:
 
 
 def test_drop_of_what_is_not_there(radian: Case) -> None:
-    (radian.folder / "recipe.yaml").write_text(
-        "recipe: 1\nbase: {model: ./arm.xml, drop: [equality, camera]}\n"
-    )
+    (radian.folder / "recipe.yaml").write_text("recipe: 1\nbase: {model: ./arm.xml, drop: [equality, camera]}\n")
     context = Context(environment={}, folder=radian.folder)
     assert build(Request(radian.folder / "recipe.yaml", verified=False), context) is None
     assert [(each.code, each.span.column) for each in context.sink.errors if each.span] == [
@@ -156,9 +147,7 @@ def test_keys_of_parts_follow_edits_of_the_whole(radian: Case) -> None:
         "  - {select: {joint: '{elbow,b/shoulder}'}, remove: cascade}\n  - {select: {key: other}, rename: last}\n"
     )
     assert model.key("home").qpos[:1] == pytest.approx([0.1])
-    assert model.key("home").qpos[8:9] == pytest.approx([0.2]) and model.key("last").qpos[
-        8:9
-    ] == pytest.approx([0.4])
+    assert model.key("home").qpos[8:9] == pytest.approx([0.2]) and model.key("last").qpos[8:9] == pytest.approx([0.4])
     assert model.key("home").ctrl == pytest.approx([0.1, 0.4, 0.5, 0.6, 0.2, 0.3])
 
 

@@ -26,11 +26,9 @@ def numbers(text: str) -> list[float]:
 @pytest.mark.parametrize("written", ["bare", "deg", "rad"])
 def test_angles_in_any_unit_mean_the_same(compose: Compose, unit: str, angle: str, written: str) -> None:
     """A right angle, however it is written, in a recipe and a model of any unit."""
-    right = {
-        "deg": "90deg",
-        "rad": f"{math.pi / 2!r}rad",
-        "bare": "90" if angle == "degree" else repr(math.pi / 2),
-    }[written]
+    right = {"deg": "90deg", "rad": f"{math.pi / 2!r}rad", "bare": "90" if angle == "degree" else repr(math.pi / 2)}[
+        written
+    ]
     model = compose(
         f"{HEAD}angle: {angle}\nadd:\n  - to: base\n    body:\n      name: b\n      euler: [{right}, 0, 0]\n"
         f"      geom: [{{name: g, size: [1], axisangle: [0, 0, 1, {right}]}}]\n"
@@ -82,9 +80,7 @@ def test_bare_angles_are_told_at_the_number(compose: Compose) -> None:
 
 def test_the_sequence_of_the_recipe(compose: Compose) -> None:
     """A model of another sequence gets a quaternion, one of the same the angles."""
-    text = (
-        f"{HEAD}angle: degree\neulerseq: zyx\nadd:\n  - {{to: base, site: {{name: s, euler: [90, 0, 0]}}}}\n"
-    )
+    text = f"{HEAD}angle: degree\neulerseq: zyx\nadd:\n  - {{to: base, site: {{name: s, euler: [90, 0, 0]}}}}\n"
     assert numbers(added(compose(text), "s")["quat"]) == pytest.approx([0.5**0.5, 0, 0, 0.5**0.5])
     same = '<mujoco>\n<compiler eulerseq="zyx"/>\n<worldbody><body name="base"/></worldbody>\n</mujoco>'
     assert added(compose(text.replace("robot", "same"), same__xml=same), "s")["euler"] == "90 0 0"
@@ -95,10 +91,7 @@ def test_the_sequence_of_the_recipe(compose: Compose) -> None:
     [
         ('    xml: <geom name="x" material="m"/>\n', "5:35"),
         ('    xml: \'<geom name="x" material="m"/>\'\n', "5:36"),
-        (
-            '    xml: |\n      <body name="x">\n        <geom\n          material="m"/>\n      </body>\n',
-            "8:21",
-        ),
+        ('    xml: |\n      <body name="x">\n        <geom\n          material="m"/>\n      </body>\n', "8:21"),
         ('    xml: |\n\n      <geom material="m"/>\n', "7:23"),
         ('    xml: >\n      <geom name="x"\n      material="m"/>\n', "5:10"),
     ],
@@ -115,9 +108,7 @@ def test_a_fragment_is_in_the_recipes_unit(compose: Compose) -> None:
 
 def test_files_of_the_recipe_are_found_from_its_folder(compose: Compose, tmp_path: Any) -> None:
     (tmp_path / "a").mkdir()
-    (tmp_path / "a" / "m.obj").write_text(
-        "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
-    )
+    (tmp_path / "a" / "m.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n")
     model = compose(HEAD + "asset:\n  mesh: {m: {file: ./a/m.obj}, n: {xml: '<mesh file=\"a/m.obj\"/>'}}\n")
     assert {each.get("file") for each in model.iter("mesh")} == {"assets/a/m.obj"}
 

@@ -45,13 +45,7 @@ def built(folder: Path, source: str, recipe: str) -> mujoco.MjModel | list[Diagn
 
 def names(model: object, kind: str) -> set[str]:
     assert isinstance(model, mujoco.MjModel), model
-    count = {
-        "equality": "neq",
-        "sensor": "nsensor",
-        "body": "nbody",
-        "joint": "njnt",
-        "actuator": "nactuator",
-    }[kind]
+    count = {"equality": "neq", "sensor": "nsensor", "body": "nbody", "joint": "njnt", "actuator": "nactuator"}[kind]
     return {getattr(model, kind)(at).name for at in range(getattr(model, count, 0))}
 
 
@@ -65,10 +59,7 @@ def test_what_a_flexcomp_makes_is_renamed_with_it(tmp_path: Path, edit: str) -> 
     assert names(model, "equality") >= {"w", "c"}
 
 
-@pytest.mark.parametrize(
-    "entry",
-    ["drop: [{flexcomp: net}]", "edit: [{select: {flexcomp: net}, remove: cascade}]"],
-)
+@pytest.mark.parametrize("entry", ["drop: [{flexcomp: net}]", "edit: [{select: {flexcomp: net}, remove: cascade}]"])
 def test_what_refers_to_it_goes_with_it(tmp_path: Path, entry: str) -> None:
     model = built(tmp_path, NET, RECIPE.format(entry))
     assert names(model, "equality") - {""} == {"c"}
@@ -97,16 +88,12 @@ def torsion(model: object) -> list[str]:
     """The joints that the rod's bends are twisted by."""
     assert isinstance(model, mujoco.MjModel), model
     rows = model.flex_bending.ravel()
-    return [
-        model.joint(int(rows[at + 7])).name if rows[at + 7] >= 0 else "" for at in range(1, len(rows), 10)
-    ]
+    return [model.joint(int(rows[at + 7])).name if rows[at + 7] >= 0 else "" for at in range(1, len(rows), 10)]
 
 
 @pytest.mark.skipif(OLDER, reason="rods twist since MuJoCo 4.0")
 def test_a_rod_keeps_its_twists(tmp_path: Path) -> None:
-    assert torsion(
-        built(tmp_path, TWISTED, RECIPE.format("edit: [{select: {flexcomp: rod}, rename: wire}]"))
-    ) == [
+    assert torsion(built(tmp_path, TWISTED, RECIPE.format("edit: [{select: {flexcomp: rod}, rename: wire}]"))) == [
         "wire_twist_1",
         "wire_twist",
     ]
@@ -146,13 +133,9 @@ def test_a_rod_whose_twists_are_elsewhere_is_left_out(tmp_path: Path) -> None:
 @pytest.mark.parametrize("source", ["flexcomp", "flex", "circle"])
 def test_a_moved_rod_is_unchanged(tmp_path: Path, source: str) -> None:
     """The bends of a circle have four vertices, and no joint where other bends have one."""
-    circle = re.sub("<actuator>.*</sensor>", "", TWISTED).replace(
-        'type="grid" count="4', 'type="circle" count="5'
-    )
+    circle = re.sub("<actuator>.*</sensor>", "", TWISTED).replace('type="grid" count="4', 'type="circle" count="5')
     text = {"flexcomp": TWISTED, "flex": raw(tmp_path), "circle": circle}[source]
-    base = (
-        '<mujoco><worldbody><body name="b" pos="0 0 1"><joint/><geom size=".1"/></body></worldbody></mujoco>'
-    )
+    base = '<mujoco><worldbody><body name="b" pos="0 0 1"><joint/><geom size=".1"/></body></worldbody></mujoco>'
     (tmp_path / "b.xml").write_text(base)
     recipe = "recipe: 1\nbase: ./b.xml\nattach: {a: {model: ./m.xml, pos: [1, 2, 3]}, c: {model: ./m.xml}}\ncheck: {all: {unchanged: {}}}"
     assert isinstance(built(tmp_path, text, recipe), mujoco.MjModel)

@@ -183,13 +183,11 @@ def test_a_nested_recipe_hands_on_the_key_that_it_writes(built: Built) -> None:
 
 def test_free_joints_and_mocap_bodies_move_through_two_compositions(built: Built) -> None:
     keyed = LOOSE.replace(
-        "</mujoco>",
-        '<keyframe><key name="home" qpos="1 0 0 1 0 0 0" mpos="1 0 0"/></keyframe></mujoco>',
+        "</mujoco>", '<keyframe><key name="home" qpos="1 0 0 1 0 0 0" mpos="1 0 0"/></keyframe></mujoco>'
     )
     inner = "recipe: 1\nattach: {loose: {model: ./keyed.xml, pos: [0, 0, 1], keys: prefix}}\n"
     model = built(
-        "attach: {outer: {model: ./inner.yaml, euler: [0, 0, 90deg]}}\n"
-        "keyframe: {mine: {from: {outer/loose: home}}}\n",
+        "attach: {outer: {model: ./inner.yaml, euler: [0, 0, 90deg]}}\nkeyframe: {mine: {from: {outer/loose: home}}}\n",
         keyed__xml=keyed,
         inner__yaml=inner,
     )
@@ -212,9 +210,7 @@ def test_keys_of_a_subtree_of_a_nested_recipe(built: Built) -> None:
 def test_times(compose: Compose) -> None:
     files = {"arm__xml": ARM, "hand__xml": HAND.replace('time="2"', 'time="3"')}
     parts = "recipe: 1\nattach: {a: {model: ./arm.xml, drop: [key]}, h: {model: ./hand.xml, drop: [key]}}\n"
-    assert compose(parts + "keyframe:\n  k:\n    from: {a: home, h: home}\n", **files) == [
-        "5:5 keyframe-conflict"
-    ]
+    assert compose(parts + "keyframe:\n  k:\n    from: {a: home, h: home}\n", **files) == ["5:5 keyframe-conflict"]
     model = compose(parts + "keyframe:\n  k:\n    time: 1\n    from: {a: home, h: home}\n", **files)
     assert not isinstance(model, list)
     assert model.xpath("keyframe/key/@time") == ["1"]
@@ -251,9 +247,7 @@ def test_faults(compose: Compose, key: str, fault: str) -> None:
     assert compose(f"recipe: 1\nbase: ./arm.xml\nkeyframe:\n  k: {key}\n", arm__xml=ARM) == [fault]
 
 
-def test_a_joint_without_a_name_goes_by_its_body_where_that_means_it_alone(
-    built: Built, compose: Compose
-) -> None:
+def test_a_joint_without_a_name_goes_by_its_body_where_that_means_it_alone(built: Built, compose: Compose) -> None:
     arm = """
 <mujoco><worldbody>
   <body name="alone"><joint/><geom size=".1"/></body>
@@ -261,17 +255,13 @@ def test_a_joint_without_a_name_goes_by_its_body_where_that_means_it_alone(
   <body name="two"><joint/><joint axis="0 1 0"/><geom size=".1"/></body>
   <body name="other"><joint name="taken"/><geom size=".1"/></body></worldbody></mujoco>
 """
-    model = built(
-        "base: ./two.xml\nangle: radian\nkeyframe: {k: {qpos: {alone: 1, taken: 2}}}\n", two__xml=arm
-    )
+    model = built("base: ./two.xml\nangle: radian\nkeyframe: {k: {qpos: {alone: 1, taken: 2}}}\n", two__xml=arm)
     assert [*model.key("k").qpos] == [1, 0, 0, 0, 2]
     recipe = "recipe: 1\nangle: radian\nbase: ./two.xml\nkeyframe: {k: {qpos: {two: 1}}}\n"
     assert compose(recipe, two__xml=arm) == ["4:23 unknown-name"]
 
 
-@pytest.mark.parametrize(
-    "key", ["{qpos: {shoulder: 0}}", "{qpos: {slide: 1}}", "{ctrl: {shoulder: 1}}", "{}"]
-)
+@pytest.mark.parametrize("key", ["{qpos: {shoulder: 0}}", "{qpos: {slide: 1}}", "{ctrl: {shoulder: 1}}", "{}"])
 def test_no_unit_is_needed(compose: Compose, key: str) -> None:
     model = compose(f"recipe: 1\nbase: ./arm.xml\nkeyframe:\n  k: {key}\n", arm__xml=ARM)
     assert not isinstance(model, list)
@@ -376,9 +366,7 @@ def test_keys_stay_where_mujoco_is_asked_anew_for_the_state_of_an_edited_actuato
   <actuator><position name="servo" joint="j"/></actuator>
   <keyframe><key name="home" qpos="0.3" act="0.2" ctrl="0.4"/></keyframe></mujoco>
 """
-    model = built(
-        "base: ./servo.xml\nedit:\n  - {select: {actuator: servo}, set: {gear: [2]}}", servo__xml=servo
-    )
+    model = built("base: ./servo.xml\nedit:\n  - {select: {actuator: servo}, set: {gear: [2]}}", servo__xml=servo)
     assert model.actuator("servo").gear[0] == 2
     home = model.key("home")
     assert [*home.qpos, *home.act, *home.ctrl] == [0.3, 0.2, 0.4]
@@ -450,9 +438,7 @@ def test_an_edit_empties_only_the_keys_that_are_older(built: Built, key: str, ex
     for name in ("new", "old"):  # of the same name as the key of the source, too
         model = built(f"base: ./m.xml\n{convert}\nkeyframe: {{{name}: {key}}}", **{"m.xml": MOTOR})
         assert model.key(name).ctrl == pytest.approx([expected])
-    nested = (
-        "attach: {x: {model: ./in.yaml}}\nedit: [{select: {actuator: x/m}, convert: {to: position, kp: 4}}]"
-    )
+    nested = "attach: {x: {model: ./in.yaml}}\nedit: [{select: {actuator: x/m}, convert: {to: position, kp: 4}}]"
     inner = "recipe: 1\nbase: ./m.xml\nkeyframe: {mine: {ctrl: {m: 3}}}"
     model = built(nested + "\nkeyframe: {new: {ctrl: {x/m: 1rad}}}", **{"m.xml": MOTOR, "in.yaml": inner})
     assert (model.key("mine").ctrl, model.key("old").ctrl, model.key("new").ctrl) == ([0], [0], [1])
@@ -480,10 +466,7 @@ ARMLET = """
 @pytest.mark.parametrize(
     ("recipe", "changed"),
     [
-        (
-            "add: [{to: post, body: {name: flag, joint: {name: new}, geom: {size: 0.02}}}]",
-            {"new0": 0, "new1": 0},
-        ),
+        ("add: [{to: post, body: {name: flag, joint: {name: new}, geom: {size: 0.02}}}]", {"new0": 0, "new1": 0}),
         ("add: [{to: leaf, body: {name: flag, joint: {name: new}, geom: {size: 0.02}}}]", {"new_01": 0}),
         ("edit: [{select: {body: first}, move: {to: leaf}}]", {"fj": None, "fj_00": 1, "fj_11": 1}),
         (
@@ -501,9 +484,7 @@ ARMLET = """
         ),
     ],
 )
-def test_keys_follow_what_is_inside_of_a_replicate(
-    built: Built, recipe: str, changed: dict[str, object]
-) -> None:
+def test_keys_follow_what_is_inside_of_a_replicate(built: Built, recipe: str, changed: dict[str, object]) -> None:
     model = built(f"base: ./posts.xml\n{recipe}", **{"posts.xml": POSTS, "armlet.xml": ARMLET})
     reset = Reset(model, "k")
     names = {model.joint(at).name for at in range(model.njnt)}
@@ -524,10 +505,7 @@ def test_keys_follow_what_is_inside_of_a_replicate(
 @pytest.mark.mujoco4("it refuses keys beside joints in a replicate")
 def test_copies_that_differ_cannot_leave_their_replicate(built: Built) -> None:
     with pytest.raises(AssertionError, match="different numbers for the copies of `lj`"):
-        built(
-            "base: ./posts.xml\nedit: [{select: {body: leaf}, move: {to: world}}]",
-            **{"posts.xml": POSTS},
-        )
+        built("base: ./posts.xml\nedit: [{select: {body: leaf}, move: {to: world}}]", **{"posts.xml": POSTS})
 
 
 CLOTH = """
@@ -597,11 +575,7 @@ def test_the_twists_of_a_rod_keep_their_numbers(built: Built, recipe: str) -> No
 @pytest.mark.skipif(mujoco.mj_versionString().startswith("3."), reason="rods twist since MuJoCo 4.0")
 @pytest.mark.parametrize(
     "edit",
-    [
-        "{pin: '**'}, set: {id: [0, 1]}",
-        "{elasticity: '**'}, set: {young: 0}",
-        "{elasticity: '**'}, remove: true",
-    ],
+    ["{pin: '**'}, set: {id: [0, 1]}", "{elasticity: '**'}, set: {young: 0}", "{elasticity: '**'}, remove: true"],
 )
 def test_what_is_in_a_flexcomp_decides_on_its_joints(built: Built, edit: str) -> None:
     model = built(f"base: ./rod.xml\nedit: [{{select: {edit}}}]", **{"rod.xml": ROD})

@@ -31,8 +31,7 @@ MOTOR = '<motor name="m" joint="elbow"/>'
 def built(folder: Path, actuators: str, ctrl: str) -> tuple[mujoco.MjModel, mujoco.MjData]:
     (folder / "arm.xml").write_text(ARM.format(actuators))
     (folder / "r.yaml").write_text(
-        "recipe: 1\nbase: ./arm.xml\nkeyframe:\n"
-        f"  up: {{qpos: {{shoulder: -40deg, elbow: 30deg}}, ctrl: {ctrl}}}\n"
+        f"recipe: 1\nbase: ./arm.xml\nkeyframe:\n  up: {{qpos: {{shoulder: -40deg, elbow: 30deg}}, ctrl: {ctrl}}}\n"
     )
     context = Context(environment={}, folder=folder)
     made = build(Request(folder / "r.yaml"), context)
@@ -63,7 +62,9 @@ def test_forces_balance_gravity(tmp_path: Path, servo: str) -> None:
 
 
 def test_what_cannot_be_balanced_is_reported(tmp_path: Path) -> None:
-    tendon = '<tendon><fixed name="t"><joint joint="shoulder" coef="1"/><joint joint="elbow" coef="1"/></fixed></tendon>'
+    tendon = (
+        '<tendon><fixed name="t"><joint joint="shoulder" coef="1"/><joint joint="elbow" coef="1"/></fixed></tendon>'
+    )
     text = ARM.format('<motor name="m" tendon="t"/>').replace("<actuator>", tendon + "<actuator>")
     (tmp_path / "arm.xml").write_text(text)
     (tmp_path / "r.yaml").write_text(
@@ -91,9 +92,7 @@ UNKNOWN = [
 
 @pytest.mark.parametrize("ctrl", ["hold", "{hold: forces}"])
 @pytest.mark.parametrize(("head", "actuator", "words"), UNKNOWN)
-def test_whose_law_is_not_known_holds_nothing(
-    tmp_path: Path, head: str, actuator: str, words: str, ctrl: str
-) -> None:
+def test_whose_law_is_not_known_holds_nothing(tmp_path: Path, head: str, actuator: str, words: str, ctrl: str) -> None:
     (tmp_path / "arm.xml").write_text(ARM.replace("<mujoco>", head).format(actuator + MOTOR))
     key = f"up: {{qpos: {{shoulder: -40deg}}, ctrl: {ctrl}}}"
     (tmp_path / "r.yaml").write_text(f"recipe: 1\nbase: ./arm.xml\nkeyframe: {{{key}}}\n")

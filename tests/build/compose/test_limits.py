@@ -17,9 +17,7 @@ def errors(folder: Path, name: str) -> list[Diagnostic]:
 
 
 def test_models_that_attach_one_another_twice(tmp_path: Path) -> None:
-    (tmp_path / "m0.xml").write_text(
-        '<mujoco><worldbody><body name="b"><geom size=".1"/></body></worldbody></mujoco>'
-    )
+    (tmp_path / "m0.xml").write_text('<mujoco><worldbody><body name="b"><geom size=".1"/></body></worldbody></mujoco>')
     for level in range(1, 30):
         (tmp_path / f"m{level}.xml").write_text(
             f'<mujoco><asset><model name="m" file="m{level - 1}.xml"/></asset><worldbody><body name="b">'
@@ -38,10 +36,7 @@ def test_recipes_nested_too_deep(tmp_path: Path, key: str) -> None:
         (tmp_path / f"r{level}.yaml").write_text(f"recipe: 1\n{key}: ./r{level + 1}.yaml\n")
     (tmp_path / "r60.yaml").write_text("recipe: 1\n")
     (error,) = errors(tmp_path, "r0.yaml")
-    assert (error.code, error.help) == (
-        "limit-exceeded",
-        "if that is meant, raise the limit: `--limit nesting=100`",
-    )
+    assert (error.code, error.help) == ("limit-exceeded", "if that is meant, raise the limit: `--limit nesting=100`")
 
 
 def test_recipes_that_use_one_another_twice(tmp_path: Path) -> None:
@@ -63,9 +58,7 @@ def test_files_that_include_one_another_too_deep(tmp_path: Path) -> None:
 
 
 def test_the_parts_have_too_many_elements_together(tmp_path: Path) -> None:
-    (tmp_path / "m.xml").write_text(
-        "<mujoco><worldbody>" + '<geom size=".1"/>' * 98 + "</worldbody></mujoco>"
-    )
+    (tmp_path / "m.xml").write_text("<mujoco><worldbody>" + '<geom size=".1"/>' * 98 + "</worldbody></mujoco>")
     (tmp_path / "r.yaml").write_text("recipe: 1\nattach:\n  m: {model: ./m.xml, replicate: [{count: 9}]}\n")
     with allow(elements=350):
         (error,) = errors(tmp_path, "r.yaml")
@@ -81,9 +74,7 @@ def test_a_bundle_has_too_many_or_too_large_files(tmp_path: Path) -> None:
     (tmp_path / "r.yaml").write_text("recipe: 1\nbase: ./m.xml\n")
     with allow(output_size=3000):
         (error,) = errors(tmp_path, "r.yaml")
-        assert (
-            "more than 3K in its files" in error.message and error.span is not None and error.span.line == 2
-        )
+        assert "more than 3K in its files" in error.message and error.span is not None and error.span.line == 2
     with allow(output_files=4):
         (error,) = errors(tmp_path, "r.yaml")
         assert "more than 4 files" in error.message
@@ -108,9 +99,7 @@ def test_models_that_name_one_another_twice(tmp_path: Path) -> None:
     with allow(submodels=100):
         found = errors(tmp_path, "r.yaml")
     assert {each.code for each in found} == {"limit-exceeded"} and len(found) <= 2
-    assert (
-        found[0].message == "there are more than 100 models that models attach" and found[0].span is not None
-    )
+    assert found[0].message == "there are more than 100 models that models attach" and found[0].span is not None
 
 
 def test_models_that_name_one_another_too_deep(tmp_path: Path) -> None:
@@ -221,9 +210,7 @@ def test_an_element_of_too_many_attributes(tmp_path: Path) -> None:
     (tmp_path / "m.xml").write_text(f"<mujoco>\n<option {many}/></mujoco>")
     (tmp_path / "r.yaml").write_text("recipe: 1\nbase: ./m.xml\n")
     (error,) = errors(tmp_path, "r.yaml")
-    assert (
-        error.code == "limit-exceeded" and error.message == "`<option>` has 1001 attributes; 1000 are allowed"
-    )
+    assert error.code == "limit-exceeded" and error.message == "`<option>` has 1001 attributes; 1000 are allowed"
     assert error.span is not None and error.span.line == 2
 
 
@@ -284,8 +271,7 @@ def test_files_of_one_model_with_too_many_elements_together(tmp_path: Path) -> N
 
 def with_edits(folder: Path, edits: str, bodies: int = 100) -> list[Diagnostic]:
     inside = "".join(
-        f'<body name="b{n}"><geom name="geom_with_a_rather_long_name_{n}" size=".1"/></body>'
-        for n in range(bodies)
+        f'<body name="b{n}"><geom name="geom_with_a_rather_long_name_{n}" size=".1"/></body>' for n in range(bodies)
     )
     (folder / "m.xml").write_text(f"<mujoco><worldbody>{inside}</worldbody></mujoco>")
     (folder / "r.yaml").write_text(f"recipe: 1\nbase: ./m.xml\nedit:\n{edits}")
@@ -295,9 +281,7 @@ def with_edits(folder: Path, edits: str, bodies: int = 100) -> list[Diagnostic]:
 def test_more_edits_of_more_elements_than_there_is_time_for(tmp_path: Path) -> None:
     begun = time.process_time()
     with allow(edits=1000):
-        (error,) = with_edits(
-            tmp_path, '- {select: {geom: "**"}, set: {rgba: [1, 1, 1, 1], group: 2}}\n' * 50
-        )
+        (error,) = with_edits(tmp_path, '- {select: {geom: "**"}, set: {rgba: [1, 1, 1, 1], group: 2}}\n' * 50)
     assert error.message == "the edits up to here cost as much as 1034 values; 1000 are allowed"
     assert error.span is not None and error.span.line == 8 and time.process_time() - begun < 2
     assert error.help == "if that is meant, raise the limit: `--limit edits=2000`"
@@ -320,9 +304,7 @@ def test_what_is_looked_at_counts(tmp_path: Path, edit: str, line: int) -> None:
 
 def test_a_pattern_without_end_is_the_last_one(tmp_path: Path) -> None:
     begun = time.process_time()
-    (error,) = with_edits(
-        tmp_path, "- {select: {geom: '/(.|.)*[!?]/'}, optional: true, set: {group: 2}}\n" * 20
-    )
+    (error,) = with_edits(tmp_path, "- {select: {geom: '/(.|.)*[!?]/'}, optional: true, set: {group: 2}}\n" * 20)
     assert error.code == "selector" and "takes longer than 2 seconds" in error.message
     assert error.span is not None and error.span.line == 4 and time.process_time() - begun < 15
 

@@ -68,9 +68,7 @@ def points(model: mujoco.MjModel, name: str) -> np.ndarray:
     geom = model.geom(name).id
     mesh = model.geom_dataid[geom]
     start, count = model.mesh_vertadr[mesh], model.mesh_vertnum[mesh]
-    return (
-        model.mesh_vert[start : start + count] @ data.geom_xmat[geom].reshape(3, 3).T + data.geom_xpos[geom]
-    )
+    return model.mesh_vert[start : start + count] @ data.geom_xmat[geom].reshape(3, 3).T + data.geom_xpos[geom]
 
 
 @pytest.mark.skipif(find_spec("trimesh") is not None, reason="the extra `mesh` is here")
@@ -129,8 +127,7 @@ params: {balls: 1, around: box}"""
                 environment={"MJCOMPOSE_CACHE": str(tmp_path / "cache")}, folder=tmp_path, fetching=Fetching()
             )
             given = {
-                name: node_of(value, Span("given", 1, 1))
-                for name, value in (("balls", balls), ("around", around))
+                name: node_of(value, Span("given", 1, 1)) for name, value in (("balls", balls), ("around", around))
             }
             made = build(Request(recipe, given), context)
             assert not context.sink.diagnostics
@@ -199,9 +196,7 @@ def test_meshes_of_an_odd_size_are_one_warning_whose_help_keeps_their_scale(tmp_
     assert "{select: {mesh: ball}, set: {scale: [0.3, 0.6, 0.3]}}" in (warning.help or "")
     assert [each.message for each in warning.others] == ["mesh `open` (arm.xml:9:5)"]
     # In a model that is as large itself it is not odd.
-    _, context = built(
-        tmp_path, "{select: {geom: one}, collision: {fit: box}}", arm.replace("0 3 0", "0 30 0")
-    )
+    _, context = built(tmp_path, "{select: {geom: one}, collision: {fit: box}}", arm.replace("0 3 0", "0 30 0"))
     assert not context.sink.diagnostics
 
 
@@ -220,10 +215,7 @@ def test_the_manifest_says_how_far_it_is_off_and_the_store_has_it(tmp_path: Path
 @needs_extra
 @pytest.mark.slow
 def test_faces_and_time_are_limited(tmp_path: Path) -> None:
-    for limit, words in (
-        ({"mesh_faces": 100}, "100 are allowed"),
-        ({"mesh_time": 0.02}, "longer than 0.02 s"),
-    ):
+    for limit, words in (({"mesh_faces": 100}, "100 are allowed"), ({"mesh_time": 0.02}, "longer than 0.02 s")):
         with allow(**limit):
             found, context = built(tmp_path, "{select: {geom: one}, collision: {fit: sphere}}")
         assert found is None

@@ -48,7 +48,9 @@ def maker(folder: Path) -> Make:
     ) -> Built:
         (folder / "model.xml").write_text(model)
         lines = "".join(f"    {field}\n" for field in fields)
-        text = f"recipe: 1\nbase: ./model.xml\n{top}randomize:\n  seed: {seed}\n  samples: {samples}\n  fields:\n{lines}"
+        text = (
+            f"recipe: 1\nbase: ./model.xml\n{top}randomize:\n  seed: {seed}\n  samples: {samples}\n  fields:\n{lines}"
+        )
         (folder / "r.yaml").write_text(text)
         context = Context(folder=folder, environment={})
         built = build(Request(folder / "r.yaml", verified=False, sample=sample), context)
@@ -139,9 +141,7 @@ def test_choices(make: Make) -> None:
         model = MODEL.replace('name="b" size="0.1"', 'name="b" size="0.1 0.1 0.1"')
         found = written(make(*fields, sample=sample, samples=12, model=model), "geom", "b")
         seen.add((found["type"], found["rgba"], found["condim"], found["group"]))
-    for place, wanted in enumerate(
-        ({"sphere", "box"}, {"1 0 0 1", "0 1 0 1"}, {"1", "4", "6"}, {"1", "2", "3"})
-    ):
+    for place, wanted in enumerate(({"sphere", "box"}, {"1 0 0 1", "0 1 0 1"}, {"1", "4", "6"}, {"1", "2", "3"})):
         assert {each[place] for each in seen} == wanted
 
 
@@ -153,8 +153,7 @@ def test_one_draw_for_all(make: Make) -> None:
 
 def test_fields_are_done_in_order(make: Make) -> None:
     built = make(
-        FRICTION,
-        FRICTION.replace("friction:", "again:").replace("uniform: [0.5, 1]", "scale: {uniform: [2, 3]}"),
+        FRICTION, FRICTION.replace("friction:", "again:").replace("uniform: [0.5, 1]", "scale: {uniform: [2, 3]}")
     )
     found = drawn(built)
     product = float(str(found["friction[a]"])) * float(str(found["again[a]"]))

@@ -31,11 +31,7 @@ TOOL = '<mujoco><worldbody><body name="a" pos="0 0 5"><geom name="g" size=".1"/>
 
 
 def built(folder: Path, recipe: str, posts: str = POSTS.format("")) -> mujoco.MjModel | list[Diagnostic]:
-    for name, text in {
-        "b.xml": posts,
-        "t.xml": TOOL,
-        "r.yaml": f"recipe: 1\nbase: ./b.xml\n{recipe}",
-    }.items():
+    for name, text in {"b.xml": posts, "t.xml": TOOL, "r.yaml": f"recipe: 1\nbase: ./b.xml\n{recipe}"}.items():
         (folder / name).write_text(text)
     context = Context(environment={}, folder=folder)
     done = build(Request(folder / "r.yaml"), context)

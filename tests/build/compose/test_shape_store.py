@@ -37,9 +37,7 @@ def told(folder: Path, *, locked: bool = False) -> Told:
 
 def write_lock(folder: Path, shapes: dict[str, str]) -> None:
     arm = {"kind": "path", "files": {"arm.xml": digest((folder / "arm.xml").read_bytes())}}
-    lock = Lock.model_validate(
-        {"mjcompose": "0", "mujoco": None, "sources": {"./arm.xml": arm}, "shapes": shapes}
-    )
+    lock = Lock.model_validate({"mjcompose": "0", "mujoco": None, "sources": {"./arm.xml": arm}, "shapes": shapes})
     lock_path(folder / "recipe.yaml").write_text(to_text(lock), encoding="utf-8")
 
 
@@ -89,12 +87,8 @@ def _with(change: Callable[[Any], object]) -> Any:
         lambda data: data["shapes"][0].update(type="plane"),
         lambda data: data["shapes"][0].update(more=1),
         lambda data: data["shapes"].append({"type": "box", "size": [1], "pos": [0, 0], "quat": [1, 0, 0, 0]}),
-        lambda data: data["shapes"].append(
-            {"type": "mesh", "vertices": [[0, 0, 0]] * 4, "faces": [[0, 1, 4]] * 4}
-        ),
-        lambda data: data["shapes"].append(
-            {"type": "mesh", "vertices": [[0, 0, True]] * 4, "faces": [[0, 1, 2]] * 4}
-        ),
+        lambda data: data["shapes"].append({"type": "mesh", "vertices": [[0, 0, 0]] * 4, "faces": [[0, 1, 4]] * 4}),
+        lambda data: data["shapes"].append({"type": "mesh", "vertices": [[0, 0, True]] * 4, "faces": [[0, 1, 2]] * 4}),
         lambda data: data["error"].update(short="0"),
         lambda data: data["error"].pop("short"),
         lambda data: data["mesh"].update(size=float("inf")),
@@ -132,9 +126,7 @@ def test_a_lock_keeps_what_it_pins() -> None:
     assert shapes_folder(Path("a/arm.lock")) == Path("a/arm.shapes")
 
 
-def test_a_lock_is_made_of_what_is_kept_and_clears_away_the_rest(
-    folder: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_lock_is_made_of_what_is_kept_and_clears_away_the_rest(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("MJCOMPOSE_CACHE", str(folder / "cache"))
     monkeypatch.chdir(folder)
     unused = folder / "recipe.shapes" / f"{'0' * 64}.json"
@@ -147,9 +139,7 @@ def test_a_lock_is_made_of_what_is_kept_and_clears_away_the_rest(
     lock = from_text((folder / "recipe.lock").read_bytes(), "recipe.lock", Context().sink)
     assert lock is not None and lock.shapes == pins()
     assert not unused.exists() and other.exists()
-    assert sorted(path.name for path in (folder / "recipe.shapes").glob("*.json")) == [
-        path.name for path in KEPT
-    ]
+    assert sorted(path.name for path in (folder / "recipe.shapes").glob("*.json")) == [path.name for path in KEPT]
     again = CliRunner().invoke(main, ["lock", "recipe.yaml"])
     assert "up to date" in again.output
 
@@ -166,9 +156,7 @@ def test_a_lock_is_not_made_of_what_somebody_changed(folder: Path, monkeypatch: 
     assert (folder / "recipe.lock").read_bytes() == before
 
 
-def test_a_model_is_built_again_when_what_is_kept_changes(
-    folder: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_model_is_built_again_when_what_is_kept_changes(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("MJCOMPOSE_CACHE", str(folder / "cache"))
     monkeypatch.chdir(folder)
     build_it = ["build", "recipe.yaml", "-o", "out/"]

@@ -120,9 +120,7 @@ def test_alone_it_is_what_mujoco_makes_of_it(tmp_path: Path, extension: str) -> 
 
 @pytest.mark.parametrize("extension", EXTENSIONS.values(), ids=EXTENSIONS)
 def test_as_a_part_it_stays_what_it_is(tmp_path: Path, extension: str) -> None:
-    text = (
-        "conflict: mujoco\nattach:\n  a: {model: ./robot.urdf, pos: [1, 2, 3]}\n  b: {model: ./robot.urdf}\n"
-    )
+    text = "conflict: mujoco\nattach:\n  a: {model: ./robot.urdf, pos: [1, 2, 3]}\n  b: {model: ./robot.urdf}\n"
     model = built(files(tmp_path, extension, recipe=text))
     alone = mujoco.MjModel.from_xml_path(str(tmp_path / "robot.urdf"))
     mount = Mount.of(model, pos=(1.0, 2.0, 3.0))
@@ -132,10 +130,7 @@ def test_as_a_part_it_stays_what_it_is(tmp_path: Path, extension: str) -> None:
 
 @pytest.mark.parametrize("place", ["body: cube", "joint: free", "frame: spot"])
 def test_the_root_link_comes_along_where_it_is_no_part_of_the_world(tmp_path: Path, place: str) -> None:
-    recipe = files(
-        tmp_path,
-        recipe=f"base: ./base.xml\nattach: {{r: {{model: ./robot.urdf, {place}}}}}\n",
-    )
+    recipe = files(tmp_path, recipe=f"base: ./base.xml\nattach: {{r: {{model: ./robot.urdf, {place}}}}}\n")
     (tmp_path / "base.xml").write_text(
         '<mujoco><worldbody><body name="cube"><freejoint/><geom size="1"/><frame name="spot"/></body></worldbody></mujoco>'
     )
@@ -175,11 +170,7 @@ def test_warnings_stand_in_the_urdf(tmp_path: Path) -> None:
     assert build(Request(recipe), context) is not None
     lines = (tmp_path / "robot.urdf").read_text().splitlines()
     line = next(number for number, text in enumerate(lines, 1) if 'mimic joint="no"' in text)
-    told = [
-        (each.code, each.span and each.span.line)
-        for each in context.sink.sorted()
-        if each.code != "urdf-unread"
-    ]
+    told = [(each.code, each.span and each.span.line) for each in context.sink.sorted() if each.code != "urdf-unread"]
     assert told == [("unknown-attribute", 2), ("unknown-element", 3), ("mujoco-warning", line)]
 
 

@@ -11,9 +11,7 @@ from mjcompose.sources.context import Context
 
 ARM = """<mujoco><worldbody><body name="base"><joint name="elbow"/><geom size="0.1"/></body></worldbody>
   <actuator><position name="elbow" joint="elbow" kp="10"/></actuator></mujoco>"""
-ODD = (
-    '<mujoco><worldbody><frame odd="1"><body name="b"><geom size="0.1"/></body></frame></worldbody></mujoco>'
-)
+ODD = '<mujoco><worldbody><frame odd="1"><body name="b"><geom size="0.1"/></body></frame></worldbody></mujoco>'
 CONVERT = "{select: {actuator: elbow}, convert: {to: motor}%s}"
 
 
@@ -27,8 +25,7 @@ def found(folder: Path, text: str, *, strict: bool = False, **others: str) -> li
     built = build(Request(folder / "recipe.yaml"), context)
     assert (built is None) == context.sink.has_errors
     return [
-        f"{each.severity.value} {each.code} {each.span.file if each.span else ''}"
-        for each in context.sink.sorted()
+        f"{each.severity.value} {each.code} {each.span.file if each.span else ''}" for each in context.sink.sorted()
     ]
 
 
@@ -73,9 +70,7 @@ def test_errors_cannot_be_allowed(tmp_path: Path) -> None:
 def test_with_strict_what_is_not_allowed_is_an_error(tmp_path: Path) -> None:
     assert found(tmp_path, "base: ./odd.xml", strict=True) == ["error unknown-attribute odd.xml"]
     assert found(tmp_path, "base: ./odd.xml\nallow: [unknown-attribute]", strict=True) == []
-    assert found(tmp_path, "base: ./arm.xml\nallow: [convert-loss]", strict=True) == [
-        "error unused-allow recipe.yaml"
-    ]
+    assert found(tmp_path, "base: ./arm.xml\nallow: [convert-loss]", strict=True) == ["error unused-allow recipe.yaml"]
 
 
 def test_what_may_come_in_another_build_is_not_called_unused(tmp_path: Path) -> None:

@@ -12,9 +12,7 @@ ROBOT = '<mujoco model="robot"><worldbody><body name="base"/></worldbody></mujoc
 
 def test_paths(tmp_path: Path) -> None:
     (tmp_path / "robot.xml").write_text(ROBOT)
-    (tmp_path / "arm.yaml").write_text(
-        "recipe: 1\nbase: ./robot.xml\nattach: {gripper: {model: ./robot.xml}}\n"
-    )
+    (tmp_path / "arm.yaml").write_text("recipe: 1\nbase: ./robot.xml\nattach: {gripper: {model: ./robot.xml}}\n")
     (tmp_path / "cell.yaml").write_text(
         "recipe: 1\nattach:\n  left: {model: ./arm.yaml}\n  bare: {model: ./robot.xml, prefix: ''}\n"
         "  r: {model: ./robot.xml, prefix: right}\n  cube: {model: ./robot.xml, replicate: [{count: 2}]}\n"
@@ -63,8 +61,7 @@ def test_places_of_a_walk(tmp_path: Path) -> None:
 def test_copies_are_described_once(tmp_path: Path) -> None:
     (tmp_path / "robot.xml").write_text(ROBOT)
     (tmp_path / "r.yaml").write_text(
-        "recipe: 1\nattach: {peg: {model: ./robot.xml, replicate: [{count: 12}, {count: 2}]}}\n"
-        "keyframe: {home: {}}\n"
+        "recipe: 1\nattach: {peg: {model: ./robot.xml, replicate: [{count: 12}, {count: 2}]}}\nkeyframe: {home: {}}\n"
     )
     plan = make_plan(Path("r.yaml"), Context(environment={}, folder=tmp_path))
     assert plan is not None and len(plan.parts) == 24

@@ -31,11 +31,7 @@ def tried(folder: Path, recipe: str, **files: str) -> tuple[Plan | None, Context
 def test_defaults(tmp_path: Path) -> None:
     plan = planned(tmp_path, "recipe: 1\n")
     assert (plan.name, plan.description, plan.file) == ("recipe", None, "recipe.yaml")
-    assert (plan.separator, plan.conflict, plan.angle_context.at(())) == (
-        "/",
-        "error",
-        AngleSettings(None, "xyz"),
-    )
+    assert (plan.separator, plan.conflict, plan.angle_context.at(())) == ("/", "error", AngleSettings(None, "xyz"))
     assert plan.base is None and plan.parts == () and plan.steps == () and plan.settled == frozenset()
 
 
@@ -50,11 +46,7 @@ def test_steps_in_the_order_of_work(tmp_path: Path) -> None:
     assert [type(step) for step in plan.steps] == [
         AddElement, SetSingleton, SetSingleton, SetDefault, AppendElement, AppendElement, AppendElement,
     ]  # fmt: skip
-    assert [step.section for step in plan.steps if isinstance(step, AppendElement)] == [
-        "asset",
-        "actuator",
-        "sensor",
-    ]
+    assert [step.section for step in plan.steps if isinstance(step, AppendElement)] == ["asset", "actuator", "sensor"]
     assert plan.settled == {"option/timestep", "visual/headlight/active"}
 
 
@@ -73,9 +65,7 @@ def test_recipes_in_recipes(tmp_path: Path) -> None:
         "recipe: 1\nbase: ./inner.yaml\nattach: {a: {model: ./inner.yaml}}\n",
         inner__yaml="recipe: 1\nbase: ./robot.xml\n",
     )
-    assert (
-        plan.base is not None and isinstance(plan.base.model, Plan) and isinstance(plan.parts[0].model, Plan)
-    )
+    assert plan.base is not None and isinstance(plan.base.model, Plan) and isinstance(plan.parts[0].model, Plan)
     assert plan.base.model.name == "inner" and plan.base.model.base is not None
 
 
@@ -107,9 +97,7 @@ def test_a_part_may_hang_on_a_later_one(tmp_path: Path, place: str) -> None:
 
 
 def test_a_ring_is_told_once_and_what_hangs_on_it_not(tmp_path: Path) -> None:
-    parts = "".join(
-        f"  {a}: {{model: ./robot.xml, site: {b}/x}}\n" for a, b in ("ab", "bc", "ca", "da", "ef", "fe")
-    )
+    parts = "".join(f"  {a}: {{model: ./robot.xml, site: {b}/x}}\n" for a, b in ("ab", "bc", "ca", "da", "ef", "fe"))
     plan, context = tried(tmp_path, f"recipe: 1\nattach:\n{parts}")
     assert plan is None
     assert [each.message for each in context.sink.diagnostics] == [
@@ -146,9 +134,7 @@ def test_packages_of_urdf(tmp_path: Path) -> None:
 def test_packages_that_are_not_there(tmp_path: Path) -> None:
     plan, context = tried(tmp_path, URDF, arm__urdf="<robot/>")
     assert plan is None
-    assert [(each.code, each.span and each.span.column) for each in context.sink.errors] == [
-        ("file-not-found", 43)
-    ]
+    assert [(each.code, each.span and each.span.column) for each in context.sink.errors] == [("file-not-found", 43)]
 
 
 def test_packages_of_a_recipe(tmp_path: Path) -> None:
@@ -156,9 +142,7 @@ def test_packages_of_a_recipe(tmp_path: Path) -> None:
     text = URDF.replace("arm.urdf", "inner.yaml", 1)
     plan, context = tried(tmp_path, text, arm__urdf="<robot/>", inner__yaml="recipe: 1\n")
     assert plan is None
-    assert [(each.code, each.span and each.span.column) for each in context.sink.errors] == [
-        ("unknown-key", 29)
-    ]
+    assert [(each.code, each.span and each.span.column) for each in context.sink.errors] == [("unknown-key", 29)]
 
 
 def test_urdf_is_said_to_be_converted(tmp_path: Path) -> None:

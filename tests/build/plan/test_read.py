@@ -23,31 +23,22 @@ matrix:
 """
 
 
-def test_a_recipe_is_expanded_once_for_the_same_values(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_recipe_is_expanded_once_for_the_same_values(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "robot.xml").write_text("<mujoco/>")
     (tmp_path / "inner.yaml").write_text("recipe: 1\nparams: {size: 1}\nbase: ./robot.xml\n")
     (tmp_path / "cell.yaml").write_text(CELL)
     expand, validate = read.expand, read.validate_what_remains
     expanded: list[str] = []
     validated: list[str] = []
+    monkeypatch.setattr(read, "expand", lambda node, *rest: expanded.append(node.span.file) or expand(node, *rest))
     monkeypatch.setattr(
-        read, "expand", lambda node, *rest: expanded.append(node.span.file) or expand(node, *rest)
-    )
-    monkeypatch.setattr(
-        read,
-        "validate_what_remains",
-        lambda node, *rest: validated.append(node.span.file) or validate(node, *rest),
+        read, "validate_what_remains", lambda node, *rest: validated.append(node.span.file) or validate(node, *rest)
     )
     context = Context(environment={}, folder=tmp_path)
     cells = cells_of(Path("cell.yaml"), context, {})
     assert len(cells) == 6  # two cells with three samples each
     for cell in cells:
-        assert (
-            plan_what_remains(Path("cell.yaml"), context, cell.given, name=cell.name, sample=cell.sample)
-            is not None
-        )
+        assert plan_what_remains(Path("cell.yaml"), context, cell.given, name=cell.name, sample=cell.sample) is not None
     assert sorted(expanded) == sorted(validated) == ["cell.yaml"] * 2 + ["inner.yaml"] * 2
 
 

@@ -126,23 +126,14 @@ def test_however_a_part_hangs_it_is_unchanged(run: Run) -> None:
         "base", "weld", "weld2", "free", "nokeys", "nest/base", "nest/w", "nest2/base", "nest2/w", "mated",
         "bare", "hinged",
     ]  # fmt: skip
-    assert [members[part].body for part in ("base", "weld", "nest/w", "hinged")] == [
-        None,
-        "b",
-        "nest/b",
-        "hinged/",
-    ]
+    assert [members[part].body for part in ("base", "weld", "nest/w", "hinged")] == [None, "b", "nest/b", "hinged/"]
     assert [members[part].keys for part in ("weld", "nokeys", "nest/w", "nest2/w", "nest2/base")] == [
         "", None, "w/", "nest2/w/", "nest2/",
     ]  # fmt: skip
     assert members["nest2/w"].prefix == "nest2/w/"
     manifest = from_json(built.bundle.files["manifest.json"])
     assert [part.part for part in manifest.parts] == list(members)
-    assert [manifest.inputs[part.input].path for part in manifest.parts[:3]] == [
-        "base.xml",
-        "cube.xml",
-        "cube2.xml",
-    ]
+    assert [manifest.inputs[part.input].path for part in manifest.parts[:3]] == ["base.xml", "cube.xml", "cube2.xml"]
 
 
 @pytest.mark.parametrize(
@@ -209,9 +200,7 @@ def test_every_check_is_heard_in_order_with_what_came_of_it(tmp_path: Path, run:
     recipe = "recipe: 1\nattach:\n  nest: {model: ./inner.yaml}\ncheck:\n  both: {expect: {attr: nq, equals: 2}, settles: {max_speed: 9e9}}\n"
     (tmp_path / "recipe.yaml").write_text(recipe)
     context = Context(folder=tmp_path, environment={})
-    assert build(Request(tmp_path / "recipe.yaml"), context, outcomes=heard) is not None, (
-        context.sink.diagnostics
-    )
+    assert build(Request(tmp_path / "recipe.yaml"), context, outcomes=heard) is not None, context.sink.diagnostics
     assert [(each.name, each.kind, each.span.file, each.span.line, each.holds) for each in heard] == [
         ("both", "expect", "recipe.yaml", 5, True),
         ("both", "settles", "recipe.yaml", 5, True),
@@ -295,10 +284,7 @@ def test_a_subtree_is_compared_with_that_body_of_its_source(tmp_path: Path, run:
 def test_what_a_subtree_leaves_behind_may_have_acted_on_it(tmp_path: Path, run: Run) -> None:
     """A tendon with an armature is inertia that the body's joints feel in the whole model."""
     run("recipe: 1\nbase: ./base.xml\n")
-    bodies = [
-        f'<body name="{x}" pos="{x} 0 0"><joint name="{x}"/><geom size=".1" pos=".3 .2 0"/></body>'
-        for x in "12"
-    ]
+    bodies = [f'<body name="{x}" pos="{x} 0 0"><joint name="{x}"/><geom size=".1" pos=".3 .2 0"/></body>' for x in "12"]
     both = '<joint joint="1" coef="1"/><joint joint="2" coef="1"/>'
     tendon = f'<tendon><fixed name="t" armature="1">{both}</fixed></tendon>'
     (tmp_path / "whole.xml").write_text(f"<mujoco><worldbody>{''.join(bodies)}</worldbody>{tendon}</mujoco>")
@@ -316,16 +302,12 @@ def test_the_body_below_a_subtree_may_be_fused_away_in_its_source(tmp_path: Path
     assert built is not None, told
 
 
-def test_what_a_subtree_has_lost_on_the_way_is_told(
-    tmp_path: Path, run: Run, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_what_a_subtree_has_lost_on_the_way_is_told(tmp_path: Path, run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     """As if the class that was in force around the body had not come along: the body alone differs from the whole."""
     run("recipe: 1\nbase: ./base.xml\n")
     (tmp_path / "whole.xml").write_text(WHOLE)
     monkeypatch.setattr("mjcompose.link.subtree.childclass_of", lambda body: None)
-    _, told = run(
-        "recipe: 1\nattach:\n  a: {model: ./whole.xml, subtree: hand}\ncheck: {a: {unchanged: {}}}\n"
-    )
+    _, told = run("recipe: 1\nattach:\n  a: {model: ./whole.xml, subtree: hand}\ncheck: {a: {unchanged: {}}}\n")
     assert told == ["recipe.yaml:4:13 part-changed"]
 
 
@@ -353,9 +335,7 @@ def test_assets_that_were_merged_are_the_ones_that_stand_for_them(tmp_path: Path
 
 
 def test_urdf_is_compared_with_what_mujoco_makes_of_it_in_that_place(tmp_path: Path, run: Run) -> None:
-    inertial = (
-        '<inertial><mass value="2"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
-    )
+    inertial = '<inertial><mass value="2"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
     shape = '<collision><geometry><box size=".1 .1 .1"/></geometry></collision>'
     (tmp_path / "arm.urdf").write_text(
         f'<robot name="arm"><link name="base">{inertial}{shape}</link><link name="tip">{inertial}{shape}</link>'

@@ -34,15 +34,9 @@ def told(folder: Path, monkeypatch: pytest.MonkeyPatch, version: str | None, mod
     built = build(Request(Path("r.yaml"), verified=False), context)
     assert built is not None
     monkeypatch.setattr(compile, "verify", lambda *_, **__: verdict)
-    judged = compile.compile_and_report(
-        built.bundle, built.composed.model, context, session=cast(Session, None)
-    )
+    judged = compile.compile_and_report(built.bundle, built.composed.model, context, session=cast(Session, None))
     assert judged is cast(Any, verdict.compiled)
-    return [
-        f"{each.severity.name}: {each.code}"
-        for each in context.sink.sorted()
-        if each.code != "license-missing"
-    ]
+    return [f"{each.severity.name}: {each.code}" for each in context.sink.sorted() if each.code != "license-missing"]
 
 
 @pytest.mark.parametrize(
@@ -91,25 +85,13 @@ def test_the_files_of_the_bundle_are_beside_the_model(session: engine.Session) -
 @pytest.mark.parametrize(
     ("text", "line", "element", "name", "part"),
     [
-        (
-            '<mujoco>\n<worldbody>\n<geom size="-1" name="g"/></worldbody></mujoco>',
-            3,
-            None,
-            "g",
-            "must be positive",
-        ),
+        ('<mujoco>\n<worldbody>\n<geom size="-1" name="g"/></worldbody></mujoco>', 3, None, "g", "must be positive"),
         ('<mujoco>\n<worldbody>\n<geom siz="1"/></worldbody></mujoco>', 3, "geom", None, "'siz'"),
         ('<mujoco>\n<worldbody>\n<geom size="a"/></worldbody></mujoco>', 3, "geom", None, "'size'"),
         ("<mujoco>\n<worldbody>\n<geom", 3, "geom", None, "not well-formed XML"),
         ('<mujoco>\n<actuator>\n<motor name="m" joint="j"/></actuator></mujoco>', 3, None, "m", "'j'"),
         ('<mujoco>\n<worldbody>\n<geom class="c"/></worldbody></mujoco>', 3, "geom", None, "'c'"),
-        (
-            '<mujoco><worldbody><body name="b">\n<freejoint/></body></worldbody></mujoco>',
-            1,
-            None,
-            "b",
-            "mass",
-        ),
+        ('<mujoco><worldbody><body name="b">\n<freejoint/></body></worldbody></mujoco>', 1, None, "b", "mass"),
         ('<mujoco><asset>\n<mesh name="m" file="m.stl"/></asset></mujoco>', None, None, None, "'m.stl'"),
     ],
 )
@@ -136,9 +118,7 @@ def test_a_first_step_that_fails_is_an_error(session: engine.Session) -> None:
       </mujoco>"""
     verified = verify(model(text), session=session)
     assert verified.code == "mujoco-rejects"
-    assert verified.error == Fault(
-        "the model compiles, but its first forward step fails: `qacc` is not finite"
-    )
+    assert verified.error == Fault("the model compiles, but its first forward step fails: `qacc` is not finite")
 
 
 def test_a_model_that_takes_too_long() -> None:

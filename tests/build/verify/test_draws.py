@@ -169,9 +169,7 @@ def test_bounds_are_in_the_unit_of_the_draws(tmp_path: Path, angle: str, unit: f
 
 def test_what_a_frame_turns_cannot_be_put_into_an_array(tmp_path: Path) -> None:
     """The position of a body in a turned frame is not its position in mjModel."""
-    model = MODEL.replace(
-        '<body name="cube" pos="1 0 1">', '<frame euler="0 0 1"><body name="cube" pos="1 0 1">'
-    )
+    model = MODEL.replace('<body name="cube" pos="1 0 1">', '<frame euler="0 0 1"><body name="cube" pos="1 0 1">')
     model = model.replace("</body>\n  </worldbody>", "</body></frame>\n  </worldbody>")
     field = "place: {select: {body: cube}, attr: 'pos[0]', offset: {uniform: [0.1, 0.2]}}"
     found, context = built(recipe(tmp_path, [field], model=model))
@@ -265,9 +263,7 @@ def test_an_orientation_goes_into_every_key_that_has_it(name: str, mocap: int) -
     model = compiled()
     target = {"array": "body_quat", "index": [model.body(name).id, 2]}
     found = [place for _, places in _following(model, [{"targets": [target]}]) for place in places]
-    assert [index for array, index in found if array == "key_mquat"] == [
-        key * 12 + mocap * 4 + 2 for key in range(3)
-    ]
+    assert [index for array, index in found if array == "key_mquat"] == [key * 12 + mocap * 4 + 2 for key in range(3)]
 
 
 @pytest.mark.parametrize("given", ["meaninertia", "meanmass"])
@@ -286,14 +282,5 @@ def test_a_mean_that_is_given_is_not_computed(given: str) -> None:
 
 def test_infinite_numbers_are_near_themselves_alone() -> None:
     inf = np.inf
-    pairs = [
-        (inf, inf),
-        (-inf, -inf),
-        (inf, -inf),
-        (1, inf),
-        (inf, 1),
-        (np.nan, np.nan),
-        (np.nan, inf),
-        (1, 1),
-    ]
+    pairs = [(inf, inf), (-inf, -inf), (inf, -inf), (1, inf), (inf, 1), (np.nan, np.nan), (np.nan, inf), (1, 1)]
     assert [are_close(*pair) for pair in pairs] == [True, True, False, False, False, True, False, True]

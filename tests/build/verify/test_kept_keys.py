@@ -67,9 +67,7 @@ def wrong(tmp_path: Path, session: Session) -> Wrong:
     return wrong
 
 
-IN_REPLICATE = (
-    "base: ./posts.xml\nattach: {t: {model: ./posts.xml, drop: [actuator], site: hook, keys: prefix}}"
-)
+IN_REPLICATE = "base: ./posts.xml\nattach: {t: {model: ./posts.xml, drop: [actuator], site: hook, keys: prefix}}"
 EVERYTHING = """
 base: ./posts.xml
 attach:
@@ -127,20 +125,14 @@ CONVERTED = "base: ./tool.xml\nedit: [{select: {actuator: m}, convert: {to: posi
 
 @pytest.mark.parametrize(
     ("key", "line"),
-    [
-        ("new: {ctrl: {m: 0.3rad}}", 4),
-        ("new: {qpos: {j: 0.3rad}, ctrl: hold}", 4),
-        ("k: {ctrl: {m: 0.3rad}}", 4),
-    ],
+    [("new: {ctrl: {m: 0.3rad}}", 4), ("new: {qpos: {j: 0.3rad}, ctrl: hold}", 4), ("k: {ctrl: {m: 0.3rad}}", 4)],
 )
 def test_edits_that_empty_newer_keys_are_found(
     wrong: Wrong, monkeypatch: pytest.MonkeyPatch, key: str, line: int
 ) -> None:
     row = keyframes.Reference.row
 
-    def emptying(
-        self: keyframes.Reference, vector: str, final: Layout, values: object, void: object
-    ) -> object:
+    def emptying(self: keyframes.Reference, vector: str, final: Layout, values: object, void: object) -> object:
         return row(self, vector, final, values, self.linking.keys.void_keys)  # type: ignore[arg-type]
 
     assert wrong(f"{CONVERTED}{{{key}}}") == []
@@ -155,9 +147,7 @@ def _as_a_block(self: object, child: object, within: object, layout: Layout, twi
     """Lay a replicate out as it was before: joint by joint of its first copy, then of the second."""
     inner = _as_is(self, child, within, layout, twists)  # type: ignore[arg-type]
     if child.tag == "replicate":  # type: ignore[attr-defined]
-        joints = sorted(
-            layout.joints.items(), key=lambda each: getattr(each[0], "element", each[0]).get("name")
-        )
+        joints = sorted(layout.joints.items(), key=lambda each: getattr(each[0], "element", each[0]).get("name"))
         layout.joints.clear()
         layout.joints.update(joints)
     return inner
@@ -168,9 +158,7 @@ _as_is = key_layout._Reader._inner
 
 def test_another_order_inside_of_a_replicate_is_found(wrong: Wrong, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(key_layout._Reader, "_inner", _as_a_block)
-    found = wrong(
-        "base: ./posts.xml\nadd: [{to: post, body: {name: flag, joint: {name: new}, geom: {size: 0.02}}}]"
-    )
+    found = wrong("base: ./posts.xml\nadd: [{to: post, body: {name: flag, joint: {name: new}, geom: {size: 0.02}}}]")
     assert [each.message for each in found] == [
         "`qpos` of the joint `pj0` is 0, and 0.1 is meant, in the key `k` of the finished model"
     ]
@@ -194,9 +182,7 @@ def test_twists_that_stand_with_their_rod_are_found(wrong: Wrong, monkeypatch: p
     ("vector", "damage"),
     [
         *product(("qpos", "qvel", "act", "ctrl", "mpos", "mquat"), ("lost", "reversed")),
-        *product(
-            ("qpos", "qvel", "act", "ctrl", "mpos"), ("negated",)
-        ),  # a negative quaternion is the same turn
+        *product(("qpos", "qvel", "act", "ctrl", "mpos"), ("negated",)),  # a negative quaternion is the same turn
     ],
 )
 def test_a_damage_to_any_vector_is_found(

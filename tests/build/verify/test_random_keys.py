@@ -71,17 +71,11 @@ def compositions(draw: st.DrawFn) -> tuple[str, str, str] | None:
         return None
     bodies = [str(each.get("name")) for each in etree.fromstring(base).iter("body")]
     at = draw(
-        st.sampled_from(
-            ["pos: [1, 2, 3]", "euler: [10deg, 20deg, 30deg]", *(f"body: {each}" for each in bodies)]
-        )
+        st.sampled_from(["pos: [1, 2, 3]", "euler: [10deg, 20deg, 30deg]", *(f"body: {each}" for each in bodies)])
     )
-    own, whole = (
-        ", ".join(edit(draw, text) for _ in range(draw(st.integers(0, 2)))) for text in (part, base)
-    )
+    own, whole = (", ".join(edit(draw, text) for _ in range(draw(st.integers(0, 2)))) for text in (part, base))
     added = (
-        f"add: [{{to: {bodies[0]}, body: {{name: new, joint: {{name: nj}}, geom: {{size: 0.02}}}}}}]"
-        if bodies
-        else ""
+        f"add: [{{to: {bodies[0]}, body: {{name: new, joint: {{name: nj}}, geom: {{size: 0.02}}}}}}]" if bodies else ""
     )
     policy = draw(st.sampled_from(("merge", "prefix")))
     recipe = f"""

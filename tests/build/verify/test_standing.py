@@ -17,9 +17,7 @@ MODEL = """<mujoco><compiler {}/><option timestep="{}"/><asset><mesh name="m" fi
 <worldbody><body><freejoint/><geom type="mesh" mesh="m" density="{}"/></body></worldbody></mujoco>"""
 
 
-def bundle(
-    x: float = 1, *, compiler: str = "", step: float = 0.01, mesh: str = "", density: int = 1000
-) -> Bundle:
+def bundle(x: float = 1, *, compiler: str = "", step: float = 0.01, mesh: str = "", density: int = 1000) -> Bundle:
     text = MODEL.format(compiler, step, mesh, density)
     return Bundle({"model.xml": text.encode(), "m.obj": OBJ.format(x).encode()})
 
@@ -88,9 +86,7 @@ def test_another_folder_has_the_bytes_that_it_has_now(plain: engine.Session, tmp
         for path, content in bundle(x).files.items():
             (tmp_path / path).write_bytes(content)
             os.utime(tmp_path / path, (1e9, 1e9))
-        found.append(
-            engine.measure(tmp_path, arrays=["geom_rbound"], session=plain).arrays["geom_rbound"].tolist()
-        )
+        found.append(engine.measure(tmp_path, arrays=["geom_rbound"], session=plain).arrays["geom_rbound"].tolist())
     assert found[0] != found[1]
 
 

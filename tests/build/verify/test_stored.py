@@ -64,9 +64,7 @@ def session() -> Any:
 def check(folder: Path, session: Session) -> Check:
     """Verify a bundle of the folder: what came of it, and `SEVERITY CODE: MESSAGE; also OTHERS` of every one."""
 
-    def check(
-        path: str = "out", here: str = ".", recipe: str | None = None
-    ) -> tuple[VerifiedBundle | None, list[str]]:
+    def check(path: str = "out", here: str = ".", recipe: str | None = None) -> tuple[VerifiedBundle | None, list[str]]:
         context = Context(folder=folder / here, environment={})
         stored = verify_stored(folder / path, context, session, None if recipe is None else folder / recipe)
         return stored, [
@@ -113,9 +111,7 @@ def test_a_source_that_changed_since_is_not_compared(folder: Path, check: Check)
 
 
 @pytest.mark.parametrize("recipe", ["changed since", "in another folder"])
-def test_only_the_very_recipe_beside_a_bundle_says_where_sources_are(
-    folder: Path, check: Check, recipe: str
-) -> None:
+def test_only_the_very_recipe_beside_a_bundle_says_where_sources_are(folder: Path, check: Check, recipe: str) -> None:
     """The file in the new place is the right one, but only a recipe that nobody vouches for says so."""
     (folder / "parts").rename(folder / "moved")
     (folder / "recipe.yaml").write_text(RECIPE.replace("./parts/", "./moved/"))
@@ -140,9 +136,7 @@ def test_a_harmed_file_is_told(folder: Path, check: Check) -> None:
     model.write_text(model.read_text().replace('qpos="0.5', 'qpos="0.4'))
     _, told = check()
     assert told[0] == "error bundle-changed: `model.xml` in `out` is not the file that its manifest lists"
-    assert told[1].startswith(
-        "error part-changed: `one/` is not what `part.xml` is alone: 1 difference (`key_qpos`)"
-    )
+    assert told[1].startswith("error part-changed: `one/` is not what `part.xml` is alone: 1 difference (`key_qpos`)")
 
 
 def test_files_too_few_and_too_many_are_told(folder: Path, check: Check) -> None:
@@ -192,9 +186,7 @@ def test_a_union_has_no_parts_of_its_own(folder: Path, check: Check) -> None:
 
     _manifest(folder, change)
     (told,) = check()[1]
-    assert told.startswith(
-        "warning part-not-compared: `out` is the union of 4 models: its parts are compared"
-    )
+    assert told.startswith("warning part-not-compared: `out` is the union of 4 models: its parts are compared")
 
 
 def test_a_manifest_that_names_no_input_and_no_body_harms_nobody(folder: Path, check: Check) -> None:
@@ -272,8 +264,7 @@ def test_the_time_of_a_key_that_is_kept_apart_is_compared(folder: Path, check: C
 
 def test_what_a_part_edits_is_no_change_in_others(folder: Path, check: Check) -> None:
     _again(
-        folder,
-        f"recipe: 1\nattach:\n  one: {{model: ./parts/part.xml}}\n  two: {{model: ./parts/part.xml, {OWN}}}\n",
+        folder, f"recipe: 1\nattach:\n  one: {{model: ./parts/part.xml}}\n  two: {{model: ./parts/part.xml, {OWN}}}\n"
     )
     stored, told = check()
     assert told == []
@@ -287,8 +278,7 @@ def test_what_a_part_edits_is_no_change_in_others(folder: Path, check: Check) ->
 )  # fmt: skip
 def test_a_part_without_some_of_its_elements_is_not_compared(folder: Path, check: Check, cut: str) -> None:
     _again(
-        folder,
-        f"recipe: 1\nattach:\n  one: {{model: ./parts/part.xml}}\n  two: {{model: ./parts/part.xml, {cut}}}\n",
+        folder, f"recipe: 1\nattach:\n  one: {{model: ./parts/part.xml}}\n  two: {{model: ./parts/part.xml, {cut}}}\n"
     )
     stored, told = check()
     assert [each.partition(": the recipe")[0] for each in told] == [
@@ -319,9 +309,7 @@ SETTINGS = """
 """
 
 
-@pytest.mark.parametrize(
-    "dropped", ["option", "size", "visual", "statistic", "keyframe", "option, visual, keyframe"]
-)
+@pytest.mark.parametrize("dropped", ["option", "size", "visual", "statistic", "keyframe", "option, visual, keyframe"])
 def test_a_part_without_its_settings_or_keys_is_compared(folder: Path, check: Check, dropped: str) -> None:
     """No element is left out: what the part is, it still is."""
     (folder / "parts" / "part.xml").write_text(PART.replace("</mujoco>", SETTINGS))

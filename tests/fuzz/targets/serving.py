@@ -41,12 +41,7 @@ def _requests(corpus: Path | None) -> Iterator[Seed]:
     for key in ("", "page.js", "page.css", "model/0", "blob/b", "none"):
         yield Seed(f"GET /{{token}}/{key} HTTP/1.1\r\nHost: {{host}}\r\n\r\n".encode())
     play = {"playing": False, "qpos": [0.0], "ctrl": [], "key": -1}
-    for key, said in (
-        ("play", play),
-        ("pose", {"ctrl": [1]}),
-        ("shown", {}),
-        ("choose", {"name": "a", "value": "b"}),
-    ):
+    for key, said in (("play", play), ("pose", {"ctrl": [1]}), ("shown", {}), ("choose", {"name": "a", "value": "b"})):
         body = json.dumps(said)
         head = f"POST /{{token}}/{key} HTTP/1.1\r\nHost: {{host}}\r\nOrigin: http://{{host}}\r\nContent-Type: application/json"
         yield Seed(f"{head}\r\nContent-Length: {len(body)}\r\n\r\n{body}".encode())
@@ -132,18 +127,7 @@ def check_request(path: Path, tools: Tools) -> str | None:
         return f"opened: {opened.pop()}"
     words = sent.split(b"\r\n")[0].split(b" ")
     status = int(found[9:12]) if re.match(rb"HTTP/1\.1 \d{3} ", found) else 0
-    keys = {
-        b"",
-        b"page.js",
-        b"page.css",
-        b"model/0",
-        b"blob/b",
-        b"events",
-        b"play",
-        b"pose",
-        b"shown",
-        b"choose",
-    }
+    keys = {b"", b"page.js", b"page.css", b"model/0", b"blob/b", b"events", b"play", b"pose", b"shown", b"choose"}
     allowed = len(words) > 1 and words[1] in {f"/{token}/".encode() + key for key in keys}
     if status not in (0, 100, 200, 204, 400, 403, 404):
         return f"status-{status}"
@@ -201,25 +185,9 @@ def _frame_changed(data: bytes, random: Random, pool: Sequence[bytes]) -> bytes:
     head, _, body = data.partition(b"\r\n\r\n")
     if kind == 2:
         wrong = random.choice(
-            (
-                "-5",
-                "0",
-                "1",
-                "x",
-                "99999999999",
-                "",
-                "+3",
-                "{} ",
-                "\u0664",
-                "{}\r\nContent-Length: {}",
-                *ODD_TEXT[:6],
-            )
+            ("-5", "0", "1", "x", "99999999999", "", "+3", "{} ", "\u0664", "{}\r\nContent-Length: {}", *ODD_TEXT[:6])
         )
-        return (
-            f"Content-Length: {wrong}".replace("{}", str(len(body))).encode("utf-8", "replace")
-            + b"\r\n\r\n"
-            + body
-        )
+        return f"Content-Length: {wrong}".replace("{}", str(len(body))).encode("utf-8", "replace") + b"\r\n\r\n" + body
     return _framed(json_changed(body, random, pool) if body else head)
 
 

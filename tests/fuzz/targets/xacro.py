@@ -111,16 +111,7 @@ def _of_python() -> dict[str, Any]:
     return {**mathematics, **names, **spaces, **_NAMES, "__builtins__": {}}
 
 
-_REFUSES = (
-    NameError,
-    TypeError,
-    ValueError,
-    LookupError,
-    ArithmeticError,
-    AttributeError,
-    SyntaxError,
-    Stopped,
-)
+_REFUSES = (NameError, TypeError, ValueError, LookupError, ArithmeticError, AttributeError, SyntaxError, Stopped)
 
 
 def check(path: Path, tools: Tools) -> str | None:
@@ -129,10 +120,7 @@ def check(path: Path, tools: Tools) -> str | None:
         _HOOKED.append(_heard)
     text = path.read_bytes().decode("utf-8", "surrogateescape")
     evaluator = Evaluator()
-    spaces = {
-        "math": Space("math", evaluator.mathematics()),
-        "python": Space("python", evaluator.functions()),
-    }
+    spaces = {"math": Space("math", evaluator.mathematics()), "python": Space("python", evaluator.functions())}
     names = {**evaluator.mathematics(), **evaluator.functions(), **spaces, **_NAMES}
     before = repr(_NAMES)
     _EVENTS.clear()

@@ -42,11 +42,7 @@ class Grip(Model):
 class Arm(Model):
     """An arm of a robot."""
 
-    rules: ClassVar = (
-        Exclusive("mass", "range"),
-        Belongs("tol", "mass"),
-        Bars("rope", "grip", why="hangs on a rope"),
-    )
+    rules: ClassVar = (Exclusive("mass", "range"), Belongs("tol", "mass"), Bars("rope", "grip", why="hangs on a rope"))
     instead: ClassVar = {"weight": "mass", "pay": "write `mass: …`, which is what it carries"}
 
     mass: Annotated[NotNegative, Unit("kg")] | None = None
@@ -63,9 +59,7 @@ class Arm(Model):
     """which side"""
     is_on: bool = False
     """whether it runs"""
-    near: Annotated[
-        tuple[Annotated[str, Name("geom", glob=True)], ...], Items(1, single=True, unique=True)
-    ] = ()
+    near: Annotated[tuple[Annotated[str, Name("geom", glob=True)], ...], Items(1, single=True, unique=True)] = ()
     """what is near"""
     grip: Grip | None = None
     """what it holds with"""

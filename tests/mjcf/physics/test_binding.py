@@ -123,9 +123,7 @@ def test_a_field_that_does_not_exist_is_told_with_those_that_do(model: RootEleme
     with pytest.raises(MjcfError, match="a compiled joint has no field `qposs`") as caught:
         hinge.qposs  # noqa: B018
     note = caught.value.diagnostics[0].notes[0].message
-    assert {"qpos", "qvel", "range", "xanchor", "armature"} <= set(
-        note.removeprefix("fields that exist: ").split(", ")
-    )
+    assert {"qpos", "qvel", "range", "xanchor", "armature"} <= set(note.removeprefix("fields that exist: ").split(", "))
     assert caught.value.diagnostics[0].help == "did you mean `qpos`?"
     with pytest.raises(MjcfError, match="no field `sensordata`"):
         hinge.sensordata = 1

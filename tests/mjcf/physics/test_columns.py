@@ -26,9 +26,7 @@ def test_columns_have_the_names_that_are_usual(array: str, width: int, expected:
 
 
 @pytest.mark.parametrize("tags", [("g",), ("g", "g2", "g3"), ("g3", "g", "g2")])
-def test_a_binding_is_indexed_by_field_and_column(
-    tags: tuple[str, ...], model: RootElement, physics: Physics
-) -> None:
+def test_a_binding_is_indexed_by_field_and_column(tags: tuple[str, ...], model: RootElement, physics: Physics) -> None:
     found = [model.find("geom", name) for name in tags]
     bound = physics.bind(found[0] if len(found) == 1 else found)
     rows = bound.element_id

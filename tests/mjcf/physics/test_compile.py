@@ -11,9 +11,7 @@ from mjcompose.mjcf import MjcfError, RootElement
 
 def test_what_mujoco_refuses_is_told_at_the_element(tmp_path: Path) -> None:
     file = tmp_path / "bad.xml"
-    file.write_text(
-        '<mujoco>\n<worldbody>\n<body name="b">\n<geom name="g" size="0"/>\n</body></worldbody></mujoco>'
-    )
+    file.write_text('<mujoco>\n<worldbody>\n<body name="b">\n<geom name="g" size="0"/>\n</body></worldbody></mujoco>')
     with pytest.raises(MjcfError, match="MuJoCo rejects the geom `g`: size 0 must be positive") as caught:
         mjcf.from_path(file).compile_model()
     diagnostic = caught.value.diagnostics[0]

@@ -112,9 +112,7 @@ def compare(physics: Physics, root: RootElement, kind: str) -> int:
 
 
 @pytest.mark.parametrize("kind", _VIEWED)
-def test_whatever_mujocos_own_views_have_is_there_and_equal(
-    kind: str, model: RootElement, physics: Physics
-) -> None:
+def test_whatever_mujocos_own_views_have_is_there_and_equal(kind: str, model: RootElement, physics: Physics) -> None:
     assert compare(physics, model, kind) > len(model.find_all(kind)) > 0
 
 

@@ -87,9 +87,7 @@ def test_beside_what_mujoco_generates(tmp_path: Path) -> None:
     model = mjcf.from_xml_string(GENERATED)
     physics = model.compile_model()
     sizes = [
-        float(physics.bind(geom).size[0])
-        for geom in model.find_all("geom")
-        if geom.parent.parent.tag != "replicate"
+        float(physics.bind(geom).size[0]) for geom in model.find_all("geom") if geom.parent.parent.tag != "replicate"
     ]
     assert sizes == [1, 1, 2, 3]
     assert physics.bind(model.find("key")).element_id == physics.model.key("k").id  # 3.12 copies keys, too
@@ -117,9 +115,7 @@ def test_nothing_is_mistaken_where_mujoco_takes_bodies_out() -> None:
     physics = model.compile_model()
     assert physics.model.nbody == 2 and physics.model.ngeom == 3
     assert physics.bind(model.find("geom", "n")).size[0] == 3
-    with pytest.raises(
-        MjcfError, match="has no name, and which geom of the compiled model it is cannot be determined"
-    ):
+    with pytest.raises(MjcfError, match="has no name, and which geom of the compiled model it is cannot be determined"):
         physics.bind(model.find("geom"))
 
 

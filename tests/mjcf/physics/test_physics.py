@@ -257,9 +257,7 @@ def test_what_is_no_object_of_a_compiled_model(root: RootElement, swing: Physics
 
 def test_what_cannot_be_bound_together_or_at_all(root: RootElement, swing: Physics) -> None:
     hinge, bob = root.find("joint", "hinge"), root.find("geom", "bob")
-    with pytest.raises(
-        MjcfError, match="one kind are bound together, got the joint `<joint>` `hinge` and the geom"
-    ):
+    with pytest.raises(MjcfError, match="one kind are bound together, got the joint `<joint>` `hinge` and the geom"):
         swing.bind([hinge, bob])
     for wrong in ("hinge", None, 3, [hinge, None]):
         with pytest.raises(MjcfError, match="elements are bound, or sequences of them, got"):
@@ -323,9 +321,7 @@ def test_only_a_model_is_compiled(root: RootElement) -> None:
         (lambda physics: mjcf.Physics.from_path(None), "`path` expects a path, got `NoneType`"),
     ],
 )
-def test_what_is_no_argument_is_told_at_the_call(
-    call: Callable[[Physics], None], said: str, swing: Physics
-) -> None:
+def test_what_is_no_argument_is_told_at_the_call(call: Callable[[Physics], None], said: str, swing: Physics) -> None:
     before = (swing.time, swing.timestep)
     with pytest.raises(mjcf.MjcfError) as caught:
         call(swing)

@@ -45,9 +45,7 @@ def test_mujoco_does_compile_poses_away(physics: Physics) -> None:
 
 @pytest.mark.parametrize("kind", ["geom", "site"])
 @pytest.mark.parametrize("names", [("a",), ("a", "off"), ("off", "a", "b")])
-def test_a_pose_that_is_written_is_read(
-    kind: str, names: tuple[str, ...], pair: RootElement, physics: Physics
-) -> None:
+def test_a_pose_that_is_written_is_read(kind: str, names: tuple[str, ...], pair: RootElement, physics: Physics) -> None:
     found = [pair.find(kind, name) for name in names]
     bound = physics.bind(found[0] if len(found) == 1 else found)
     bound.pos = [0, 0, 0.5]

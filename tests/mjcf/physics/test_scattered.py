@@ -36,9 +36,7 @@ def test_a_slice_of_it_is_written_through_too(source: np.ndarray, rows: Scattere
     ("operator", "expected"),
     [("+", [6, 2, 3]), ("-", [2, -2, -1]), ("*", [8, 0, 2]), ("/", [2, 0, 0.5]), ("**", [16, 0, 1])],
 )
-def test_operators_in_place(
-    operator: str, expected: list[float], source: np.ndarray, rows: Scattered
-) -> None:
+def test_operators_in_place(operator: str, expected: list[float], source: np.ndarray, rows: Scattered) -> None:
     exec(f"rows {operator}= 2")
     assert source[[4, 0, 1]].tolist() == expected
 
@@ -87,9 +85,7 @@ def test_keys_of_every_form_reach_the_same_places(data: st.DataObject) -> None:
     if not isinstance(view, Scattered):
         return
     key = data.draw(
-        basic_indices(view.shape) | integer_array_indices(view.shape)
-        if view.size and view.ndim
-        else st.just(())
+        basic_indices(view.shape) | integer_array_indices(view.shape) if view.size and view.ndim else st.just(())
     )
     source[...] = expected[...] = 50.0
     view[key] = -1.0

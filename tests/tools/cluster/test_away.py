@@ -15,10 +15,7 @@ from tools.cluster.dask_cluster import Cluster, wait_for
 from tools.cluster.test_client import RECIPE, digests, run, start
 
 pytest.importorskip("distributed", reason="needs `mjcompose[cluster]`")
-pytestmark = [
-    pytest.mark.slow,
-    pytest.mark.skipif(os.name != "posix", reason="signals"),
-]
+pytestmark = [pytest.mark.slow, pytest.mark.skipif(os.name != "posix", reason="signals")]
 MESH = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
 
 

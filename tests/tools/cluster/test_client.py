@@ -17,10 +17,7 @@ from cli.balls import MODEL
 from tools.cluster.dask_cluster import Cluster, Way, wait_for
 
 pytest.importorskip("distributed", reason="needs `mjcompose[cluster]`")
-pytestmark = [
-    pytest.mark.slow,
-    pytest.mark.skipif(os.name != "posix", reason="signals"),
-]
+pytestmark = [pytest.mark.slow, pytest.mark.skipif(os.name != "posix", reason="signals")]
 
 RECIPE = balls.RECIPE.replace("samples: 2", "samples: 3")
 MANY = RECIPE.replace("[1, 2, -1]", "[1]")
@@ -66,11 +63,7 @@ def start(*words: str) -> subprocess.Popen[str]:
 def run(*words: str) -> tuple[int, str, str]:
     process = start(*words)
     said, faults = process.communicate(timeout=280)
-    return (
-        process.returncode,
-        said,
-        re.sub(r"(?m)^\d+/\d+ .*\n", "", faults),
-    )  # how far it is, every ten seconds
+    return (process.returncode, said, re.sub(r"(?m)^\d+/\d+ .*\n", "", faults))  # how far it is, every ten seconds
 
 
 def whole_as_said(said: str) -> int:
@@ -177,11 +170,7 @@ def test_another_mujoco_is_refused_before_anything_is_made(folder: Path, cluster
     (other / "METADATA").write_text("Metadata-Version: 2.1\nName: mujoco\nVersion: 9.9.9\n")
     cluster.add(1, PYTHONPATH=str(folder / "other"))
     code, said, faults = build(cluster.file)
-    assert (
-        code == 1
-        and faults.count("error[cluster-worker]") == 1
-        and "has mujoco 9.9.9, and here it is" in faults
-    )
+    assert code == 1 and faults.count("error[cluster-worker]") == 1 and "has mujoco 9.9.9, and here it is" in faults
     assert "pip install 'mujoco==" in faults and not list(folder.glob("out/ball*")) and not said
 
 

@@ -10,10 +10,7 @@ from pathlib import Path
 import pytest
 
 pytest.importorskip("distributed", reason="needs `mjcompose[cluster]`")
-pytestmark = [
-    pytest.mark.slow,
-    pytest.mark.skipif(sys.platform != "linux", reason="looks into /proc"),
-]
+pytestmark = [pytest.mark.slow, pytest.mark.skipif(sys.platform != "linux", reason="looks into /proc")]
 HOLD = """
 import sys, time
 from mjcompose.tools.cluster.client import client_of
@@ -41,9 +38,7 @@ def listening(top: int) -> set[str]:
         for link in Path(f"/proc/{process}/fd").iterdir()
         if link.is_symlink() and "socket:" in str(link.readlink())
     }
-    rows = [
-        line.split() for name in ("tcp", "tcp6") for line in read(Path("/proc/net") / name).splitlines()[1:]
-    ]
+    rows = [line.split() for name in ("tcp", "tcp6") for line in read(Path("/proc/net") / name).splitlines()[1:]]
     return {row[1].partition(":")[0] for row in rows if row[3] == "0A" and row[9] in sockets}
 
 

@@ -53,11 +53,7 @@ def test_files_stand_under_the_same_paths_and_links_lead_there(files: Path, tmp_
 def test_what_is_not_there_is_not_there(files: Path, tmp_path: Path) -> None:
     root = mirrored([files / "project" / "LICENSE", files / "project" / "models"], tmp_path / "root")
     there = root / files.relative_to("/") / "project"
-    assert (
-        not (there / "LICENSE").exists()
-        and (there / "models").is_dir()
-        and not list((there / "models").iterdir())
-    )
+    assert not (there / "LICENSE").exists() and (there / "models").is_dir() and not list((there / "models").iterdir())
 
 
 def test_a_link_to_itself_has_an_end(tmp_path: Path) -> None:

@@ -57,9 +57,7 @@ def _of_recipe(file: Path) -> Iterator[Value]:
             continue
         start, end = starts[span.line - 1] + span.column - 1, starts[span.line - 1] + span.end_column - 1
         quote = text[start] if text[start] in "'\"" else ""
-        others = tuple(
-            f"{quote}{each}{quote}" for each in _others(_key(path), scalar.text, alike[_key(path)])
-        )
+        others = tuple(f"{quote}{each}{quote}" for each in _others(_key(path), scalar.text, alike[_key(path)]))
         yield Value(file, ".".join(map(str, path)), span.line, start, end, others)
 
 
@@ -101,9 +99,7 @@ def _of_mjcf(file: Path) -> Iterator[Value]:
                 for other in _others(str(name), str(written), alike[str(name)], node)
                 if {**dict(node.items()), name: other} not in beside  # of two that are equal either is right
             )
-            path = (
-                f"{'/'.join(str(each.tag) for each in (*reversed(list(node.iterancestors())), node))}@{name}"
-            )
+            path = f"{'/'.join(str(each.tag) for each in (*reversed(list(node.iterancestors())), node))}@{name}"
             yield Value(file, path, span.line, start, start + len(written), others)
 
 

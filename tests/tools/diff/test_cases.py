@@ -41,9 +41,7 @@ def test_the_other_way_round_differs_as_much(name: str, session: Session) -> Non
     folder = CASES / name
     file = "model.xml" if (folder / "a" / "model.xml").exists() else "recipe.yaml"
     ends = f"a/{file}", f"b/{file}"
-    there, back = (
-        diff(*each, Context(folder=folder), session, everything=True) for each in (ends, ends[::-1])
-    )
+    there, back = (diff(*each, Context(folder=folder), session, everything=True) for each in (ends, ends[::-1]))
     assert there is not None and back is not None
     opposite = {"added": "removed", "removed": "added"}
     changes = {
@@ -52,8 +50,6 @@ def test_the_other_way_round_differs_as_much(name: str, session: Session) -> Non
         for each in group.changes
     }
     assert changes == {
-        (each.what, each.kind, each.field, each.before, each.after)
-        for group in back.groups
-        for each in group.changes
+        (each.what, each.kind, each.field, each.before, each.after) for group in back.groups for each in group.changes
     }
     assert not there.same and not back.same

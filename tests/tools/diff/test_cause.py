@@ -58,9 +58,7 @@ HAND = """<mujoco><worldbody><body name="palm" pos="0 0 0.1"><geom size="0.05"/>
 """
 
 
-@pytest.mark.parametrize(
-    "made", ["sense: [force]", "joint: {type: hinge, axis: [0, 0, 1]}", "pos: [0, 0, 0.1]"]
-)
+@pytest.mark.parametrize("made", ["sense: [force]", "joint: {type: hinge, axis: [0, 0, 1]}", "pos: [0, 0, 0.1]"])
 @pytest.mark.parametrize(
     ("file", "old", "new", "line"),
     [

@@ -40,9 +40,7 @@ def test_only_what_was_asked_for(session: Session) -> None:
     assert {each.kind for group in found.groups for each in group.changes} == {"actuator"}
     assert not found.contrast.counts and not found.same
     assert _diff("sources", session, only=("camera", "address")).same
-    assert [each.name for each in _diff("part_added", session, only=("address",)).contrast.moves] == [
-        "gripper/grip"
-    ]
+    assert [each.name for each in _diff("part_added", session, only=("address",)).contrast.moves] == ["gripper/grip"]
     assert _diff("sections", session, only=("visual",)).groups[0].changes[0].kind == "visual/map"
 
 
@@ -150,9 +148,7 @@ def test_as_data(session: Session) -> None:
     data = json.loads(json.dumps(as_data(_diff("sources", session))))
     assert data["same"] is False and data["identical"] is False and data["b"]["kind"] == "recipe"
     changes = {
-        (each["name"], each["field"]): (each, group["cause"])
-        for group in data["groups"]
-        for each in group["changes"]
+        (each["name"], each["field"]): (each, group["cause"]) for group in data["groups"] for each in group["changes"]
     }
     change, cause = changes["gripper/palm", "body_mass"]
     assert change == {
@@ -166,9 +162,7 @@ def test_as_data(session: Session) -> None:
 def test_as_markdown(session: Session) -> None:
     text = in_markdown(_diff("sources", session))
     assert text.startswith("### `a/recipe.yaml` → `b/recipe.yaml`\n\n**Different: 9 changes at 6 places.**\n")
-    assert (
-        '```diff\n- <joint damping="2" armature="0.1"/>\n+ <joint damping="3" armature="0.1"/>\n```\n' in text
-    )
+    assert '```diff\n- <joint damping="2" armature="0.1"/>\n+ <joint damping="3" armature="0.1"/>\n```\n' in text
     assert "- mass of body `gripper/palm`: 0.25 kg → 0.3 kg (+20 %)\n" in text
     assert "**The same" in in_markdown(_diff("same", session))
 

@@ -45,9 +45,7 @@ def test_what_changed_is_another_one() -> None:
 
 
 def test_two_that_are_alike_are_not_guessed() -> None:
-    two = HAND.replace(
-        "</worldbody>", '<body name="b"><geom name="b" size="1"/></body><body name="c"/></worldbody>'
-    )
+    two = HAND.replace("</worldbody>", '<body name="b"><geom name="b" size="1"/></body><body name="c"/></worldbody>')
     twins = two.replace('<body name="c"/>', '<body name="c"><geom name="c" size="1"/></body>')
     assert renames(_roster(twins), _roster(twins.replace('"b"', '"x"').replace('"c"', '"y"'))) == {}
 

@@ -21,9 +21,7 @@ pytestmark = pytest.mark.skipif(shutil.which("git") is None, reason="there is no
 
 
 def _git(folder: Path, *arguments: str) -> str:
-    identity = {
-        f"GIT_{who}_{what}": "x@example.org" for who in ("AUTHOR", "COMMITTER") for what in ("NAME", "EMAIL")
-    }
+    identity = {f"GIT_{who}_{what}": "x@example.org" for who in ("AUTHOR", "COMMITTER") for what in ("NAME", "EMAIL")}
     done = subprocess.run(
         ["git", "-C", str(folder), *arguments], check=True, capture_output=True, text=True,
         env={**os.environ, **identity, "GIT_CONFIG_GLOBAL": os.devnull},
@@ -126,9 +124,7 @@ def test_faults(repository: Path, tmp_path: Path) -> None:
     with pytest.raises(RevisionError, match="the revision `--help` does not exist"):
         check_out("--help", path, tmp_path, os.environ)
     with pytest.raises(RevisionError, match="is not in a git repository"):
-        check_out(
-            "HEAD", tmp_path / "a.yaml", tmp_path, {**os.environ, "GIT_CEILING_DIRECTORIES": str(tmp_path)}
-        )
+        check_out("HEAD", tmp_path / "a.yaml", tmp_path, {**os.environ, "GIT_CEILING_DIRECTORIES": str(tmp_path)})
     with pytest.raises(RevisionError, match="the git command is not installed"):
         check_out("HEAD", path, tmp_path, {"PATH": str(tmp_path)})
 
@@ -166,9 +162,7 @@ def test_parts_beside_the_repository_are_those_of_the_work_tree(repository: Path
         found = diff("HEAD:outside.yaml", "outside.yaml", context, session)
     assert found is not None, context.sink.errors
     assert [str(each.kind) for each in found.contrast.changes] == ["site"]
-    assert (
-        found.a.outside == ("../models/arm/arm.xml", "../models/arm/meshes/m.obj") and found.b.outside == ()
-    )
+    assert found.a.outside == ("../models/arm/arm.xml", "../models/arm/meshes/m.obj") and found.b.outside == ()
     assert "`../models/arm/arm.xml`, `../models/arm/meshes/m.obj`: outside of the repository" in render(found)
     assert as_data(found)["a"]["outside"] == [*found.a.outside]
     assert "as now in the work tree" in markdown(found)

@@ -22,11 +22,7 @@ RECIPES = [
     # What an older MuJoCo makes of a URDF has no frames of fused links.
     *(path for path in sorted(GOLDEN.glob("*/recipe.yaml")) if path.parent.name != "urdf" or NEWER),
     MEASURED,
-    *(
-        path
-        for path in sorted((REPOSITORY / "recipes").glob("*.yaml"))
-        if not path.name.startswith("menagerie")
-    ),
+    *(path for path in sorted((REPOSITORY / "recipes").glob("*.yaml")) if not path.name.startswith("menagerie")),
 ]
 
 
@@ -38,9 +34,7 @@ def _traced(recipe: Path) -> Traced:
     return found
 
 
-@pytest.fixture(
-    params=RECIPES, ids=lambda path: path.parent.name if path.name == "recipe.yaml" else path.stem
-)
+@pytest.fixture(params=RECIPES, ids=lambda path: path.parent.name if path.name == "recipe.yaml" else path.stem)
 def recipe(request: pytest.FixtureRequest) -> Path:
     """Each golden recipe, and each of the examples."""
     path: Path = request.param

@@ -97,17 +97,9 @@ class Proof:
             if _same(self._text(row.reason.span), row.value):
                 return self._count("a number of a key")
             return f"{row.label} {row.value}: {_place(row.reason.span)} has {self._text(row.reason.span)!r}"
-        if row.reason.words.startswith("computed") and self._text(row.reason.span) in (
-            "hold",
-            "positions",
-            "forces",
-        ):
+        if row.reason.words.startswith("computed") and self._text(row.reason.span) in ("hold", "positions", "forces"):
             return self._count("computed for a key")
-        if (
-            row.origin == "entry"
-            and not row.on_the_way
-            and not _converted(self._text(row.reason.span), row.value)
-        ):
+        if row.origin == "entry" and not row.on_the_way and not _converted(self._text(row.reason.span), row.value):
             return f"{row.label} {row.value}: {_place(row.reason.span)} has {self._text(row.reason.span)!r}"
         return self._count(f"{row.origin} of a key")
 
@@ -125,9 +117,7 @@ class Proof:
         tag = _START_TAG.match(self._file(span.file), self._at(span.file, span.line, span.column))
         if tag is None:
             return False
-        return any(
-            each[1] == name and _same(each[2] or each[3] or "", value) for each in _ATTRIBUTE.finditer(tag[2])
-        )
+        return any(each[1] == name and _same(each[2] or each[3] or "", value) for each in _ATTRIBUTE.finditer(tag[2]))
 
     def _text(self, span: Span) -> str:
         text = self._file(span.file)
@@ -177,12 +167,9 @@ def _converted(recipe: str, text: str) -> bool:
         return False
     for factor in (1.0, math.pi / 180):
         radians = [
-            value * (1.0 if unit == "rad" else math.pi / 180 if unit == "deg" else factor)
-            for value, unit in said
+            value * (1.0 if unit == "rad" else math.pi / 180 if unit == "deg" else factor) for value, unit in said
         ]
-        if len(said) == 4 and _same_pose(
-            quat_from_axisangle([value for value, _ in said[:3]], radians[3]), given
-        ):
+        if len(said) == 4 and _same_pose(quat_from_axisangle([value for value, _ in said[:3]], radians[3]), given):
             return True
         for axes in permutations("xyz") if len(said) == 3 else ():
             for sequence in ("".join(axes), "".join(axes).upper()):

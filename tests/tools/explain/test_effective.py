@@ -49,9 +49,7 @@ def test_numbers_and_values_are_those_of_mujoco(traced: Traced, compiled: mujoco
         kind = getattr(mujoco.mjtObj, f"mjOBJ_{word.upper()}")
         found = _all(traced, word)
         names = [mujoco.mj_id2name(compiled, kind, at) or "" for at in range(len(found))]
-        assert [
-            query.name_of(node) or ("world" if node.tag == "worldbody" else "") for node in found
-        ] == names
+        assert [query.name_of(node) or ("world" if node.tag == "worldbody" else "") for node in found] == names
         assert mujoco.mj_id2name(compiled, kind, len(found)) is None
     for word, attribute, array in _ARRAYS:
         for at, node in enumerate(_all(traced, word)):
@@ -76,10 +74,7 @@ def test_a_short_list_leaves_the_rest_to_the_class_above_and_actuators_share_the
     found = trace(file, Context(environment={}, folder=tmp_path))
     assert found is not None
     model = mujoco.MjModel.from_xml_path(str(file))
-    for word, attribute, array in [
-        ("geom", "friction", "geom_friction"),
-        ("actuator", "gear", "actuator_gear"),
-    ]:
+    for word, attribute, array in [("geom", "friction", "geom_friction"), ("actuator", "gear", "actuator_gear")]:
         for at, node in enumerate(_all(found, word)):
             told = found.attribute(node, attribute).value
             assert np.array_equal(np.array(str(told).split(), float), getattr(model, array)[at])

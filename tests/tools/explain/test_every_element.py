@@ -13,14 +13,7 @@ from mjcompose.tools.explain.explanation import render
 # What is about the whole model, and made for it, stands nowhere.
 _MADE = {"mujoco", "compiler", "default", "worldbody", "keyframe", "frame"}
 # Recipes that read no model.
-_WITHOUT_SOURCES = {
-    "add_to_added",
-    "attached_by_edit",
-    "attached_by_recipe",
-    "empty",
-    "gantry",
-    "when_of_others",
-}
+_WITHOUT_SOURCES = {"add_to_added", "attached_by_edit", "attached_by_recipe", "empty", "gantry", "when_of_others"}
 
 
 def test_every_element_comes_from_somewhere(recipe: Path, traced: Traced) -> None:

@@ -33,9 +33,7 @@ def asked(text: str, attribute: str | None = None) -> Asked:
         ("compiler", {"compiler"}, None, None),
     ],
 )
-def test_kind_name_attribute(
-    text: str, kinds: set[str] | None, name: str | None, attribute: str | None
-) -> None:
+def test_kind_name_attribute(text: str, kinds: set[str] | None, name: str | None, attribute: str | None) -> None:
     found = asked(text)
     assert (found.kinds, found.name, found.attribute) == (kinds, name, attribute)
 

@@ -59,17 +59,11 @@ def _rows(traced: Traced, vector: str, name: str = "home") -> Found:
 
 def test_of_an_entry_and_the_reference(tmp_path: Path) -> None:
     traced = _explained(tmp_path, "base: arm.xml\nkeyframe:\n  home:\n    qpos: {k: 1.2rad}\n")
-    assert _rows(traced, "qpos") == [
-        ("joint j", "0", "reference", ""),
-        ("joint k", "1.2", "entry", "recipe.yaml:5"),
-    ]
+    assert _rows(traced, "qpos") == [("joint j", "0", "reference", ""), ("joint k", "1.2", "entry", "recipe.yaml:5")]
 
 
 def test_of_the_base_by_from(tmp_path: Path) -> None:
-    traced = _explained(
-        tmp_path,
-        "base: arm.xml\nkeyframe:\n  home:\n    from: {base: home}\n    qpos: {k: 1.2rad}\n",
-    )
+    traced = _explained(tmp_path, "base: arm.xml\nkeyframe:\n  home:\n    from: {base: home}\n    qpos: {k: 1.2rad}\n")
     assert _rows(traced, "qpos") == [
         ("joint j", "0.3", "file", "arm.xml:6 recipe.yaml:5"),
         ("joint k", "1.2", "entry", "recipe.yaml:6"),
@@ -101,8 +95,7 @@ def test_of_a_part_by_from(tmp_path: Path) -> None:
 def test_of_parts_that_hang_elsewhere_and_of_none(tmp_path: Path) -> None:
     traced = _explained(
         tmp_path,
-        "base: arm.xml\nattach:\n  left: {model: cube.xml, pos: [0, 0, 1]}\n"
-        "  more: {model: arm.xml, drop: [key]}\n",
+        "base: arm.xml\nattach:\n  left: {model: cube.xml, pos: [0, 0, 1]}\n  more: {model: arm.xml, drop: [key]}\n",
     )
     assert _rows(traced, "qpos") == [
         ("joint j", "0.3", "file", "arm.xml:6"),

@@ -85,18 +85,14 @@ def merged() -> str:
     # MuJoCo 4.0 writes a class here that it does not declare. 3.12 writes none, so that the tool would be in the class of
     # the arm: its palm weighs 50 g in what is written, and 72 g in what was compiled.
     text = text.replace('childclass="main"', 'childclass="tool_main"')
-    return re.sub(
-        r'<body name="tool_palm"(?! childclass)', '<body name="tool_palm" childclass="tool_main"', text
-    )
+    return re.sub(r'<body name="tool_palm"(?! childclass)', '<body name="tool_palm" childclass="tool_main"', text)
 
 
 def imported(folder: Path, merged: str) -> Recovered:
     for name, text in (("arm", ARM), ("tool", TOOL), ("all", merged)):
         (folder / f"{name}.xml").write_text(text)
     context = Context(folder=folder)
-    found = recover(
-        folder / "all.xml", [folder / "arm.xml", folder / "tool.xml"], folder / "all.yaml", context
-    )
+    found = recover(folder / "all.xml", [folder / "arm.xml", folder / "tool.xml"], folder / "all.yaml", context)
     assert found is not None and not context.sink.diagnostics
     return found
 
@@ -133,13 +129,7 @@ def physics(model: Any) -> dict[str, list[list[float]]]:
                 for each in (sorted(numbers) if array == "key_ctrl" else numbers)
             ]
             found[kind].append(row)
-    option = [
-        model.opt.timestep,
-        *model.opt.gravity,
-        model.opt.integrator,
-        model.opt.cone,
-        model.opt.impratio,
-    ]
+    option = [model.opt.timestep, *model.opt.gravity, model.opt.integrator, model.opt.cone, model.opt.impratio]
     found["option"].append([float(each) for each in option])
     return found
 

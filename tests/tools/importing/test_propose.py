@@ -7,9 +7,7 @@ import pytest
 from click.testing import CliRunner
 from mjcompose.cli.main import main
 
-INERTIA = (
-    '<inertial><mass value="1"/><inertia ixx="{0}" iyy="{0}" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial>'
-)
+INERTIA = '<inertial><mass value="1"/><inertia ixx="{0}" iyy="{0}" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial>'
 ARM = """<robot name="arm">
   <link name="base"/>
   <link name="upper">{}<visual><geometry><box size="1 1 1"/></geometry></visual></link>
@@ -25,9 +23,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-@pytest.mark.parametrize(
-    ("moment", "keys"), [(0.1, "{visuals: keep}"), (0.01, "{visuals: keep, inertia: repair}")]
-)
+@pytest.mark.parametrize(("moment", "keys"), [(0.1, "{visuals: keep}"), (0.01, "{visuals: keep, inertia: repair}")])
 def test_the_recipe_builds(folder: Path, moment: float, keys: str) -> None:
     (folder / "arm.urdf").write_text(ARM.format(INERTIA.format(moment)))
     result = CliRunner().invoke(main, ["import", "arm.urdf"])

@@ -79,9 +79,7 @@ def recovered(folder: Path, damping: str = "2") -> Recovered:
     for name, text in (("arm", ARM), ("tool", TOOL), ("pair", MERGED.format(damping=damping))):
         (folder / f"{name}.xml").write_text(text)
     context = Context(folder=folder)
-    found = recover(
-        folder / "pair.xml", [folder / "arm.xml", folder / "tool.xml"], folder / "pair.yaml", context
-    )
+    found = recover(folder / "pair.xml", [folder / "arm.xml", folder / "tool.xml"], folder / "pair.yaml", context)
     assert found is not None and not context.sink.diagnostics
     return found
 
@@ -136,8 +134,7 @@ def test_what_cannot_be_said_is_a_comment(tmp_path: Path) -> None:
     notes = {entry.group or entry.section: entry.note for entry in found.proposal.entries if entry.note}
     assert notes == {"material": "it has elements of its own", "add": "the material `m` does not exist"}
     assert (
-        '  # not expressed: the material `m` does not exist\n  # - {to: world, xml: \'<geom name="shown"'
-        in found.text
+        '  # not expressed: the material `m` does not exist\n  # - {to: world, xml: \'<geom name="shown"' in found.text
     )
     assert ("geom", "shown") in [(each.kind, each.name) for each in found.outcome.changes]
 
@@ -146,14 +143,10 @@ def test_a_part_that_is_not_there_is_told(tmp_path: Path) -> None:
     (tmp_path / "arm.xml").write_text(ARM)
     (tmp_path / "tool.xml").write_text(TOOL)
     context = Context(folder=tmp_path)
-    found = recover(
-        tmp_path / "arm.xml", [tmp_path / "arm.xml", tmp_path / "tool.xml"], tmp_path / "o.yaml", context
-    )
+    found = recover(tmp_path / "arm.xml", [tmp_path / "arm.xml", tmp_path / "tool.xml"], tmp_path / "o.yaml", context)
     assert found is not None and found.outcome is not None and found.outcome.same
     assert "base: ./arm.xml" in found.text and "attach" not in found.text
-    assert [each.message.split(":")[0] for each in context.sink.diagnostics] == [
-        "`tool.xml` is nowhere in `arm.xml`"
-    ]
+    assert [each.message.split(":")[0] for each in context.sink.diagnostics] == ["`tool.xml` is nowhere in `arm.xml`"]
 
 
 def test_a_file_that_is_no_model_is_an_error(tmp_path: Path) -> None:
@@ -207,10 +200,7 @@ def test_panda_with_hand(menagerie: Path, tmp_path: Path) -> None:
     robot = menagerie / "franka_emika_panda"
     context = Context(folder=tmp_path)
     found = recover(
-        robot / "panda.xml",
-        [robot / "panda_nohand.xml", robot / "hand.xml"],
-        tmp_path / "panda.yaml",
-        context,
+        robot / "panda.xml", [robot / "panda_nohand.xml", robot / "hand.xml"], tmp_path / "panda.yaml", context
     )
     assert found is not None and found.bundle is not None and not found.faults
     assert "body: link7, pos: [0, 0, 0.107]" in found.text
@@ -228,14 +218,8 @@ def test_two_arms(menagerie: Path, tmp_path: Path) -> None:
         f', pos: [{pose}, drop: [{{light: "**", parent: {{body: world}}, where: "${{name == \'\'}}"}}]}}'
         for pose in ("-0.469, -0.019, 0.02]", "0.469, -0.019, 0.02], quat: [0, 0, 0, 1]")
     ]
-    assert any(
-        "select: {body: left/left_finger_link}, move: {to: left/gripper_base" in line for line in lines
-    )
-    assert (
-        found.outcome is not None
-        and found.outcome.same
-        and not any(entry.note for entry in found.proposal.entries)
-    )
+    assert any("select: {body: left/left_finger_link}, move: {to: left/gripper_base" in line for line in lines)
+    assert found.outcome is not None and found.outcome.same and not any(entry.note for entry in found.proposal.entries)
 
 
 @pytest.mark.slow
@@ -295,9 +279,7 @@ def test_what_has_no_name_is_found_by_its_place(old: str, new: str, said: str, t
     if "<!--" in new:
         changed = changed.replace('body2="link"/>', 'body2="link"/> -->')
     (tmp_path / "all.xml").write_text(changed)
-    found = recover(
-        tmp_path / "all.xml", [tmp_path / "part.xml"], tmp_path / "recipe.yaml", Context(folder=tmp_path)
-    )
+    found = recover(tmp_path / "all.xml", [tmp_path / "part.xml"], tmp_path / "recipe.yaml", Context(folder=tmp_path))
     assert found is not None and found.outcome is not None and found.outcome.same and said in found.text
 
 
@@ -327,9 +309,7 @@ NAMELESS_BASE = """<mujoco model="base"><worldbody>
             ' where: "${index == 0}"}, set: {size: [.025]}}')]),
     ],
 )  # fmt: skip
-def test_bodies_without_a_name_come_with_their_part(
-    old: str, new: str, expected: list[str], tmp_path: Path
-) -> None:
+def test_bodies_without_a_name_come_with_their_part(old: str, new: str, expected: list[str], tmp_path: Path) -> None:
     (tmp_path / "arm.xml").write_text(NAMELESS_ARM)
     (tmp_path / "base.xml").write_text(NAMELESS_BASE)
     attached = "arm: {model: ./arm.xml, body: torso, pos: [0, 0.1, 0.3], euler: [10deg, 20deg, 30deg]}"

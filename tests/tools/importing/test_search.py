@@ -19,9 +19,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     (tmp_path / "parts" / "deep").mkdir(parents=True)
     (tmp_path / "merged.xml").write_text(ARM.format(HAND.format("left_")))
     (tmp_path / "parts" / "arm.xml").write_text(ARM.format(""))
-    (tmp_path / "parts" / "deep" / "hand.xml").write_text(
-        f"<mujoco><worldbody>{HAND.format('')}</worldbody></mujoco>"
-    )
+    (tmp_path / "parts" / "deep" / "hand.xml").write_text(f"<mujoco><worldbody>{HAND.format('')}</worldbody></mujoco>")
     (tmp_path / "parts" / "other.xml").write_text(ARM.format("").replace('"link"', '"leg"'))
     (tmp_path / "parts" / "prop.xml").write_text(
         '<mujoco><worldbody><body name="link"><geom size="1"/></body></worldbody></mujoco>'
@@ -34,9 +32,7 @@ def found(folder: Path, *among: str) -> tuple[list[str], int]:
     context = Context(folder=folder)
     result = search(folder / "merged.xml", [folder / each for each in among], context, lambda _: None)
     assert result is not None and not context.sink.diagnostics
-    return [
-        each.reference or each.path.relative_to(folder).as_posix() for each in result.parts
-    ], result.looked_at
+    return [each.reference or each.path.relative_to(folder).as_posix() for each in result.parts], result.looked_at
 
 
 def test_the_parts_are_found_and_nothing_else(folder: Path) -> None:

@@ -59,11 +59,7 @@ def history(schemas: dict[str, Schema]) -> dict[str, dict[str, list[str | None]]
     }
     for name, had in spans.items():
         assert versions.index(had[-1]) - versions.index(had[0]) + 1 == len(had), f"{name} came back"
-    found = {
-        name: span
-        for name, span in found.items()
-        if found.get(name.partition("@")[0]) != span or "@" not in name
-    }
+    found = {name: span for name, span in found.items() if found.get(name.partition("@")[0]) != span or "@" not in name}
     return {"spans": dict(sorted({**found, **META}.items()))}
 
 
@@ -79,8 +75,6 @@ def ask(folder: Path, version: str) -> str:
 
 if __name__ == "__main__":
     folder = Path(sys.argv[1])
-    found = history(
-        {version: schema(ask(folder, version)) for version in RELEASED if (folder / version).exists()}
-    )
+    found = history({version: schema(ask(folder, version)) for version in RELEASED if (folder / version).exists()})
     text = json.dumps(found, indent=1)
     OUT.write_text(re.sub(r"\[\s*(\S+)\s+(\S+)\s*\]", r"[\1 \2]", text) + "\n", encoding="utf-8")

@@ -171,10 +171,7 @@ def mujoco(version: str) -> Other:
 @pytest.mark.parametrize("feature", [each for each in FEATURES if not each.refuses],
                          ids=[name for name, each in zip(IDS, FEATURES, strict=True) if not each.refuses])  # fmt: skip
 def test_the_compiled_model_is_the_same(
-    feature: Feature,
-    kept: Callable[[Path, list[str]], dict[str, Any]],
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
+    feature: Feature, kept: Callable[[Path, list[str]], dict[str, Any]], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """By the MuJoCo of its version, and the other one; and with `shows` it is not without the change."""
     model = written(feature, tmp_path)

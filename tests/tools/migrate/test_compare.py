@@ -76,9 +76,7 @@ SKY = """<mujoco><asset><texture name="sky" type="skybox" builtin="gradient" rgb
         ("edge", "0", "fewer", False),
     ],
 )
-def test_random_marks_may_be_anywhere(
-    mark: str, share: str, changed: str, same: bool, tmp_path: Path
-) -> None:
+def test_random_marks_may_be_anywhere(mark: str, share: str, changed: str, same: bool, tmp_path: Path) -> None:
     """As many of them: MuJoCo 3.1 draws them with another generator."""
     (tmp_path / "sky.xml").write_text(SKY.format(mark, share))
     other = Other(this_python(), installed())

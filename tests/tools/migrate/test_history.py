@@ -20,11 +20,7 @@ def model(text: str) -> etree._Element:
         ("<option mpr_iterations='1'/>", "3.0.0", "3.2.2"),
         ("<worldbody><frame/></worldbody>", "3.1.0", "4.0.0"),
         ("<worldbody><replicate count='2'/></worldbody>", "3.1.5", "4.0.0"),
-        (
-            "<worldbody><frame><body><camera orthographic='true'/></body></frame></worldbody>",
-            "3.2.0",
-            "3.4.0",
-        ),
+        ("<worldbody><frame><body><camera orthographic='true'/></body></frame></worldbody>", "3.2.0", "3.4.0"),
         ("<worldbody><body><joint stiffness='1 2'/></body></worldbody>", "3.7.0", "4.0.0"),
         ("<worldbody><body><joint springyield='1'/></body></worldbody>", "4.0.0", "4.0.0"),
         ("<default><default class='a'><tendon armature='1'/></default></default>", "4.0.0", "4.0.0"),

@@ -15,9 +15,7 @@ from mjcompose.tools.diff.sides import as_recipe, load, read_operand
 from mjcompose.tools.view.page import write_page
 
 
-def page_of(
-    target: str, folder: Path, session: Session, key: str | None = None, *, physics: bool = False
-) -> Path:
+def page_of(target: str, folder: Path, session: Session, key: str | None = None, *, physics: bool = False) -> Path:
     """The page of a target in a folder; with `physics` it can be played."""
     context = Context(folder=folder)
     with ExitStack() as opened:

@@ -40,9 +40,7 @@ def _delete(file: Path) -> None:
 
 
 @contextmanager
-def waiting(
-    watch: Watch, before: dict[Path, Mark], monkeypatch: pytest.MonkeyPatch
-) -> Iterator[Future[bool]]:
+def waiting(watch: Watch, before: dict[Path, Mark], monkeypatch: pytest.MonkeyPatch) -> Iterator[Future[bool]]:
     """The answer of a watch that has looked at the files and waits now."""
     waits, sleep = Event(), watch._sleep
 
@@ -71,18 +69,14 @@ def test_a_change_is_noticed_however_it_is_saved(
         assert answer.result(20)
 
 
-def test_a_file_that_appears_is_a_change(
-    watch: Watch, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_file_that_appears_is_a_change(watch: Watch, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     with waiting(watch, marks([tmp_path / "folder" / "file"]), monkeypatch) as answer:
         (tmp_path / "folder").mkdir()
         (tmp_path / "folder" / "file").write_text("")
         assert answer.result(20)
 
 
-def test_waiting_ends_when_it_is_told_to(
-    watch: Watch, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_waiting_ends_when_it_is_told_to(watch: Watch, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     with waiting(watch, marks([tmp_path / "file"]), monkeypatch) as answer:
         watch.stop.set()
         assert not answer.result(20)

@@ -28,9 +28,7 @@ def test_the_page_is_built_from_its_sources(tmp_path: Path) -> None:
         ran = _run(["npm", "run", "--silent", script], page)
         assert ran.returncode == 0, ran.stdout + ran.stderr
     for name in ("page.js", "physics.js", "page.css"):
-        same = (tmp_path / "mjcompose" / "tools" / "view" / "built" / name).read_bytes() == (
-            BUILT / name
-        ).read_bytes()
+        same = (tmp_path / "mjcompose" / "tools" / "view" / "built" / name).read_bytes() == (BUILT / name).read_bytes()
         assert same, f"{name} is not what the sources give: `npm ci && npm run build` in composer/viewer"
     engine = page / "node_modules" / "@mujoco" / "mujoco" / "mujoco.wasm"
     packed = (BUILT / "mujoco.wasm.xz").read_bytes()

@@ -64,9 +64,7 @@ def test_links_open_in_the_editor_and_its_cursor_selects(tmp_path: Path, browser
         assert page.evaluate("opened") == [[model, 3, 5]]
 
         assert selected(recipe, [[8, 5], [7, 3], [3, 1]]) == "body right/arm"
-        assert (
-            selected(model, [[3, 5]]) == "body right/arm"
-        )  # the file is used thrice: what is selected stays
+        assert selected(model, [[3, 5]]) == "body right/arm"  # the file is used thrice: what is selected stays
         assert selected(recipe, [[12, 5], [12, 32]]) == "geom ball"
         assert selected(recipe, [[1, 1]]) == "geom ball"  # nothing is written there
         assert selected("/elsewhere/arm.xml", [[3, 5]]) == "geom ball"

@@ -23,7 +23,9 @@ from mjcompose.tools.view.live import Service, serve, started
 from mjcompose.tools.view.page import Asked
 from mjcompose.tools.view.server import Server
 
-MODEL = '<mujoco><worldbody><body name="arm"><joint name="elbow"/><geom name="{}" size="0.1"/></body></worldbody></mujoco>'
+MODEL = (
+    '<mujoco><worldbody><body name="arm"><joint name="elbow"/><geom name="{}" size="0.1"/></body></worldbody></mujoco>'
+)
 TETRAHEDRON = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n"
 MESHED = """<mujoco><asset><mesh name="m" file="m.obj"/></asset>
 <worldbody><geom type="mesh" mesh="m" rgba="{}"/></worldbody></mujoco>"""

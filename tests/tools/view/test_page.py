@@ -85,9 +85,7 @@ def test_a_textured_thing_is_colored_too(tmp_path: Path, open_page: Callable[...
     for name, mass in (("a", 1), ("b", 2)):
         (tmp_path / f"{name}.xml").write_text(model.format(mass))
     shown = open_page(compared(str(tmp_path / "a.xml"), str(tmp_path / "b.xml"), tmp_path).as_uri())
-    assert shown.evaluate("mjcompose.world.tinted.map(each => each.mesh.material.color.getHex())") == [
-        0xF5A524
-    ]
+    assert shown.evaluate("mjcompose.world.tinted.map(each => each.mesh.material.color.getHex())") == [0xF5A524]
 
 
 def test_the_page_has_no_path_of_the_machine(page: Path, tmp_path: Path) -> None:

@@ -46,13 +46,7 @@ def test_a_size_is_two_numbers_of_pixels(text: str) -> None:
 
 @pytest.mark.parametrize(
     ("text", "expected"),
-    [
-        ("#FF8000", (255, 128, 0, 1)),
-        ("white", (255, 255, 255, 1)),
-        ("#fff", None),
-        ("ff8000", None),
-        ("#gg0000", None),
-    ],
+    [("#FF8000", (255, 128, 0, 1)), ("white", (255, 255, 255, 1)), ("#fff", None), ("ff8000", None), ("#gg0000", None)],
 )
 def test_a_color_is_a_name_or_six_digits(text: str, expected: object) -> None:
     assert color_of(text) == expected

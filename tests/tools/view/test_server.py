@@ -80,7 +80,9 @@ def test_addresses_of_version_6_have_brackets() -> None:
     assert Guard("::1", 80, "t").address == "http://[::1]:80/t/"
 
 
-MODEL = '<mujoco><asset><mesh name="m" file="m.obj"/></asset><worldbody><geom type="mesh" mesh="m"/></worldbody></mujoco>'
+MODEL = (
+    '<mujoco><asset><mesh name="m" file="m.obj"/></asset><worldbody><geom type="mesh" mesh="m"/></worldbody></mujoco>'
+)
 TETRAHEDRON = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n"
 SECRET = "only its owner may read this"
 
@@ -108,20 +110,13 @@ def raw(served: Server, sent: bytes) -> tuple[int, bytes]:
 
 
 def asked(
-    served: Server,
-    target: bytes,
-    *headers: str,
-    method: str = "GET",
-    body: bytes = b"",
-    host: str | None = None,
+    served: Server, target: bytes, *headers: str, method: str = "GET", body: bytes = b"", host: str | None = None
 ) -> tuple[int, bytes]:
     at = urlsplit(served.address)
     lines = [f"Host: {at.netloc if host is None else host}", "Connection: close", *headers]
     if body:
         lines += ["Content-Type: application/json", f"Content-Length: {len(body)}"]
-    head = (
-        method.encode() + b" " + target + b" HTTP/1.1\r\n" + "\r\n".join([*lines, "", ""]).encode("latin-1")
-    )
+    head = method.encode() + b" " + target + b" HTTP/1.1\r\n" + "\r\n".join([*lines, "", ""]).encode("latin-1")
     return raw(served, head + body)
 
 
@@ -169,8 +164,7 @@ def test_every_route_answers_its_own_name_and_no_way_out_of_it(
 
 
 @pytest.mark.parametrize(
-    "before",
-    ["/", "//", "/.", "/x/..", "/%2e", "\\", "http://{host}", "http://evil.example", "%2f", "*", "."],
+    "before", ["/", "//", "/.", "/x/..", "/%2e", "\\", "http://{host}", "http://evil.example", "%2f", "*", "."]
 )
 def test_the_token_stands_at_the_beginning(served: Server, before: str) -> None:
     own = before.format(host=urlsplit(served.address).netloc).encode() + token(served)
@@ -211,14 +205,7 @@ def test_who_asks_has_one_name_and_comes_from_one_place(served: Server) -> None:
         [f"Origin: http://{host}", f"Origin: http://{host}"], [f"Origin: http://{host}", "Origin: http://evil.example"],
     ):  # fmt: skip
         assert asked(served, own, *headers)[0] == 403, headers
-    for other in (
-        "",
-        "evil.example",
-        f"{host}.evil.example",
-        f"evil.example@{host}",
-        f"{host}, {host}",
-        "localhost",
-    ):
+    for other in ("", "evil.example", f"{host}.evil.example", f"evil.example@{host}", f"{host}, {host}", "localhost"):
         assert asked(served, own, host=other)[0] == 403, other
 
 
@@ -280,9 +267,7 @@ def test_what_is_late_gets_the_newest_model_and_no_other(served: Server) -> None
 
 
 @pytest.mark.parametrize("error", [RecursionError, MemoryError, OSError, UnicodeError, KeyError])
-@pytest.mark.parametrize(
-    "inner", [(hmac, "compare_digest"), (server, "ip_address"), (server, "_is_loopback")]
-)
+@pytest.mark.parametrize("inner", [(hmac, "compare_digest"), (server, "ip_address"), (server, "_is_loopback")])
 def test_a_guard_that_fails_refuses(
     served: Server, error: type[Exception], inner: tuple[object, str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -293,9 +278,7 @@ def test_a_guard_that_fails_refuses(
     asks = f"/{own.token}/", [at.netloc], [f"http://{at.netloc}"]
     assert own.key_of(*asks) == ""
     monkeypatch.setattr(*inner, fails)
-    if inner[1] != "ip_address" or not issubclass(
-        error, ValueError
-    ):  # that is how it says that a host is a name
+    if inner[1] != "ip_address" or not issubclass(error, ValueError):  # that is how it says that a host is a name
         assert own.key_of(*asks) is None
         assert raw(served, f"GET /{own.token}/ HTTP/1.1\r\nHost: {at.netloc}\r\n\r\n".encode())[0] == 403
 

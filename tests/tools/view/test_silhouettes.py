@@ -114,9 +114,7 @@ def session() -> Any:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", CASES)
-def test_it_covers_the_same_pixels(
-    name: str, tmp_path: Path, open_page: Callable[..., Any], session: Session
-) -> None:
+def test_it_covers_the_same_pixels(name: str, tmp_path: Path, open_page: Callable[..., Any], session: Session) -> None:
     assets, bodies, more = CASES[name]
     (tmp_path / "model.xml").write_text(MODEL.format(assets=assets, bodies=bodies, more=more))
     page = open_page(page_of("model.xml", tmp_path, session).as_uri())

@@ -37,17 +37,13 @@ def made(model: mujoco.MjModel, **arrays: Any) -> worlds.Worlds:
         count = len(values)
         numbers = np.array(values)[:, None]
         found[name.replace("opt_", "opt.")] = worlds.Varying(np.array([index]), numbers)
-    table = replace(
-        study.table, arrays=found, count=count, cell=np.zeros(count, int), sample=np.arange(count)
-    )
+    table = replace(study.table, arrays=found, count=count, cell=np.zeros(count, int), sample=np.arange(count))
     return replace(study, nominal=copy.copy(model), table=table)
 
 
 def refused(convert: Callable[[worlds.Worlds], Any], given: dict[str, str], **arrays: Any) -> Diagnostic:
     """What is reported of worlds of a model with this, which a simulator does not take."""
-    study = made(
-        mujoco.MjModel.from_xml_string(model_text(**given)), **arrays or {"geom_rgba": (0, [0.5, 1.0])}
-    )
+    study = made(mujoco.MjModel.from_xml_string(model_text(**given)), **arrays or {"geom_rgba": (0, [0.5, 1.0])})
     with pytest.raises(mjcompose.LoadError) as caught:
         convert(study)
     (found,) = caught.value.diagnostics
@@ -69,16 +65,12 @@ def differing(a: mujoco.MjModel, b: mujoco.MjModel) -> set[str]:
     """The arrays that differ, but for the last digits of what was computed in two ways."""
     names = [name for name in dir(a) if not name.startswith("_") and isinstance(getattr(a, name), np.ndarray)]
     pairs = {name: (getattr(a, name), getattr(b, name)) for name in names}
-    pairs |= {
-        f"stat.{name}": (getattr(a.stat, name), getattr(b.stat, name)) for name in ("meaninertia", "meanmass")
-    }
+    pairs |= {f"stat.{name}": (getattr(a.stat, name), getattr(b.stat, name)) for name in ("meaninertia", "meanmass")}
     return {
         name
         for name, (x, y) in pairs.items()
         if np.shape(x) != np.shape(y)
-        or not np.allclose(
-            x, y, rtol=1e-5 if np.asarray(x).dtype == np.float32 else 1e-9, atol=1e-12, equal_nan=True
-        )
+        or not np.allclose(x, y, rtol=1e-5 if np.asarray(x).dtype == np.float32 else 1e-9, atol=1e-12, equal_nan=True)
     }
 
 

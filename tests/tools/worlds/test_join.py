@@ -88,9 +88,7 @@ def test_numbers_of_a_matrix(tmp_path: Path, jobs: str) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("output", "field", "of_sample"), [("models", PARAM, 0), ("worlds", DAMPING, 1)])
-def test_32_random_worlds_are_what_their_samples_are(
-    tmp_path: Path, output: str, field: str, of_sample: int
-) -> None:
+def test_32_random_worlds_are_what_their_samples_are(tmp_path: Path, output: str, field: str, of_sample: int) -> None:
     text = MATRIX + DRAWN.format(samples=12, field=field)
     found = study(tmp_path, text, "study.npz", "--as", output)
     built = all_built(tmp_path, text)
@@ -146,9 +144,7 @@ def test_parquet_without_pyarrow(tmp_path: Path) -> None:
 def test_a_table_of_another_model(tmp_path: Path) -> None:
     study(tmp_path, MATRIX)
     shutil.copy(tmp_path / "study.npz", tmp_path / "old.npz")
-    other = run(
-        tmp_path, MATRIX, "--worlds", "study.npz", "-o", "out/", model=MODEL.replace("0.05 0.2", "0.06 0.2")
-    )
+    other = run(tmp_path, MATRIX, "--worlds", "study.npz", "-o", "out/", model=MODEL.replace("0.05 0.2", "0.06 0.2"))
     assert other.exit_code == 0
     with pytest.raises(mjcompose.LoadError, match="are of another model") as caught:
         worlds.load(tmp_path / "out", tmp_path / "old.npz")

@@ -114,9 +114,7 @@ def test_a_batch_is_indexed_like_one(written: Path) -> None:
 def test_a_file_that_was_changed_is_an_error(cell: Path) -> None:
     model = cell / "model.xml"
     model.write_text(model.read_text().replace('kp="5"', 'kp="6"'))
-    with pytest.raises(
-        mjcompose.LoadError, match="`model.xml` in .* is not the file that its manifest lists"
-    ):
+    with pytest.raises(mjcompose.LoadError, match="`model.xml` in .* is not the file that its manifest lists"):
         mjcompose.load(cell)
     with pytest.warns(mjcompose.BundleWarning, match="is not the file"):
         loaded = mjcompose.load(cell, allow_changes=True)
@@ -144,9 +142,7 @@ def test_the_same_bytes_are_written_once(written: Path, monkeypatch: pytest.Monk
 
 
 @pytest.mark.parametrize("form", ["cell", "cell.zip"])
-def test_what_was_loaded_with_changes_is_an_error_the_next_time(
-    cell: Path, tmp_path: Path, form: str
-) -> None:
+def test_what_was_loaded_with_changes_is_an_error_the_next_time(cell: Path, tmp_path: Path, form: str) -> None:
     change(cell, "files", lambda files: files[1:])
     with zipfile.ZipFile(tmp_path / "cell.zip", "w") as archive:
         for file in cell.iterdir():
@@ -189,9 +185,7 @@ def test_warnings_are_at_the_line_that_loads(cell: Path, tmp_path: Path) -> None
 
 def test_an_index_of_another_model_is_an_error(cell: Path) -> None:
     change(cell, "index", lambda index: {**index, "joints": index["joints"][::-1]})
-    with pytest.raises(
-        mjcompose.LoadError, match="the joints of the compiled .* are not those of its manifest"
-    ):
+    with pytest.raises(mjcompose.LoadError, match="the joints of the compiled .* are not those of its manifest"):
         mjcompose.load(cell)
     with pytest.warns(mjcompose.BundleWarning):
         assert mjcompose.load(cell, allow_changes=True).index.qpos["left/turn"] == 0
@@ -199,9 +193,7 @@ def test_an_index_of_another_model_is_an_error(cell: Path) -> None:
 
 def test_another_mujoco_is_told(cell: Path) -> None:
     change(cell, "mujoco", "3.1.0")
-    with pytest.warns(
-        mjcompose.BundleWarning, match=rf"verified by MuJoCo 3\.1\.0, and this is {mujoco.__version__}"
-    ):
+    with pytest.warns(mjcompose.BundleWarning, match=rf"verified by MuJoCo 3\.1\.0, and this is {mujoco.__version__}"):
         assert isinstance(mjcompose.load(cell), Loaded)
 
 
@@ -259,9 +251,7 @@ def test_a_manifest_that_is_another_says_why(cell: Path, change: dict[str, Any],
     assert "pydantic" not in said and "validation error" not in said
 
 
-@pytest.mark.parametrize(
-    ("text", "told"), [("{", "it is not JSON: EOF while parsing"), ("[]", "it is not a mapping")]
-)
+@pytest.mark.parametrize(("text", "told"), [("{", "it is not JSON: EOF while parsing"), ("[]", "it is not a mapping")])
 def test_a_manifest_that_is_none(cell: Path, text: str, told: str) -> None:
     (cell / "manifest.json").write_text(text)
     with pytest.raises(mjcompose.LoadError, match=told):

@@ -49,9 +49,7 @@ def test_worlds_step_as_in_mujoco(entity: str | None) -> None:
     for _ in range(100):
         sim.step()
     for name in ("timestep", "integrator", "iterations", "ls_iterations", "tolerance", "cone", "impratio"):
-        setattr(
-            study.nominal.opt, name, getattr(sim.mj_model.opt, name)
-        )  # mjlab writes its own into the model
+        setattr(study.nominal.opt, name, getattr(sim.mj_model.opt, name))  # mjlab writes its own into the model
     found = sim.data.qpos.cpu().numpy()
     assert np.allclose(found[:, -2:], stepped(study), atol=1e-5)
     if entity is not None:

@@ -50,9 +50,7 @@ def test_units_are_those_of_what_mujoco_computes() -> None:
 def test_limits_are_of_single_numbers() -> None:
     found = index()
     assert found.qpos.limits(["slide", "hinge"]).tolist() == [[0, 2], [-np.inf, np.inf]]
-    assert np.isinf(
-        found.qpos.limits("ball")
-    ).all()  # an angle of the whole, no bound of a quaternion's numbers
+    assert np.isinf(found.qpos.limits("ball")).all()  # an angle of the whole, no bound of a quaternion's numbers
     assert found.act.limits("creep").tolist() == [[0, 1]]
     assert found.ctrl.limits("push").tolist() == [[-3, 3]]
     assert found.sensordata.limits("gyro").tolist() == [[-7, 7]] * 3

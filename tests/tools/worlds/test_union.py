@@ -155,9 +155,7 @@ def test_worlds_behave_as_their_models(both: tuple[worlds.Worlds, list[mjcompose
             each_model.opt.tolerance, each_model.opt.iterations = 0, 300
         mine, other = mujoco.MjData(union), mujoco.MjData(model)
         for at, here, width in pairs:
-            assert np.allclose(
-                mine.qpos[here : here + width], other.qpos[at : at + width], rtol=0, atol=1e-14
-            )
+            assert np.allclose(mine.qpos[here : here + width], other.qpos[at : at + width], rtol=0, atol=1e-14)
         mine.ctrl[:], other.ctrl[:] = 0.3, 0.3
         for _ in range(300):
             mujoco.mj_step(union, mine)
@@ -176,9 +174,7 @@ def test_keys_and_masses(both: tuple[worlds.Worlds, list[mjcompose.Loaded]]) -> 
         union = found.model(world)
         assert np.isclose(union.body_mass.sum(), each.model.body_mass.sum())
         for at, here, width in joints(found, world, union, each.model):
-            assert np.allclose(
-                union.key_qpos[0, here : here + width], each.model.key_qpos[0, at : at + width]
-            )
+            assert np.allclose(union.key_qpos[0, here : here + width], each.model.key_qpos[0, at : at + width])
 
 
 def test_a_batch_of_a_union(both: tuple[worlds.Worlds, list[mjcompose.Loaded]]) -> None:
@@ -246,9 +242,7 @@ def test_what_no_part_can_be(tmp_path: Path, more: str, said: str) -> None:
         f"variants:\n tool:\n  hammer: {{}}\n  none: {{}}\n{more}",
     )
     result = run(tmp_path, text, "--as", "union", "--worlds", "study.npz", "-o", "out/", model=ARM)
-    assert result.exit_code == 1 and "error[not-a-world]" in result.output and said in result.output, (
-        result.output
-    )
+    assert result.exit_code == 1 and "error[not-a-world]" in result.output and said in result.output, result.output
     assert not (tmp_path / "out").exists()
 
 
@@ -284,8 +278,7 @@ def test_what_elements_refer_to_is_what_is_written() -> None:
 
     def of(kind: str, count: int) -> list[str]:
         return [
-            " ".join(table.names[each][number] for each, number in references(model, kind, at))
-            for at in range(count)
+            " ".join(table.names[each][number] for each, number in references(model, kind, at)) for at in range(count)
         ]
 
     assert of("pair", 1) == ["ga gb"] and of("exclude", 1) == ["a b"]
@@ -293,7 +286,8 @@ def test_what_elements_refer_to_is_what_is_written() -> None:
     assert of("equality", 5) == ["b a", "sb sa", "jb ja", "jb", "ts tf"]
     assert of("actuator", 6) == ["jb", "ja", "ts", "sb sa", "sa sb", "b"]
     assert of("sensor", 3) == ["jb", "sb ca", ""]
-    assert [*referring_bodies(model, "actuator", 2)] == [1, 2, 2, 2, 1] and [
-        *referring_bodies(model, "sensor", 1)
-    ] == [2, 1]
+    assert [*referring_bodies(model, "actuator", 2)] == [1, 2, 2, 2, 1] and [*referring_bodies(model, "sensor", 1)] == [
+        2,
+        1,
+    ]
     assert words(model, "equality", 0, lambda kind, at: table.names[kind][at]) == "equality 0 body b body a"

@@ -22,14 +22,7 @@ def mujoco_warp() -> Any:
 def test_worlds_step_as_in_mujoco(mujoco_warp: Any) -> None:
     study = arm()
     model = worlds.warp(study)
-    for name in (
-        "body_mass",
-        "body_inertia",
-        "body_subtreemass",
-        "dof_invweight0",
-        "dof_damping",
-        "body_pos",
-    ):
+    for name in ("body_mass", "body_inertia", "body_subtreemass", "dof_invweight0", "dof_damping", "body_pos"):
         assert np.allclose(getattr(model, name).numpy(), study.values(name), rtol=1e-6), name
     data = mujoco_warp.make_data(study.nominal, nworld=study.count)
     for _ in range(100):
@@ -53,9 +46,7 @@ def test_options_per_world(mujoco_warp: Any) -> None:
 )
 def test_what_is_once_for_all_worlds(mujoco_warp: Any, arrays: dict[str, Any], said: str) -> None:
     study = made(mujoco.MjModel.from_xml_string(TENDON), **arrays)
-    if "tendon_stiffness" in arrays and not hasattr(
-        mujoco_warp.put_model(study.nominal), "has_tendon_stiffness"
-    ):
+    if "tendon_stiffness" in arrays and not hasattr(mujoco_warp.put_model(study.nominal), "has_tendon_stiffness"):
         pytest.skip("this MuJoCo Warp looks at the springs of each world")
     with pytest.raises(mjcompose.LoadError, match=said) as caught:
         worlds.warp(study)

@@ -205,9 +205,7 @@ def test_models_are_gathered(matrix: Path, tmp_path: Path) -> None:
     """What a matrix sets and parameters that are drawn: numbers that only a build makes."""
     found = worlds.gather(matrix, where="step > 0")
     listed = list(mjcompose.load_many(matrix, where="step > 0"))
-    assert len(found) == len(listed) == 8 and {"opt.timestep", "body_pos", "qpos0"} - found.arrays.keys() == {
-        "qpos0"
-    }
+    assert len(found) == len(listed) == 8 and {"opt.timestep", "body_pos", "qpos0"} - found.arrays.keys() == {"qpos0"}
     found.save(tmp_path / "study.npz")
     for study in (found, worlds.load(listed[0].path, tmp_path / "study.npz")):
         for world, each in enumerate(listed):
@@ -274,22 +272,13 @@ def _rewritten(folder: Path, name: str, content: bytes) -> None:
 
 
 @pytest.mark.parametrize(
-    ("content", "said"),
-    [
-        (b"no archive", "cannot be read"),
-        (None, "are not of its model: `body_mass`"),
-    ],
+    ("content", "said"), [(b"no archive", "cannot be read"), (None, "are not of its model: `body_mass`")]
 )
-def test_worlds_that_are_not_of_the_model(
-    folder: Path, tmp_path: Path, content: bytes | None, said: str
-) -> None:
+def test_worlds_that_are_not_of_the_model(folder: Path, tmp_path: Path, content: bytes | None, said: str) -> None:
     out = tmp_path / "out"
     shutil.copytree(folder / "out", out)
     if content is None:
-        arrays: dict[str, Any] = {
-            "body_mass/index": np.array([99]),
-            "body_mass/values": np.ones((SAMPLES, 1)),
-        }
+        arrays: dict[str, Any] = {"body_mass/index": np.array([99]), "body_mass/values": np.ones((SAMPLES, 1))}
         np.savez(tmp_path / "other.npz", **arrays)
         with zipfile.ZipFile(tmp_path / "other.npz", "a") as archive:
             archive.writestr("about.json", json.dumps({"worlds": 1, "samples": SAMPLES, "seed": 7}))

@@ -58,9 +58,7 @@ _OF_BODIES = {"joint": ("joint", "freejoint"), "camera": ("camera",)}
 _SECTIONS = {"actuator": "actuator", "sensor": "sensor", "key": "keyframe"}
 
 
-def written_in(
-    model: Unit, index: Index, place: Callable[[Span], str]
-) -> dict[tuple[str, int], tuple[str, str]]:
+def written_in(model: Unit, index: Index, place: Callable[[Span], str]) -> dict[tuple[str, int], tuple[str, str]]:
     """Return tag and place by kind and number, without copies that MuJoCo made and the unnamed elements among them."""
     names = {
         "joint": [each.name for each in index.joints],
@@ -133,12 +131,7 @@ class Portable:
     """Names the files of one composition: the recipe, its `sources`, and the `fetched` origins of its recipes."""
 
     def __init__(
-        self,
-        recipe: Path,
-        sources: Iterable[Source],
-        fetched: Iterable[Fetched | None],
-        model: Unit,
-        context: Context,
+        self, recipe: Path, sources: Iterable[Source], fetched: Iterable[Fetched | None], model: Unit, context: Context
     ) -> None:
         self.folder = Path(real_path(recipe.parent))
         self.sources = tuple(sources)
@@ -287,12 +280,7 @@ def add_manifest(bundle: Bundle, making: ManifestInput, context: Context) -> Bun
         inputs=inputs,
         parts=tuple(_part(member, number, renamed) for number, member in enumerate(making.members)),
         adopted=tuple(
-            Adopted(
-                setting=each.setting,
-                value=each.value,
-                parts=each.parts,
-                origin=names.place(each.span),
-            )
+            Adopted(setting=each.setting, value=each.value, parts=each.parts, origin=names.place(each.span))
             for each in model.adopted
             if each.is_written
         ),
@@ -378,9 +366,7 @@ def _licenses(named: Iterable[tuple[str, Source]]) -> Licenses:
     return license_files(found)
 
 
-def _input(
-    source: Source, licenses: tuple[str, ...], portable: Portable, table: tuple[ReadRow, ...]
-) -> Input:
+def _input(source: Source, licenses: tuple[str, ...], portable: Portable, table: tuple[ReadRow, ...]) -> Input:
     origin = source.origin
     return Input(
         path=as_text(_path_of(source, portable)),

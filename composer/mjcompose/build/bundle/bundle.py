@@ -100,12 +100,7 @@ class OutputForm(StrEnum):
     SHARED = "folder with shared assets"
 
 
-_SUFFIXES = {
-    ".zip": OutputForm.ARCHIVE,
-    ".mjz": OutputForm.ARCHIVE,
-    ".xml": OutputForm.TEXT,
-    ".mjb": OutputForm.MJB,
-}
+_SUFFIXES = {".zip": OutputForm.ARCHIVE, ".mjz": OutputForm.ARCHIVE, ".xml": OutputForm.TEXT, ".mjb": OutputForm.MJB}
 _SUFFIXES |= dict.fromkeys((".usd", ".usda", ".usdc", ".usdz"), OutputForm.USD)
 
 
@@ -120,9 +115,7 @@ def form_of(out: str | PathLike[str]) -> OutputForm:
     name = fspath(out)
     path = Path(name)
     if not name:
-        raise OutputError(
-            "output-kind", "the output has no name", "write where the model should go: `-o out/`"
-        )
+        raise OutputError("output-kind", "the output has no name", "write where the model should go: `-o out/`")
     if name.endswith(("/", "\\")) or not path.suffix or os.path.isdir(path):
         return OutputForm.FOLDER
     form = _SUFFIXES.get(path.suffix.lower())
@@ -302,9 +295,7 @@ class Licenses:
     of: Mapping[str, tuple[str, ...]]
 
 
-def license_files(
-    licenses: Mapping[str, Iterable[Path]], read: Callable[[Path], bytes] = read_regular
-) -> Licenses:
+def license_files(licenses: Mapping[str, Iterable[Path]], read: Callable[[Path], bytes] = read_regular) -> Licenses:
     """Return every license file once, as `LICENSES/LABEL/FILE NAME`.
 
     `licenses` maps a label (a part's prefix such as `left/gripper`, or a source) to its license files. Equal files

@@ -56,9 +56,7 @@ Stored = dict[tuple[str, int], list[str]]
 """The paths of files that may replace equal ones, by suffix and size."""
 
 
-def collect(
-    model: Unit, uses: Iterable[FileUse], sink: Sink, shown: Callable[[Path], str] = str
-) -> dict[str, bytes]:
+def collect(model: Unit, uses: Iterable[FileUse], sink: Sink, shown: Callable[[Path], str] = str) -> dict[str, bytes]:
     """Return the bytes by path in the bundle.
 
     A missing file is reported where the model names it, under the name `shown`.
@@ -100,9 +98,7 @@ class _Room:
         most = written(name, getattr(in_force(), name.replace("-", "_")))
         what = "files" if name == "output-files" else "in its files"
         span = model.origins.span(use.element, model.file, use.attribute)
-        sink.error(
-            "limit-exceeded", f"the bundle would have more than {most} {what}", span, help=advice(name)
-        )
+        sink.error("limit-exceeded", f"the bundle would have more than {most} {what}", span, help=advice(name))
 
 
 def check_files(model: Unit, uses: Iterable[FileUse], sink: Sink, shown: Callable[[Path], str] = str) -> None:
@@ -130,20 +126,13 @@ def read(model: Unit, use: FileUse, sink: Sink, shown: Callable[[Path], str] = s
         called = f"`{shown(Path(use.source))}`"
         report = f"{called} is not the file itself but where Git LFS has it"
         span = model.origins.span(use.element, model.file, use.attribute)
-        sink.error(
-            "asset-missing", report, span, help=xml_faults.HELP, cause=Cause(f"lfs: {span.file}", called)
-        )
+        sink.error("asset-missing", report, span, help=xml_faults.HELP, cause=Cause(f"lfs: {span.file}", called))
         return None
     return content
 
 
 def _store(
-    model: Unit,
-    use: FileUse,
-    files: dict[str, bytes],
-    stored: Stored,
-    sink: Sink,
-    shown: Callable[[Path], str],
+    model: Unit, use: FileUse, files: dict[str, bytes], stored: Stored, sink: Sink, shown: Callable[[Path], str]
 ) -> str | None:
     """Return the path of a file's bytes in the bundle: its own path, or that of an equal file of the same kind."""
     content = read(model, use, sink, shown=shown)
@@ -188,10 +177,7 @@ def _missing(model: Unit, use: FileUse, error: OSError, sink: Sink, shown: Calla
         help = "compare the path with what is on the disk"
         folder = source.parent
     if not isinstance(error, FileNotFoundError):
-        message, help = (
-            f"the file `{shown(source)}` cannot be read: {(error.strerror or str(error)).lower()}",
-            None,
-        )
+        message, help = (f"the file `{shown(source)}` cannot be read: {(error.strerror or str(error)).lower()}", None)
         folder = None
     archive = in_archive(source)
     if archive is not None:

@@ -82,14 +82,9 @@ def check_index(expected: Index, actual: Index, shown: str, sink: Sink) -> None:
 
 def _plain(kind: str, entries: Sequence[Any]) -> list[str]:
     """Return entries as text, without their origin and type of writing."""
-    return [
-        each.model_dump_json(exclude=_HOW_WRITTEN if kind == "actuators" else {"origin"}) for each in entries
-    ]
+    return [each.model_dump_json(exclude=_HOW_WRITTEN if kind == "actuators" else {"origin"}) for each in entries]
 
 
 def _both(first: Sequence[str], second: Sequence[str]) -> Iterator[tuple[str | None, str | None]]:
     for number in range(max(len(first), len(second))):
-        yield (
-            first[number] if number < len(first) else None,
-            second[number] if number < len(second) else None,
-        )
+        yield (first[number] if number < len(first) else None, second[number] if number < len(second) else None)

@@ -51,8 +51,7 @@ def license_table(rows: Iterable[Row]) -> str:
     lines += [(row.part, row.source, row.license or UNKNOWN, ", ".join(row.files) or "-") for row in rows]
     widths = [max(len(line[column]) for line in lines) for column in range(3)]
     return "\n".join(
-        "  ".join([*(text.ljust(width) for text, width in zip(line, widths, strict=False)), line[3]])
-        for line in lines
+        "  ".join([*(text.ljust(width) for text, width in zip(line, widths, strict=False)), line[3]]) for line in lines
     )
 
 

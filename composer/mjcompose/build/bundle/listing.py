@@ -122,9 +122,7 @@ def _rows_at(address: str, shown: str) -> Iterator[Row]:
     try:
         with open_remote(address) as (fs, path):
             found = (
-                [path]
-                if fs.isfile(path)
-                else _indexes({each.rpartition("/")[2]: each for each in fs.ls(path, False)})
+                [path] if fs.isfile(path) else _indexes({each.rpartition("/")[2]: each for each in fs.ls(path, False)})
             )
             if not found:
                 raise _none(shown)
@@ -184,9 +182,7 @@ def _of_parquet(stream: IO[bytes], file: str) -> tuple[Sequence[str], Iterator[M
         table = parquet.ParquetFile(stream)
     except pyarrow.ArrowInvalid as error:
         raise ListingError("file-unreadable", f"`{file}` cannot be read: {error}") from error
-    return table.schema_arrow.names, (
-        row for batch in table.iter_batches(_BATCH) for row in batch.to_pylist()
-    )
+    return table.schema_arrow.names, (row for batch in table.iter_batches(_BATCH) for row in batch.to_pylist())
 
 
 def _files(path: Path, shown: str) -> list[Path]:
@@ -203,9 +199,7 @@ def _files(path: Path, shown: str) -> list[Path]:
 def _indexes(names: Mapping[str, Item]) -> list[Item]:
     """Return the index of a folder and its parts: CSV, or Parquet if there is no CSV."""
     for form in _FORMS:
-        parts = sorted(
-            (name for name in names if _PART.fullmatch(name) and name.endswith(form)), key=_in_order
-        )
+        parts = sorted((name for name in names if _PART.fullmatch(name) and name.endswith(form)), key=_in_order)
         if found := [names[name] for name in (f"models{form}", *parts) if name in names]:
             return found
     return []
@@ -306,6 +300,4 @@ class Condition:
 
     def _fault(self, error: ExpressionError) -> ListingError:
         assert not isinstance(error, UnknownName)  # missing names are counted
-        return ListingError(
-            "expression", f"`{self.text}`, character {error.at[0] + 1}: {error.message}", error.help
-        )
+        return ListingError("expression", f"`{self.text}`, character {error.at[0] + 1}: {error.message}", error.help)

@@ -107,8 +107,7 @@ class Input(_Part):
     origin: Origin | None = Field(default=None, description="null for a file that is named by its path.")
     license: str | None = Field(default=None, description="As an SPDX expression; null when it is not known.")
     licenses: tuple[str, ...] = Field(
-        default=(),
-        description="Its license files, as paths in this bundle; equal ones of several parts are one file.",
+        default=(), description="Its license files, as paths in this bundle; equal ones of several parts are one file."
     )
     package: str | None = Field(default=None, description="The Python package it came from.")
     version: str | None = Field(default=None, description="The version of that package, or the commit.")
@@ -126,9 +125,7 @@ def _finite(value: dict[str, Any]) -> dict[str, Any]:
 class Part(_Part):
     """What an input became: where its own world stands, and what of it the recipe changed on purpose."""
 
-    part: str = Field(
-        description="What the recipe calls it; `base` is the model that the recipe starts from."
-    )
+    part: str = Field(description="What the recipe calls it; `base` is the model that the recipe starts from.")
     input: int = Field(ge=0, description="Which of the inputs it is, counted from 0.")
     prefix: str = Field(description="What stands before its names, separator included.")
     body: str | None = Field(default=None, description="The body it is fixed to; null for the world.")
@@ -137,8 +134,7 @@ class Part(_Part):
     )
     quat: tuple[float, float, float, float] | None = Field(default=(1, 0, 0, 0), description="Likewise.")
     keys: str | None = Field(
-        default="",
-        description="What stands before the names of its keyframes; null where they were left out.",
+        default="", description="What stands before the names of its keyframes; null where they were left out."
     )
     renamed: dict[str, dict[str, str]] = Field(
         default={},
@@ -147,9 +143,7 @@ class Part(_Part):
     )
     welded: bool = Field(default=False, description="Whether free joints at its root were taken away.")
     stands: bool = Field(default=True, description="Whether it is fixed in the world.")
-    changed: tuple[str, ...] = Field(
-        default=(), description="The arrays of mjModel that the recipe changes in it."
-    )
+    changed: tuple[str, ...] = Field(default=(), description="The arrays of mjModel that the recipe changes in it.")
     replaced_keys: tuple[str, ...] = Field(
         default=(), description="Names of keyframes that the recipe writes in place of its own."
     )
@@ -183,9 +177,7 @@ class File(_Part):
     size: int = Field(ge=0, description="In bytes.")
 
 
-_ORIGIN = Field(
-    default=None, description="Where it is written, as FILE:LINE; null for what MuJoCo multiplies."
-)
+_ORIGIN = Field(default=None, description="Where it is written, as FILE:LINE; null for what MuJoCo multiplies.")
 Range = tuple[float | None, float | None]
 """Lower and upper end; None for no limit."""
 
@@ -218,9 +210,7 @@ class Actuator(_Part):
     """An actuator and its entries in ctrl and act."""
 
     name: str
-    type: str | None = Field(
-        default=None, description="The tag MJCF has for it; null for what MuJoCo multiplies."
-    )
+    type: str | None = Field(default=None, description="The tag MJCF has for it; null for what MuJoCo multiplies.")
     ctrl: int = Field(ge=0, description="Where its entries in ctrl begin.")
     ctrl_size: int = Field(ge=0)
     act: int | None = Field(default=None, description="Where its entries in act begin; null without any.")
@@ -233,9 +223,7 @@ class Actuator(_Part):
     ranges: tuple[Range | None, ...] = Field(
         default=(), description="Of each control, in its unit; null for one that is not limited."
     )
-    act_range: Range | None = Field(
-        default=None, description="Of its activation; null when that is not limited."
-    )
+    act_range: Range | None = Field(default=None, description="Of its activation; null when that is not limited.")
     force_range: Range | None = Field(
         default=None, description="Of the force or torque it gives; null when that is not limited."
     )
@@ -315,9 +303,7 @@ class GeneratedShape(_Part):
     """What `collision` or `simplify` made of a mesh, and how far it is from it."""
 
     mesh: str
-    geom: str = Field(
-        default="", description="The geom that no longer touches; empty for one without a name."
-    )
+    geom: str = Field(default="", description="The geom that no longer touches; empty for one without a name.")
     how: str = Field(description="The method with its settings.")
     shapes: tuple[str, ...] = Field(
         default=(), description="The geoms that touch in its place; none of a mesh that was simplified."
@@ -332,9 +318,7 @@ class GeneratedShape(_Part):
         description="Of all shapes together, by that of the mesh; null for a mesh that is open."
     )
     samples: int = Field(ge=0, description="At how many points the distances were measured.")
-    made_with: dict[str, str] = Field(
-        default={}, description="The packages that made it, and their versions."
-    )
+    made_with: dict[str, str] = Field(default={}, description="The packages that made it, and their versions.")
     key: str = Field(description="The hash of what it follows from.")
     origin: str | None = Field(default=None, description="Where it is written, as FILE:LINE.")
 
@@ -367,8 +351,7 @@ class Manifest(_Part):
     mujoco: str | None = Field(description="The version of MuJoCo that verified it; null when none did.")
     grammar: str = Field(description="The version of MuJoCo whose MJCF the grammar describes.")
     extensions: dict[str, str] = Field(
-        default={},
-        description="The other packages whose words the recipe uses, and their versions; left out without.",
+        default={}, description="The other packages whose words the recipe uses, and their versions; left out without."
     )
     recipe: Recipe | None = Field(default=None, description="null for a model that Python composed.")
     separator: str = Field(default="/", description="What stands between a prefix and a name.")
@@ -395,16 +378,13 @@ class Manifest(_Part):
         description="What `--dedup` merged, by kind: for each name that is gone, the name that stands for it.",
     )
     picture: str | None = Field(
-        default=None,
-        description="Of `--picture`: a picture of the model, beside the bundle; left out without one.",
+        default=None, description="Of `--picture`: a picture of the model, beside the bundle; left out without one."
     )
     target: TargetRecord | None = Field(
         default=None, description="Of `--target`: what the bundle was written for; left out without one."
     )
     union: int | None = Field(
-        default=None,
-        ge=2,
-        description="Of a union: how many models it has the parts of; left out for any other model.",
+        default=None, ge=2, description="Of a union: how many models it has the parts of; left out for any other model."
     )
     made: tuple[GeneratedShape, ...] = Field(
         default=(), description="What was made of meshes; left out where nothing was."

@@ -64,9 +64,7 @@ def files_outside(folder: Path, model: str, shown: str) -> tuple[Diagnostic, ...
     if unit is not None:
         all_admitted(unit, found, name)
     refused = tuple(each for each in (*sink.errors, *found.errors) if each.code in _CODES)
-    return refused or (
-        () if unit is not None else tuple(each for each in sink.errors if each.code == "xml-syntax")
-    )
+    return refused or (() if unit is not None else tuple(each for each in sink.errors if each.code == "xml-syntax"))
 
 
 _ROOT = re.compile(rb"(?:\xef\xbb\xbf)?\s*(?:<\?.*?\?>\s*|<!.*?-->\s*)*<mujoco[\s>/]", re.DOTALL)
@@ -137,9 +135,7 @@ def _check_size(bundle: Bundle, path: Path, shown: str) -> None:
     parse_text(text, found, file=bundle.model, directory=path, label=path.stem, contents=bundle.files)
     for fault in found.errors:
         if fault.code == "limit-exceeded":
-            raise ReadError(
-                fault.code, f"`{shown}`: {fault.message}", fault.help, notes=(f"at {fault.span}",)
-            )
+            raise ReadError(fault.code, f"`{shown}`: {fault.message}", fault.help, notes=(f"at {fault.span}",))
 
 
 def _read_folder(folder: Path, limits: ReadLimits, shown: str) -> dict[str, bytes]:

@@ -48,9 +48,7 @@ def open_remote(address: str) -> Iterator[tuple[FileSystem, str]]:
     try:
         import fsspec
     except ImportError:
-        raise RemoteError(
-            'addresses need the Python package `fsspec`: run `pip install "mjcompose[remote]"`'
-        ) from None
+        raise RemoteError('addresses need the Python package `fsspec`: run `pip install "mjcompose[remote]"`') from None
     try:
         fs, path = fsspec.core.url_to_fs(address)
         fs.invalidate_cache()
@@ -98,9 +96,7 @@ def deliver_folder(folder: Path, address: str) -> None:
                 f"replacing `{hide(address)}` would delete files that mjcompose did not write: `{foreign[0]}`",
                 "move them elsewhere, or choose another address",
             )
-        new = {
-            each.relative_to(folder).as_posix(): each for each in folder.rglob("*") if os.path.isfile(each)
-        }
+        new = {each.relative_to(folder).as_posix(): each for each in folder.rglob("*") if os.path.isfile(each)}
         if MANIFEST in there:
             fs.rm_file(f"{path}/{MANIFEST}")
         for name in sorted(new, key=lambda name: name == MANIFEST):
@@ -215,9 +211,7 @@ def write_shared(bundle: Bundle, out: Path, above: int = 1) -> tuple[Path, ...]:
     Raises OutputError, and then leaves `out` as it was, with at most additional complete assets next to it.
     """
     if out.name == ASSETS:
-        raise OutputError(
-            "output-kind", f"the folder `{out}` is that of the assets", "give the model another name"
-        )
+        raise OutputError("output-kind", f"the folder `{out}` is that of the assets", "give the model another name")
     own, assets = split_shared_assets(bundle, above)
     folder = out.parents[above - 1] / ASSETS
     for name, content in assets.items():

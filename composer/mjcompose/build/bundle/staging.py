@@ -63,12 +63,7 @@ def staged_file(
 
 @contextlib.contextmanager
 def staged_folder(
-    out: Path,
-    option: str | None = None,
-    *,
-    inputs: Iterable[Path] = (),
-    into: bool = False,
-    replaces: bool = False,
+    out: Path, option: str | None = None, *, inputs: Iterable[Path] = (), into: bool = False, replaces: bool = False
 ) -> Iterator[Path]:
     """Yield a path for a folder that the block makes and that moves to `out`, as `staged_file` does.
 
@@ -223,9 +218,7 @@ def write_files(bundle: Bundle, folder: Path) -> None:
 _LITTER = {"MUJOCO_LOG.TXT", ".DS_Store", "Thumbs.db", "desktop.ini"}
 
 
-def write_folder(
-    bundle: Bundle, out: Path, option: str | None = None, *, inputs: Iterable[Path] = ()
-) -> None:
+def write_folder(bundle: Bundle, out: Path, option: str | None = None, *, inputs: Iterable[Path] = ()) -> None:
     """Write the bundle's files into the folder `out`, which then holds nothing else.
 
     The folder is built next to `out` and renamed. An existing folder is replaced only if it is empty or an earlier
@@ -298,11 +291,7 @@ def _raise(error: OSError) -> None:
 
 
 def write_mjb(
-    bundle: Bundle,
-    out: Path,
-    *,
-    limits: engine.Limits | None = None,
-    session: engine.Session | None = None,
+    bundle: Bundle, out: Path, *, limits: engine.Limits | None = None, session: engine.Session | None = None
 ) -> None:
     """Compile the bundle and write MuJoCo's binary form, which only the same version of MuJoCo reads.
 
@@ -316,9 +305,7 @@ def write_mjb(
         try:
             with scratch("bundle") as folder:
                 write_files(bundle, Path(folder))
-                compiled = engine.compile(
-                    Path(folder), bundle.model, mjb=stage, limits=limits, session=session
-                )
+                compiled = engine.compile(Path(folder), bundle.model, mjb=stage, limits=limits, session=session)
         except OSError as error:
             raise unwritable_error("a temporary folder", error) from error
         if not compiled.ok:

@@ -136,9 +136,7 @@ _UTF8 = 0x800
 _MODE = 0o100644
 
 
-def write_archive(
-    bundle: Bundle, out: Path, environment: Mapping[str, str], packing: Packing = pack_file
-) -> None:
+def write_archive(bundle: Bundle, out: Path, environment: Mapping[str, str], packing: Packing = pack_file) -> None:
     """Write the bundle as a zip to `out`: the model first, then the other files sorted by path.
 
     (Other XML files come before the model, because `MjSpec.from_zip` takes the last one.)
@@ -146,23 +144,14 @@ def write_archive(
     All files are dated 1980-01-01, or SOURCE_DATE_EPOCH of the environment (seconds, UTC). Raises OutputError, and
     then leaves an older `out` untouched.
     """
-    write_packed(
-        bundle.files, bundle.model, out, environment=environment, packed=lambda path: packing(bundle, path)
-    )
+    write_packed(bundle.files, bundle.model, out, environment=environment, packed=lambda path: packing(bundle, path))
 
 
 def write_packed(
-    paths: Iterable[str],
-    model: str,
-    out: Path,
-    environment: Mapping[str, str],
-    packed: Callable[[str], Packed],
+    paths: Iterable[str], model: str, out: Path, environment: Mapping[str, str], packed: Callable[[str], Packed]
 ) -> None:
     """Write a bundle, given its paths and its compressed files."""
-    if model.endswith(".xml") and model not in (
-        MODEL,
-        f"{out.stem}.xml",
-    ):  # MuJoCo opens only MJCF
+    if model.endswith(".xml") and model not in (MODEL, f"{out.stem}.xml"):  # MuJoCo opens only MJCF
         raise OutputError(
             "output-kind",
             f"MuJoCo opens `{MODEL}` or `{out.stem}.xml` in `{out.name}`, and the model is `{model}`",
@@ -218,9 +207,7 @@ def write_text(bundle: Bundle, out: Path) -> None:
 def needed_files(bundle: Bundle) -> list[str]:
     """Return the files that the model's MJCF needs to load."""
     return [
-        path
-        for path in bundle.files
-        if path not in (bundle.model, MANIFEST) and not path.startswith(f"{LICENSES}/")
+        path for path in bundle.files if path not in (bundle.model, MANIFEST) and not path.startswith(f"{LICENSES}/")
     ]
 
 
@@ -263,9 +250,7 @@ def write_usd(
                 'run `pip install "mjcompose[usd]"` in an environment with Python 3.12 or older',
             )
         if exported.error is not None:
-            raise OutputError(
-                "output-unwritable", f"cannot write `{out}`: {' '.join(exported.error.split())}"
-            )
+            raise OutputError("output-unwritable", f"cannot write `{out}`: {' '.join(exported.error.split())}")
         if exported.textures:
             raise OutputError(
                 "output-kind",
@@ -294,11 +279,7 @@ class OutputOrigin:
         """
         if self.recipe != new.recipe:
             return {"recipe": self.recipe}
-        return {
-            name: value
-            for name, value in self.values.items()
-            if name in new.values and new.values[name] != value
-        }
+        return {name: value for name, value in self.values.items() if name in new.values and new.values[name] != value}
 
 
 def origin_of_output(out: Path | str) -> OutputOrigin | None:
@@ -311,15 +292,7 @@ def origin_of_output(out: Path | str) -> OutputOrigin | None:
         if manifest["sample"] is not None:
             values["sample"] = manifest["sample"]
         return OutputOrigin(str(manifest["recipe"]["path"]), values)
-    except (
-        OSError,
-        ValueError,
-        KeyError,
-        TypeError,
-        RecursionError,
-        NotImplementedError,
-        zipfile.BadZipFile,
-    ):
+    except (OSError, ValueError, KeyError, TypeError, RecursionError, NotImplementedError, zipfile.BadZipFile):
         return None  # any other file: `staged_file` decides whether it may be replaced
 
 

@@ -78,9 +78,7 @@ class BuildResult:
         return replace(self, built=None, record=None, bundle=None, packed={}, text=None, key=None, inputs=())
 
 
-def result_of_build(
-    built: Built, licenses: Iterable[Row], why: tuple[str, ...], key: CacheKey | None
-) -> BuildResult:
+def result_of_build(built: Built, licenses: Iterable[Row], why: tuple[str, ...], key: CacheKey | None) -> BuildResult:
     """Return a model that was built now."""
     from mjcompose.build.plan.describe import allowed_everywhere
 
@@ -271,13 +269,7 @@ class Maker:
             self._ahead.end()
             self._ahead = None
         build = stages.Build(
-            plan,
-            request,
-            context,
-            session=session,
-            library=self.library,
-            outcomes=outcomes,
-            on_bundle=self._pack_ahead,
+            plan, request, context, session=session, library=self.library, outcomes=outcomes, on_bundle=self._pack_ahead
         )
         built = build.run()
         if built is None:
@@ -429,11 +421,7 @@ class Maker:
         files.forget()
         paths = names.recipes(built.plan), names.others(built, context)
         own = os.fspath(cache.store.folder) + os.sep
-        if any(
-            files.changed_since(path, self._since) and not path.startswith(own)
-            for each in paths
-            for path in each
-        ):
+        if any(files.changed_since(path, self._since) and not path.startswith(own) for each in paths for path in each):
             return
         recipes, others = ([files.look(path) for path in each] for each in paths)
         known = {each.state: each.path for each in others if not os.path.isdir(each.path)}

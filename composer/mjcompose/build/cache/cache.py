@@ -80,9 +80,7 @@ def _stamps(outputs: Iterable[str]) -> list[list[object]]:
             found += stamps(out)
             continue
         below = os.path.isdir(out)
-        paths += (
-            [os.path.join(at, name) for at, _, names in os.walk(out) for name in names] if below else [out]
-        )
+        paths += [os.path.join(at, name) for at, _, names in os.walk(out) for name in names] if below else [out]
     for path in sorted(paths):
         try:
             found.append([path, *stamp_of(os.lstat(path))])
@@ -178,8 +176,7 @@ def from_json(text: bytes) -> Record:
 
 def _diagnostic(data: dict[str, Any]) -> Diagnostic:
     notes, others = (
-        tuple(Note(each["message"], _span(each["span"])) for each in data[kind])
-        for kind in ("notes", "others")
+        tuple(Note(each["message"], _span(each["span"])) for each in data[kind]) for kind in ("notes", "others")
     )
     return Diagnostic(
         data["code"],
@@ -261,16 +258,12 @@ class Cache:
     def _mark_used(self, answer: Answer) -> None:
         """Mark the fetched sources that the answer needs as used."""
         own = os.path.join(self.store.folder, "")
-        inside = (
-            each.path.removeprefix(own).split(os.sep) for each in answer.inputs if each.path.startswith(own)
-        )
+        inside = (each.path.removeprefix(own).split(os.sep) for each in answer.inputs if each.path.startswith(own))
         for folder in {os.path.join(*path[:2]) for path in inside if path[0] in KINDS and len(path) > 2}:
             with contextlib.suppress(OSError):  # the store of another user may be read-only
                 os.utime(self.store.folder / folder / ENTRY)
 
-    def keep(
-        self, key: CacheKey, record: Record, inputs: Iterable[FileState], packages: Iterable[Package]
-    ) -> None:
+    def keep(self, key: CacheKey, record: Record, inputs: Iterable[FileState], packages: Iterable[Package]) -> None:
         """Store the answer to a key."""
         text = to_json(record)
         digest = key_of([text.decode()])
@@ -327,11 +320,7 @@ class Cache:
         data = _read(self.store.folder, key)
         try:
             return [
-                Answer(
-                    each["record"],
-                    tuple(map(file_state, each["inputs"])),
-                    tuple(map(tuple, each["packages"])),
-                )
+                Answer(each["record"], tuple(map(file_state, each["inputs"])), tuple(map(tuple, each["packages"])))
                 for each in data or ()
             ]
         except (TypeError, ValueError, KeyError):
@@ -370,9 +359,7 @@ class Cache:
 
     def _refresh(self, key: CacheKey, answer: Answer, answers: Sequence[Answer]) -> None:
         """Move the answer to the front, with the current stamps of its files."""
-        now = Answer(
-            answer.record, tuple(self.files.look(each.path) for each in answer.inputs), answer.packages
-        )
+        now = Answer(answer.record, tuple(self.files.look(each.path) for each in answer.inputs), answer.packages)
         if now != answers[0]:
             self._write(key, [now, *(each for each in answers if each is not answer)])
 
@@ -385,11 +372,7 @@ class Cache:
                 states.add(state)
                 kept.append(each)
         data = [
-            {
-                "record": each.record,
-                "inputs": [one.as_data() for one in each.inputs],
-                "packages": each.packages,
-            }
+            {"record": each.record, "inputs": [one.as_data() for one in each.inputs], "packages": each.packages}
             for each in kept[:_ANSWERS]
         ]
         self._put("asked", key.digest, _dump(data))
@@ -406,9 +389,7 @@ class Cache:
             self.grown = True
         except OSError as error:
             self.broken = True
-            self.warn(
-                f"what was built is not kept in `{self.store.folder}`: {(error.strerror or str(error)).lower()}"
-            )
+            self.warn(f"what was built is not kept in `{self.store.folder}`: {(error.strerror or str(error)).lower()}")
 
 
 def open_cache(store: Store, sink: Sink) -> Cache:

@@ -294,9 +294,7 @@ def plan_content(plan: Plan) -> list[object]:
     for each in plan.plans():
         scope = [[name, repr(value)] for name, value in sorted(each.scope.items())]
         values = list(_values(each.document, ""))
-        read = [
-            [file, settings.angle, settings.eulerseq] for file, settings in each.angle_context.others.items()
-        ]
+        read = [[file, settings.angle, settings.eulerseq] for file, settings in each.angle_context.others.items()]
         sources = [_source(part.model) for part in each.members]
         found.append([each.name, str(each.path), scope, values, read, sources])
     return found
@@ -403,9 +401,7 @@ def value_changes(name: str, was: str | None, now: str | None) -> Iterator[str]:
             if new is None:
                 yield f"`{each}` in {file} was {old}, is no longer there"
             elif old != new:
-                yield f"`{each}` in {file} " + (
-                    f"is {new}, is new" if old is None else f"was {old}, is {new}"
-                )
+                yield f"`{each}` in {file} " + (f"is {new}, is new" if old is None else f"was {old}, is {new}")
 
 
 def _values_by_name(content: str) -> dict[str, str] | None:

@@ -88,12 +88,7 @@ class CellMaker:
         return own, made, outcomes, why
 
     def _made(
-        self,
-        cell: Cell,
-        own: Context,
-        result: BuildResult | None,
-        outcomes: list[Outcome],
-        why: tuple[str, ...],
+        self, cell: Cell, own: Context, result: BuildResult | None, outcomes: list[Outcome], why: tuple[str, ...]
     ) -> CellResult:
         if result is None:
             with interruptible():
@@ -223,9 +218,7 @@ class Job:
         cache = None if self.store is None else open_cache(self.store, sink)
         if cache is not None:
             cache.on_keep = on_keep
-        maker = Maker(
-            self.recipe, self.options, cache, context=self.context, form=self.form, place=self.place
-        )
+        maker = Maker(self.recipe, self.options, cache, context=self.context, form=self.form, place=self.place)
         with files.run(), allow(**asdict(self.limits)), Session(remembers=True) as session:
             files.current().note(self.noted)
             making = CellMaker(maker, self.given, session, finish=self.finish)
@@ -362,6 +355,4 @@ def _add_up(whole: list[tuple[str, float]], more: Iterable[tuple[str, float]]) -
 def _lost(cell: Cell, died: Died) -> CellResult:
     message = f"the process that made this model {died.how}, twice"
     help = "if memory ran out, give `--jobs` a smaller number; with `--jobs 1` no other process is used"
-    return CellResult(
-        cell, None, True, diagnostics=(Diagnostic("worker-died", message, cell.span, help=help),)
-    )
+    return CellResult(cell, None, True, diagnostics=(Diagnostic("worker-died", message, cell.span, help=help),))

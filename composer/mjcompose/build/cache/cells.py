@@ -55,9 +55,7 @@ def with_samples(path: Path, matrix: Matrix, given: dict[str, Node], context: Co
     A cell that draws nothing stays as it is.
     """
     document, cells, sink = matrix.document, matrix.cells, context.sink
-    if not {"randomize", "variants"} & document.entries.keys() or (
-        "matrix" in document.entries and not cells
-    ):
+    if not {"randomize", "variants"} & document.entries.keys() or ("matrix" in document.entries and not cells):
         return cells
     before = sink.error_count
     found: list[Cell] = []

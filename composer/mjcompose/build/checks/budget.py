@@ -91,9 +91,7 @@ def _meshes(scope: Scope) -> int:
 def _textures(scope: Scope) -> int:
     model, total = scope.model, 0
     for texture in scope.own("texture"):
-        total += (
-            int(model.tex_height[texture]) * int(model.tex_width[texture]) * int(model.tex_nchannel[texture])
-        )
+        total += int(model.tex_height[texture]) * int(model.tex_width[texture]) * int(model.tex_nchannel[texture])
     return total
 
 
@@ -104,10 +102,7 @@ def _contacts(scope: Scope, keys: list[str], *, everywhere: bool) -> tuple[int, 
     most, where = 0, "the reference configuration"
     for name, data in poses:
         scope.mujoco.mj_fwdPosition(scope.model, data)
-        count = sum(
-            all(geom < 0 or scope.owns("geom", int(geom)) for geom in contact.geom)
-            for contact in data.contact
-        )
+        count = sum(all(geom < 0 or scope.owns("geom", int(geom)) for geom in contact.geom) for contact in data.contact)
         if count > most:
             most, where = count, name
     return most, f", in {where}"

@@ -16,12 +16,7 @@ from mjcompose.mujoco.attributes import ON_BODIES, Model, NameTable, holder
 
 
 def failed(
-    message: str,
-    expected: str,
-    actual: str,
-    *at: str | int,
-    more: Iterable[str] = (),
-    help: str | None = None,
+    message: str, expected: str, actual: str, *at: str | int, more: Iterable[str] = (), help: str | None = None
 ) -> Fault:
     """Return a finding with the expected and the actual value.
 
@@ -113,15 +108,11 @@ class Scope:
             return self.owns("body", holder(self.model, kind, index))
         from mjcompose.mujoco.references import links
 
-        return any(
-            self.owns(each.kind, each.index) for each in links(self.model, kind, index) if each.index >= 0
-        )
+        return any(self.owns(each.kind, each.index) for each in links(self.model, kind, index) if each.index >= 0)
 
     def _is_own(self, name: str) -> bool:
         # The body and joint that carry a part are named by its prefix alone. They do not belong to the part.
-        return (
-            name.startswith(self.prefix) and name != self.prefix and not name.startswith(tuple(self.others))
-        )
+        return name.startswith(self.prefix) and name != self.prefix and not name.startswith(tuple(self.others))
 
     def called(self, kind: str, index: int) -> str:
         """Return an element's name for messages: geom `pad`, or geom #2 of body `hand`."""
@@ -225,11 +216,7 @@ def poses(scope: Scope, globs: Sequence[str]) -> list[tuple[str, Any]] | Fault:
     if not globs:
         return [("", scope.at_key(None))]
     names = keys_named(scope, globs)
-    return (
-        names
-        if isinstance(names, Fault)
-        else [(f" in `{name}`", data) for name, data in at_keys(scope, names)]
-    )
+    return names if isinstance(names, Fault) else [(f" in `{name}`", data) for name, data in at_keys(scope, names)]
 
 
 def at_keys(scope: Scope, names: Sequence[str]) -> Iterator[tuple[str, Any]]:

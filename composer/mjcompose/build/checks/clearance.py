@@ -34,11 +34,7 @@ class Clearance(Check):
     """the least distance, in metres; below 0 it is how deep they may be in each other"""
     excepted: Annotated[
         tuple[
-            Annotated[
-                tuple[_GLOB, ...],
-                Items(2, 2),
-                Expects("pairs of globs, each a list of its own", "[[a, b]]"),
-            ],
+            Annotated[tuple[_GLOB, ...], Items(2, 2), Expects("pairs of globs, each a list of its own", "[[a, b]]")],
             ...,
         ],
         Items(),
@@ -157,9 +153,7 @@ def _geoms(scope: Scope, globs: Sequence[str]) -> list[int]:
     return list(dict.fromkeys(geoms))
 
 
-def _apart(
-    scope: Scope, data: Any, sides: Sequence[Sequence[int]], least: float
-) -> Iterator[tuple[Pair, float]]:
+def _apart(scope: Scope, data: Any, sides: Sequence[Sequence[int]], least: float) -> Iterator[tuple[Pair, float]]:
     """Yield the pairs of geoms of the two sides that are on different bodies, with their distance up to `least`."""
     import numpy as np
 

@@ -83,10 +83,7 @@ WHERE = "where"
 _INDEXED = re.compile(r"([A-Za-z]\w*)(?:\[(\d{1,3})\])?")
 _BY_TAG: Table[Any] = Table(
     "tags",
-    {
-        tag: Annotated[str, Name(tag, glob=True), Field(description=f"a glob over names: {tag}")]
-        for tag in TAGS
-    },
+    {tag: Annotated[str, Name(tag, glob=True), Field(description=f"a glob over names: {tag}")] for tag in TAGS},
     "",
 )
 
@@ -150,11 +147,7 @@ class _OneTag:
         elif not tags and not unknown:
             note = exists_note("tag", TAGS)
             yield Fault(
-                "missing-key",
-                f"{IT} lacks a tag",
-                key=True,
-                notes=(note,),
-                help="write for instance `site: NAME`",
+                "missing-key", f"{IT} lacks a tag", key=True, notes=(note,), help="write for instance `site: NAME`"
             )
 
     def schema(self) -> Iterator[Schema]:
@@ -165,10 +158,7 @@ class _OneTag:
                 "then": {"properties": others, "errorMessage": f"`{tag}` is there already"},
             }
         none: Schema = dict.fromkeys(TAGS, False)
-        yield {
-            "if": {"properties": none},
-            "then": {"required": ["site"], "errorMessage": "write a tag: `site: NAME`"},
-        }
+        yield {"if": {"properties": none}, "then": {"required": ["site"], "errorMessage": "write a tag: `site: NAME`"}}
 
 
 _BESIDE = "write `{0}` beside `select`, behind the `}}` of the selector: `{0}: …`"
@@ -194,9 +184,7 @@ class Selector(CheckPart):
     """only what has a body of that name somewhere around it"""
     where: (
         Annotated[
-            dict[str, Any],
-            Field(min_length=1),
-            Expects("a mapping from attributes to values", '{"size[0]": 0.1}'),
+            dict[str, Any], Field(min_length=1), Expects("a mapping from attributes to values", '{"size[0]": 0.1}')
         ]
         | None
     ) = None
@@ -291,11 +279,7 @@ class Expect(Check):
         elif self.equals is None and self.range is None:
             help = "write `equals: VALUE`, or `range: [LOW, HIGH]`"
             yield Fault(
-                "missing-key",
-                f"`attr` of {OWNER} does not say which value it has",
-                ("attr",),
-                key=True,
-                help=help,
+                "missing-key", f"`attr` of {OWNER} does not say which value it has", ("attr",), key=True, help=help
             )
         elif self.equals is not None and len(self.equals) > 1 and (tag is None or attr[1] is not None):
             message = f"`equals` of {OWNER} expects one number, got a list"
@@ -342,10 +326,7 @@ def _attribute(tag: str | None, written: str, others: Collection[str] = ()) -> t
         message = f"`{written}` is not a number of the model that {OWNER} could ask for"
         owners = [each for each in WITH_NUMBERS if name in _selectable(each)]
         if owners and not closest(name, known):
-            help, fix = (
-                f"write `select: {{{owners[0]}: NAME}}` beside it, for the elements that have it",
-                None,
-            )
+            help, fix = (f"write `select: {{{owners[0]}: NAME}}` beside it, for the elements that have it", None)
     note = exists_note("number" if tag is None else "attribute", known, name)
     return Fault("unknown-attribute", message, notes=(note,), help=help, fix=fix)
 
@@ -382,9 +363,7 @@ def _word(tag: str, attr: str, value: Any) -> str | Fault:
         return word
     help, fix = advised(word, known)
     note = exists_note("value", known, word)
-    return Fault(
-        "wrong-keyword", f"`{attr}` of a {tag} is never `{shown(value)}`", notes=(note,), help=help, fix=fix
-    )
+    return Fault("wrong-keyword", f"`{attr}` of a {tag} is never `{shown(value)}`", notes=(note,), help=help, fix=fix)
 
 
 _SHOWN = 8

@@ -34,9 +34,7 @@ class Solver:
     stay closed, and the joints that they move follow. `tolerance` is in metres.
     """
 
-    def __init__(
-        self, mujoco: Any, model: Model, data: Any, site: int, target: Any, tolerance: float
-    ) -> None:
+    def __init__(self, mujoco: Any, model: Model, data: Any, site: int, target: Any, tolerance: float) -> None:
         self.mujoco, self.model, self.data = mujoco, model, data
         self.site, self.target, self.tolerance = site, target, tolerance
         self.chain = self._chain()
@@ -114,9 +112,7 @@ class Solver:
         kept = int(option.jacobian), int(option.disableflags)
         option.jacobian = int(mujoco.mjtJacobian.mjJAC_DENSE)
         # The solver keeps limits itself and does not look at contacts.
-        option.disableflags = int(mujoco.mjtDisableBit.mjDSBL_LIMIT) | int(
-            mujoco.mjtDisableBit.mjDSBL_FRICTIONLOSS
-        )
+        option.disableflags = int(mujoco.mjtDisableBit.mjDSBL_LIMIT) | int(mujoco.mjtDisableBit.mjDSBL_FRICTIONLOSS)
         data.ncon = 0
         try:
             mujoco.mj_makeM(model, data)
@@ -145,9 +141,7 @@ class Solver:
             longest = np.abs(step).max(initial=0.0)
             if longest > _LONGEST_STEP:
                 step *= _LONGEST_STEP / longest
-            stuck = able & (
-                ((here >= self.upper - _NEAR) & (step > 0)) | ((here <= self.lower + _NEAR) & (step < 0))
-            )
+            stuck = able & (((here >= self.upper - _NEAR) & (step > 0)) | ((here <= self.lower + _NEAR) & (step < 0)))
             if not stuck.any():
                 break
             able &= ~stuck
@@ -220,9 +214,7 @@ class Solver:
         return {
             dof
             for dof in np.flatnonzero(np.abs(rows).max(axis=0, initial=0.0)).tolist()
-            if not (
-                self.model.jnt_type[self.model.dof_jntid[dof]] == FREE and self.model.dof_bodyid[dof] == fixed
-            )
+            if not (self.model.jnt_type[self.model.dof_jntid[dof]] == FREE and self.model.dof_bodyid[dof] == fixed)
         }
 
     def _limits(self) -> tuple[Any, Any]:

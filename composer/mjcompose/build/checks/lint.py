@@ -11,12 +11,7 @@ from pydantic import Discriminator, Field, Tag
 from mjcompose.base.diagnostic import Fault, Path
 from mjcompose.base.extensions import Table
 from mjcompose.build.checks.check import Scope
-from mjcompose.build.checks.rules import (
-    inertia_implausible,
-    joint_unactuated,
-    key_out_of_range,
-    shape_off_mesh,
-)
+from mjcompose.build.checks.rules import inertia_implausible, joint_unactuated, key_out_of_range, shape_off_mesh
 from mjcompose.build.checks.rules.rule import Rule
 from mjcompose.language.check import Check, CheckPart
 from mjcompose.language.form import Settings
@@ -88,9 +83,7 @@ class Lint(Check):
     """the rules, in a list or with their settings; without it, all that need no settings"""
     excepted: (
         Annotated[
-            Annotated[
-                tuple[_Word, ...], Items(1), Expects("a list of rules", "[joint-unactuated]"), Tag("<list>")
-            ]
+            Annotated[tuple[_Word, ...], Items(1), Expects("a list of rules", "[joint-unactuated]"), Tag("<list>")]
             | Annotated[ExceptedElements, Tag("<mapping>")],
             _Shape,
         ]
@@ -117,15 +110,11 @@ class Lint(Check):
                 message = f"`except` names the rule `{word}`, which {IT} does not run"
                 yield Fault("unknown-key", message, at, help=f"remove `{word}`")
         if isinstance(words, tuple) and {*selected} <= {*words}:
-            yield Fault(
-                "missing-key", f"{IT} has no rule left", ("except",), help="remove a rule from `except`"
-            )
+            yield Fault("missing-key", f"{IT} has no rule left", ("except",), help="remove a rule from `except`")
 
     def asked(self) -> dict[str, Any]:
         ignored: Mapping[str, Any] = (
-            self.excepted.words
-            if isinstance(self.excepted, ExceptedElements)
-            else dict.fromkeys(self.excepted or ())
+            self.excepted.words if isinstance(self.excepted, ExceptedElements) else dict.fromkeys(self.excepted or ())
         )
         return {
             "rules": {

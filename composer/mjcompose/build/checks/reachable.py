@@ -74,9 +74,7 @@ def _in_the_world(scope: Scope, data: Any, target: list[float], frame: dict[str,
     import numpy as np
 
     turned = np.zeros(3)
-    scope.mujoco.mju_rotVecQuat(
-        turned, np.array(target, dtype=np.float64), np.array(frame["quat"], dtype=np.float64)
-    )
+    scope.mujoco.mju_rotVecQuat(turned, np.array(target, dtype=np.float64), np.array(frame["quat"], dtype=np.float64))
     point = turned + np.array(frame["pos"], dtype=np.float64)
     if frame["body"] is None:
         return point

@@ -69,11 +69,7 @@ def check(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
         mujoco.mj_step(model, data)
         if diverged:  # MuJoCo resets it, so it is at rest
             message = f"the simulation diverges after {(step + 1) * model.opt.timestep:.4g} s"
-            return [
-                failed(
-                    message, f"at rest after {seconds:g} s", "not finite, or beyond all measure", "seconds"
-                )
-            ]
+            return [failed(message, f"at rest after {seconds:g} s", "not finite, or beyond all measure", "seconds")]
         if step >= first and len(dofs):
             speeds = np.abs(data.qvel[dofs])
             worst = int(speeds.argmax())

@@ -38,9 +38,7 @@ def _known(name: str) -> Fault | None:
     if name in known:
         return None
     help, fix = advised(name, known)
-    return Fault(
-        "unknown-attribute", f"MJCF has no attribute `{name}` that could be excepted", help=help, fix=fix
-    )
+    return Fault("unknown-attribute", f"MJCF has no attribute `{name}` that could be excepted", help=help, fix=fix)
 
 
 class Unchanged(Check):
@@ -88,18 +86,12 @@ def _report(compared: PartComparison, recipe: NestedRecipe, check: Unchanged, co
     span = locate(recipe.plan.document, (*path, "part") if check.part else path, key=check.part is None)
     about = f"check `{recipe.part}{check.name}`"
     if compared.obscure is not None:
-        message = (
-            f"{about}: `{compared.member.called}` cannot be compared with its source: {compared.obscure}"
-        )
+        message = f"{about}: `{compared.member.called}` cannot be compared with its source: {compared.obscure}"
         context.sink.error("part-not-compared", message, span)
         return
     message = f"{about}: {change_sentence(compared)}"
     context.sink.error(
-        "part-changed",
-        message,
-        span,
-        notes=difference_notes(compared.differences),
-        help=_excepting(compared, check),
+        "part-changed", message, span, notes=difference_notes(compared.differences), help=_excepting(compared, check)
     )
 
 
@@ -125,6 +117,4 @@ def _attribute(difference: Difference) -> str | None:
     known = attributes()
     if end in known:
         return end
-    return next(
-        (name for name in known if end in arrays_of(name) or difference.array in arrays_of(name)), None
-    )
+    return next((name for name in known if end in arrays_of(name) or difference.array in arrays_of(name)), None)

@@ -141,9 +141,7 @@ def values_of(scope: Scope, tag: str, index: int, asked: Mapping[str, Any]) -> A
     array = getattr(scope.model, name, None)
     if array is None:
         return Fault("unknown-attribute", f"this MuJoCo has no `{attr}` of a {tag}", ("attr",))
-    row = rows_of(
-        scope.model, tag, name, index=index
-    ).start  # a joint has one value; for an actuator the first counts
+    row = rows_of(scope.model, tag, name, index=index).start  # a joint has one value; for an actuator the first counts
     numbers = np.atleast_1d(array[row]).ravel()
     if asked["index"] is None:
         return numbers

@@ -147,9 +147,7 @@ def models_in(unit: Unit, measure: Measure, found: list[Node]) -> dict[Node, Act
     return models
 
 
-def _model(
-    arrays: Mapping[str, list[float]], row: int, count: int, general: Mapping[str, Attribute]
-) -> ActuatorModel:
+def _model(arrays: Mapping[str, list[float]], row: int, count: int, general: Mapping[str, Attribute]) -> ActuatorModel:
     def numbers_of(name: str) -> tuple[float, ...]:
         values = arrays[f"actuator_{name}"]
         width = len(values) // count
@@ -261,12 +259,7 @@ class ControlUnits:
         if tag == "intvelocity":
             return _BY_TAG[tag]
         if tag in _BY_TAG:  # their gains are their own; dynamics may come from a class
-            dynamic = found.lookup("general", "dyntype") or given - {
-                "general",
-                "position",
-                "velocity",
-                "motor",
-            }
+            dynamic = found.lookup("general", "dyntype") or given - {"general", "position", "velocity", "motor"}
             # With `<default><position kp="50" kv="2"/></default>` MuJoCo 4.0 still compiles `<velocity joint="j"/>`
             # to a gain of 1.
             return None if dynamic else _BY_TAG[tag]

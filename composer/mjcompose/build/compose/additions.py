@@ -60,11 +60,7 @@ def _check_scale(step: AddElement, holder: Node, linking: Linking, making: Eleme
                 "not-supported",
                 f"`{step.to}` is inside a frame that scales: what is added there would have other sizes and masses",
                 step.to_span,
-                notes=(
-                    Note(
-                        "the frame", linking.span(base, frame, "scale" if frame.get("scale") else "massscale")
-                    ),
-                ),
+                notes=(Note("the frame", linking.span(base, frame, "scale" if frame.get("scale") else "massscale")),),
                 help="add it outside of the frame, or write the frame's content in its final size",
                 subjects=(step.to,),
             )
@@ -114,15 +110,7 @@ def _report_no_target(step: AddElement, linking: Linking, making: ElementBuilder
         if holder is not None and holder.tag == "body" and holder.get("name"):
             help = f"`{step.to}` is a site: write `to: {holder.get('name')}`, the body that contains it"
     making.sink.add(
-        unresolved(
-            linking,
-            step.to_kind,
-            step.to,
-            span=step.to_span,
-            written=written,
-            purpose=" to add to",
-            help=help,
-        )
+        unresolved(linking, step.to_kind, step.to, span=step.to_span, written=written, purpose=" to add to", help=help)
     )
 
 

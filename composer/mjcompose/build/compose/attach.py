@@ -17,14 +17,7 @@ from mjcompose.build.checks.unchanged import Unchanged
 from mjcompose.build.compose.checks import check_class
 from mjcompose.build.compose.elements import ElementBuilder, in_radians, joint_attributes, pose_number
 from mjcompose.build.compose.load import PartRequest
-from mjcompose.build.plan.plan import (
-    IN_PLACE,
-    AttachPart,
-    PartRecord,
-    Plan,
-    arrays_of_draw,
-    of_part,
-)
+from mjcompose.build.plan.plan import IN_PLACE, AttachPart, PartRecord, Plan, arrays_of_draw, of_part
 from mjcompose.build.plan.steps import DrawValues, SetDefault, SetSingleton
 from mjcompose.language.edit import Edit
 from mjcompose.language.form import Element, Single
@@ -82,10 +75,7 @@ def unplaced_records(
     for each, part, below in zip(wanted, parts, inner, strict=True):
         name = part.path(plan.separator)
         if isinstance(each.model, Plan):
-            moved = [
-                _in_outer_recipe(member, name, part, separator=plan.separator, cut=_cut(each))
-                for member in below
-            ]
+            moved = [_in_outer_recipe(member, name, part, separator=plan.separator, cut=_cut(each)) for member in below]
             found += [_with_own_changes(member, each) for member in moved]
         elif each.model is not None:
             keys = {"merge": "", "prefix": part.prefix, "none": None}[part.keyframes]
@@ -122,9 +112,7 @@ def placed_records(found: Iterable[UnplacedRecord], root: Node) -> tuple[PartRec
     return tuple(_place_members(each, degrees, sequence) for each in found)
 
 
-def _in_outer_recipe(
-    each: UnplacedRecord, name: str, part: Part, separator: str, cut: str | None
-) -> UnplacedRecord:
+def _in_outer_recipe(each: UnplacedRecord, name: str, part: Part, separator: str, cut: str | None) -> UnplacedRecord:
     """Return a member of a nested recipe as a member of the outer recipe."""
     member = each.member
     keys = member.keys
@@ -168,9 +156,7 @@ def _changed_members(plan: Plan, found: list[UnplacedRecord]) -> list[UnplacedRe
         found = [_with_changes(each, arrays) for each in found]
     written_keys = tuple(step.key.name for step in plan.keyframes)
     found = [
-        UnplacedRecord(
-            replace(each.member, replaced_keys=(*each.member.replaced_keys, *written_keys)), each.content
-        )
+        UnplacedRecord(replace(each.member, replaced_keys=(*each.member.replaced_keys, *written_keys)), each.content)
         for each in found
     ]
     prefixes = {each.member.prefix for each in found}
@@ -290,9 +276,7 @@ def _attribute_spans(joint: Element, making: ElementBuilder) -> dict[str, Span]:
 def check_joints(step: AttachPart, linking: Linking, making: ElementBuilder) -> None:
     """Report classes of those joints that do not exist, once all classes of the model are known."""
     joint = step.attachment.joint
-    elements = (
-        joint if isinstance(joint, tuple) else () if joint is None or isinstance(joint, str) else (joint,)
-    )
+    elements = joint if isinstance(joint, tuple) else () if joint is None or isinstance(joint, str) else (joint,)
     for element in elements:
         name = element.attributes.get("class")
         if name is not None:
@@ -334,9 +318,7 @@ def _place_of(step: AttachPart, making: ElementBuilder) -> AttachmentPlace:
         if name == "world" and kind == "body":
             break
         if name is not None:
-            return AttachmentPlace(
-                kind, name, offset, span=locate(making.document, (*step.at, kind)), written=written
-            )
+            return AttachmentPlace(kind, name, offset, span=locate(making.document, (*step.at, kind)), written=written)
     return AttachmentPlace("world", None, offset, written=written)
 
 
@@ -372,11 +354,7 @@ def _mate(place: AttachmentPlace, step: AttachPart, unit: Unit, making: ElementB
 
 
 def _at_key(
-    place: AttachmentPlace,
-    pose: Pose,
-    key: Literal["mate", "replicate"],
-    step: AttachPart,
-    making: ElementBuilder,
+    place: AttachmentPlace, pose: Pose, key: Literal["mate", "replicate"], step: AttachPart, making: ElementBuilder
 ) -> AttachmentPlace:
     """Return the place with the offset of a key of the part."""
     offset = _written(pose)

@@ -59,9 +59,7 @@ def _joints_affected_by(giver: Node, name: str, linking: Linking) -> Iterator[No
                 yield joint
 
 
-def _report(
-    linking: Linking, making: ElementBuilder, element: Element, name: str, joint: Node, angular: bool
-) -> None:
+def _report(linking: Linking, making: ElementBuilder, element: Element, name: str, joint: Node, angular: bool) -> None:
     kind, called = joint_type(joint, linking.base.classes), name_of(joint)
     which = f"the {kind} `{called}`" if called else f"a {kind} without a name"
     meant, other = ("an angle", "a length") if angular else ("a length", "an angle")
@@ -129,9 +127,7 @@ def check_mass(step: AttachPart, part: Part, linking: Linking, making: ElementBu
         f"`joint` moves `{part.called}`, but nothing that is fixed to the joint has mass",
         locate(making.document, (*step.at, "joint"), key=True),
         notes=notes,
-        help=f"give it mass, for example {give}, or leave `joint` out"
-        if part.prefix
-        else "give a body in it mass",
+        help=f"give it mass, for example {give}, or leave `joint` out" if part.prefix else "give a body in it mass",
         subjects=(part.called,),
     )
 
@@ -141,9 +137,7 @@ def _reasons(fixed: list[Node], linking: Linking) -> Iterator[Note]:
     for body in fixed[1:]:
         inertial = next(iter(own(body, "inertial")), None)
         why = "has no mass" if inertial is None else "has no mass, or no inertia"
-        yield Note(
-            f"{_called(body)} {why}", linking.span(linking.base, body if inertial is None else inertial)
-        )
+        yield Note(f"{_called(body)} {why}", linking.span(linking.base, body if inertial is None else inertial))
     for body in fixed:
         for child in own(body, "body"):
             for joint in own(child, "joint", "freejoint")[:1]:
@@ -171,11 +165,7 @@ def _may_have_mass(body: Node, linking: Linking) -> bool:
     inertials = own(body, "inertial")
     if not inertials:
         return any(has_mass(geom, linking.base.classes) for geom in own(body, "geom"))
-    values = [
-        number
-        for name in ("mass", "diaginertia")
-        for number in numbers.read(str(inertials[0].get(name) or ""))
-    ]
+    values = [number for name in ("mass", "diaginertia") for number in numbers.read(str(inertials[0].get(name) or ""))]
     return inertials[0].get("fullinertia") is not None or all(number >= _TOO_LITTLE for number in values)
 
 
@@ -223,9 +213,7 @@ def refer_to_top_class(linking: Linking, node: Node, attribute: str) -> bool:
     return True
 
 
-def _declare(
-    linking: Linking, making: ElementBuilder, node: Node, name: str, namespace: str, value: str
-) -> None:
+def _declare(linking: Linking, making: ElementBuilder, node: Node, name: str, namespace: str, value: str) -> None:
     known = linking.names.declared.setdefault(namespace, {})
     earlier = known.setdefault(value, node)
     if earlier is not node and namespace != "key":

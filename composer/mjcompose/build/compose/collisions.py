@@ -89,9 +89,7 @@ def _exclude_needless(
     }
     _refuse_nameless(answer.value, "need not collide", step, making=making)
     reasons = {
-        tuple(each["bodies"]): words[each["why"]].format(each["where"])
-        for each in answer.value
-        if all(each["bodies"])
+        tuple(each["bodies"]): words[each["why"]].format(each["where"]) for each in answer.value if all(each["bodies"])
     }
     written = _append(linking, making, step, tag="exclude", keys=("body1", "body2"), pairs=list(reasons))
     return [(node, reasons[str(node.get("body1")), str(node.get("body2"))]) for node in written]
@@ -128,15 +126,10 @@ def _exclude_touching(
         return []
     _refuse_nameless(answer.value, "touch", step, making=making)
     named = [tuple(pair["bodies"]) for pair in answer.value if all(pair["bodies"])]
-    return [
-        (each, "")
-        for each in _append(linking, making, step, tag="exclude", keys=("body1", "body2"), pairs=named)
-    ]
+    return [(each, "") for each in _append(linking, making, step, tag="exclude", keys=("body1", "body2"), pairs=named)]
 
 
-def _bodies(
-    step: SetCollisions, index: int, plan: Plan, linking: Linking, making: ElementBuilder
-) -> list[Node]:
+def _bodies(step: SetCollisions, index: int, plan: Plan, linking: Linking, making: ElementBuilder) -> list[Node]:
     """Return the bodies on one side that have geoms which can collide."""
     places = {place.part: place for place in plan.walk() if place.part}
     everything = [
@@ -233,10 +226,7 @@ def _append(
     """Write the elements that do not exist yet, and return them."""
     written = []
     # Which of the two is named first does not matter, and MuJoCo 4.0 counts the same pair twice.
-    known = {
-        frozenset((each.get(keys[0]), each.get(keys[1])))
-        for each in linking.base.root.iterfind(f"contact/{tag}")
-    }
+    known = {frozenset((each.get(keys[0]), each.get(keys[1]))) for each in linking.base.root.iterfind(f"contact/{tag}")}
     for pair in pairs:
         if frozenset(pair) in known or not all(pair):
             continue

@@ -36,13 +36,7 @@ from mjcompose.build.compose.checks import (
 )
 from mjcompose.build.compose.collisions import set_collisions
 from mjcompose.build.compose.editing import EditCost
-from mjcompose.build.compose.elements import (
-    ElementBuilder,
-    append_element,
-    set_default,
-    set_singleton,
-    settle_joints,
-)
+from mjcompose.build.compose.elements import ElementBuilder, append_element, set_default, set_singleton, settle_joints
 from mjcompose.build.compose.keyframe import write_keyframes
 from mjcompose.build.compose.keys import hold_poses
 from mjcompose.build.compose.load import Key, Library, Loader, PartRequest, part_requests, source_key
@@ -108,9 +102,7 @@ _WRITE: Mapping[type[Step], Callable[[Any, Linking, ElementBuilder], None]] = {
     AppendElement: append_element,
 }
 _AFTERWARDS: tuple[type[Step], ...] = (EditElements, DrawValues, WriteKeyframe, SetCollisions)
-check_rows(
-    "the steps that composer/mjcompose/build/compose/compose.py carries out", [*_WRITE, *_AFTERWARDS], STEPS
-)
+check_rows("the steps that composer/mjcompose/build/compose/compose.py carries out", [*_WRITE, *_AFTERWARDS], STEPS)
 
 
 @dataclass(frozen=True, slots=True)
@@ -186,13 +178,9 @@ class Composer:
             return None
         shapes = () if self.workshop is None else self.workshop.shapes_in(composed.model.root)
         members = placed_records(self.unplaced[composed.model.root], composed.model.root)
-        excluded = tuple(
-            Excluded(str(node.get("body1")), str(node.get("body2")), why) for node, why in self.needless
-        )
+        excluded = tuple(Excluded(str(node.get("body1")), str(node.get("body2")), why) for node, why in self.needless)
         tables = self.loader.tables()
-        return replace(
-            composed, members=members, shapes=shapes, excluded=excluded, keys=self.keys, tables=tables
-        )
+        return replace(composed, members=members, shapes=shapes, excluded=excluded, keys=self.keys, tables=tables)
 
     def unit_of(self, plan: Plan, wanted: PartRequest) -> Unit | None:
         """Return the base or a part of a plan alone, reduced to the requested subtree, or None if it has faults."""
@@ -287,9 +275,7 @@ class Composer:
     def _without_missing(self, plan: Plan, units: list[Unit | None]) -> Plan:
         """Return the plan with only the parts that could be read, in which more faults can be found."""
         kept = [step for step, unit in zip(plan.parts, units, strict=True) if unit is not None]
-        self.context.sink.suppress_about(
-            part_name(step, plan.separator) for step in plan.parts if step not in kept
-        )
+        self.context.sink.suppress_about(part_name(step, plan.separator) for step in plan.parts if step not in kept)
         return replace(plan, parts=tuple(kept))
 
     def _joined(self, plan: Plan, base: Unit, units: list[Unit], is_fixed: bool) -> Composed | None:
@@ -380,13 +366,7 @@ class Composer:
         from mjcompose.build.compose.edits import ModelEdits  # few recipes need it
 
         return ModelEdits(
-            plan,
-            linking,
-            making,
-            parts=self.parts,
-            cost=self.cost,
-            outcomes=self.edits,
-            workshop=self._workshop(),
+            plan, linking, making, parts=self.parts, cost=self.cost, outcomes=self.edits, workshop=self._workshop()
         )
 
     def _workshop(self) -> MeshWorkshop:
@@ -417,9 +397,7 @@ class Composer:
     def _unit(self, plan: Plan, wanted: PartRequest) -> Unit | None:
         """Return the base or a part of a plan, reduced to the requested subtree, or None if it has faults."""
         if wanted.model is None:
-            return Unit(
-                etree.Element("mujoco"), plan.file, plan.path.parent, label=plan.path.stem, door=NOTHING
-            )
+            return Unit(etree.Element("mujoco"), plan.file, plan.path.parent, label=plan.path.stem, door=NOTHING)
         unit = self._whole(wanted, locate(plan.document, (*wanted.at, "model")))
         if unit is None:
             return None
@@ -537,10 +515,7 @@ def _settings(plan: Plan, composer: Composer, is_fixed: bool) -> Unit:
     base, *parts = [_of(each, plan, composer) for each in part_requests(plan, is_fixed)]
     found, _ = common_settings(
         asked := requested_settings(base),
-        [
-            (step.prefix or part.label, requested_settings(part))
-            for step, part in zip(plan.parts, parts, strict=True)
-        ],
+        [(step.prefix or part.label, requested_settings(part)) for step, part in zip(plan.parts, parts, strict=True)],
         plan.settled,
     )
     adopted = (*of_base(base.adopted, asked, plan.settled), *found.values())

@@ -200,9 +200,7 @@ class Editing:
         changed.add(node)
         if section_of(node) == "default":
             for section in self.root.iterchildren("worldbody", "actuator"):
-                changed.update(
-                    section.iter(*JOINTS) if section.tag == "worldbody" else section.iterchildren("*")
-                )
+                changed.update(section.iter(*JOINTS) if section.tag == "worldbody" else section.iterchildren("*"))
 
     def effective(self, node: Node, name: str) -> str | None:
         """Return the effective text of an attribute: the written one, that of a class, or MuJoCo's default."""
@@ -256,9 +254,7 @@ def take_files(editing: Editing) -> None:
     making, linking = editing.making, editing.linking
     for node, attribute, name in making.files:
         file = making.named_file(node, attribute, name)
-        linking.files = [
-            use for use in linking.files if use.element is not node or use.attribute != attribute
-        ]
+        linking.files = [use for use in linking.files if use.element is not node or use.attribute != attribute]
         if editing.own:
             _take_own_file(editing, file)
         else:

@@ -63,9 +63,7 @@ def drop_elements(entries: Iterable[Drop], editing: Editing, at: Path) -> list[D
 
 def _elements_of_section(editing: Editing, tag: str, path: Path) -> list[Node]:
     sections = list(editing.root.iterchildren(tag))
-    found = (
-        sections if tag in _SETTINGS else [each for section in sections for each in section.iterchildren("*")]
-    )
+    found = sections if tag in _SETTINGS else [each for section in sections for each in section.iterchildren("*")]
     unit = editing.linking.base
     if any(each.path.startswith(f"{tag}/") for each in unit.adopted):
         unit.adopted = tuple(each for each in unit.adopted if not each.path.startswith(f"{tag}/"))
@@ -125,9 +123,7 @@ class PartEdits:
         before = self.context.sink.error_count
         if self.wanted.keyframes == "none":
             remove_keys(self.unit)
-        linking = Linking(
-            self.unit, [], self.context.sink, request=Request(self.plan.separator), measure=self.measure
-        )
+        linking = Linking(self.unit, [], self.context.sink, request=Request(self.plan.separator), measure=self.measure)
         # First of all: the numbers of the keys belong to joints and actuators as the source has them.
         layouts(linking)
         editing = self._editing(linking)
@@ -147,14 +143,7 @@ class PartEdits:
     def _editing(self, linking: Linking) -> Editing:
         plan, unit = self.plan, self.unit
         making = ElementBuilder.of(plan, unit, self.context, model_angle=unit.settings.angle)
-        return Editing(
-            linking,
-            making,
-            plan.scope,
-            own=True,
-            cost=self.cost,
-            datasheets=plan.datasheets,
-        )
+        return Editing(linking, making, plan.scope, own=True, cost=self.cost, datasheets=plan.datasheets)
 
     def _dropped(self, editing: Editing) -> list[DroppedElement]:
         at = (*self.wanted.at, "drop")
@@ -276,12 +265,7 @@ class ModelEdits:
     def _editing(self) -> Editing:
         plan = self.plan
         return Editing(
-            self.linking,
-            self.making,
-            plan.scope,
-            parts=self.parts,
-            cost=self.cost,
-            datasheets=plan.datasheets,
+            self.linking, self.making, plan.scope, parts=self.parts, cost=self.cost, datasheets=plan.datasheets
         )
 
     def _edited_beside(self, step: EditElements, editing: Editing, keys: list[Node]) -> list[Node]:

@@ -128,16 +128,12 @@ class ElementBuilder:
         for line in (start, start - 1) if text is not None else ():  # below the key, or beside it
             assert text is not None
             tag = str(node.tag)
-            found = next(
-                (at for name in names if (at := text.attribute(tag, line, written, name=name))), None
-            )
+            found = next((at for name in names if (at := text.attribute(tag, line, written, name=name))), None)
             if found is None and attribute == "name" and text.element(tag, line, written) is not None:
                 return locate(self.document, element.at, key=True)
             found = found or text.element(tag, line, written)
             if found is not None:
-                return Span(
-                    self.file, found.line, found.column, end_line=found.line, end_column=found.end_column
-                )
+                return Span(self.file, found.line, found.column, end_line=found.line, end_column=found.end_column)
         return locate(self.document, (*element.at, "xml"))
 
     def folder_of(self, node: Node, attribute: str) -> Path:
@@ -221,9 +217,7 @@ def update_node(node: Node, element: Element, kind: ElementType, making: Element
             update_node(existing, child, child_kind, making=making)
 
 
-def _set_attribute(
-    node: Node, element: Element, attribute: Attribute, value: object, making: ElementBuilder
-) -> None:
+def _set_attribute(node: Node, element: Element, attribute: Attribute, value: object, making: ElementBuilder) -> None:
     name = attribute.name
     if attribute.is_interval:
         making.intervals[node, name] = making.span(element, name)
@@ -294,9 +288,7 @@ def settle_joints(making: ElementBuilder, joint_type: Callable[[Node], str]) -> 
 
 def _item_span(making: ElementBuilder, node: Node, element: Element, name: str, index: int) -> Span:
     path = (*element.at, name, index)
-    return (
-        making.span_of(node, name) if find(making.document, path) is None else locate(making.document, path)
-    )
+    return making.span_of(node, name) if find(making.document, path) is None else locate(making.document, path)
 
 
 def joint_attributes(element: Element, making: ElementBuilder) -> dict[str, str]:
@@ -353,15 +345,11 @@ def _parse_fragment(element: Element, kind: ElementType, making: ElementBuilder)
     for name, value in element.attributes.items():
         node.set(name, to_text(kind.attributes[name], value))
     scalar = find(making.document, (*element.at, "xml"))
-    _read_fragment(
-        node, element, kind, making=making, line=scalar.span.line if isinstance(scalar, Scalar) else 0
-    )
+    _read_fragment(node, element, kind, making=making, line=scalar.span.line if isinstance(scalar, Scalar) else 0)
     return node
 
 
-def _read_fragment(
-    node: Node, element: Element, kind: ElementType, making: ElementBuilder, line: int
-) -> None:
+def _read_fragment(node: Node, element: Element, kind: ElementType, making: ElementBuilder, line: int) -> None:
     """Read the numbers of a fragment as those of the recipe. Its other attributes stay as they are written."""
     values: dict[str, Value] = {}
     intervals: list[str] = []
@@ -441,11 +429,7 @@ def set_default(step: SetDefault, linking: Linking, making: ElementBuilder) -> N
 
 def _parent(step: SetDefault, linking: Linking, making: ElementBuilder) -> etree._Element | None:
     if step.parent is None or step.parent == MAIN:
-        return (
-            _class_node(linking, linking.base_class)
-            if linking.base_class
-            else linking.base.section("default")
-        )
+        return _class_node(linking, linking.base_class) if linking.base_class else linking.base.section("default")
     found = linking.names.find("default", step.parent)
     if found is None:
         span = making.span(step.element, "parent")

@@ -63,9 +63,7 @@ def write_keyframes(plan: Plan, linking: Linking, making: ElementBuilder) -> Non
         },
     }
     unnamed = [
-        node
-        for node in layout.actuators
-        if not isinstance(node, Copy) and node.tag != "attach" and not _name(node)
+        node for node in layout.actuators if not isinstance(node, Copy) and node.tag != "attach" and not _name(node)
     ]
     parts = frozenset(plan.part_names)
     types = {name: slot.kind for name, (_, slot) in holders["joint"].items() if slot is not None}
@@ -105,8 +103,7 @@ def _joints(layout: Layout) -> dict[str, _Holder]:
 def _passed_on(key: Key, span: Span, void: Collection[Node]) -> Key:
     """Return the key with each number marked as passed on by the `from` entry at `span`, if it is not `void`."""
     values = {
-        vector: {holder: taken(row, span) for holder, row in columns.items()}
-        for vector, columns in key.values.items()
+        vector: {holder: taken(row, span) for holder, row in columns.items()} for vector, columns in key.values.items()
     }
     without_void(values, void)
     time = None if key.time is None else taken([key.time], span)[0]
@@ -240,18 +237,14 @@ class _KeyWriter:
             there = known.get(part)
             key = there.named(name) if there is not None else None
             if there is not None and key is not None:
-                found.append(
-                    (there.depth, _passed_on(key, self._at(FROM, part), self.linking.keys.void_keys))
-                )
+                found.append((there.depth, _passed_on(key, self._at(FROM, part), self.linking.keys.void_keys)))
                 continue
             if part not in self.parts:
                 continue  # the plan reports it
             names = there.names if there is not None else []
             span, message = self._at(FROM, part), f"`{part}` has no key `{name}`"
             self.making.sink.add(
-                unknown_name(
-                    "key", name, names, span=span, message=message, written=f"{part}: {{}}", about=(part,)
-                )
+                unknown_name("key", name, names, span=span, message=message, written=f"{part}: {{}}", about=(part,))
             )
         return [key for _, key in sorted(found, key=lambda each: each[0])]
 
@@ -295,9 +288,7 @@ class _KeyWriter:
             Number(text, source, at) for at, text in enumerate(numbers.text(values).split())
         ]
 
-    def _meant(
-        self, vector: str, name: str, node: Node, slot: Slot | None, width: int
-    ) -> Sequence[str | None]:
+    def _meant(self, vector: str, name: str, node: Node, slot: Slot | None, width: int) -> Sequence[str | None]:
         """Return in words what each number of an entry is if it is an angle, else None."""
         if slot is not None and slot.kind == "hinge":
             return [f"`{vector}` of the hinge `{name}` is an angle"]
@@ -324,9 +315,7 @@ class _KeyWriter:
         # too.
         return in_radians(value, settings, numbers.joint_radians)
 
-    def _wrong_width(
-        self, vector: str, name: str, slot: Slot, entry: Entry, width: int, path: tuple[str, ...]
-    ) -> None:
+    def _wrong_width(self, vector: str, name: str, slot: Slot, entry: Entry, width: int, path: tuple[str, ...]) -> None:
         kind = "actuator" if slot.kind == "actuator" else f"{slot.kind} joint"
         count = f"{width} number{'' if width == 1 else 's'}" if width else "no numbers"
         meant = _MEANT.get((slot.kind, vector))
@@ -401,9 +390,7 @@ def _naming(actuators: Sequence[Node], name: str) -> str:
     if not ends:
         common = [end for end in _TRANSMISSIONS if all(each.get(end) for each in actuators)]
         new = f"${{{common[0]}}}" if common else "a${index}"
-        return (
-            f"""name them: `edit: [{{select: {{actuator: "**", where: {{name: ""}}}}, rename: "{new}"}}]`"""
-        )
+        return f"""name them: `edit: [{{select: {{actuator: "**", where: {{name: ""}}}}, rename: "{new}"}}]`"""
     (actuator, end), *more = ends
     tag = actuator.tag if all(each.tag == actuator.tag for each, _ in more) else "actuator"
     new = f'"{name}_${{index}}"' if more else name

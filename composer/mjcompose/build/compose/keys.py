@@ -140,9 +140,7 @@ class _PoseHolder:
             kind = found["unlike"].get(str(control)) if vector == "ctrl" else None
             if kind and span != hold:
                 self._report_no_control(singles[span], kind)
-            name = (
-                "" if isinstance(actuator, str) else str(getattr(actuator, "get", lambda _: "")("name") or "")
-            )
+            name = "" if isinstance(actuator, str) else str(getattr(actuator, "get", lambda _: "")("name") or "")
             if kind and span == hold and control in found["unknown"]:
                 unknown.append(f"`{name}` ({kind})" if name else f"{kind} without a name")
             if vector == "act" and name in given:  # the recipe's own activation counts

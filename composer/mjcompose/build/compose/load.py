@@ -81,9 +81,7 @@ class Loader:
         """Return the unit of a source, or None if it has faults. With `is_fixed`, it is fixed in the world."""
         key = source_key(model, is_fixed)
         if key not in self.parsed:
-            refused = (
-                self.parsed.get((*key[:3], not key[3]), ...) is None
-            )  # one fault of a file is reported once
+            refused = self.parsed.get((*key[:3], not key[3]), ...) is None  # one fault of a file is reported once
             self.parsed[key] = None if refused else self._known(key) or self._read(model, span, is_fixed)
         unit = self.parsed[key]
         self.uses[key] -= 1
@@ -186,9 +184,7 @@ def part_requests(plan: Plan, is_fixed: bool) -> Iterator[PartRequest]:
     """
     document = plan.document
     if plan.base is None:
-        yield PartRequest(
-            None, None, (BASE,), keyframes="merge", span=locate(document, ()), is_fixed_in_world=is_fixed
-        )
+        yield PartRequest(None, None, (BASE,), keyframes="merge", span=locate(document, ()), is_fixed_in_world=is_fixed)
     for step in plan.members:
         part = step.attachment
         span = locate(document, (*step.at, "subtree"))

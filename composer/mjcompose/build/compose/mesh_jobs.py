@@ -106,14 +106,7 @@ class MeshWorkshop:
             suffix = os.path.splitext(str(file))[1]
             said["file"] = digest(content) + suffix.lower()
         return MeshJob(
-            mesh,
-            editing.called(mesh),
-            said,
-            content=content,
-            suffix=suffix,
-            method=method,
-            wanted=wanted,
-            span=span,
+            mesh, editing.called(mesh), said, content=content, suffix=suffix, method=method, wanted=wanted, span=span
         )
 
     def results(self, editing: Editing, job: Sequence[MeshJob]) -> dict[str, dict[str, Any]] | None:

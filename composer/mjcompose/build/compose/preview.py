@@ -55,9 +55,7 @@ def _compose_silently(plan: Plan, context: Context, library: Library) -> Compose
         return Composer(aside, measure, session, library=library).compose(plan)
 
 
-def _adopted(
-    plan: Plan, composed: Composed | None, context: Context, library: Library
-) -> tuple[Adopted, ...]:
+def _adopted(plan: Plan, composed: Composed | None, context: Context, library: Library) -> tuple[Adopted, ...]:
     if composed is None:
         return adopted_settings(plan, context, library)
     return composed.model.adopted if plan.parts else ()
@@ -66,21 +64,13 @@ def _adopted(
 def _gains(composed: Composed | None, edits: Iterable[EditOutcome], measure: Measure) -> Iterator[Gains]:
     """Yield what the servos do to their joints, if an edit is about actuators."""
     actuators = GRAMMAR.section("actuator").children
-    if composed is None or not any(
-        kind in ("actuator", *actuators) for each in edits for kind in each.selected
-    ):
+    if composed is None or not any(kind in ("actuator", *actuators) for each in edits for kind in each.selected):
         return
     found = composed.model.root.findall("actuator/*")
     for node, model in (models_in(composed.model, measure, found) or {}).items():
         if model.gear and (model.kp or model.kv):
             name = node.get("name") or f"the {node.tag} of {node.get('joint') or node.get('tendon')}"
-            yield Gains(
-                str(name),
-                model.kp * model.gear**2,
-                model.kv * model.gear**2,
-                gear=model.gear,
-                unit=model.unit,
-            )
+            yield Gains(str(name), model.kp * model.gear**2, model.kv * model.gear**2, gear=model.gear, unit=model.unit)
 
 
 def shapes_for_plans(plans: Iterable[Plan], context: Context) -> dict[str, bytes]:

@@ -124,10 +124,7 @@ class _FieldDraws:
                 counts = " and ".join(map(str, sorted(lengths)))
                 message = f"the values have {counts} numbers, and each of a table has as many"
                 self._fault(
-                    "wrong-length",
-                    message,
-                    node,
-                    help="build without `--as worlds`: each sample is a model then",
+                    "wrong-length", message, node, help="build without `--as worlds`: each sample is a model then"
                 )
             chosen = [stated[id(each)] for each in self._all_drawn(node, samples, 0)]
             return tuple(zip(*chosen, strict=True)) if isinstance(chosen[0], tuple) else (chosen,)
@@ -188,9 +185,7 @@ class _FieldDraws:
 
         def one(place: int) -> Any:
             component, of = self._component(place)
-            found = bits(
-                self.step.seed, sample, entry.stream, element=self._stream(node), component=component
-            )
+            found = bits(self.step.seed, sample, entry.stream, element=self._stream(node), component=component)
             return entry.distribution.draw(found, of)
 
         if entry.distribution.is_whole or subscript is not None:
@@ -229,12 +224,7 @@ class _FieldDraws:
             have = wanted or (attribute.max_length if attribute.max_length == attribute.min_length else None)
         if have is None and now is None:
             message = f"{self.editing.called(node)} has no `{entry.attr}`: how many numbers are to be drawn?"
-            self._fault(
-                "wrong-length",
-                message,
-                node,
-                help=f'draw one, `attr: "{entry.attr}[0]"`, or a list of bounds',
-            )
+            self._fault("wrong-length", message, node, help=f'draw one, `attr: "{entry.attr}[0]"`, or a list of bounds')
         if wanted is not None and wanted != have:
             numbers = "1 number" if have is None else f"{have} numbers"
             expected = f"`{entry.distribution.kind}` {wanted}"
@@ -255,9 +245,7 @@ class _FieldDraws:
         values = self._values(node)
         now = values.now(attribute, subscript) if attribute is not None and not is_mass else None
         if attribute is not None and now is None and entry.operation != "set" and not is_mass:
-            message = (
-                f"{self.editing.called(node)} has no `{entry.attr}` that `{entry.operation}` could start from"
-            )
+            message = f"{self.editing.called(node)} has no `{entry.attr}` that `{entry.operation}` could start from"
             self._fault("wrong-type", message, node)
         distribution = entry.distribution
         if distribution.is_whole or (not is_mass and (attribute is None or not attribute.is_number)):
@@ -277,16 +265,12 @@ class _FieldDraws:
         entry = self.step.field
         drawn = self._all_drawn(node, samples, component)
         for sample, one in zip(samples, drawn, strict=True):
-            number = (
-                one if entry.operation == "set" else one * base if entry.operation == "scale" else one + base
-            )
+            number = one if entry.operation == "set" else one * base if entry.operation == "scale" else one + base
             # MuJoCo 4.0 refuses a negative mass or size, but takes a negative damping, armature, stiffness or friction
             # silently.
             if number < 0:
                 called = self.editing.called(node)
-                message = (
-                    f"sample {sample} of field `{entry.name}` gives {called} the {entry.attr} {number:.6g}"
-                )
+                message = f"sample {sample} of field `{entry.name}` gives {called} the {entry.attr} {number:.6g}"
                 help = "draw from what has a bound: `truncnormal: {mean: …, std: …, min: 0, max: …}`"
                 self._fault("out-of-range", message, node, help=help)
 
@@ -294,11 +278,7 @@ class _FieldDraws:
         """Report an angle that is drawn without a unit."""
         entry = self.step.field
         distribution = entry.distribution
-        if (
-            entry.operation == "scale"
-            or distribution.unit is not None
-            or self._angle_settings.angle is not None
-        ):
+        if entry.operation == "scale" or distribution.unit is not None or self._angle_settings.angle is not None:
             return
         if not any(self._angles(node)) or distribution.is_whole:
             return
@@ -344,9 +324,7 @@ class _FieldDraws:
             return drawn
         return array("d", (Angle(each, unit).in_unit(own) for each in drawn))
 
-    def _units(
-        self, node: Node, is_angle: bool
-    ) -> tuple[Literal["deg", "rad"] | None, Literal["deg", "rad"]]:
+    def _units(self, node: Node, is_angle: bool) -> tuple[Literal["deg", "rad"] | None, Literal["deg", "rad"]]:
         """Return the unit of a drawn number, None if it has none, and the unit of the same number in the manifest."""
         entry = self.step.field
         unit = entry.distribution.unit

@@ -52,14 +52,7 @@ class Count(NamedTuple):
     at: Path
 
 
-def select_counted(
-    editing: Editing,
-    selector: Selector,
-    path: Path,
-    count: Count,
-    *,
-    values: float = 1,
-) -> list[Node]:
+def select_counted(editing: Editing, selector: Selector, path: Path, count: Count, *, values: float = 1) -> list[Node]:
     """Return the selected elements. Report if their number is wrong; the result is empty then.
 
     `values` is how many values are written on each element, which counts towards the limit on edits.
@@ -106,9 +99,7 @@ def _holds(editing: Editing, selection: Selection, node: Node, selector: Selecto
     values = Values(editing, node, 0, at=at)
     if isinstance(selector.where, str):
         return _expression_holds(values, selection, selector, condition=selector.where)
-    return all(
-        _has_value(values, selection, key, wanted=wanted) for key, wanted in (selector.where or {}).items()
-    )
+    return all(_has_value(values, selection, key, wanted=wanted) for key, wanted in (selector.where or {}).items())
 
 
 def _expression_holds(values: Values, selection: Selection, selector: Selector, condition: str) -> bool:

@@ -135,11 +135,7 @@ def parse_shapes(data: Any) -> dict[str, Any]:
         or not all(value is None or _is_number(value) for value in error.values())
     ):
         raise ValueError("no errors")
-    if (
-        not isinstance(mesh, dict)
-        or not isinstance(mesh.get("faces"), int)
-        or not _is_number(mesh.get("size"))
-    ):
+    if not isinstance(mesh, dict) or not isinstance(mesh.get("faces"), int) or not _is_number(mesh.get("size")):
         raise ValueError("no mesh")
     if not isinstance(data["made_with"], dict):
         raise ValueError("made with nothing")
@@ -155,17 +151,13 @@ def _is_shape(shape: Any) -> bool:
     if shape["type"] != "mesh":
         widths = ((1, 3), (3, 3), (4, 4))
         return all(
-            isinstance(shape[name], list)
-            and low <= len(shape[name]) <= high
-            and all(map(_is_number, shape[name]))
+            isinstance(shape[name], list) and low <= len(shape[name]) <= high and all(map(_is_number, shape[name]))
             for name, (low, high) in zip(wanted, widths, strict=True)
         )
     vertices, faces = shape["vertices"], shape["faces"]
     if not isinstance(vertices, list) or not isinstance(faces, list) or len(vertices) < 4 or len(faces) < 4:
         return False
-    return all(
-        isinstance(each, list) and len(each) == 3 and all(map(_is_number, each)) for each in vertices
-    ) and all(
+    return all(isinstance(each, list) and len(each) == 3 and all(map(_is_number, each)) for each in vertices) and all(
         isinstance(each, list)
         and len(each) == 3
         and all(type(corner) is int and 0 <= corner < len(vertices) for corner in each)

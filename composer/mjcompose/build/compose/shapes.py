@@ -72,9 +72,7 @@ def write_file(editing: Editing, mesh: Node, name: str, key: str, shape: Mapping
     folders, _, last = name.rpartition("/")
     path = f"{ASSETS}/{_folder(folders)}{_FILE_NAME.sub('_', last)}.{key[:8]}.obj"
     mesh.set("file", path)
-    linking.files.append(
-        FileUse(mesh, "file", path, source=held(os.path.join(unit.directory, path)), content=content)
-    )
+    linking.files.append(FileUse(mesh, "file", path, source=held(os.path.join(unit.directory, path)), content=content))
 
 
 def _folder(names: str) -> str:
@@ -112,8 +110,7 @@ def make_collision_geoms(
         return []
     meshes: dict[tuple[str, int], str] = {}
     records = [
-        _collision_result(editing, node, each, result=results[each.key], meshes=meshes, at=at)
-        for node, each in asked
+        _collision_result(editing, node, each, result=results[each.key], meshes=meshes, at=at) for node, each in asked
     ]
     workshop.records += records
     return records
@@ -146,9 +143,7 @@ def find_mesh(editing: Editing, node: Node, name: str, at: Path) -> Node:
     mesh = editing.find_node("mesh", name)
     if mesh is None:
         report_unusable(
-            editing,
-            node,
-            Fault("unknown-name", f"the mesh `{name}` of {editing.called(node)} does not exist", at),
+            editing, node, Fault("unknown-name", f"the mesh `{name}` of {editing.called(node)} does not exist", at)
         )
     assert mesh is not None
     return mesh
@@ -172,12 +167,7 @@ def _check_free(editing: Editing, node: Node, at: Path) -> None:
 
 
 def _collision_result(
-    editing: Editing,
-    node: Node,
-    job: MeshJob,
-    result: dict[str, Any],
-    meshes: dict[tuple[str, int], str],
-    at: Path,
+    editing: Editing, node: Node, job: MeshJob, result: dict[str, Any], meshes: dict[tuple[str, int], str], at: Path
 ) -> MeshResult:
     mesh_name = name_of(job.node) or ""
     shapes = result["shapes"]
@@ -192,9 +182,7 @@ def _collision_result(
         if shape["type"] == "mesh":
             known = meshes.get((job.key, number))
             if known is None:
-                known = meshes[job.key, number] = _new_mesh(
-                    editing, job, f"{mesh_name}{end}", shape=shape, at=at
-                )
+                known = meshes[job.key, number] = _new_mesh(editing, job, f"{mesh_name}{end}", shape=shape, at=at)
             _write(editing, node, geom, given={"type": "mesh", "mesh": known}, pose=pose)
         else:
             own = Pose(tuple(shape["pos"]), tuple(shape["quat"]))
@@ -236,9 +224,7 @@ def _write(editing: Editing, old: Node, geom: Node, given: Mapping[str, str], po
         geom.set("pos", numbers.text(pose.pos))
     if pose.quat != IDENTITY_QUAT:
         geom.set("quat", numbers.text(pose.quat))
-    contype, conaffinity = (
-        int(float(editing.effective(old, name) or 1)) for name in ("contype", "conaffinity")
-    )
+    contype, conaffinity = (int(float(editing.effective(old, name) or 1)) for name in ("contype", "conaffinity"))
     if not contype and not conaffinity:
         contype = conaffinity = 1  # it was only seen: now it touches, as MuJoCo's geoms do
     geom.set("contype", str(contype))
@@ -253,10 +239,7 @@ def _write(editing: Editing, old: Node, geom: Node, given: Mapping[str, str], po
 def _leave_out(editing: Editing, geom: Node) -> None:
     """Take back what the class says and the shape does not, and leave out what MuJoCo says anyway."""
     classes, childclass = editing.classes, childclass_of(geom)
-    if (
-        geom.get("pos") is None
-        and numbers.read(classes.effective(geom, childclass, "pos") or "0") != [0.0] * 3
-    ):
+    if geom.get("pos") is None and numbers.read(classes.effective(geom, childclass, "pos") or "0") != [0.0] * 3:
         geom.set("pos", "0 0 0")
     if geom.get("quat") is None and _orientation(editing, geom) is not None:
         geom.set("quat", "1 0 0 0")
@@ -321,9 +304,7 @@ def simplify_meshes(
             if _is_weighed(editing, geom):
                 what = f"the inertia of {_body(editing, geom)} follows from it"
                 message = f"{editing.called(mesh)} cannot be simplified: {what}"
-                help = (
-                    "write the `inertial` of the body, or give the geom `mass: 0` if another one has its mass"
-                )
+                help = "write the `inertial` of the body, or give the geom `mass: 0` if another one has its mass"
                 report_unusable(editing, geom, Fault("mesh-unusable", message, at, help=help))
         each = workshop.job_for(editing, mesh, "simplify", wanted={"faces": faces}, span=span)
         if each is None:
@@ -347,9 +328,7 @@ def _mesh(editing: Editing, node: Node, at: Path) -> Node:
         return node
     name = editing.effective(node, "mesh") if node.tag == "geom" else None
     if not name:
-        report_unusable(
-            editing, node, Fault("wrong-type", f"{editing.called(node)} has no mesh to simplify", at)
-        )
+        report_unusable(editing, node, Fault("wrong-type", f"{editing.called(node)} has no mesh to simplify", at))
     return find_mesh(editing, node, str(name), at=at)
 
 
@@ -381,9 +360,7 @@ def _check_textures(editing: Editing, mesh: Node, result: Mapping[str, Any], at:
         name = editing.effective(geom, "material") or mesh.get("material")
         material = editing.find_node("material", str(name)) if name else None
         if material is not None and (material.get("texture") or len(material)):
-            message = (
-                f"{editing.called(mesh)} cannot be simplified: it says where the texture of `{name}` goes"
-            )
+            message = f"{editing.called(mesh)} cannot be simplified: it says where the texture of `{name}` goes"
             help = "select the meshes of geoms without a texture"
             report_unusable(editing, geom, Fault("mesh-unusable", message, at, help=help))
 

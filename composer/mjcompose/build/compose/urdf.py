@@ -66,9 +66,7 @@ class _RecipeContext:
             if not file.startswith(PACKAGE) and file not in robot.made and not os.path.isfile(file):
                 found = held(join(str(robot.path.parent), join(converted.folder, file)))
                 uses.append(
-                    FileUse(
-                        mesh_of(robot.root, file), "filename", file, source=found, content=None, shared=False
-                    )
+                    FileUse(mesh_of(robot.root, file), "filename", file, source=found, content=None, shared=False)
                 )
         sink = Sink()
         collect(robot.unit, uses, sink, shown=self.context.shown)

@@ -95,38 +95,25 @@ class Values:
         found = self.evaluated(written, at, scope, needs_value=value is None)
         return list(found) if isinstance(found, tuple) else found
 
-    def evaluated(
-        self, text: str, at: Path, scope: Mapping[str, Value], *, needs_value: bool = False
-    ) -> Value:
+    def evaluated(self, text: str, at: Path, scope: Mapping[str, Value], *, needs_value: bool = False) -> Value:
         """Return the value of a text with `${…}`. Names that are not in the scope are attributes of the element."""
         try:
             return Template.parse(text).value(scope)
         except ExpressionError as error:
-            attribute = (
-                kind_of(self.node).attributes.get(error.name) if isinstance(error, UnknownName) else None
-            )
+            attribute = kind_of(self.node).attributes.get(error.name) if isinstance(error, UnknownName) else None
             if attribute is not None and (now := self.now(attribute)) is not None:
                 return self.evaluated(text, at, {**scope, attribute.name: now}, needs_value=needs_value)
             self._report(error, at, scope, needs_value=needs_value)
             raise UnusableValue from None
 
-    def _report(
-        self, error: ExpressionError, at: Path, scope: Mapping[str, Value], needs_value: bool
-    ) -> None:
+    def _report(self, error: ExpressionError, at: Path, scope: Mapping[str, Value], needs_value: bool) -> None:
         editing = self.editing
         node = find(editing.making.document, at)
         span = locate(editing.making.document, at)
         notes = (Note(f"for {editing.called(self.node)}", editing.span_of(self.node)),)
         subjects = editing.subjects(self.node)
         if not isinstance(error, UnknownName):
-            editing.sink.error(
-                "expression",
-                error.message,
-                span,
-                notes=notes,
-                help=error.help,
-                subjects=subjects,
-            )
+            editing.sink.error("expression", error.message, span, notes=notes, help=error.help, subjects=subjects)
             return
         subjects = (error.name, *subjects)
         if error.name == VALUE and needs_value:

@@ -105,9 +105,7 @@ def _of_item(plan: Plan, at: Path, files: frozenset[str] = frozenset()) -> Itera
     if node is not None:
         places = [*spans(node), locate(plan.document, at, key=True)]
         lines = frozenset(
-            (span.file, line)
-            for span in places
-            for line in range(span.line, (span.end_line or span.line) + 1)
+            (span.file, line) for span in places for line in range(span.line, (span.end_line or span.line) + 1)
         )
         for code, span in codes:
             yield Allowance(code, span, False, files=files, lines=lines)
@@ -315,21 +313,13 @@ def as_data(plan: Plan, preview: PlanPreview | None = None) -> dict[str, Any]:
             if (touching := [[each.one, each.other] for each in found.excluded if not each.why])
             else {}
         ),
-        **(
-            {"excluded": excluded}
-            if (excluded := [asdict(each) for each in found.excluded if each.why])
-            else {}
-        ),
+        **({"excluded": excluded} if (excluded := [asdict(each) for each in found.excluded if each.why]) else {}),
         **({"gains": [asdict(each) for each in found.gains]} if found.gains else {}),
     }
 
 
 def _adopted_data(adopted: Iterable[Adopted]) -> dict[str, Any]:
-    found = [
-        {"setting": each.setting, "value": each.value, "parts": each.parts}
-        for each in adopted
-        if each.is_written
-    ]
+    found = [{"setting": each.setting, "value": each.value, "parts": each.parts} for each in adopted if each.is_written]
     return {"adopted": found} if found else {}
 
 
@@ -363,13 +353,7 @@ def _edits_data(plan: Plan, edits: Iterable[Edit], preview: PlanPreview) -> dict
 
 def _shapes_data(made: GeneratedShapes) -> dict[str, Any]:
     """Return what was made of a mesh, and how far it is from it."""
-    return {
-        "mesh": made.mesh,
-        "geom": made.of,
-        "how": made.how,
-        "shapes": list(made.shapes),
-        "error": dict(made.error),
-    }
+    return {"mesh": made.mesh, "geom": made.of, "how": made.how, "shapes": list(made.shapes), "error": dict(made.error)}
 
 
 def _subtree_data(subtree: Subtree | None) -> dict[str, Any]:

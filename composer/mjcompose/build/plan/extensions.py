@@ -73,9 +73,7 @@ def _words(node: Node) -> Iterator[tuple[str, str, Span]]:
 
 def _foreign_words(group: str, node: Node) -> Iterator[tuple[str, str, Span]]:
     if isinstance(node, Mapping):
-        yield from (
-            (group, word, key.span) for word, (key, _) in node.entries.items() if word not in _OURS[group]
-        )
+        yield from ((group, word, key.span) for word, (key, _) in node.entries.items() if word not in _OURS[group])
 
 
 def _sheets(entry: Node) -> Iterator[tuple[str, str, Span]]:

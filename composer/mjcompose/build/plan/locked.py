@@ -84,11 +84,7 @@ class _SourceUse:
 
 
 def lock_of(
-    plans: Iterable[Plan],
-    fetching: Fetching,
-    folder: Path,
-    context: Context,
-    shapes: Mapping[str, str] | None = None,
+    plans: Iterable[Plan], fetching: Fetching, folder: Path, context: Context, shapes: Mapping[str, str] | None = None
 ) -> Lock:
     """Return the lock for plans of one recipe, its variants; `folder` is where the lock will be. Reads every file.
 
@@ -140,9 +136,7 @@ def check_lock(plan: Plan, context: Context) -> None:
             },
             now.files,
         ):
-            report = (
-                context.sink.warning if kind_of(now).is_local and not fetching.locked else context.sink.error
-            )
+            report = context.sink.warning if kind_of(now).is_local and not fetching.locked else context.sink.error
             report(
                 "source-changed",
                 f"`{id}` is not what `{shown}` pins",
@@ -252,8 +246,7 @@ def _is_whole(id: str, use: _SourceUse, context: Context) -> bool:
             "source-changed",
             f"`{id}` is not what was fetched: files in the store were changed",
             use.span,
-            notes=[Note(each.replace("was locked", "was stored")) for each in changes[:_SHOWN]]
-            + _more(changes),
+            notes=[Note(each.replace("was locked", "was stored")) for each in changes[:_SHOWN]] + _more(changes),
             help="run `mjcompose cache verify --fix`; it is fetched again when it is needed",
         )
     return not changes
@@ -289,13 +282,7 @@ class _FileGatherer:
             if isinstance(place.model, Plan):
                 self._recipe(place.model, place)
             elif place.model is not None:
-                self._put(
-                    place.model.path,
-                    self._files_of(place.model),
-                    place.model,
-                    label=place.part,
-                    span=place.span,
-                )
+                self._put(place.model.path, self._files_of(place.model), place.model, label=place.part, span=place.span)
         return self.uses
 
     def _recipe(self, plan: Plan, placed: PlacedModel) -> None:
@@ -309,20 +296,12 @@ class _FileGatherer:
         label = f"{placed.part}{plan.separator}{EXTENDS}" if placed.part else EXTENDS
         for source, span in plan.extended:
             if placed.part or source.origin is not None:
-                self._put(
-                    source.path,
-                    [source.path, *source.licenses],
-                    source,
-                    label=label,
-                    span=placed.span or span,
-                )
+                self._put(source.path, [source.path, *source.licenses], source, label=label, span=placed.span or span)
         for file in files_of_recipe(plan, self.context):
             main = plan.path if self.fetching.around(file) is None else file
             self._put(main, [file], None, label=placed.part or plan.path.name, span=placed.span)
 
-    def _put(
-        self, main: Path, files: list[Path], source: Source | None, label: str, span: Span | None
-    ) -> None:
+    def _put(self, main: Path, files: list[Path], source: Source | None, label: str, span: Span | None) -> None:
         origin = (source and source.origin) or self.fetching.around(main)
         root = self.folder if origin is None else origin.root
         id = _local_id(_relative(main, root)) if origin is None else origin.id

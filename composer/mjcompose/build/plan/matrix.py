@@ -38,9 +38,7 @@ def draw_parameters(
         if name in taken:
             span = locate(document, (*field.at, "param"))
             note = Note("drawn here too", locate(document, (*taken[name].at, "param")))
-            sink.error(
-                "name-clash", f"two fields draw the parameter `{name}`", span, notes=(note,), subjects=(name,)
-            )
+            sink.error("name-clash", f"two fields draw the parameter `{name}`", span, notes=(note,), subjects=(name,))
             continue
         taken[name] = field
         source = _Source(field, concrete, document, sink=sink)
@@ -53,13 +51,7 @@ def draw_parameters(
             if sample:
                 values[name] = node_of(value, locate(document, field.drawn_at))
                 drawn.append(
-                    Drawn(
-                        field.name,
-                        None,
-                        name,
-                        operation=field.operation,
-                        value=source.draw(randomize.seed, sample),
-                    )
+                    Drawn(field.name, None, name, operation=field.operation, value=source.draw(randomize.seed, sample))
                 )
     return values, tuple(drawn)
 
@@ -82,18 +74,14 @@ class _Source:
         if self.nominal is None:
             known = list(self.concrete.scope)
             message = f"the recipe has no parameter `{self.name}` to draw"
-            self.sink.add(
-                unknown_name("parameter", self.name, known, span=span, message=message, written="param: {}")
-            )
+            self.sink.add(unknown_name("parameter", self.name, known, span=span, message=message, written="param: {}"))
             return False
         numbers = self.nominal if isinstance(self.nominal, tuple) else (self.nominal,)
         is_number = all(isinstance(each, int | float) and not isinstance(each, bool) for each in numbers)
         if not is_number and (distribution.kind != CHOICE or field.operation != "set"):
             what = "a variant" if self.parameter is None else kind(self.nominal)
             message = f"`{self.name}` is {what}, of which only a `{CHOICE}` can be drawn"
-            self.sink.error(
-                "wrong-type", message, span, help=f"write `{CHOICE}: [VALUE, …]`", subjects=(self.name,)
-            )
+            self.sink.error("wrong-type", message, span, help=f"write `{CHOICE}: [VALUE, …]`", subjects=(self.name,))
             return False
         if distribution.unit is not None and not (self.parameter and self.parameter.is_angle):
             message = f"parameter `{self.name}` is not an angle, and what is drawn for it is one"
@@ -108,9 +96,7 @@ class _Source:
         if distribution.components not in (None, len(numbers)):
             expected = f"`{distribution.kind}` {distribution.components}"
             message = f"parameter `{self.name}` has {len(numbers)} numbers, {expected}"
-            self.sink.error(
-                "wrong-length", message, locate(self.document, field.drawn_at), subjects=(self.name,)
-            )
+            self.sink.error("wrong-length", message, locate(self.document, field.drawn_at), subjects=(self.name,))
             return False
         return True
 

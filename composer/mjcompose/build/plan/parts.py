@@ -50,9 +50,7 @@ def without_rings(parts: tuple[AttachPart, ...], separator: str, sink: Sink) -> 
             alone = len(ring) == 1
             sink.error(
                 "attach-cycle",
-                f"`{part.prefix}` is attached to itself"
-                if alone
-                else f"`{part.prefix}` is attached to {names}",
+                f"`{part.prefix}` is attached to itself" if alone else f"`{part.prefix}` is attached to {names}",
                 part.span,
                 help=f"{'it' if alone else 'one of them'} must be attached to the base or to the world",
                 subjects=ring,
@@ -130,9 +128,7 @@ def check_pieces(document: Mapping, given: Map[str, Node], sink: Sink) -> None:
     for axis, values in axes.items():
         for value, (key, piece) in values.entries.items():
             if value != chosen.get(axis):
-                _report_faults(
-                    document, {**given, axis: node_of(value, key.span)}, set(spans(piece)), sink=sink
-                )
+                _report_faults(document, {**given, axis: node_of(value, key.span)}, set(spans(piece)), sink=sink)
 
 
 def _report_faults(document: Mapping, given: Map[str, Node], places: Set[Span] | None, sink: Sink) -> None:
@@ -152,9 +148,7 @@ def _computed(node: Node) -> Iterator[Span]:
             yield node.span
         return
     items = node.items if isinstance(node, Sequence) else [value for _, value in node.entries.values()]
-    if isinstance(node, Sequence) and any(
-        isinstance(item, Scalar) and is_template(item.text) for item in items
-    ):
+    if isinstance(node, Sequence) and any(isinstance(item, Scalar) and is_template(item.text) for item in items):
         yield node.span
     for item in items:
         yield from _computed(item)

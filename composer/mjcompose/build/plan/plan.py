@@ -237,9 +237,7 @@ class PartRecord:
 def of_part(members: Iterable[PartRecord], part: str | None, separator: str) -> list[PartRecord]:
     """Return the members of a part: one, or all of a nested recipe; with None every one."""
     return [
-        member
-        for member in members
-        if part is None or member.part == part or member.part.startswith(part + separator)
+        member for member in members if part is None or member.part == part or member.part.startswith(part + separator)
     ]
 
 
@@ -382,9 +380,7 @@ class Plan:
 
     def of_sample(self, sample: int) -> Plan:
         """Return the plan with the draws of another sample; parameters keep their values."""
-        steps = tuple(
-            replace(step, sample=sample) if isinstance(step, DrawValues) else step for step in self.steps
-        )
+        steps = tuple(replace(step, sample=sample) if isinstance(step, DrawValues) else step for step in self.steps)
         return replace(self, steps=steps, sample=sample)
 
     def walk(self, is_fixed: bool = True) -> Iterator[PlacedModel]:
@@ -432,9 +428,7 @@ class Plan:
         selectors = [step.edit.select for plan in self.plans() for step in plan.edits]
         selectors += [step.field.select for plan in self.plans() for step in plan.draws if step.field.select]
         draws_by_part = any(step.field.per == "part" for plan in self.plans() for step in plan.draws)
-        return draws_by_part or any(
-            each.part is not None for selector in selectors for each in selector.all()
-        )
+        return draws_by_part or any(each.part is not None for selector in selectors for each in selector.all())
 
     @property
     def prefixes(self) -> frozenset[str]:

@@ -79,9 +79,7 @@ def plan_what_remains(
     try:
         plan = _Planner(context, name=name, sample=sample, worlds=worlds).plan(path, (), given=given or {})
     except RecursionError:  # if the limit `nesting` was raised
-        context.sink.error(
-            "not-supported", f"recipes that `{recipe}` leads to stand too deep inside one another"
-        )
+        context.sink.error("not-supported", f"recipes that `{recipe}` leads to stand too deep inside one another")
         return None
     if name is None and plan is not None:
         matrix = read_matrix(path, context, given)
@@ -130,13 +128,7 @@ class _Planner:
         """How many parts a plan has, those of nested recipes counted, by the identity of the plan, which is kept."""
 
     def plan(
-        self,
-        path: Path,
-        outer: Outer,
-        span: Span | None = None,
-        *,
-        given: Given,
-        source: Source | None = None,
+        self, path: Path, outer: Outer, span: Span | None = None, *, given: Given, source: Source | None = None
     ) -> Plan | None:
         """Return the plan of one recipe; `outer` are the recipes around it, outermost first."""
         key = Path(os.path.realpath(path))
@@ -161,9 +153,7 @@ class _Planner:
         if self.worlds and not outer:
             self._check_worlds(path, recipe, document)
         elif randomize is not None and randomize.of_parameters and concrete is not None:
-            values, drawn = draw_parameters(
-                randomize, self.sample, concrete, document=document, sink=self.sink
-            )
+            values, drawn = draw_parameters(randomize, self.sample, concrete, document=document, sink=self.sink)
             if values:
                 read = self._read(path, {**given, **values})
                 if read is None:
@@ -193,9 +183,7 @@ class _Planner:
         if base is not None and base.attachment.is_placed:
             members, base = (base, *members), None
         parts = without_rings(members, recipe.separator, self.sink)
-        steps = tuple(
-            steps_of(StepInput(recipe, document, draws.randomize, sample=draws.sample, worlds=self.worlds))
-        )
+        steps = tuple(steps_of(StepInput(recipe, document, draws.randomize, sample=draws.sample, worlds=self.worlds)))
         plan = Plan(
             name=found.name,
             description=recipe.description,
@@ -208,9 +196,7 @@ class _Planner:
             base=base,
             parts=parts,
             steps=steps,
-            settled=frozenset(
-                path for step in steps if isinstance(step, SetSingleton) for path in step.settled
-            ),
+            settled=frozenset(path for step in steps if isinstance(step, SetSingleton) for path in step.settled),
             scope=concrete.scope if concrete else {},
             variants=concrete.variants if concrete else {},
             checks=tuple(checks_of(recipe.check)),
@@ -274,9 +260,7 @@ class _Planner:
         self.sink.suppress_about(found.lost)
         return found.recipe, found.document, found.concrete
 
-    def _angle_context(
-        self, path: Path, recipe: Recipe, document: Mapping, concrete: Concrete | None
-    ) -> AngleContext:
+    def _angle_context(self, path: Path, recipe: Recipe, document: Mapping, concrete: Concrete | None) -> AngleContext:
         """Return how bare angles are read; a file without a setting allows none."""
         whole = AngleSettings(recipe.angle, recipe.eulerseq)
         files = self.context.recipes[path].said
@@ -326,20 +310,11 @@ class _Planner:
         """Return the source of a reference, which is looked for once. Raises SourceError."""
         if (reference, folder) not in self.sources:
             self.sources[reference, folder] = resolve(
-                reference,
-                relative_to=folder,
-                environment=self.context.environment,
-                fetching=self.context.fetching,
+                reference, relative_to=folder, environment=self.context.environment, fetching=self.context.fetching
             )
         return self.sources[reference, folder]
 
-    def _model(
-        self,
-        asked: Attachment,
-        at: KeyPath,
-        around: _LoadedRecipe,
-        inside: Outer,
-    ) -> Source | Plan | None:
+    def _model(self, asked: Attachment, at: KeyPath, around: _LoadedRecipe, inside: Outer) -> Source | Plan | None:
         """Return the model for the mapping at `at`: a source, or the plan of a nested recipe."""
         document, outer = around.document, around.recipe
         written = find(document, (*at, "model"))
@@ -357,11 +332,7 @@ class _Planner:
         if asked.packages and source.format != "urdf":
             self._only_for("packages", "URDF", f"`{asked.model}`", document=document, at=at)
         if source.format == "recipe":
-            values = (
-                {name: value for name, (_, value) in given.entries.items()}
-                if isinstance(given, Mapping)
-                else {}
-            )
+            values = {name: value for name, (_, value) in given.entries.items()} if isinstance(given, Mapping) else {}
             plan = self.plan(source.path, inside, span, given=values, source=source)
             if plan is not None and plan.separator != outer.separator:
                 self._separators(f"`{asked.model}`", plan, outer, span=span)
@@ -375,9 +346,7 @@ class _Planner:
         door = source.door.wider(tuple(folder for _, folder in packages)) if packages else source.door
         arguments = tuple(self._arguments(asked.given, document, at))
         keys = asked.urdf
-        choices = UrdfChoices(
-            arguments, keys.visuals, keys.fixed, actuators=keys.actuators, inertia=keys.inertia
-        )
+        choices = UrdfChoices(arguments, keys.visuals, keys.fixed, actuators=keys.actuators, inertia=keys.inertia)
         return replace(source, packages=packages, door=door, urdf=choices)
 
     def _in_place(self, at: KeyPath, model: Mapping, around: _LoadedRecipe, inside: Outer) -> Plan | None:
@@ -413,9 +382,7 @@ class _Planner:
             help=f'give both the same: `separator: "{inner.separator}"`',
         )
 
-    def _only_for(
-        self, key: str, what: str, model: str, document: Mapping, at: tuple[str | int, ...]
-    ) -> None:
+    def _only_for(self, key: str, what: str, model: str, document: Mapping, at: tuple[str | int, ...]) -> None:
         self.sink.error(
             "unknown-key",
             f"`{key}` is for {what}, and {model} is not one",

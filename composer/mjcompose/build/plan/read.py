@@ -179,11 +179,7 @@ def _flow(node: Node) -> str:
         return _value(node)
     if isinstance(node, Sequence):
         return f"[{', '.join(_flow(item) for item in node.items)}]"
-    return (
-        "{"
-        + ", ".join(f"{_scalar_text(name)}: {_flow(value)}" for name, (_, value) in node.entries.items())
-        + "}"
-    )
+    return "{" + ", ".join(f"{_scalar_text(name)}: {_flow(value)}" for name, (_, value) in node.entries.items()) + "}"
 
 
 def _value(node: Scalar) -> str:
@@ -196,12 +192,7 @@ def _value(node: Scalar) -> str:
 
 def _scalar_text(text: str) -> str:
     """Return text in YAML, quoted only if necessary."""
-    plain = (
-        text
-        and text == text.strip()
-        and not set(text) & set("{}[],&*#?|<>=!%@`\"'\n\t\\")
-        and text[0] not in "-:"
-    )
+    plain = text and text == text.strip() and not set(text) & set("{}[],&*#?|<>=!%@`\"'\n\t\\") and text[0] not in "-:"
     if plain and ": " not in text and not text.endswith(":") and isinstance(resolve(text), str):
         return text
     return json.dumps(text, ensure_ascii=False)
@@ -224,9 +215,7 @@ def read_recipe(path: Path, context: Context) -> Node | None:
         before, extended = fetching.trust, list[tuple[Source, Span]]()
         said: dict[str, Mapping] = {}
         node = _read(path, own, (), extended=extended, said=said)
-        known = ReadRecipe(
-            node, tuple(own.sink.diagnostics), tuple(extended), said=said, trust=fetching.trust
-        )
+        known = ReadRecipe(node, tuple(own.sink.diagnostics), tuple(extended), said=said, trust=fetching.trust)
         fetching.trust = before
         context.recipes[path] = known
     if path == fetching.outer:  # nested recipes cannot set trust
@@ -237,18 +226,12 @@ def read_recipe(path: Path, context: Context) -> Node | None:
 
 
 def _read(
-    path: Path,
-    context: Context,
-    chain: tuple[Path, ...],
-    extended: list[tuple[Source, Span]],
-    said: dict[str, Mapping],
+    path: Path, context: Context, chain: tuple[Path, ...], extended: list[tuple[Source, Span]], said: dict[str, Mapping]
 ) -> Node | None:
     before = context.sink.error_count
     text = _text(path, context)
     node = None if text is None else load(text, context.shown(path), context.sink, empty=_EMPTY)
-    if (
-        node is not None and text is not None and b"\\" in text
-    ):  # without escapes YAML has none of them either
+    if node is not None and text is not None and b"\\" in text:  # without escapes YAML has none of them either
         check_characters(node, context.sink)
     if isinstance(node, Mapping) and text is not None and (b"check" in text or b"edit" in text):
         from mjcompose.build.plan.extensions import load_named_extensions
@@ -298,9 +281,7 @@ def folder_of(span: Span, context: Context) -> Path:
 def _extended(named: Node, path: Path, context: Context, chain: tuple[Path, ...]) -> Source | None:
     sink = context.sink
     if not isinstance(named, Scalar) or not isinstance(named.value, str):
-        sink.error(
-            "wrong-type", "`extends` names another recipe", named.span, help="write `extends: ./other.yaml`"
-        )
+        sink.error("wrong-type", "`extends` names another recipe", named.span, help="write `extends: ./other.yaml`")
         return None
     if is_template(named.value):
         message = "`extends` is read before any parameter is known"
@@ -398,9 +379,7 @@ def read_trust(node: Mapping, folder: Path, sink: Sink) -> Trust:
         if name not in KEYS:
             sink.add(unknown_key(name, KEYS, key.span, message=f"`{TRUST}` has no key `{name}`"))
     files = [_folder(text, span, folder, sink=sink) for text, span in _texts(written, FILES, sink)]
-    references = tuple(
-        text for text, span in _texts(written, REFERENCES, sink) if _is_narrow(text, span, sink)
-    )
+    references = tuple(text for text, span in _texts(written, REFERENCES, sink) if _is_narrow(text, span, sink))
     return Trust(tuple(each for each in files if each is not None), references)
 
 
@@ -445,9 +424,7 @@ def _folder(text: str, span: Span, folder: Path, sink: Sink) -> Path | None:
     path = folder / text
     if not os.path.isdir(path):
         hint = "`~` is not expanded: write the whole path" if text.startswith("~") else None
-        sink.error(
-            "file-not-found", f"the folder `{text}` of `{TRUST}.{FILES}` does not exist", span, help=hint
-        )
+        sink.error("file-not-found", f"the folder `{text}` of `{TRUST}.{FILES}` does not exist", span, help=hint)
         return None
     return Path(os.path.realpath(path))
 
@@ -457,9 +434,7 @@ def _is_narrow(text: str, span: Span, sink: Sink) -> bool:
     if text.strip("/:+@#").lower() not in ("", "http", "https", "git+https", "git+ssh"):
         return True
     message = f"`{text}` in `{TRUST}.{REFERENCES}` would allow everything"
-    sink.error(
-        "source-outside", message, span, help="name what is trusted: `git+file:///srv/robots`, `package:NAME`"
-    )
+    sink.error("source-outside", message, span, help="name what is trusted: `git+file:///srv/robots`, `package:NAME`")
     return False
 
 
@@ -523,9 +498,7 @@ def _of_urdf(source: Source) -> Iterator[Path]:
         return
     given = dict(source.packages)
     if is_template_urdf(source.path, text.encode()):
-        yield from files_named(
-            source.path, text.encode(), source.door, packages=ros.all_folders(source.path, given)
-        )
+        yield from files_named(source.path, text.encode(), source.door, packages=ros.all_folders(source.path, given))
         return
     packages = ros.folders(ros.packages_in(text), source.path, given)
     for name in _MESH.findall(text):

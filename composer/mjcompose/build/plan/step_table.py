@@ -31,9 +31,7 @@ STEPS: tuple[type[Step], ...] = (
     SetCollisions,
 )
 # Keys that the planner reads itself: settings of the whole recipe, and what is composed and verified.
-_PLANNED = (
-    "recipe name description angle eulerseq separator conflict allow base attach check datasheets".split()
-)
+_PLANNED = "recipe name description angle eulerseq separator conflict allow base attach check datasheets".split()
 
 for _each in STEPS:
     if inspect.isabstract(_each):

@@ -72,14 +72,10 @@ def angle_context_of(
 
 def check_bare_angles(angle_context: AngleContext, sink: Sink) -> None:
     """Report bare angles in files that do not set `angle` if another file does."""
-    if angle_context.whole.angle is None or all(
-        each.angle is not None for each in angle_context.others.values()
-    ):
+    if angle_context.whole.angle is None or all(each.angle is not None for each in angle_context.others.values()):
         return
     document = angle_context.document
-    silent = Mapping(
-        {name: each for name, each in document.entries.items() if name != "angle"}, document.span
-    )
+    silent = Mapping({name: each for name, each in document.entries.items() if name != "angle"}, document.span)
     for fault in judge(silent)[1]:
         if fault.code == "bare-angle" and angle_context.at(fault.at).angle is None:
             message = f"{fault.message}, and its file does not say which"
@@ -259,12 +255,7 @@ class DrawValues(Step):
             if randomize is not None and field.select is not None:
                 span = given.span(field.drawn_at)
                 yield cls(
-                    field,
-                    randomize.seed,
-                    given.sample,
-                    samples=randomize.samples,
-                    span=span,
-                    tabled=given.worlds,
+                    field, randomize.seed, given.sample, samples=randomize.samples, span=span, tabled=given.worlds
                 )
 
     @property

@@ -118,9 +118,7 @@ def _conditions() -> list[Schema]:
     found: list[Schema] = []
     for kind in _KINDS:
         attributes = GRAMMAR.element(f"actuator/{kind}").attributes.values()
-        given = {
-            each.name: _either(attribute_schema(each), taken) for each in attributes if each.name != "name"
-        }
+        given = {each.name: _either(attribute_schema(each), taken) for each in attributes if each.name != "name"}
         target: Schema = {"properties": {_TO: {"const": kind}}, "required": [_TO]}
         then: Schema = {"properties": {_TO: _KIND, **given}, "additionalProperties": False}
         found.append({"if": target, "then": then})
@@ -170,13 +168,7 @@ class Convert(Verb):
 
 
 def _given(
-    editing: Editing,
-    node: Node,
-    index: int,
-    to: str,
-    model: ActuatorModel,
-    written: Mapping[str, Any],
-    at: Path,
+    editing: Editing, node: Node, index: int, to: str, model: ActuatorModel, written: Mapping[str, Any], at: Path
 ) -> dict[str, str]:
     """Return the attributes of the entry as text, those that a recipe gives for the joint as the gear turns them."""
     kind = GRAMMAR.element(f"actuator/{to}")
@@ -200,21 +192,15 @@ def _given(
             # MuJoCo 4.0 gives the range of the joint to the control, which the gear multiplies.
             message = f"the control of {editing.called(node)} is {gear:g} times the position that `inheritrange` limits"
             report_unusable(
-                editing,
-                node,
-                Fault("not-supported", message, path, help="write `ctrlrange`, with that of the joint"),
+                editing, node, Fault("not-supported", message, path, help="write `ctrlrange`, with that of the joint")
             )
-        power = (
-            0 if to == "general" else _POWERS.get(name, 0) or (_OF_CONTROL[to] if name == "ctrlrange" else 0)
-        )
+        power = 0 if to == "general" else _POWERS.get(name, 0) or (_OF_CONTROL[to] if name == "ctrlrange" else 0)
         old = GRAMMAR.element(f"actuator/{node.tag}").attributes.get(name)
         now = values.now(old) if old is not None else None
         if now is not None and power and not isinstance(now, str):
             now = _geared(now, model.gear or 1.0, -power)
         faults: list[Fault] = []
-        read = read_value(
-            attribute, values.of(item, path, now), path, owner=editing.called(node), faults=faults
-        )
+        read = read_value(attribute, values.of(item, path, now), path, owner=editing.called(node), faults=faults)
         for fault in faults[:1]:
             report_unusable(editing, node, fault)
         found[name] = _text(attribute, read, gear, power=power)
@@ -282,12 +268,7 @@ def _converted(
     limits: dict[str, str] | None = {}
     if old != to or "ctrlrange" in given:
         limits = _limits(
-            editing,
-            node,
-            to,
-            model=model,
-            keeps=before.split("+")[0] == after.split("+")[0],
-            written={**made, **given},
+            editing, node, to, model=model, keeps=before.split("+")[0] == after.split("+")[0], written={**made, **given}
         )
     if limits is None:
         lost.append("`ctrlrange`, which limits another thing")
@@ -303,9 +284,7 @@ def _converted(
     if old != to and not _keeps_activation(to, {**made, **given}):
         _refuse_actrange(editing, node, to, at=at)
     _rewrite(editing, node, to, written={**limits, **made, **given}, wrong=wrong)
-    editing.write(
-        node, {name: (*at, name) for name in given} | {name: at for name in made if name not in given}
-    )
+    editing.write(node, {name: (*at, name) for name in given} | {name: at for name in made if name not in given})
     for name in given:
         if kind.attributes[name].is_interval:
             editing.making.intervals[node, name] = editing.span((*at, name))
@@ -317,9 +296,7 @@ def _converted(
 
 def _lost_attributes(to: str, model: ActuatorModel, wrong: list[str]) -> Iterator[str]:
     """Yield in words what the new kind has no attribute for. `wrong` are the attributes that it does not have."""
-    yield from (
-        f"`{name}`" for name in wrong if name in _UNSAID and (model.act_limited or name != "actrange")
-    )
+    yield from (f"`{name}`" for name in wrong if name in _UNSAID and (model.act_limited or name != "actrange"))
     if to not in ("general", "pid"):
         yield from (f"`{name}range`" for name in model.limited[1:] if name)
     if model.gain == "so3" and to != "general":
@@ -381,9 +358,7 @@ def _refuse_actrange(editing: Editing, node: Node, to: str, at: Path) -> None:
     found = levels(node, kind, kind.attributes["actrange"], classes=editing.classes)
     level = next((each for each in found if each.kind == "class" and each.text), None)
     if level is not None and any(numbers.read(str(level.text))):
-        message = (
-            f"a `{to}` cannot have the `actrange` that the class `{level.name}` gives {editing.called(node)}"
-        )
+        message = f"a `{to}` cannot have the `actrange` that the class `{level.name}` gives {editing.called(node)}"
         help = "write the `actrange` on the actuators, or `unset` it in the class"
         report_unusable(editing, node, Fault("wrong-type", message, at, help=help))
 
@@ -583,17 +558,13 @@ def _gain_and_bias(model: ActuatorModel) -> str:
 def _needs(editing: Editing, node: Node, to: str, gain: str, at: Path) -> None:
     what = "position gain" if gain == "kp" else "velocity gain"
     message = f"{editing.called(node)} has no {what} that a `{to}` could take over"
-    report_unusable(
-        editing, node, Fault("missing-key", message, at, help=f"write `{gain}: …` beside `to: {to}`")
-    )
+    report_unusable(editing, node, Fault("missing-key", message, at, help=f"write `{gain}: …` beside `to: {to}`"))
 
 
 def _report(editing: Editing, to: str, lost: Mapping[str, list[str]], at: Path) -> None:
     count = len({each for names in lost.values() for each in names})
     what = next(iter(lost.values()))[0] if count == 1 else f"{count} actuators"
-    notes = [
-        Note(f"lost: {loss}{'' if len(names) == count else _few(names)}") for loss, names in lost.items()
-    ]
+    notes = [Note(f"lost: {loss}{'' if len(names) == count else _few(names)}") for loss, names in lost.items()]
     message = f"{what} cannot do all that {'it' if count == 1 else 'they'} did as `{to}`"
     editing.sink.warning("convert-loss", message, editing.span(at), notes=notes)
 

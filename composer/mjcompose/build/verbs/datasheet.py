@@ -108,9 +108,7 @@ def _joint(editing: Editing, node: Node, at: Path) -> tuple[Node, float]:
     gear = numbers.read(editing.effective(node, "gear") or "1")[0]
     if gear == 0:
         message = f"the `gear` of {editing.called(node)} is 0"
-        report_unusable(
-            editing, node, Fault("wrong-type", message, at, key=True, help="set it to 1"), it="it"
-        )
+        report_unusable(editing, node, Fault("wrong-type", message, at, key=True, help="set it to 1"), it="it")
     return joint, gear
 
 
@@ -162,9 +160,7 @@ class _Drive:
             return self.effort / written.error, self.effort / self.sheet.speed
         called = self.editing.called(self.node)
         if written.bandwidth is None:
-            help = (
-                "write `bandwidth: 5`, in Hz; or `error: 0.1`, in rad, at which it gives its greatest torque"
-            )
+            help = "write `bandwidth: 5`, in Hz; or `error: 0.1`, in rad, at which it gives its greatest torque"
             self._lacks(f"{called} is a servo, and nothing says how fast it is", help)
         armature = numbers.read(self.editing.effective(self.joint, "armature") or "0")[0]
         moved = armature + (written.inertia or 0.0)
@@ -175,9 +171,7 @@ class _Drive:
         omega = 2 * math.pi * written.bandwidth
         if self.node.tag == "velocity":
             return 0.0, moved * omega
-        return moved * omega**2, 2 * (
-            1.0 if written.damping_ratio is None else written.damping_ratio
-        ) * moved * omega
+        return moved * omega**2, 2 * (1.0 if written.damping_ratio is None else written.damping_ratio) * moved * omega
 
     def _lacks(self, message: str, help: str, *key: str) -> NoReturn:
         fault = Fault("missing-key", message, (*self.at, *key), key=True, help=help)
@@ -191,9 +185,7 @@ def _without_dampratio(editing: Editing, node: Node, at: Path) -> None:
         assign(editing, node, {"dampratio": None})
     if any(numbers.read(editing.effective(node, "dampratio") or "0")):
         message = f"a class gives {editing.called(node)} a `dampratio`, beside which there can be no `kv`"
-        help = (
-            "take it out of the class first: `{select: {default: CLASS}, set: {position: {dampratio: null}}}`"
-        )
+        help = "take it out of the class first: `{select: {default: CLASS}, set: {position: {dampratio: null}}}`"
         report_unusable(editing, node, Fault("wrong-type", message, at, key=True, help=help), it="it")
 
 

@@ -31,9 +31,7 @@ _ROWS = dict(zip(BODIES, (1, 3, 4, 3), strict=True))
 class Inertia(Verb):
     """mass and inertia from the geoms, at a density"""
 
-    rules: ClassVar = (
-        For("body", what="for bodies, and `{tag}` is not one", help="write `select: {body: NAME}`"),
-    )
+    rules: ClassVar = (For("body", what="for bodies, and `{tag}` is not one", help="write `select: {body: NAME}`"),)
     example: ClassVar = "{from: mesh, density: 1000}"
 
     source: Literal["mesh", "geoms"] = Field(alias="from", examples=["mesh"])
@@ -94,20 +92,14 @@ def _geoms(editing: Editing, body: Node, written: Inertia, at: Path) -> list[Nod
     known = ", ".join(map(str, sorted(groups)))
     what = "meshes" if written.source == "mesh" else "geoms"
     if not groups:
-        help = (
-            "write `from: geoms`"
-            if written.source == "mesh" and own(body, "geom")
-            else "write `set: {mass: …}`"
-        )
+        help = "write `from: geoms`" if written.source == "mesh" and own(body, "geom") else "write `set: {mass: …}`"
         message = f"{editing.called(body)} has no {what}"
         report_unusable(editing, body, Fault("selector", message, at, key=True, help=help), it="it")
     if written.group is not None:
         if written.group not in groups:
             message = f"{editing.called(body)} has no {what} in the group {written.group}"
             help = f"it has some in the groups {known}"
-            report_unusable(
-                editing, body, Fault("selector", message, (*at, "group"), key=True, help=help), it="it"
-            )
+            report_unusable(editing, body, Fault("selector", message, (*at, "group"), key=True, help=help), it="it")
         return groups[written.group]
     if len(groups) > 1:
         message = f"{editing.called(body)} has {what} in the groups {known}, which may be the same shape several times"
@@ -125,11 +117,7 @@ def _measured(
     with without_keys(unit.root):
         copy = unit.copied()
     copies = dict(
-        zip(
-            (node for node, _ in walk_bodies(unit.root)),
-            (node for node, _ in walk_bodies(copy.root)),
-            strict=True,
-        )
+        zip((node for node, _ in walk_bodies(unit.root)), (node for node, _ in walk_bodies(copy.root)), strict=True)
     )
     for body, geoms in wanted.items():
         _made_of(copies[body], [copies[each] for each in geoms], density)

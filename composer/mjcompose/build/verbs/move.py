@@ -28,9 +28,7 @@ from mjcompose.model.grammar import GRAMMAR
 from mjcompose.model.names import WORLD
 from mjcompose.model.select import kind_of
 
-_IN_THE_TREE = {
-    child.path for top in ("body", "worldbody") for child in GRAMMAR.element(top).children.values()
-}
+_IN_THE_TREE = {child.path for top in ("body", "worldbody") for child in GRAMMAR.element(top).children.values()}
 
 
 class Frame(Model):
@@ -50,10 +48,7 @@ Place = Annotated[
 class Move(Verb):
     """Another body or frame to stand in, and the pose there."""
 
-    rules: ClassVar = (
-        For(*_IN_THE_TREE, what="for the body tree, and `{tag}` is not in it"),
-        Exclusive(*ORIENTATIONS),
-    )
+    rules: ClassVar = (For(*_IN_THE_TREE, what="for the body tree, and `{tag}` is not in it"), Exclusive(*ORIENTATIONS))
     example: ClassVar = "{to: NAME}"
     reshapes: ClassVar = True
 
@@ -168,9 +163,7 @@ def _check_free(editing: Editing, node: Node, target: Node, at: Path) -> None:
         f"{editing.called(node)} {what} and cannot stand below {editing.called(outer)}",
         editing.span((*at, "to")),
         notes=(Note("it is written here", editing.span_of(node)),),
-        help="set `mocap: false` first"
-        if is_mocap
-        else "remove its free joint first, or move it to the world",
+        help="set `mocap: false` first" if is_mocap else "remove its free joint first, or move it to the world",
         subjects=(*editing.subjects(node), *editing.subjects(outer)),
     )
     raise UnusableValue

@@ -114,9 +114,7 @@ def _still_needed(removal: Removal[Editing], editing: Editing, at: Path) -> None
             notes.append(
                 Note(
                     f"{editing.called(user)} refers to the {word(namespace)} `{name}` by `{attribute}`",
-                    editing.span_of(
-                        node, attribute if not is_list(node, attribute, section_of(node)) else None
-                    ),
+                    editing.span_of(node, attribute if not is_list(node, attribute, section_of(node)) else None),
                 )
             )
     if len(seen) > _SHOWN:

@@ -16,16 +16,7 @@ from mjcompose.build.verbs.values import Entry
 from mjcompose.language.edit import Verb
 from mjcompose.language.forms.model import WHOLE
 from mjcompose.language.forms.scalars import Name
-from mjcompose.model.edit import (
-    BadBone,
-    NewName,
-    Renaming,
-    is_rod,
-    renamed_skin,
-    skins,
-    twisted_by,
-    unlistable_message,
-)
+from mjcompose.model.edit import BadBone, NewName, Renaming, is_rod, renamed_skin, skins, twisted_by, unlistable_message
 from mjcompose.model.names import MAY_REPEAT, WORLD, own_name
 from mjcompose.model.select import kind_of, naming_attribute
 from mjcompose.text.node import locate
@@ -56,9 +47,7 @@ def rename_in_skins(editing: Editing, names: Mapping[str, str], at: Path) -> Non
 class Rename(Verb):
     """the new name, which every reference follows"""
 
-    name: Annotated[str, Name(computed=True, what="the new name")] = Field(
-        alias=WHOLE, examples=['"${name}_left"']
-    )
+    name: Annotated[str, Name(computed=True, what="the new name")] = Field(alias=WHOLE, examples=['"${name}_left"'])
     """the new name"""
 
     def carry_out(self, entry: Entry, at: Path) -> None:
@@ -83,11 +72,7 @@ class Rename(Verb):
             assert naming is not None
             editing.forget(node)
             editing.write(node, {naming.name: at})
-        bodies = {
-            str(node.get("name")): name
-            for node, name in new.items()
-            if node.tag == "body" and node.get("name")
-        }
+        bodies = {str(node.get("name")): name for node, name in new.items() if node.tag == "body" and node.get("name")}
         for node, name in new.items():
             naming = naming_attribute(kind_of(node))
             assert naming is not None
@@ -125,11 +110,7 @@ def _new_name(editing: Editing, node: Node, index: int, written: str, at: Path) 
     if not name.strip() or (naming.declares == "body" and name == WORLD):
         message = "a name is empty" if not name.strip() else f"the name `{WORLD}` is taken"
         editing.sink.error(
-            "bad-name",
-            message,
-            span,
-            notes=(Note(f"for {editing.called(node)}"),),
-            subjects=editing.subjects(node),
+            "bad-name", message, span, notes=(Note(f"for {editing.called(node)}"),), subjects=editing.subjects(node)
         )
         raise UnusableValue
     return name
@@ -198,9 +179,7 @@ def _advice(editing: Editing, node: Node, other: Node, at: Path) -> str:
     differ += [
         name
         for name, attribute in kind_of(node).attributes.items()
-        if attribute.type == "reference"
-        and name != "class"
-        and len({node.get(name), other.get(name), None}) == 3
+        if attribute.type == "reference" and name != "class" and len({node.get(name), other.get(name), None}) == 3
     ]
     words = [f"`${{{name}}}`" for name in (*differ, "index")]
     return f"write {' or '.join([', '.join(words[:-1]), words[-1]] if words[1:] else words)} in the new name"

@@ -148,9 +148,7 @@ def _without_defaults(values: Values, attribute: Attribute, found: list[float]) 
     return found
 
 
-def _number(
-    values: Values, operation: Operation, item: Any, attribute: Attribute, is_angle: bool, at: Path
-) -> float:
+def _number(values: Values, operation: Operation, item: Any, attribute: Attribute, is_angle: bool, at: Path) -> float:
     """Return the written number. An angle is in the model's unit, unless it is a factor."""
     editing, node = values.editing, values.node
     making = editing.making
@@ -236,13 +234,9 @@ def check_units(values: Values, wanted: str, written: Mapping[str, Any], at: Pat
         if not text or not any(numbers.read(text)):
             continue
         was, would = ("an angle", "a length") if turns else ("a length", "an angle")
-        message = (
-            f"`{attribute.name}` of {editing.called(joint)} is {was}, and would be {would} for a {wanted}"
-        )
+        message = f"`{attribute.name}` of {editing.called(joint)} is {was}, and would be {would} for a {wanted}"
         report_unusable(
-            editing,
-            joint,
-            Fault("bare-angle", message, at, help=f"write `{attribute.name}` beside `type`"),
+            editing, joint, Fault("bare-angle", message, at, help=f"write `{attribute.name}` beside `type`")
         )
 
 
@@ -268,9 +262,7 @@ def _check_references(values: Values, attribute: Attribute, at: Path) -> None:
     for name, namespace, value, typed_by in own_references(node, section_of(node)):
         if name == attribute.name and not resolves(editing, namespace, value):
             span, written = editing.span(at), f"{name}: {{}}"
-            editing.sink.add(
-                unresolved(editing, namespace, value, span=span, written=written, typed_by=typed_by)
-            )
+            editing.sink.add(unresolved(editing, namespace, value, span=span, written=written, typed_by=typed_by))
             raise UnusableValue
 
 

@@ -129,35 +129,23 @@ class Checks:
             for diagnostic in reported:
                 self.context.sink.add(diagnostic)
             name = recipe.part + check.name
-            outcomes.append(
-                Outcome(name, check.word, _place(check, recipe), diagnostics=reported, values=values)
-            )
+            outcomes.append(Outcome(name, check.word, _place(check, recipe), diagnostics=reported, values=values))
             if not kept:
                 break
 
-    def _ask(
-        self,
-        check: Check,
-        recipe: NestedRecipe,
-        context: Context,
-    ) -> tuple[bool, dict[str, Any]]:
+    def _ask(self, check: Check, recipe: NestedRecipe, context: Context) -> tuple[bool, dict[str, Any]]:
         """Run a check on the compiled model, in the process that keeps it.
 
         Return whether that process still keeps the model, and the values that the check found.
         """
         path = check.at
-        written = next(
-            (key for key in ("equals", "range") if find(recipe.plan.document, (*path, key))), "select"
-        )
+        written = next((key for key in ("equals", "range") if find(recipe.plan.document, (*path, key))), "select")
         asked = {
             **check.asked(),
             "angle": recipe.plan.angle_context.at((*path, written)).angle,
             "frame": recipe.frame(self.members),
             "size": sum(map(len, self.bundle.files.values())),
-            "shapes": [
-                {"mesh": each.mesh, "of": each.of, "shapes": each.shapes, **each.error}
-                for each in self.shapes
-            ],
+            "shapes": [{"mesh": each.mesh, "of": each.of, "shapes": each.shapes, **each.error} for each in self.shapes],
         }
         about = f"check `{recipe.part}{check.name}`"
         if check.needs_world and asked["frame"] is None:

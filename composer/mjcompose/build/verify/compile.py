@@ -58,13 +58,7 @@ def unmoved_flexes(root: Node, mujoco: str | None) -> Iterator[Node]:
 
 
 def compile_and_report(
-    bundle: Bundle,
-    model: Unit,
-    context: Context,
-    *,
-    session: Session,
-    keep: str | None = None,
-    at: Span | None = None,
+    bundle: Bundle, model: Unit, context: Context, *, session: Session, keep: str | None = None, at: Span | None = None
 ) -> Compiled | None:
     """Compile the bundle and report errors and warnings to the sink. Return None if MuJoCo gave no verdict.
 
@@ -81,9 +75,7 @@ def compile_and_report(
         attribute = None if element is None else translate(warning.message, element).attribute
         span = None if element is None else model.origins.span(element, model.file, attribute)
         said = _with_sources(warning.message, model, context)
-        context.sink.warning(
-            "mujoco-warning", f"MuJoCo warns: {said}", span, cause=Cause(said, _words_for(element))
-        )
+        context.sink.warning("mujoco-warning", f"MuJoCo warns: {said}", span, cause=Cause(said, _words_for(element)))
     if verified.error is not None and verified.code is not None:
         fault = verified.error
         message = _with_sources(fault.message, model, context)
@@ -124,13 +116,7 @@ def _report_unread(element: Node, name: str | None, model: Unit, context: Contex
         return
     file = model.origins.span(element, model.file).file
     found = unknown_element(element, file) if name is None else unknown_attribute(element, name, file)
-    report(
-        found,
-        element,
-        model,
-        context=context,
-        cause=Cause(f"{element.tag} {name or ''}", _words_for(element)),
-    )
+    report(found, element, model, context=context, cause=Cause(f"{element.tag} {name or ''}", _words_for(element)))
 
 
 def _element(fault: Fault, bundle: Bundle, model: Unit) -> Node | None:
@@ -149,9 +135,7 @@ def _element(fault: Fault, bundle: Bundle, model: Unit) -> Node | None:
     named = [each for each in model.root.iter("*") if each.get("name") == fault.name] if fault.name else []
     named = named or [each for each in model.root.iterfind(".//replicate//*") if _is_copy(fault.name, each)]
     named = named or [
-        each
-        for each in model.root.iter("*")
-        if each.get("file") and basename(str(each.get("file"))) in said.names
+        each for each in model.root.iter("*") if each.get("file") and basename(str(each.get("file"))) in said.names
     ]
     if not named and said.array is not None:
         named = list(model.root.iter(said.array.partition("_")[0]))
@@ -197,8 +181,7 @@ WHOLE = "whole"
 """The name under which the session keeps the composition."""
 # Greedy: the match may include what stands between two sections of one name, but it never misses anything.
 _OF_FILES = [
-    re.compile(rb"<%b\b[^>]*>(?:.*</%b>)?" % (tag, tag), re.DOTALL)
-    for tag in (b"asset", b"default", b"compiler")
+    re.compile(rb"<%b\b[^>]*>(?:.*</%b>)?" % (tag, tag), re.DOTALL) for tag in (b"asset", b"default", b"compiler")
 ]
 _MATERIAL = re.compile(rb"<material\b[^>]*>")
 """Materials are the assets that are drawn most often, and MuJoCo reads no file for them."""

@@ -45,9 +45,7 @@ _FORMAT = 1
 class DrawTable:
     """The table of draws for the model that `session` keeps. Draws that are impossible at run time are reported."""
 
-    def __init__(
-        self, plan: Plan, tabled: Sequence[ElementDraws], session: engine.Session, context: Context
-    ) -> None:
+    def __init__(self, plan: Plan, tabled: Sequence[ElementDraws], session: engine.Session, context: Context) -> None:
         self.plan, self.tabled, self.session, self.context = plan, tabled, session, context
         self.columns: dict[str, dict[str, Any]] = {}
         self.values: dict[str, Sequence[Any]] = {}
@@ -56,9 +54,7 @@ class DrawTable:
         """Look up the address of every number, and return whether each has one."""
         before = self.context.sink.error_count
         numeric = [each for each in self.tabled if self._is_numeric(each)]
-        answer = engine.call(
-            self.session, resolve_addresses, [WHOLE], argument=[_question(each) for each in numeric]
-        )
+        answer = engine.call(self.session, resolve_addresses, [WHOLE], argument=[_question(each) for each in numeric])
         if not answer.ok:
             self.crashed(answer)
             return False
@@ -66,9 +62,7 @@ class DrawTable:
             if "error" in found:
                 message = f"field `{each.field.name}` cannot be drawn at run time: {found['error']}"
                 self._fault(
-                    each.field,
-                    message,
-                    "or draw the `mass` of its body" if each.first.attribute == "density" else "",
+                    each.field, message, "or draw the `mass` of its body" if each.first.attribute == "density" else ""
                 )
             else:
                 self._add(each, found)
@@ -123,9 +117,7 @@ class DrawTable:
             self.columns[name]["targets"] += [{**of, **target} for target in found["targets"][component]]
 
     def _fault(self, field: DrawField, message: str, instead: str = "") -> None:
-        help = "build without `--as worlds`" + (
-            f", {instead}" if instead else ": each sample is a model then"
-        )
+        help = "build without `--as worlds`" + (f", {instead}" if instead else ": each sample is a model then")
         self.context.sink.error(CODE, message, locate(self.plan.document, (*field.at, "attr")), help=help)
 
     def crashed(self, answer: engine.Called) -> None:
@@ -354,11 +346,7 @@ def _drawn(
             for target in column["targets"]:
                 array = getattr(model, target["array"])
                 place = target["array"], int(np.ravel_multi_index(target["index"], array.shape))
-                before = (
-                    values[place]
-                    if place in values
-                    else np.repeat(flat(model, place[0])[place[1]], len(rows))
-                )
+                before = values[place] if place in values else np.repeat(flat(model, place[0])[place[1]], len(rows))
                 before = before.astype(float)
                 signed = drawn * target.get("sign", 1)
                 follows = target.get("follows")
@@ -405,9 +393,7 @@ class DerivedValues:
         lengths = self._lengths() if model.ntendon else np.empty(0)
         # `springlength` is a range. If it is not set, both ends are the length in the springs' reference
         # pose.
-        self._springs = [
-            n for n, each in enumerate(lengths) if are_close(model.tendon_lengthspring[n], [each, each])
-        ]
+        self._springs = [n for n, each in enumerate(lengths) if are_close(model.tendon_lengthspring[n], [each, each])]
 
     def settle(self) -> None:
         """Compute them."""
@@ -452,10 +438,7 @@ def _following(model: Model, columns: list[dict[str, Any]]) -> Iterator[tuple[Pl
     """
     for array, at, width in (("body_pos", 0, 3), ("body_quat", 3, 4)):
         drawn = {
-            tuple(target["index"])
-            for column in columns
-            for target in column["targets"]
-            if target["array"] == array
+            tuple(target["index"]) for column in columns for target in column["targets"] if target["array"] == array
         }
         for body, component in sorted(drawn):
             targets = [

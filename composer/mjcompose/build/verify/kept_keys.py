@@ -26,14 +26,7 @@ if TYPE_CHECKING:
     from lxml.etree import _Element as Node
 
 _CLOSE = 1e-9
-_KINDS = {
-    "qpos": "joint",
-    "qvel": "joint",
-    "act": "actuator",
-    "ctrl": "actuator",
-    "mpos": "body",
-    "mquat": "body",
-}
+_KINDS = {"qpos": "joint", "qvel": "joint", "act": "actuator", "ctrl": "actuator", "mpos": "body", "mquat": "body"}
 _CALLED = {"joint": "joint", "actuator": "actuator", "body": "mocap body"}
 
 
@@ -61,9 +54,7 @@ def check_kept_keys(model: Unit, notes: KeyNotes, session: engine.Session, sink:
         return
     sources = [each for found in notes.sources.values() for each in found]
     texts = list(dict.fromkeys(each.text for each in sources))
-    held = [
-        (at, written) for at, key in enumerate(keys) if (written := _held_key(key, model, notes)) is not None
-    ]
+    held = [(at, written) for at, key in enumerate(keys) if (written := _held_key(key, model, notes)) is not None]
     question = {
         "texts": [*texts, final.text],
         "mark": MARK,
@@ -73,15 +64,11 @@ def check_kept_keys(model: Unit, notes: KeyNotes, session: engine.Session, sink:
     if not answer.ok or "unlike" in answer.value:
         why = answer.value["unlike"] if answer.ok else answer.error or answer.crash
         sink.error(
-            "keyframe-wrong",
-            f"the keys of the model cannot be checked: {why}",
-            model.origins.span(keys[0], model.file),
+            "keyframe-wrong", f"the keys of the model cannot be checked: {why}", model.origins.span(keys[0], model.file)
         )
         return
     described = dict(zip(texts, answer.value["bare"], strict=False))
-    meaning = _KeyMeanings(
-        model, notes, {key: (each, described[each.text]) for each in sources for key in each.rows}
-    )
+    meaning = _KeyMeanings(model, notes, {key: (each, described[each.text]) for each in sources for key in each.rows})
     controls = {at: each["ctrl"] for (at, _), each in zip(held, answer.value["held"], strict=True)}
     comparison = _Comparison(final, answer.value, notes)
     for at, key in enumerate(keys):
@@ -134,18 +121,13 @@ class _KeyMeanings:
             if meant is None:
                 return None
             for vector, values in meant.items():
-                found.setdefault(vector, {}).update(
-                    {own: value for own, value in values.items() if own[0] not in void}
-                )
+                found.setdefault(vector, {}).update({own: value for own, value in values.items() if own[0] not in void})
         return found
 
     def _written(self, written: WrittenKey) -> Meant | None:
         found = self._joined(written.taken, written.void)
         if found is not None:
-            for (
-                node,
-                span,
-            ) in written.held.items():  # of a nested recipe: this was compared with another model
+            for node, span in written.held.items():  # of a nested recipe: this was compared with another model
                 for vector in ("ctrl", "act"):
                     found.setdefault(vector, {})[node, "", 0] = [Value((), frozenset(), span)]
             for vector, entries in written.entries.items():
@@ -167,9 +149,7 @@ class _KeyMeanings:
                     continue
                 node, within = self.notes.origin(holder[0], holder[1])
                 value = Value(_moved(row[start:stop], vector, source.moves), within, span)
-                found.setdefault(vector, {}).setdefault(
-                    (node, holder[2], number if holder[2] else 0), []
-                ).append(value)
+                found.setdefault(vector, {}).setdefault((node, holder[2], number if holder[2] else 0), []).append(value)
         return found
 
 

@@ -67,9 +67,7 @@ def check_stiffness(model: Unit, index: Index, at: Span, sink: Sink) -> None:
     # MuJoCo puts copies in a `<replicate>` behind the others; these and nameless ones have no place of their own.
     nodes = [named.get(each.name) for _, each in stiff]
     spans = [None if node is None else model.origins.span(node, model.file) for node in nodes]
-    listed = ", ".join(
-        f"`{each.name}`" if each.name else f"number {number}" for number, each in stiff[:_SHOWN]
-    )
+    listed = ", ".join(f"`{each.name}`" if each.name else f"number {number}" for number, each in stiff[:_SHOWN])
     more = f" and {len(stiff) - _SHOWN} more" if len(stiff) > _SHOWN else ""
     most = max(each.stiffness for _, each in stiff)
     what = (
@@ -116,9 +114,7 @@ def _bounds(index: Index, vector: str, name: str, row: Sequence[float]) -> Itera
             yield _Bound(value, bounds, actuator.unit if actuator.ctrl_size == 1 else None)
 
 
-def _of_actuator(
-    actuator: Actuator, vector: str, row: Sequence[float]
-) -> Iterator[tuple[float, Range | None]]:
+def _of_actuator(actuator: Actuator, vector: str, row: Sequence[float]) -> Iterator[tuple[float, Range | None]]:
     if vector == "ctrl":
         values = row[actuator.ctrl_address : actuator.ctrl_address + actuator.ctrl_size]
         yield from zip(values, actuator.ctrl_ranges, strict=False)

@@ -102,9 +102,7 @@ def keep_subtree(member: PartRecord, session: engine.Session, taken: str, whole:
 
 def _keep(session: engine.Session, folder: Path, path: Path, text: bytes | None, name: str) -> str | None:
     given = None if text is None else text.decode()
-    compiled = engine.compile(
-        folder if given else path.parent, path.name, text=given, keep=name, session=session
-    )
+    compiled = engine.compile(folder if given else path.parent, path.name, text=given, keep=name, session=session)
     return None if compiled.ok else refusal_message(compiled.error or compiled.crash)
 
 
@@ -288,9 +286,7 @@ class PartComparer:
             return PartComparison(member, obscure=found.why)
         return PartComparison(member, (*self.cut.get(name, ()), *found))
 
-    def _ask(
-        self, alone: str, composed: str, question: PartQuestion
-    ) -> tuple[Difference, ...] | Incomparable:
+    def _ask(self, alone: str, composed: str, question: PartQuestion) -> tuple[Difference, ...] | Incomparable:
         """Return the differences of two models that the session keeps, or why they cannot be compared."""
         answer = engine.call(self.session, compare_part, [alone, composed], argument=question.to_json())
         if not answer.ok:
@@ -344,11 +340,7 @@ def _question(
 ) -> PartQuestion:
     pose = member.pose
     renamed = {
-        kind: {
-            gone.removeprefix(member.prefix): kept
-            for gone, kept in names.items()
-            if gone.startswith(member.prefix)
-        }
+        kind: {gone.removeprefix(member.prefix): kept for gone, kept in names.items() if gone.startswith(member.prefix)}
         for kind, names in merged.items()
     }
     renamed |= {kind: {**names, **renamed.get(kind, {})} for kind, names in edited.items()}

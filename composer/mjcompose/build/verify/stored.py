@@ -90,9 +90,7 @@ class InputFinder:
         # Only the bundle asks for this reference, so nothing is fetched and no code runs.
         if kind is not None and not kind.is_fetched and not kind.runs_code:
             with suppress(SourceError):
-                found = resolve(
-                    wanted.reference, relative_to=self.folder, environment=self.context.environment
-                )
+                found = resolve(wanted.reference, relative_to=self.folder, environment=self.context.environment)
                 if found.origin is not None or self.door.sees(found.path):
                     yield found
         path = self.folder / wanted.path
@@ -118,9 +116,7 @@ class VerifiedBundle:
     parts: tuple[PartComparison, ...]
 
 
-def verify_stored(
-    path: Path, context: Context, session: Session, recipe: Path | None = None
-) -> VerifiedBundle | None:
+def verify_stored(path: Path, context: Context, session: Session, recipe: Path | None = None) -> VerifiedBundle | None:
     """Check a bundle in a folder, a zip or an MJZ, and report errors to the sink.
 
     Return None if it cannot be read. Files are compared with the hashes in the manifest, the compiled model with
@@ -210,9 +206,7 @@ def _report(compared: PartComparison, manifest: Manifest, inputs: InputFinder, c
     member = compared.member
     if compared.obscure is None:
         if compared.differences:
-            context.sink.error(
-                "part-changed", change_sentence(compared), notes=difference_notes(compared.differences)
-            )
+            context.sink.error("part-changed", change_sentence(compared), notes=difference_notes(compared.differences))
         return
     message = f"`{member.called}` is not compared with its source: {compared.obscure}"
     cause = Cause(compared.obscure, f"`{member.called}`")

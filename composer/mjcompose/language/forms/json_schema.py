@@ -133,8 +133,7 @@ def descriptions(model: type[Model]) -> dict[str, str]:
 def _texts_below(model: type[Model]) -> dict[str, str]:
     tree = _syntax_tree(model.__module__)
     declared = next(
-        (each for each in ast.walk(tree) if isinstance(each, ast.ClassDef) and each.name == model.__name__),
-        None,
+        (each for each in ast.walk(tree) if isinstance(each, ast.ClassDef) and each.name == model.__name__), None
     )
     if declared is None:  # created by a function
         return {}
@@ -163,9 +162,7 @@ def schema_of(form: Any) -> Schema:
     """Return the JSON Schema of a type, in which each model inside it is `reference("form:NAME")`."""
     from pydantic import TypeAdapter
 
-    found: Schema = TypeAdapter(form).json_schema(
-        schema_generator=Generator, ref_template=_DEFINITIONS + "{model}"
-    )
+    found: Schema = TypeAdapter(form).json_schema(schema_generator=Generator, ref_template=_DEFINITIONS + "{model}")
     definitions = found.pop("$defs", {})
     for name, each in definitions.items():
         each = _referring(each)

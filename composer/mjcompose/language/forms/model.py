@@ -174,7 +174,5 @@ def _with_rows(model: type[Model], value: dict[str, Any]) -> dict[str, Any]:
 @cache
 def _tables(model: type[Model]) -> list[tuple[str, Rows]]:
     """Return the tables whose words are keys of the mapping, each with the alias of its field."""
-    hidden = [
-        info for info in model.model_fields.values() if info.alias is not None and is_hidden(info.alias)
-    ]
+    hidden = [info for info in model.model_fields.values() if info.alias is not None and is_hidden(info.alias)]
     return [(str(info.alias), rows) for info in hidden if (rows := rows_of(info)) is not None]

@@ -142,10 +142,7 @@ class Bars:
     def schema(self) -> Iterator[Schema]:
         others: Schema = {**dict.fromkeys(self.others, False)}
         message = f"`{self.name}` stands without {', '.join(f'`{other}`' for other in self.others)}"
-        yield {
-            "if": {"required": [self.name]},
-            "then": {"properties": others, "errorMessage": message},
-        }
+        yield {"if": {"required": [self.name]}, "then": {"properties": others, "errorMessage": message}}
 
 
 class Needs:
@@ -156,9 +153,7 @@ class Needs:
 
     def faults(self, value: Mapping[str, Any], model: type[Model], context: Settings) -> Iterator[Fault]:
         known = model.key_names()
-        meant = {
-            near for key in value if key not in known for near in closest(key, (*self.examples, self.unless))
-        }
+        meant = {near for key in value if key not in known for near in closest(key, (*self.examples, self.unless))}
         if self.unless in value or self.unless in meant:
             return
         for name, example in self.examples.items():

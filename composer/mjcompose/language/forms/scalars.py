@@ -31,13 +31,8 @@ class Expects:
 
     def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> Schema:
         found = handler(schema)
-        if found.get("type") in (
-            "array",
-            "string",
-        ):  # of a mapping it would be the message for each unknown key
-            found["errorMessage"] = f"expected {self.what}" + (
-                f", such as {self.example}" if self.example else ""
-            )
+        if found.get("type") in ("array", "string"):  # of a mapping it would be the message for each unknown key
+            found["errorMessage"] = f"expected {self.what}" + (f", such as {self.example}" if self.example else "")
         return found
 
 
@@ -164,9 +159,7 @@ class Scaled:
     -0.001
     """
 
-    def __init__(
-        self, units: Mapping[str, float], *, ge: float | None = None, gt: float | None = None
-    ) -> None:
+    def __init__(self, units: Mapping[str, float], *, ge: float | None = None, gt: float | None = None) -> None:
         self._units, self._measure, self._signed = units, Measure(ge=ge, gt=gt), ge is None and gt is None
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
@@ -206,22 +199,16 @@ class Items:
     `Annotated[tuple[Glob, ...], Items(1, single=True)]` has its items' form in its own type.
     """
 
-    def __init__(
-        self, least: int = 0, most: int | None = None, *, single: bool = False, unique: bool = False
-    ) -> None:
+    def __init__(self, least: int = 0, most: int | None = None, *, single: bool = False, unique: bool = False) -> None:
         self.least, self.most, self._single, self._unique = least, most, single, unique
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         item = handler.generate_schema(get_args(source)[0])
         # Not a tuple, which pydantic calls too short beside a wrong item.
-        several: CoreSchema = core_schema.list_schema(
-            item, min_length=self.least or None, max_length=self.most
-        )
+        several: CoreSchema = core_schema.list_schema(item, min_length=self.least or None, max_length=self.most)
         if self._single:
             both = core_schema.union_schema([item, several])
-            several = core_schema.no_info_before_validator_function(
-                _listed, several, json_schema_input_schema=both
-            )
+            several = core_schema.no_info_before_validator_function(_listed, several, json_schema_input_schema=both)
         return core_schema.no_info_after_validator_function(self._read, several)
 
     def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> Schema:
@@ -266,9 +253,7 @@ Whole = Annotated[int, BeforeValidator(whole)]
 Count = Annotated[int, Field(ge=0), BeforeValidator(whole)]
 AtLeastOne = Annotated[int, Field(ge=1), BeforeValidator(whole)]
 Text = Annotated[str, Field(min_length=1)]
-Range = Annotated[
-    tuple[float, float], Items(2, 2), Checked(_in_order), Expects("a list of 2 numbers", "[LOW, HIGH]")
-]
+Range = Annotated[tuple[float, float], Items(2, 2), Checked(_in_order), Expects("a list of 2 numbers", "[LOW, HIGH]")]
 """Two numbers, the lower one first."""
 
 

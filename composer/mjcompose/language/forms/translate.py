@@ -125,9 +125,7 @@ def _filled(fault: Fault, root: Any, loc: Path, data: Any, start: Path) -> Fault
         message=fill(fault.message),
         at=spot(root, loc, data, start=start).at,
         help=fault.help and fill(fault.help),
-        related=tuple(
-            (fill(text), spot(root, (*above, *at), data, start=start).at) for text, at in fault.related
-        ),
+        related=tuple((fill(text), spot(root, (*above, *at), data, start=start).at) for text, at in fault.related),
     )
 
 
@@ -141,11 +139,7 @@ def _missing(place: Spot) -> Fault:
 
 def _subject(place: Spot) -> str:
     model = place.model
-    return (
-        model.subject(place.above)
-        if model is not None and issubclass(model, Model)
-        else f"`{place.above[-1]}`"
-    )
+    return model.subject(place.above) if model is not None and issubclass(model, Model) else f"`{place.above[-1]}`"
 
 
 def _unknown(place: Spot) -> Fault:
@@ -157,9 +151,7 @@ def _unknown(place: Spot) -> Fault:
     if instead is None:
         return fault
     is_key = instead in model.key_names()
-    return replace(
-        fault, help=f"write `{instead}`" if is_key else instead, fix=Fix(instead, key) if is_key else None
-    )
+    return replace(fault, help=f"write `{instead}`" if is_key else instead, fix=Fix(instead, key) if is_key else None)
 
 
 def _keyword(place: Spot, value: Any) -> Fault:
@@ -185,9 +177,7 @@ def _keyword(place: Spot, value: Any) -> Fault:
 
 def _length(place: Spot, value: Any, context: Mapping[str, Any]) -> Fault:
     expects = place.marked(Expects)
-    bound = (
-        ("at least", context["min_length"]) if "min_length" in context else ("at most", context["max_length"])
-    )
+    bound = ("at least", context["min_length"]) if "min_length" in context else ("at most", context["max_length"])
     what = expects.what if expects else f"{bound[0]} {bound[1]}"
     example = _example(place)
     help = f"write for instance `{place.key}: {example}`" if example else None
@@ -222,17 +212,11 @@ def _advice(place: Spot, value: Any) -> tuple[str | None, Fix | None]:
             return f"write `{key}{example}`", None
         return None, None
     unit = place.marked(Unit)
-    if (
-        isinstance(value, str)
-        and place.kind in (float, int)
-        and (unit.name if unit else None) in _PLAIN_UNITS
-    ):
+    if isinstance(value, str) and place.kind in (float, int) and (unit.name if unit else None) in _PLAIN_UNITS:
         advice = without_unit(value)
         return (advice.help, advice.fix) if advice is not None else (None, None)
     example = _example(place)
-    return (
-        f"write for instance `{place.key}: {example}`" if example and place.kind is not float else None
-    ), None
+    return (f"write for instance `{place.key}: {example}`" if example and place.kind is not float else None), None
 
 
 def _example(place: Spot) -> str | None:

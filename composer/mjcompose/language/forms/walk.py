@@ -156,12 +156,7 @@ def _below(place: Spot, around: tuple[Any, ...]) -> Iterator[Spot]:
                 for word in rows.table().own:
                     below = _Way(rows.form(word)).plain()
                     inner = Spot(
-                        (*place.at, word),
-                        below.kind,
-                        tuple(below.metadata),
-                        model=place.kind,
-                        above=place.at,
-                        key=word,
+                        (*place.at, word), below.kind, tuple(below.metadata), model=place.kind, above=place.at, key=word
                     )
                     yield from _below(inner, (*around, place.kind))
                 continue

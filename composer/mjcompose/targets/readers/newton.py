@@ -26,9 +26,7 @@ def own_names():
         if child in names:  # a second joint closes a loop
             continue
         label = str(model.body_label[child])
-        above = (
-            f"{model.body_label[parent]}/" if parent >= 0 else label.partition("worldbody/")[0] + "worldbody/"
-        )
+        above = f"{model.body_label[parent]}/" if parent >= 0 else label.partition("worldbody/")[0] + "worldbody/"
         names[child] = label.removeprefix(above)
         joints[joint] = str(model.joint_label[joint]).removeprefix(f"{label}/").removeprefix(above)
     return names, joints
@@ -108,8 +106,6 @@ if asked["seconds"]:
         solver.step(before, after, control, None, STEP)
         before, after = after, before
     end = before.joint_q.numpy()
-    found["motion"] = {
-        name: float(end[starts[number]]) for number, name in joints.items() if types[number] in single
-    }
+    found["motion"] = {name: float(end[starts[number]]) for number, name in joints.items() if types[number] in single}
 with open(sys.argv[3], "w") as file:
     json.dump(found, file)

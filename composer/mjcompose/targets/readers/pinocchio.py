@@ -70,9 +70,7 @@ def standing(pose):
     for name, value in pose["joints"].items():
         if name in names:
             joint = model.joints[names.index(name)]
-            q[joint.idx_q : joint.idx_q + joint.nq] = (
-                value if joint.nq == 1 else [np.cos(value[0]), np.sin(value[0])]
-            )
+            q[joint.idx_q : joint.idx_q + joint.nq] = value if joint.nq == 1 else [np.cos(value[0]), np.sin(value[0])]
     for body, value in pose["free"].items():
         joint = next((f.parentJoint for f in frames if f.name == body), 0)
         if joint and model.joints[joint].nq == 7:

@@ -25,8 +25,7 @@ def array(name):
     found = found.numpy()
     return (
         found[0]
-        if (found.ndim and len(found) == 1 and len(getattr(model, name)) != 1)
-        or found.ndim > getattr(model, name).ndim
+        if (found.ndim and len(found) == 1 and len(getattr(model, name)) != 1) or found.ndim > getattr(model, name).ndim
         else found
     )
 

@@ -52,10 +52,7 @@ def client_of(text: str, workers: int) -> Iterator[Client]:
         raise _missing("distributed") from None
     with _silence():
         if text == LOCAL:
-            with (
-                _local(distributed, workers) as cluster,
-                distributed.Client(cluster, set_as_default=False) as client,
-            ):
+            with _local(distributed, workers) as cluster, distributed.Client(cluster, set_as_default=False) as client:
                 yield client
             return
         client = connected(text)
@@ -178,8 +175,7 @@ def _differs(worker: str, different: Mapping[str, tuple[str | None, str | None]]
     name, (there, here) = next(iter(different.items()))
     has = f"has no `{name}`" if there is None else f"has {name} {there}, and here it is {here or 'absent'}"
     others = ", ".join(
-        f"{other} {there or 'none'} instead of {here or 'none'}"
-        for other, (there, here) in list(different.items())[1:]
+        f"{other} {there or 'none'} instead of {here or 'none'}" for other, (there, here) in list(different.items())[1:]
     )
     return ClusterError(
         "cluster-worker",
@@ -384,9 +380,7 @@ class Crew:
                 self._ready[number] = known
         for number in sorted(self._ready):
             result = self._ready.pop(number)
-            if isinstance(result, CellResult) or (
-                isinstance(result, Away) and result.cell.result is not None
-            ):
+            if isinstance(result, CellResult) or (isinstance(result, Away) and result.cell.result is not None):
                 assert self._stations is not None
                 found = self._stations.home(result, self._tell)
                 assert isinstance(found, CellResult)

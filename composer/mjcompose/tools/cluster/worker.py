@@ -386,9 +386,7 @@ def _away(order: Order, contents: Path) -> Station | Refused:
         lay_out(order.layout, root, contents.joinpath)
         work = rooted(Path(order.folder), str(root))
         work.mkdir(parents=True, exist_ok=True)
-        opening = partial(
-            opened_away, order.memory, order.away, str(root), str(folder / "store"), order.journal
-        )
+        opening = partial(opened_away, order.memory, order.away, str(root), str(folder / "store"), order.journal)
         station = Station(order.run, opening, str(work), held=opened.pop_all())
     if order.canary is not None:
         (answer,) = station.made([order.canary])

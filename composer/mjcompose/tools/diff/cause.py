@@ -16,17 +16,7 @@ from mjcompose.mujoco.arrays import about
 from mjcompose.text.node import Mapping as Located
 from mjcompose.text.node import Node as LocatedNode
 from mjcompose.text.node import Sequence, locate, to_python
-from mjcompose.tools.diff.changes import (
-    ASSETS,
-    INERTIAL,
-    SETTINGS,
-    Cause,
-    Change,
-    Contrast,
-    Elements,
-    Pair,
-    Pairs,
-)
+from mjcompose.tools.diff.changes import ASSETS, INERTIAL, SETTINGS, Cause, Change, Contrast, Elements, Pair, Pairs
 from mjcompose.tools.diff.recipe_lines import Recipes, Written, is_yaml, name, real
 from mjcompose.tools.diff.sides import Side
 from mjcompose.tools.explain.query import name_of, same_value
@@ -51,9 +41,7 @@ class Places:
         if traced is None or node is None:
             return None
         if attribute is None:
-            return next(
-                (reason.span for reason in traced.written(traced.watch.life(node)) if reason.span), None
-            )
+            return next((reason.span for reason in traced.written(traced.watch.life(node)) if reason.span), None)
         return traced.written_at(node, attribute)
 
     def written(self, side: int, node: Node | None, attribute: str | None) -> list[Span]:
@@ -179,12 +167,8 @@ class Causes:
             if each.kind == "body" and each.what in ("removed", "added")
         }
         self.sides = a, b
-        self.a = (
-            None if a.traced is None else Elements(a.traced, {kind: n for kind, (n, _) in counts.items()})
-        )
-        self.b = (
-            None if b.traced is None else Elements(b.traced, {kind: n for kind, (_, n) in counts.items()})
-        )
+        self.a = None if a.traced is None else Elements(a.traced, {kind: n for kind, (n, _) in counts.items()})
+        self.b = None if b.traced is None else Elements(b.traced, {kind: n for kind, (_, n) in counts.items()})
         self.recipes = Recipes(a), Recipes(b)
         self.written = Written(*self.recipes)
         self.places = Places(a, b, self.recipes)
@@ -295,9 +279,7 @@ class Causes:
                 return Cause(words, self.places.span(0, mine, "file"), self.places.span(1, theirs, "file"))
         return None
 
-    def _attribute(
-        self, before: Node | None, after: Node | None, wanted: tuple[str, ...] | None
-    ) -> Iterator[Cause]:
+    def _attribute(self, before: Node | None, after: Node | None, wanted: tuple[str, ...] | None) -> Iterator[Cause]:
         """Yield where the differing attributes are written on either side, and what set them to their values."""
         if before is None and after is None:
             return
@@ -312,9 +294,7 @@ class Causes:
             yield Cause("element", self.places.span(0, before, None), self.places.span(1, after, None))
             return
         if before.tag != after.tag:
-            yield Cause(
-                f"`<{after.tag}>`", self.places.span(0, before, None), self.places.span(1, after, None)
-            )
+            yield Cause(f"`<{after.tag}>`", self.places.span(0, before, None), self.places.span(1, after, None))
             return
         names = wanted if wanted is not None else tuple(kind_of(after).attributes)
         for attribute in names:
@@ -407,9 +387,7 @@ class Causes:
     def _known(self, side: int, part: Part | None) -> Located | None:
         return None if part is None else self.recipes[side].attachment(part)
 
-    def _said(
-        self, mine: Located | None, theirs: Located | None, keys: tuple[str, ...] | None
-    ) -> Iterator[Cause]:
+    def _said(self, mine: Located | None, theirs: Located | None, keys: tuple[str, ...] | None) -> Iterator[Cause]:
         """Yield what two recipes write differently about a part; `keys` limits the comparison, None means all keys."""
         ours, others = ({} if each is None else each.entries for each in (mine, theirs))
         for key in keys if keys is not None else {**ours, **others}:
@@ -471,18 +449,11 @@ def _unlike(mine: LocatedNode | None, theirs: LocatedNode | None) -> Iterator[_B
     """Yield the innermost pairs of values that differ."""
     if isinstance(mine, Located) and isinstance(theirs, Located):
         for key in {**mine.entries, **theirs.entries}:
-            yield from _unlike(
-                *(each.entries[key][1] if key in each.entries else None for each in (mine, theirs))
-            )
+            yield from _unlike(*(each.entries[key][1] if key in each.entries else None for each in (mine, theirs)))
     elif isinstance(mine, Sequence) and isinstance(theirs, Sequence):
         for first, second in zip_longest(mine.items, theirs.items):
             yield from _unlike(first, second)
-    elif (
-        mine is None
-        or theirs is None
-        or type(mine) is not type(theirs)
-        or to_python(mine) != to_python(theirs)
-    ):
+    elif mine is None or theirs is None or type(mine) is not type(theirs) or to_python(mine) != to_python(theirs):
         yield mine, theirs
 
 

@@ -296,9 +296,7 @@ class Pairs:
     def __init__(self, a: Elements, b: Elements) -> None:
         self.a, self.b = a, b
 
-    def candidates(
-        self, change: Change, before: Node, after: Node, wanted: tuple[str, ...]
-    ) -> Iterator[Pair]:
+    def candidates(self, change: Change, before: Node, after: Node, wanted: tuple[str, ...]) -> Iterator[Pair]:
         """Yield possible causes, the likeliest first."""
         if change.field in INERTIAL:
             for tag in ("inertial", "geom"):
@@ -334,10 +332,7 @@ class Pairs:
         for mine, theirs in (*around, (before, after)):
             if mine is not before:
                 yield mine, theirs, wanted
-            places = [
-                None if node is None else side.place(node)
-                for side, node in ((self.a, mine), (self.b, theirs))
-            ]
+            places = [None if node is None else side.place(node) for side, node in ((self.a, mine), (self.b, theirs))]
             if None not in places:
                 yield places[0], places[1], wanted
 

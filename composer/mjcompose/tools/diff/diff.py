@@ -103,8 +103,7 @@ def _worded(cause: Cause | None, a: Side, b: Side) -> Cause | None:
         before, after = ours, theirs
     else:
         before, after = (
-            lines if is_yaml(span) else lines[:1]
-            for lines, span in ((before, cause.before), (after, cause.after))
+            lines if is_yaml(span) else lines[:1] for lines, span in ((before, cause.before), (after, cause.after))
         )
     return Cause(
         cause.words,
@@ -153,9 +152,7 @@ def diff(
         if len(sides) < 2:
             return None
         first, second = sides
-        found = between(
-            first, second, context, session=session, tolerance=tolerance, only=only, everything=everything
-        )
+        found = between(first, second, context, session=session, tolerance=tolerance, only=only, everything=everything)
         if found is not None and renders is not None:
             views = render_views(renders, (first.kept, second.kept), context, session=session)
             found = replace(found, views=views)
@@ -181,9 +178,7 @@ def between(
     return _diff(contrast_of(answer.value), a, b, tolerance=tolerance, only=only, everything=everything)
 
 
-def _diff(
-    found: Contrast, a: Side, b: Side, tolerance: float, only: Collection[str], everything: bool
-) -> Diff:
+def _diff(found: Contrast, a: Side, b: Side, tolerance: float, only: Collection[str], everything: bool) -> Diff:
     causes = Causes(a, b, found)
     found = _narrowed(found, tolerance, only)
     follows = [each for each in found.changes if each.follows]

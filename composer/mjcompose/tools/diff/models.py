@@ -14,15 +14,7 @@ from mjcompose.mujoco.arrays import JOINT_TYPES, SWITCH, Treatment, about, words
 from mjcompose.mujoco.attributes import HOLDERS, KINDS, ON_BODIES, Model, NameTable, holder
 from mjcompose.mujoco.controls import NO_BIAS, servo
 from mjcompose.mujoco.keyframes import Keys, Roots, key_differences
-from mjcompose.mujoco.match import (
-    ABSENT,
-    MISSING,
-    Correspondence,
-    Difference,
-    Mount,
-    unequal_references,
-    values,
-)
+from mjcompose.mujoco.match import ABSENT, MISSING, Correspondence, Difference, Mount, unequal_references, values
 from mjcompose.mujoco.references import Array, links
 from mjcompose.tools.diff.changes import Change, Contrast, Count, Move, Value
 
@@ -71,10 +63,7 @@ def moves(matching: Correspondence) -> Iterator[Move]:
 
 
 _SPELLED = {"euler": "Euler", "rk4": "RK4", "pgs": "PGS", "cg": "CG", "newton": "Newton"}
-_FLAGS = {
-    "disableflags": ("mjtDisableBit", "mjDSBL_", True),
-    "enableflags": ("mjtEnableBit", "mjENBL_", False),
-}
+_FLAGS = {"disableflags": ("mjtDisableBit", "mjDSBL_", True), "enableflags": ("mjtEnableBit", "mjENBL_", False)}
 
 
 def setting_changes(mujoco: Any, a: Model, b: Model, tolerance: float) -> Iterator[Change]:
@@ -83,9 +72,7 @@ def setting_changes(mujoco: Any, a: Model, b: Model, tolerance: float) -> Iterat
         if difference.name in _FLAGS:
             yield from _flags(mujoco, difference)
         elif not _close(difference.expected, difference.actual, tolerance):
-            before, after = (
-                _word(mujoco, difference.name, each) for each in (difference.expected, difference.actual)
-            )
+            before, after = (_word(mujoco, difference.name, each) for each in (difference.expected, difference.actual))
             yield Change("changed", difference.kind, "", field=difference.name, before=before, after=after)
     for difference in compare.statistic_differences(a, b):
         if not _close(difference.expected, difference.actual, tolerance):
@@ -100,9 +87,7 @@ def _flags(mujoco: Any, difference: Difference) -> Iterator[Change]:
     assert isinstance(difference.expected, int) and isinstance(difference.actual, int)
     for word, bit in getattr(mujoco, enum).__members__.items():
         if word.startswith(prefix) and (difference.expected ^ difference.actual) & int(bit):
-            states = [
-                bool(each & int(bit)) is not disables for each in (difference.expected, difference.actual)
-            ]
+            states = [bool(each & int(bit)) is not disables for each in (difference.expected, difference.actual)]
             before, after = ("enable" if state else "disable" for state in states)
             yield Change(
                 "changed", "option", "", field=f"flag {word.removeprefix(prefix).lower()}", before=before,
@@ -189,9 +174,7 @@ class Values:
 
     def _numbers(self, name: str, before: Any, after: Any) -> Iterator[tuple[str, Value, Value]]:
         ours, others = list(_flat(before)), list(_flat(after))
-        different = [
-            at for at, (x, y) in enumerate(zip(ours, others, strict=True)) if not close(x, y, self.tolerance)
-        ]
+        different = [at for at, (x, y) in enumerate(zip(ours, others, strict=True)) if not close(x, y, self.tolerance)]
         if not different:
             return
         if len(ours) <= _SHOWN:
@@ -202,9 +185,7 @@ class Values:
 
     def _run(self, name: str, mine: Array, theirs: Array) -> Iterator[tuple[str, Value, Value]]:
         if name == "text_data":
-            before, after = (
-                bytes(run.tolist()).rstrip(b"\0").decode("utf-8", "replace") for run in (mine, theirs)
-            )
+            before, after = (bytes(run.tolist()).rstrip(b"\0").decode("utf-8", "replace") for run in (mine, theirs))
             if before != after:
                 yield name, before, after
         elif mine.shape != theirs.shape:
@@ -329,15 +310,11 @@ def _alike(
         return {}
     mine, theirs = _by_look(kind, lost, a, renamed=bodies), _by_look(kind, new, b, renamed={})
     return {
-        names[0]: theirs[look][0]
-        for look, names in mine.items()
-        if len(names) == 1 and len(theirs.get(look, ())) == 1
+        names[0]: theirs[look][0] for look, names in mine.items() if len(names) == 1 and len(theirs.get(look, ())) == 1
     }
 
 
-def _by_look(
-    kind: str, names: list[str], roster: NameTable, renamed: Mapping[str, str]
-) -> dict[Hashable, list[str]]:
+def _by_look(kind: str, names: list[str], roster: NameTable, renamed: Mapping[str, str]) -> dict[Hashable, list[str]]:
     found: dict[Hashable, list[str]] = defaultdict(list)
     for name in names:
         index = roster.ids[kind][name]
@@ -404,9 +381,7 @@ def _presence(matching: Correspondence) -> Iterator[Change]:
             continue
         ids, taken = matching.ids[kind], matching.taken[kind]
         lost = {i for i, j in enumerate(ids) if j == ABSENT}
-        new = {j for j in range(matching.composed.count(kind)) if j not in taken} - (
-            {0} if kind == "body" else set()
-        )
+        new = {j for j in range(matching.composed.count(kind)) if j not in taken} - ({0} if kind == "body" else set())
         for index in sorted(lost):
             if not _goes_along(matching.alone, kind, index, ids=matching.ids["body"], taken=None):
                 name = named(matching.alone, kind, index)
@@ -416,15 +391,11 @@ def _presence(matching: Correspondence) -> Iterator[Change]:
                 yield Change("added", kind, named(matching.composed, kind, index), index=(ABSENT, index))
 
 
-def _goes_along(
-    roster: NameTable, kind: str, index: int, ids: list[int] | None, taken: set[int] | None
-) -> bool:
+def _goes_along(roster: NameTable, kind: str, index: int, ids: list[int] | None, taken: set[int] | None) -> bool:
     if kind not in ON_BODIES or roster.names[kind][index]:
         return False
     body = holder(roster.model, kind, index)
-    return body != 0 and (
-        (ids is not None and ids[body] == ABSENT) or (taken is not None and body not in taken)
-    )
+    return body != 0 and ((ids is not None and ids[body] == ABSENT) or (taken is not None and body not in taken))
 
 
 def references(matching: Correspondence) -> Iterator[Change]:
@@ -451,9 +422,7 @@ def _keys(matching: Correspondence, tolerance: float) -> Iterator[Change]:
     for difference in key_differences(matching, None, Keys.MERGE, roots=Roots.KEPT, tolerance=tolerance):
         if difference.field == MISSING:
             index = mine.ids["key"].get(difference.name, ABSENT)
-            yield Change(
-                "removed", "key", difference.name, index=(index, ABSENT), name_before=difference.name
-            )
+            yield Change("removed", "key", difference.name, index=(index, ABSENT), name_before=difference.name)
             continue
         field, _, entry = difference.field.partition(" of ")
         name = entry.strip("`")

@@ -234,12 +234,8 @@ class Written:
     def __init__(self, a: Recipes, b: Recipes) -> None:
         self.sides = a.side, b.side
         self._known: dict[tuple[str, str], tuple[frozenset[int], frozenset[int]]] = {}
-        self._named = tuple(
-            {name(each.side, file): file for file in _files(each.side, each)} for each in (a, b)
-        )
-        self._paths = tuple(
-            {real(each.side, file): file for file in _files(each.side, each)} for each in (a, b)
-        )
+        self._named = tuple({name(each.side, file): file for file in _files(each.side, each)} for each in (a, b))
+        self._paths = tuple({real(each.side, file): file for file in _files(each.side, each)} for each in (a, b))
 
     def changed(self, side: int, span: Span | None) -> Span | None:
         """Return the first line of a place that the other side does not have, or None if it has all of them."""
@@ -340,21 +336,17 @@ def _files(side: Side, recipes: Recipes) -> Iterator[str]:
     yield side.operand.context.shown(side.operand.path)
     yield from recipes.files
     if side.traced is not None:
-        yield from dict.fromkeys(
-            life.owner for life in side.traced.watch.lives.values() if isinstance(life.owner, str)
-        )
+        yield from dict.fromkeys(life.owner for life in side.traced.watch.lives.values() if isinstance(life.owner, str))
 
 
 def _different(ours: list[str], theirs: list[str]) -> Iterator[tuple[int, int, int, int]]:
     """Yield the stretches of lines that differ. Common lines at the start and the end are skipped quickly."""
     head = next(
-        (at for at, (x, y) in enumerate(zip(ours, theirs, strict=False)) if x != y),
-        min(len(ours), len(theirs)),
+        (at for at, (x, y) in enumerate(zip(ours, theirs, strict=False)) if x != y), min(len(ours), len(theirs))
     )
     rest = min(len(ours), len(theirs)) - head
     tail = next(
-        (at for at, (x, y) in enumerate(zip(ours[::-1], theirs[::-1], strict=False)) if x != y or at == rest),
-        rest,
+        (at for at, (x, y) in enumerate(zip(ours[::-1], theirs[::-1], strict=False)) if x != y or at == rest), rest
     )
     mine, yours = ours[head : len(ours) - tail], theirs[head : len(theirs) - tail]
     for tag, first, last, start, end in SequenceMatcher(None, mine, yours, autojunk=False).get_opcodes():

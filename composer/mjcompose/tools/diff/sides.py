@@ -106,12 +106,8 @@ def check_out(revision: str, path: Path, into: Path, environment: Mapping[str, s
         "rev-parse", "--verify", "--quiet", "--end-of-options", f"{revision}^{{commit}}",
         fault=f"the revision `{revision}` does not exist in the repository of `{path.name}`",
     )  # fmt: skip
-    inside = Path(
-        os.path.relpath(os.path.realpath(near), os.path.realpath(top)), path.absolute().relative_to(near)
-    )
-    repository = Path(
-        git.run("rev-parse", "--absolute-git-dir", fault=f"`{near}` is not in a git repository")
-    )
+    inside = Path(os.path.relpath(os.path.realpath(near), os.path.realpath(top)), path.absolute().relative_to(near))
+    repository = Path(git.run("rev-parse", "--absolute-git-dir", fault=f"`{near}` is not in a git repository"))
     try:  # byte for byte: runs no filters and hooks, which may come from anyone
         root = _beside_the_same(Path(os.path.realpath(top)), into)
         write_tree(Git(git.environment, quiet), repository, commit, target=root)
@@ -295,9 +291,7 @@ def _recipe_of(path: Path, opened: ExitStack) -> Path:
 def _of_revision(revision: str, path: str, context: Context, opened: ExitStack) -> tuple[Path, Path, Context]:
     """Return the path in a checkout of the revision, its root, and a context with the user's folder in it."""
     made = opened.enter_context(scratch("revision"))
-    tree = check_out(
-        revision, context.folder / path, Path(os.path.realpath(made)), environment=context.environment
-    )
+    tree = check_out(revision, context.folder / path, Path(os.path.realpath(made)), environment=context.environment)
     # Its root counts as the root of the project, even without a file there that says so.
     fetching = Fetching(trust=Trust(files=(tree.root,)))
     inside = os.path.relpath(tree.path, tree.root)

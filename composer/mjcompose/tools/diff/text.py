@@ -53,9 +53,7 @@ def count(size: Count) -> str:
 
 def moved(moves: Iterable[Move]) -> Iterator[str]:
     """Yield changed addresses: one line for a run of elements that all move by the same number of places."""
-    for (vector, kind, by), run in groupby(
-        moves, key=lambda each: (each.vector, each.kind, each.after - each.before)
-    ):
+    for (vector, kind, by), run in groupby(moves, key=lambda each: (each.vector, each.kind, each.after - each.before)):
         several = list(run)
         first, last = several[0], several[-1]
         where = f"in {vector}"
@@ -77,9 +75,7 @@ def subject(kind: str, names: Sequence[str]) -> str:
     shown = ", ".join(_quoted(names[:_NAMED]))
     if len(names) > _NAMED:
         shown += f", … and {len(names) - _NAMED} more"
-    return (
-        f"{_SINGULARS.get(kind, kind)} {shown}" if len(names) == 1 else f"{len(names)} {plural(kind)} {shown}"
-    )
+    return f"{_SINGULARS.get(kind, kind)} {shown}" if len(names) == 1 else f"{len(names)} {plural(kind)} {shown}"
 
 
 def quoted(name: str) -> str:
@@ -300,9 +296,7 @@ def following(diff: Diff) -> str | None:
     if not diff.follows:
         return None
     verb = "differs" if diff.follows == 1 else "differ"
-    return (
-        f"{counted(diff.follows, 'number')} that MuJoCo computes from these {verb} too: --computed lists them"
-    )
+    return f"{counted(diff.follows, 'number')} that MuJoCo computes from these {verb} too: --computed lists them"
 
 
 def at_defaults(diff: Diff) -> str | None:
@@ -418,13 +412,9 @@ def _group_markdown(group: Group) -> Iterator[str]:
     if group.cause is None:
         yield "#### Without a line of its own"
     else:
-        words = (
-            "" if group.cause.lines_before or group.cause.lines_after else f": {_escaped(group.cause.words)}"
-        )
+        words = "" if group.cause.lines_before or group.cause.lines_after else f": {_escaped(group.cause.words)}"
         yield f"#### {_code(place(group.cause))}{words}"
-        lines = [f"- {line}" for line in group.cause.lines_before] + [
-            f"+ {line}" for line in group.cause.lines_after
-        ]
+        lines = [f"- {line}" for line in group.cause.lines_before] + [f"+ {line}" for line in group.cause.lines_after]
         if lines:
             fence = "`" * max(3, 1 + max(len(each) for each in re.findall("`*", " ".join(lines))))
             yield f"{fence}diff"

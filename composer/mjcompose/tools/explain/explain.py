@@ -90,11 +90,7 @@ class Traced:
     def answer(self, asked: query.Asked, context: Context) -> Explained | None:
         """Return the answer to a query, or None if there is none, which is reported."""
         try:
-            found = (
-                self.on_line(*asked.line)
-                if asked.line
-                else query.find(asked, self.model.root, self.separator)
-            )
+            found = self.on_line(*asked.line) if asked.line else query.find(asked, self.model.root, self.separator)
         except BadPattern as bad:
             context.sink.error("selector", bad.message, help=bad.help)
             return None
@@ -104,9 +100,7 @@ class Traced:
             return None
         if asked.attribute is not None:
             attribute, _ = attribute_and_index(asked.attribute)
-            fitting = [
-                node for node in found if attribute in kind_of(node).attributes or is_derived(node, attribute)
-            ]
+            fitting = [node for node in found if attribute in kind_of(node).attributes or is_derived(node, attribute)]
             if not fitting:
                 no_attribute(found[0], asked.attribute, context.sink)
                 return None
@@ -132,15 +126,10 @@ class Traced:
             parts=tuple(self.parts(life)),
             changes=tuple(self.changes(life)),
             in_force=self._in_force(node) if reached else None,
-            classes=tuple(self._class_step(each.name) for each in class_chain(node, self.classes))
-            if reached
-            else (),
+            classes=tuple(self._class_step(each.name) for each in class_chain(node, self.classes)) if reached else (),
             given=tuple(
                 Given(
-                    attribute.name,
-                    str(level.text),
-                    str(level.name),
-                    span=self.written_at(level.writer, attribute.name),
+                    attribute.name, str(level.text), str(level.name), span=self.written_at(level.writer, attribute.name)
                 )
                 for attribute, level in given(node, kind, self.classes)
             )
@@ -178,9 +167,7 @@ class Traced:
             levels=tuple(explained),
             in_force=self._in_force(node) if kind.takes_class and attribute.in_default else None,
             about=attribute.doc or None,
-            rows=tuple(row for _, row in self.key_rows(node, name))
-            if node.tag == "key" and name in VECTORS
-            else (),
+            rows=tuple(row for _, row in self.key_rows(node, name)) if node.tag == "key" and name in VECTORS else (),
             notes=tuple(self._notes(node, attribute)),
         )
 
@@ -214,9 +201,7 @@ class Traced:
             steps = levels(node, kind, kind.attributes[attribute], classes=self.classes)
             text = value(steps)
             winner = next((step for step in steps if step.taken), steps[-1])
-            words = {"element": "written on it", "mujoco": "MuJoCo's default"}.get(
-                winner.kind, f"class {winner.name}"
-            )
+            words = {"element": "written on it", "mujoco": "MuJoCo's default"}.get(winner.kind, f"class {winner.name}")
             origin = self._level_origin(winner.kind, winner.name, winner.writer, attribute=attribute)
             reason = Reason("computed" if origin.words else words, origin.span)
         return Listed(self.labels[node], text, reason)
@@ -227,9 +212,7 @@ class Traced:
             reason = self._row_reason(key, origin)
             if origin.kind == "entry":
                 reason = self.recipe_lines.in_own_form(reason.span, numbers)
-            written = origin.written or (
-                None if reason.span is None else self.recipe_lines.text_of(reason.span)
-            )
+            written = origin.written or (None if reason.span is None else self.recipe_lines.text_of(reason.span))
             yield holder, row_explained(self.labels[holder], numbers, origin, reason=reason, written=written)
 
     def _sets(self, node: Node) -> Iterator[Listed]:
@@ -308,9 +291,7 @@ class Traced:
                 continue
             recipe = self.recipe_lines.text_of(span)
             if recipe is not None and not same_words(recipe, text):
-                yield Changed(
-                    name, recipe, text, reason=Reason("written in the recipe's own unit or form", span)
-                )
+                yield Changed(name, recipe, text, reason=Reason("written in the recipe's own unit or form", span))
 
     def _changed(self, change: Change, life: Life) -> Changed:
         name = "tag" if change.attribute == TAG else change.attribute
@@ -355,9 +336,7 @@ class Traced:
         life = self.watch.life(node)
         if node.tag == "key" and attribute in (*VECTORS, "time") and node.get(attribute):
             span = self._only_place(node, attribute)
-            return self.recipe_lines.in_own_form(
-                span, str(node.get(attribute)) if attribute == "time" else None
-            )
+            return self.recipe_lines.in_own_form(span, str(node.get(attribute)) if attribute == "time" else None)
         made = life.made_by is not None and life.made_by.is_pass
         if made and len(life.sources) == 1:
             return self.origin_of(life.sources[0], attribute)
@@ -368,15 +347,9 @@ class Traced:
             if not rewrites(change.cause):
                 cause = self.causes.change(change, life)
                 return Reason("" if cause.span else cause.words, cause.span)
-        if life.made_by is not None and (
-            life.made_by.is_pass or isinstance(life.made_by.done, SetCollisions)
-        ):
+        if life.made_by is not None and (life.made_by.is_pass or isinstance(life.made_by.done, SetCollisions)):
             cause = self.causes.value(life, attribute)
-            return (
-                cause
-                if cause.words
-                else self.recipe_lines.in_own_form(cause.span, life.attributes.get(attribute))
-            )
+            return cause if cause.words else self.recipe_lines.in_own_form(cause.span, life.attributes.get(attribute))
         return self._as_read(life, attribute)
 
     def _as_read(self, life: Life, attribute: str) -> Reason:
@@ -408,9 +381,7 @@ class Traced:
         if life.made_by is not None and life.made_by.is_pass and len(life.sources) != 1:
             found = [self.causes.made(life).span]
         else:
-            found = [
-                self._span(each, attribute) for each in (life.sources[0] if len(life.sources) == 1 else life,)
-            ]
+            found = [self._span(each, attribute) for each in (life.sources[0] if len(life.sources) == 1 else life,)]
         for change in life.of(attribute):
             if not rewrites(change.cause):
                 found.append(self.causes.change(change, life).span)
@@ -432,9 +403,7 @@ class Traced:
                 continue
             prefixes = [part.prefix for part in life.parts]
             called = {"".join(reversed(prefixes[:count])) + named for count in range(len(prefixes) + 1)}
-            if asked.name in called | {
-                "".join(reversed(prefixes[at:])) + named for at in range(len(prefixes))
-            }:
+            if asked.name in called | {"".join(reversed(prefixes[at:])) + named for at in range(len(prefixes))}:
                 cause = self.causes.gone(life)
                 yield Note(f"there was a {life.tag} `{named}`: {cause.words}", self._span(life))
 

@@ -199,11 +199,7 @@ def _classes(it: ElementExplained) -> Iterator[str]:
     values = max((len(_cut(each.value)) for each in it.given), default=0)
     names = max(len(step.name) for step in it.classes)
     for step in it.classes:
-        made = (
-            ""
-            if step.reason.words == "read from"
-            else f"{step.reason.words}{', ' if step.reason.span else ''}"
-        )
+        made = "" if step.reason.words == "read from" else f"{step.reason.words}{', ' if step.reason.span else ''}"
         yield f"  {step.name:<{names}}  {made}{_at(step.reason.span)}"
         for each in it.given:
             if each.by == step.name:
@@ -263,9 +259,7 @@ def _level(each: LevelExplained) -> tuple[str, str, str, str]:
 
 
 def _changes(changes: Iterable[Changed], name: bool = True) -> Iterator[str]:
-    for reason, alike in groupby(
-        changes, key=lambda each: f"{each.reason.words}{_at(each.reason.span, ', ')}"
-    ):
+    for reason, alike in groupby(changes, key=lambda each: f"{each.reason.words}{_at(each.reason.span, ', ')}"):
         yield f"  {reason}"
         rows = [each for each in alike if each.attribute is not None]
         width = max((len(str(each.attribute)) for each in rows), default=0) if name else 0
@@ -282,12 +276,7 @@ def _list(found: Iterable[Listed]) -> Iterator[str]:
     rows = []
     for each in found:
         words = "" if each.reason.words == "read from" else each.reason.words
-        row = (
-            each.label,
-            *((_cut(each.value),) if each.value is not None else ()),
-            words,
-            _at(each.reason.span),
-        )
+        row = (each.label, *((_cut(each.value),) if each.value is not None else ()), words, _at(each.reason.span))
         rows.append(row)
     yield from _table(rows, indent="")
 
@@ -302,9 +291,7 @@ def _table(rows: list[tuple[str, ...]], indent: str = "  ") -> Iterator[str]:
         yield indent + "  ".join([*(cell for cell in cells if cell), row[-1]])
 
 
-def _source(
-    span: Span | None, last: int | None, read_source: ReadSource | None, paint: Paint
-) -> Iterator[str]:
+def _source(span: Span | None, last: int | None, read_source: ReadSource | None, paint: Paint) -> Iterator[str]:
     text = read_source(span.file) if span is not None and read_source is not None else None
     if text is None or span is None:
         return

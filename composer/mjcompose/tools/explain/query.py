@@ -309,9 +309,7 @@ def not_found(asked: Asked, root: Node, sink: Sink, notes: Iterable[Note] = ()) 
         _no_such_name(asked, asked.name, word, root=root, sink=sink, notes=notes)
 
 
-def _no_such_name(
-    asked: Asked, name: str, word: str, root: Node, sink: Sink, notes: tuple[Note, ...]
-) -> None:
+def _no_such_name(asked: Asked, name: str, word: str, root: Node, sink: Sink, notes: tuple[Note, ...]) -> None:
     fitting = find(Asked("", asked.kinds), root, "/")
     names = [found for node in fitting if (found := name_of(node)) is not None]
     other = next((node for node in ordered(root) if name_of(node) == name), None)

@@ -188,9 +188,7 @@ class Trace:
 
     def _born(self, node: Node, cause: Cause) -> Life:
         owner = cause.unit.origins.owner(node, cause.unit.file)
-        laid_out = (
-            node in cause.unit.origins.keys
-        )  # by the edits of a part that is not linked to anything yet
+        laid_out = node in cause.unit.origins.keys  # by the edits of a part that is not linked to anything yet
         made = cause if cause.linking is not None or laid_out else None
         items: list[tuple[str, str]] = node.items()  # type: ignore[assignment]  # of a parsed tree
         parent = node.getparent()
@@ -232,14 +230,10 @@ class Trace:
                 if old.tag == life.tag and dict(old.items).get("name") == life.name:
                     life.sources.append(old)
         if len(life.sources) == 1:
-            life.changes += _differences(
-                dict(life.sources[0].items), life.attributes, life.made_by, owner=life.owner
-            )
+            life.changes += _differences(dict(life.sources[0].items), life.attributes, life.made_by, owner=life.owner)
 
 
-def _differences(
-    before: dict[str, str], after: dict[str, str], cause: Cause, owner: Owner
-) -> Iterator[Change]:
+def _differences(before: dict[str, str], after: dict[str, str], cause: Cause, owner: Owner) -> Iterator[Change]:
     for name in {**before, **after}:
         if before.get(name) != after.get(name):
             yield Change(name, before.get(name), after.get(name), cause=cause, owner=owner)
@@ -349,9 +343,7 @@ class _Reading:
             if found.number.source.key is not source.key:
                 found = self._settled(found)
             ours, theirs = source, found.number.source
-            both = replace(
-                theirs, taken=theirs.taken + ours.taken, moved=theirs.moved + ours.moved, lost=theirs.lost
-            )
+            both = replace(theirs, taken=theirs.taken + ours.taken, moved=theirs.moved + ours.moved, lost=theirs.lost)
             found = _Known(Number(known.number.text, both, found.number.at), found.change)
         return found
 
@@ -367,9 +359,7 @@ class _Reading:
                 source = KeySource("key", vector, key)
                 written = life.attributes.get(vector, "").split()
                 noted = [Number(text, source, at) for at, text in enumerate(written)]
-            changes = [
-                each for each in life.of(vector) if isinstance(each.cause.done, EditElements | DrawValues)
-            ]
+            changes = [each for each in life.of(vector) if isinstance(each.cause.done, EditElements | DrawValues)]
             now = str(key.get(vector) or "").split()
             self.known[key, vector] = _after([_Known(each) for each in noted], now, changes, vector=vector)
         return self.known[key, vector]

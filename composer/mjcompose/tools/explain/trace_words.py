@@ -53,17 +53,13 @@ if TYPE_CHECKING:
 _NOBODY = {"reference": "the reference configuration", "zero": "0, as no key says it", "unknown": "not known"}
 
 
-def row_explained(
-    label: str, numbers: str, origin: NumberOrigin, reason: Reason, written: str | None
-) -> RowExplained:
+def row_explained(label: str, numbers: str, origin: NumberOrigin, reason: Reason, written: str | None) -> RowExplained:
     """Return the row; `reason` comes from `reason_of`, `written` is the text at its place."""
     on_the_way = [Reason("by `from`", span) for span in origin.taken]
     on_the_way += [Reason(f"moved with the part `{part}`", span) for part, span in origin.moved]
     if origin.lost is not None:
         on_the_way.append(Reason("an edit has made meaningless what is written there:", origin.lost.span))
-    return RowExplained(
-        label, numbers, origin.kind, reason=reason, written=written, on_the_way=tuple(on_the_way)
-    )
+    return RowExplained(label, numbers, origin.kind, reason=reason, written=written, on_the_way=tuple(on_the_way))
 
 
 def reason_of(origin: NumberOrigin, edited: Callable[[Change], Reason]) -> Reason:
@@ -172,9 +168,7 @@ class PassWords:
     def _angles(self, life: Life, change: Change) -> Reason | None:
         unit = change.cause.unit
         if change.attribute in ORIENTATIONS and unit.settings.eulerseq != _sequence(change.cause):
-            words = (
-                f"{_file(unit)} reads angles in the sequence `{unit.settings.eulerseq}`, the model does not"
-            )
+            words = f"{_file(unit)} reads angles in the sequence `{unit.settings.eulerseq}`, the model does not"
             return Reason(words, self.setting(unit, "eulerseq"))
         span = self.setting(unit, "angle")
         degrees = f"{_file(unit)} is in degrees" + ("" if span else ", MJCF's default")
@@ -236,8 +230,7 @@ class PassWords:
         for adopted in linking.base.adopted:
             if adopted.path == f"{path}/{change.attribute}" and adopted.value == change.after:
                 return Reason(
-                    f"adopted from {', '.join(adopted.parts)}: neither base nor recipe writes it",
-                    adopted.span,
+                    f"adopted from {', '.join(adopted.parts)}: neither base nor recipe writes it", adopted.span
                 )
         for part in linking.parts:
             for node in part.unit.root.iter(life.tag):
@@ -266,12 +259,7 @@ class PassWords:
     def _top(self, unit: Unit) -> Span | None:
         """Return where a unit begins to write its default classes."""
         for life in self.trace.lives.values():
-            if (
-                life.root is unit.root
-                and life.parent is unit.root
-                and life.tag == "default"
-                and not life.made_by
-            ):
+            if life.root is unit.root and life.parent is unit.root and life.tag == "default" and not life.made_by:
                 return life.span(unit.origins)
         return None
 
@@ -315,13 +303,10 @@ class PassWords:
         if part is None:
             return Reason("holds what the parts bring")
         if life.tag == "frame" and life.attributes.get("childclass") == part.top_class:
-            return Reason(
-                f"carries the part `{part.called}` {place(part)}, and its default class", hung_at(part)
-            )
+            return Reason(f"carries the part `{part.called}` {place(part)}, and its default class", hung_at(part))
         if life.tag == "frame":
             return Reason(
-                f"the pose of the {part.place.kind} that the part `{part.called}` is attached to",
-                hung_at(part),
+                f"the pose of the {part.place.kind} that the part `{part.called}` is attached to", hung_at(part)
             )
         if life.tag == "body":
             return Reason(f"a body for the joint between the part `{part.called}` and its place", part.span)
@@ -386,9 +371,7 @@ def _at_its_place(words: str) -> Words:
 
 
 def _named_or(words: str) -> Words:
-    return lambda passes, life, change: Reason(
-        "named after its file" if change.attribute == "name" else words
-    )
+    return lambda passes, life, change: Reason("named after its file" if change.attribute == "name" else words)
 
 
 CHANGES: dict[Function | None, Words] = {
@@ -481,11 +464,7 @@ class Causes:
             return None
         if cause.function is bodies:
             return None if cause.part is None else Reason(f"hung {place(cause.part)}", hung_at(cause.part))
-        if (
-            move.before is not None
-            and move.after is not None
-            and move.before.tag == move.after.tag == "mujoco"
-        ):
+        if move.before is not None and move.after is not None and move.before.tag == move.after.tag == "mujoco":
             return None
         return of_step(cause, None, None)
 

@@ -73,9 +73,7 @@ class Comparison:
         self.labels: set[str] = set()
         self.found_changes: list[Changed] = []
         self.places = {unit: places(unit) for unit in (merged, *parts)}
-        self.counts = {
-            unit: Counter(kind for kind, _ in found.values()) for unit, found in self.places.items()
-        }
+        self.counts = {unit: Counter(kind for kind, _ in found.values()) for unit, found in self.places.items()}
         self.likeness: dict[int, Likeness] = {}
         self.new_names: dict[tuple[int, str, str], str] = {}
         """What the merged model calls a part's element other than with its prefix, by instance, namespace and name."""
@@ -94,17 +92,13 @@ class Comparison:
         """Find renamed elements: the only new one with that tag in its body, or one with the same references."""
         part = self.parts[each.part]
         known = {
-            (namespace, one.prefix + name)
-            for one in self.found
-            for namespace, name in named(self.parts[one.part])
+            (namespace, one.prefix + name) for one in self.found for namespace, name in named(self.parts[one.part])
         }
         new = [item for key, item in self.there.items() if key not in known]
         for (namespace, name), item in named(part).items():
             if (namespace, each.prefix + name) in self.there:
                 continue
-            alike = [
-                other for other in new if other.namespace == namespace and self.renamed(item, other, each)
-            ]
+            alike = [other for other in new if other.namespace == namespace and self.renamed(item, other, each)]
             if len(alike) == 1:
                 self.new_names[id(each), namespace, name] = alike[0].name
                 new.remove(alike[0])
@@ -164,9 +158,7 @@ class Comparison:
         for (namespace, name), item in named(part).items():
             there = self.there.get((namespace, self.theirs(each, namespace, name)))
             select = selector_of(namespace, item.kind.tag, each.out + name)
-            if there is None or (
-                there.kind.tag != item.kind.tag and not self.same(item.node, there.node, each)
-            ):
+            if there is None or (there.kind.tag != item.kind.tag and not self.same(item.node, there.node, each)):
                 if not gone.isdisjoint(item.node.iterancestors()):
                     continue  # it is removed together with its parent
                 gone.add(item.node)
@@ -208,9 +200,7 @@ class Comparison:
             if not is_equal and attribute.refers in _ASSETS:  # the part may have an equal one of its own
                 own = self.alike.get(each.out + ours)
                 there = self.names.get((attribute.refers, theirs))
-                is_equal = theirs in (ours, each.prefix + ours) or bool(
-                    own and own == self.alike.get(there or "")
-                )
+                is_equal = theirs in (ours, each.prefix + ours) or bool(own and own == self.alike.get(there or ""))
             if is_equal:
                 del one[name], other[name]
         return differing(one, other, before.kind, prefix=each.prefix)
@@ -236,9 +226,7 @@ class Comparison:
             for name in pair.item.kind.attributes:
                 owner = self.owner(pair, name)
                 if owner is not None and name in different:
-                    groups.setdefault((id(pair.each), owner, default_tag(pair.item.node), name), []).append(
-                        pair
-                    )
+                    groups.setdefault((id(pair.each), owner, default_tag(pair.item.node), name), []).append(pair)
         settled: dict[str, dict[str, dict[str, object]]] = {}
         for (_, owner, tag, name), pairs in groups.items():
             values = {pair.changes.get(name) for pair in pairs}
@@ -300,9 +288,7 @@ class Comparison:
     def called(self, pair: Pair) -> str:
         """Return the name of an element in messages."""
         item = pair.item
-        name = item.name or (
-            PurePosixPath(str(item.node.get("file") or "")).stem if item.section == "asset" else ""
-        )
+        name = item.name or (PurePosixPath(str(item.node.get("file") or "")).stem if item.section == "asset" else "")
         if name:
             return pair.each.out + name
         body = parent_body(item.node) if item.section == "worldbody" else None
@@ -338,9 +324,7 @@ class Comparison:
             kind = GRAMMAR.element(tag)
             item = Item(node, kind, "asset", namespace=tag)
             changes = self.changes(item, Item(there, kind, "asset", namespace=tag), each)
-            self.pairs.append(
-                Pair(selector_of(tag, tag, each.out + name), item, each, changes=changes, moved={})
-            )
+            self.pairs.append(Pair(selector_of(tag, tag, each.out + name), item, each, changes=changes, moved={}))
 
     def compare_sections(self, each: Instance) -> None:
         """Compare unnamed elements of sections, paired by what they refer to."""
@@ -363,9 +347,7 @@ class Comparison:
 
     def compare_world(self, each: Instance) -> list[str]:
         """Return selectors of unnamed elements in the part's world that the merged model lacks."""
-        here, there = (
-            next(unit.root.iterchildren("worldbody"), None) for unit in (self.parts[each.part], self.merged)
-        )
+        here, there = (next(unit.root.iterchildren("worldbody"), None) for unit in (self.parts[each.part], self.merged))
         if here is None or there is None:
             return []
         if each.is_base:
@@ -398,9 +380,7 @@ class Comparison:
 
     def meant(self, item: Item, each: Instance | None) -> tuple[object, ...]:
         """Return what identifies an unnamed element: its tag, and its references by their names in the merged model."""
-        kind = (
-            item.section if item.section == "actuator" else item.kind.path
-        )  # MuJoCo writes all of them as `general`
+        kind = item.section if item.section == "actuator" else item.kind.path  # MuJoCo writes all of them as `general`
         found = [(k, a, v) for k, a, v in self.written(item) if a.is_reference]
         return (kind, *((k, v if each is None else self.theirs(each, a.refers, v)) for k, a, v in found))
 

@@ -111,9 +111,7 @@ def effective(item: Item, unit: Unit) -> dict[str, str]:
     return found
 
 
-def differing(
-    one: dict[str, str], other: dict[str, str], kind: ElementType, prefix: str
-) -> dict[str, str | None]:
+def differing(one: dict[str, str], other: dict[str, str], kind: ElementType, prefix: str) -> dict[str, str | None]:
     """Return the values of `other` that `one` lacks; None for those that only `one` has.
 
     A name in `one` equals the same name with `prefix` before it in `other`.
@@ -160,9 +158,7 @@ def settings_of(unit: Unit) -> dict[tuple[str, ...], str]:
     found: dict[tuple[str, ...], str] = {}
 
     def walk(node: Node, path: tuple[str, ...]) -> None:
-        found.update(
-            {(*path, str(name)): " ".join(str(value).split()) for name, value in node.attrib.items()}
-        )
+        found.update({(*path, str(name)): " ".join(str(value).split()) for name, value in node.attrib.items()})
         for child in node.iterchildren("*"):
             walk(child, (*path, str(child.tag)))
 
@@ -276,9 +272,7 @@ def placed(values: Mapping[str, str], settings: Settings) -> tuple[Pose, list[fl
         return None
 
 
-def at_the_same_place(
-    one: Mapping[str, str], settings: Settings, other: Mapping[str, str], others: Settings
-) -> bool:
+def at_the_same_place(one: Mapping[str, str], settings: Settings, other: Mapping[str, str], others: Settings) -> bool:
     """Return whether two elements have the same pose and size except for rounding, however they are written."""
     here, there = placed(one, settings), placed(other, others)
     if here is None or there is None or len(here[1]) != len(there[1]):
@@ -336,15 +330,11 @@ def unchanged(mujoco: Any, alone: Model, merged: Model, given: Mapping[str, Any]
             if each.field in _MASSES:
                 changed["mass"].add(each.index)
     same = {
-        kind: [pair for pair in matching.pairs(kind) if pair not in changed[kind]]
-        for kind in KINDS
-        if kind != "key"
+        kind: [pair for pair in matching.pairs(kind) if pair not in changed[kind]] for kind in KINDS if kind != "key"
     }
     heavier = {after for _, after in changed["mass"]}  # its own numbers do not say which geom causes that
     same["geom"] = [pair for pair in same["geom"] if int(merged.geom_bodyid[pair[1]]) not in heavier]
-    counts = {
-        kind: [len(getattr(model, KINDS[kind].addresses)) for model in (alone, merged)] for kind in KINDS
-    }
+    counts = {kind: [len(getattr(model, KINDS[kind].addresses)) for model in (alone, merged)] for kind in KINDS}
     return {"same": same, "counts": counts}
 
 

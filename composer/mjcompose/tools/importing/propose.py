@@ -147,12 +147,8 @@ class _Proposer(Comparison):
 
     def remove_keys(self) -> None:
         """Remove the keys of parts that the merged model does not have."""
-        keys = [
-            {str(key.get("name")) for key in unit.root.iter("key")} for unit in (self.merged, *self.parts)
-        ]
-        for name in dict.fromkeys(
-            name for each in self.found for name in sorted(keys[each.part + 1] - keys[0])
-        ):
+        keys = [{str(key.get("name")) for key in unit.root.iter("key")} for unit in (self.merged, *self.parts)]
+        for name in dict.fromkeys(name for each in self.found for name in sorted(keys[each.part + 1] - keys[0])):
             self.edit({"select": f"{{key: {word(name)}}}", "remove": "true"}, REMOVED)
 
     def head(self) -> list[str]:
@@ -244,9 +240,7 @@ class _Proposer(Comparison):
         said = [
             {}
             if unit is None
-            else {
-                str(k): str(v) for node in unit.root.iterchildren("compiler") for k, v in node.attrib.items()
-            }
+            else {str(k): str(v) for node in unit.root.iterchildren("compiler") for k, v in node.attrib.items()}
             for unit in (self.merged, base)
         ]
         attributes = GRAMMAR.section("compiler").attributes
@@ -271,9 +265,7 @@ class _Proposer(Comparison):
                 continue  # MuJoCo writes the number of keys, and adds empty ones
             value = wanted.get(path, default_text(attribute))
             said = {each.get(path, value) for each in others}
-            if value is not None and (
-                base.get(path, default_text(attribute)) != value or (said and said != {value})
-            ):
+            if value is not None and (base.get(path, default_text(attribute)) != value or (said and said != {value})):
                 into = settled.setdefault(section, {})
                 for tag in inner:
                     into = into.setdefault(tag, {})  # type: ignore[assignment]
@@ -284,9 +276,7 @@ class _Proposer(Comparison):
     def left_over(self) -> None:
         """Write the elements of the merged model that no part has."""
         brought = {
-            (namespace, each.out + name)
-            for each in self.found
-            for namespace, name in named(self.parts[each.part])
+            (namespace, each.out + name) for each in self.found for namespace, name in named(self.parts[each.part])
         }
         for item in items(self.merged):
             node = item.node
@@ -296,11 +286,7 @@ class _Proposer(Comparison):
                 parent = node.getparent()
                 if parent is None or (parent.tag != "worldbody" and parent not in self.covered):
                     continue  # it comes with its parent
-                name = (
-                    "world"
-                    if parent.tag == "worldbody"
-                    else self.names.get(("body", str(parent.get("name"))))
-                )
+                name = "world" if parent.tag == "worldbody" else self.names.get(("body", str(parent.get("name"))))
                 text = self.fragment(node)
                 note = None if name else "it stands in a body without a name"
                 self.entries.append(Entry("add", f"{{to: {word(name or '?')}, xml: {quoted(text)}}}", note))
@@ -342,9 +328,7 @@ class _Proposer(Comparison):
                 shown = called if called is not None and name == "name" else shown
                 text += f" {name}={quoteattr(' '.join(shown.split()))}"
         # Elements of a part already exist there, and are moved.
-        inside = "".join(
-            self.fragment(child) for child in node.iterchildren("*") if child not in self.covered
-        )
+        inside = "".join(self.fragment(child) for child in node.iterchildren("*") if child not in self.covered)
         return f"{text}>{inside}</{tag}>" if inside else f"{text}/>"
 
 

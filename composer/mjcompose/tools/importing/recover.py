@@ -149,8 +149,7 @@ def left(outcome: Outcome, merged: str) -> Iterator[str]:
     def between(wanted: Value, there: Value, unit: str) -> str:
         digits = None if shown(there) == shown(wanted) else 6
         ours, theirs = (
-            f"{shown(value, digits)}{f' {unit}' if unit and value is not None else ''}"
-            for value in (there, wanted)
+            f"{shown(value, digits)}{f' {unit}' if unit and value is not None else ''}" for value in (there, wanted)
         )
         return f"{ours}, in {merged} it is {theirs}"
 
@@ -158,9 +157,7 @@ def left(outcome: Outcome, merged: str) -> Iterator[str]:
     others = [each for each in outcome.changes if not each.follows]
     if not others:
         others, follows = follows, []
-    presence = sorted(
-        (each for each in others if each.what != "changed"), key=lambda each: (each.what, each.kind)
-    )
+    presence = sorted((each for each in others if each.what != "changed"), key=lambda each: (each.what, each.kind))
     for (what, kind), several in groupby(presence, key=lambda each: (each.what, each.kind)):
         names = [each.name for each in several]
         verb = "is" if len(names) == 1 else "are"
@@ -265,24 +262,16 @@ class _Recovery:
         """Return the proposal without the entries that do not build, and with the keys that it lacked."""
         out, context = self.out, self.context
         for number in range(_ROUNDS):
-            self.progress(
-                "trying the recipe" if not number else f"trying the recipe without what failed ({number})"
-            )
+            self.progress("trying the recipe" if not number else f"trying the recipe without what failed ({number})")
             text, places = recipe_text(proposal)
             bundle, faults = self.built(text)
-            guilty = [
-                (places[line], fault) for fault in faults if (line := _line(fault, out, context)) in places
-            ]
+            guilty = [(places[line], fault) for fault in faults if (line := _line(fault, out, context)) in places]
             if bundle is not None or not guilty:
                 break
             for entry, fault in guilty:
                 entry.note = " ".join(fault.message.split())
         outcome = None if bundle is None else self.trial.outcome(proposal)
-        lost = [
-            each
-            for each in (outcome.changes if outcome else ())
-            if (each.kind, each.what) == ("key", "removed")
-        ]
+        lost = [each for each in (outcome.changes if outcome else ()) if (each.kind, each.what) == ("key", "removed")]
         missing = [each.name for each in lost if _has_name(each)]
         if missing:  # with a key of that name, its values can be compared
             blank = [elements.Entry("keyframe", f"{word(name)}: {{}}") for name in missing]
@@ -301,9 +290,7 @@ class _Recovery:
             text, _ = recipe_text(proposal)
             bundle, faults = self.built(text)
             outcome = None if bundle is None else self.trial.outcome(proposal)
-        return Recovered(
-            text, proposal, bundle, faults=tuple(faults), outcome=outcome, refused=self.trial.refused
-        )
+        return Recovered(text, proposal, bundle, faults=tuple(faults), outcome=outcome, refused=self.trial.refused)
 
     def built(self, text: str) -> tuple[Bundle | None, list[Diagnostic]]:
         """Build the text as if it were at `out`."""
@@ -315,8 +302,7 @@ class _Recovery:
         with unsaved({os.path.realpath(trial): text.encode()}):
             result = build(Request(trial), own, session=self.session)
         faults = [
-            replace(each, span=_at(each, trial, out, context=own), others=(), cells=())
-            for each in own.sink.errors
+            replace(each, span=_at(each, trial, out, context=own), others=(), cells=()) for each in own.sink.errors
         ]
         return (None if result is None else result.bundle), faults
 
@@ -340,9 +326,7 @@ def _has_name(key: Change) -> bool:
     return not key.name.startswith("#")
 
 
-def keyframes(
-    changes: Collection[Change], proposal: Proposal, missing: Collection[str] = ()
-) -> list[elements.Entry]:
+def keyframes(changes: Collection[Change], proposal: Proposal, missing: Collection[str] = ()) -> list[elements.Entry]:
     """Return entries for keys of the merged model that the parts' keys do not produce, with the differing values.
 
     No part has anything for the keys in `missing`.
@@ -354,18 +338,13 @@ def keyframes(
             values = [value for value in given if isinstance(value, float)]
             unit = "rad" if len(values) == 1 and "angle: degree" in proposal.head else ""
             numbers = f"[{', '.join(f'{value:.9g}{unit}' for value in values)}]"
-            rows.setdefault(each.name, {}).setdefault(each.field.removeprefix("key_"), {})[each.entry] = (
-                numbers
-            )
+            rows.setdefault(each.name, {}).setdefault(each.field.removeprefix("key_"), {})[each.entry] = numbers
     entries = []
     for name, row in rows.items():
         said = ", ".join(
-            f"{field}: {{{', '.join(f'{word(k)}: {v}' for k, v in values.items())}}}"
-            for field, values in row.items()
+            f"{field}: {{{', '.join(f'{word(k)}: {v}' for k, v in values.items())}}}" for field, values in row.items()
         )
         sources = [] if name in missing else proposal.keys.get(name, [])
-        start = (
-            f"from: {{{', '.join(f'{word(each)}: {word(name)}' for each in sources)}}}, " if sources else ""
-        )
+        start = f"from: {{{', '.join(f'{word(each)}: {word(name)}' for each in sources)}}}, " if sources else ""
         entries.append(elements.Entry("keyframe", f"{word(name)}: {{{start}{said}}}"))
     return entries

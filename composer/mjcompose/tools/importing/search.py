@@ -27,9 +27,7 @@ if TYPE_CHECKING:
 T = TypeVar("T")
 
 
-def paired(
-    one: Sequence[T], other: Sequence[T], alike: Callable[[T, T], bool]
-) -> Iterator[tuple[T, T | None]]:
+def paired(one: Sequence[T], other: Sequence[T], alike: Callable[[T, T], bool]) -> Iterator[tuple[T, T | None]]:
     """Yield every element of `one` with its counterpart in `other`, or None if it has none.
 
     Equal elements are paired in order, and the elements between them first to first. If that leaves an element of
@@ -39,9 +37,7 @@ def paired(
     ([('a', 'a'), ('b', 'x'), ('c', None), ('d', 'd')], [('a', 'a'), ('b', 'x')])
     """
     kept = _common(one, other, alike)
-    if len(other) > len(one) or any(
-        b - d > a - c for (a, b), (c, d) in zip(kept, [(-1, -1), *kept], strict=False)
-    ):
+    if len(other) > len(one) or any(b - d > a - c for (a, b), (c, d) in zip(kept, [(-1, -1), *kept], strict=False)):
         kept = []
     last = (-1, -1)
     for end in (*kept, (len(one), len(other))):
@@ -196,9 +192,7 @@ class Search:
     looked_at: int
 
 
-def search(
-    merged: Path, folders: Iterable[Path], context: Context, progress: Callable[[str], None]
-) -> Search | None:
+def search(merged: Path, folders: Iterable[Path], context: Context, progress: Callable[[str], None]) -> Search | None:
     """Find the parts of a merged model by the names of their bodies; return None if it cannot be read.
 
     Models in `folders` come first, then Menagerie, then packages. Nothing is fetched.

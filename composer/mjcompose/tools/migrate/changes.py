@@ -126,25 +126,17 @@ def drop(places: str, attribute: str, harmless: tuple[str, ...], lost: str | Non
     return carry_out
 
 
-def advise(
-    places: str, message: str, help: str | None, of: Callable[[Editing, Node], bool] | None = None
-) -> Act:
+def advise(places: str, message: str, help: str | None, of: Callable[[Editing, Node], bool] | None = None) -> Act:
     """What cannot be migrated by a rule: a located warning for each element that it is about."""
-    return _at_each(
-        places, of, lambda editing, node: editing.warn(node, message.format(called=called(node)), help)
-    )
+    return _at_each(places, of, lambda editing, node: editing.warn(node, message.format(called=called(node)), help))
 
 
 def refuse(places: str, message: str, help: str, of: Callable[[Editing, Node], bool] | None = None) -> Act:
     """What the other version cannot say at all: a located error for each element that it is about."""
-    return _at_each(
-        places, of, lambda editing, node: editing.refuse(node, message.format(called=called(node)), help)
-    )
+    return _at_each(places, of, lambda editing, node: editing.refuse(node, message.format(called=called(node)), help))
 
 
-def _at_each(
-    places: str, of: Callable[[Editing, Node], bool] | None, report: Callable[[Editing, Node], None]
-) -> Act:
+def _at_each(places: str, of: Callable[[Editing, Node], bool] | None, report: Callable[[Editing, Node], None]) -> Act:
     def carry_out(editing: Editing) -> None:
         for node in editing.at(*places.split()):
             if of is None or of(editing, node):
@@ -539,10 +531,7 @@ _TABLE = re.compile(r"(?<=<!-- changes -->\n).*?(?=<!-- end of changes -->)", re
 
 def table() -> str:
     """A row for each change."""
-    lines = [
-        "| since | change | of | before | now | what becomes of a model | back |",
-        "|---|---|---|---|---|---|---|",
-    ]
+    lines = ["| since | change | of | before | now | what becomes of a model | back |", "|---|---|---|---|---|---|---|"]
     lines += [
         f"| {each.version.removesuffix('.0')} | `{each.name}` | {each.of} | {each.was} | {each.now} | {each.becomes}"
         f" | {'–' if each.backward is None else 'yes'} |"

@@ -91,9 +91,7 @@ def compare(before: Compiled, after: Compiled) -> Outcome:
 
 def _is_count(array: str) -> bool:
     """Return whether a field of `mjModel` is a number of rows, a flag of the compiler, or an address of names."""
-    return (
-        array.startswith(("name_", "flg_")) or array == "nnames_map" or (array[0] == "n" and "_" not in array)
-    )
+    return array.startswith(("name_", "flg_")) or array == "nnames_map" or (array[0] == "n" and "_" not in array)
 
 
 @dataclass(slots=True)
@@ -126,9 +124,7 @@ class _Side:
         if arrays["eq_data"].ndim > 1:
             arrays["eq_data"] = arrays["eq_data"][:, :11]
         textures = arrays["mat_texid"]
-        arrays["mat_texid"] = (
-            textures.reshape(len(textures), -1).max(axis=1) if textures.size else textures.ravel()
-        )
+        arrays["mat_texid"] = textures.reshape(len(textures), -1).max(axis=1) if textures.size else textures.ravel()
         if "flex_matid" in arrays and len(arrays["flex_matid"]) != len(arrays["flex_dim"]):
             arrays["flex_matid"] = arrays["flex_matid"][arrays["flex_elemadr"]]
         for name in ("flex_stiffness", "flex_bending"):
@@ -157,22 +153,16 @@ class _Side:
         vertices = arrays["mesh_vert"].astype(float)
         corners = np.zeros((len(arrays["mesh_face"]), 9))
         self.scale = np.zeros_like(corners)
-        for mesh, (start, count) in enumerate(
-            zip(arrays["mesh_vertadr"], arrays["mesh_vertnum"], strict=True)
-        ):
+        for mesh, (start, count) in enumerate(zip(arrays["mesh_vertadr"], arrays["mesh_vertnum"], strict=True)):
             rows = slice(start, start + count)
             vertices[rows] = vertices[rows] @ poses[0][mesh].T + poses[1][mesh]
-            faces = slice(
-                arrays["mesh_faceadr"][mesh], arrays["mesh_faceadr"][mesh] + arrays["mesh_facenum"][mesh]
-            )
+            faces = slice(arrays["mesh_faceadr"][mesh], arrays["mesh_faceadr"][mesh] + arrays["mesh_facenum"][mesh])
             corners[faces] = vertices[arrays["mesh_face"][faces] + start].reshape(-1, 9)
             self.scale[faces] = np.abs(vertices[rows]).max(initial=0)
         # Versions merge equal vertices in other orders; the triangles stay.
         arrays["mesh_face"] = corners
         kinds = np.asarray(self.words.get("geom_type", ()))
-        of_meshes = np.flatnonzero(
-            np.isin(kinds, ("mjGEOM_MESH", "mjGEOM_SDF")) & (arrays["geom_dataid"] >= 0)
-        )
+        of_meshes = np.flatnonzero(np.isin(kinds, ("mjGEOM_MESH", "mjGEOM_SDF")) & (arrays["geom_dataid"] >= 0))
         fitted = ~np.isin(kinds, ("mjGEOM_MESH", "mjGEOM_SDF", "mjGEOM_HFIELD"))
         arrays["geom_dataid"] = np.where(fitted, -1, arrays["geom_dataid"])  # the mesh that it was fitted to
         rotations = _matrices(arrays["geom_quat"])
@@ -272,8 +262,7 @@ def _stand_alike(x: Array, y: Array, mesh: int, one: _Side, two: _Side) -> bool:
         return False
     for geom in geoms:
         placed = [
-            corners.reshape(-1, 3) @ side.arrays["geom_quat"][geom].reshape(3, 3).T
-            + side.arrays["geom_pos"][geom]
+            corners.reshape(-1, 3) @ side.arrays["geom_quat"][geom].reshape(3, 3).T + side.arrays["geom_pos"][geom]
             for corners, side in ((x, one), (y, two))
         ]
         if not _same_surface(placed[0], placed[1]):
@@ -314,9 +303,7 @@ def _pairs(one: _Side, two: _Side, outcome: Outcome) -> dict[str, Array]:
         new = [each for each in others if each not in keys]
         for what, several in (("is missing", lost), ("is new", new)):
             if several:
-                shown = (
-                    f"{kind} `{several[0][0]}`" if several[0][0] is not None else f"a {kind} without a name"
-                )
+                shown = f"{kind} `{several[0][0]}`" if several[0][0] is not None else f"a {kind} without a name"
                 pair = ("there", "not there") if what == "is missing" else ("not there", "there")
                 outcome.differences.append(Difference(f"{kind} names", shown, *pair, len(several)))
         if not lost and not new:

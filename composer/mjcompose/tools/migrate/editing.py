@@ -133,18 +133,12 @@ class Source:
         """
         edits: list[tuple[int, int, str]] = []
         text = self.markup.text
-        place = {
-            node: each
-            for node, each in zip(self.nodes, self.markup.elements, strict=True)
-            if node is not None
-        }
+        place = {node: each for node, each in zip(self.nodes, self.markup.elements, strict=True) if node is not None}
         gone: list[tuple[int, int]] = []
         for node, written in place.items():
             if any(start <= written.start < end for start, end in gone):
                 continue
-            if root is not None and not (
-                node is root or any(above is root for above in node.iterancestors())
-            ):
+            if root is not None and not (node is root or any(above is root for above in node.iterancestors())):
                 start, end = _whole_lines(text, written.start, written.end)
                 gone.append((start, end))
                 edits.append((start, end, ""))
@@ -182,10 +176,7 @@ def _changes(node: Node, written: _Written, renamed: Mapping[str, str]) -> Itera
         if name not in written.values and renamed.get(name, name) not in kept
     )
     if new:
-        last = max(
-            (stretch[4] for stretch in written.stretches.values()),
-            default=written.start + 1 + len(written.tag),
-        )
+        last = max((stretch[4] for stretch in written.stretches.values()), default=written.start + 1 + len(written.tag))
         yield last, last, new
 
 
@@ -199,9 +190,7 @@ def _additions(
     indent = _indent(text, written.start)
     texts: dict[int, str] = {}
     known = [
-        place[child].start
-        for child in node.iterchildren("*")
-        if child in place and _inside(place[child], written)
+        place[child].start for child in node.iterchildren("*") if child in place and _inside(place[child], written)
     ]
     step = "\t" if "\n\t" in text else _STEP
     inner = _indent(text, known[0]) if known and _begins_line(text, known[0]) else indent + step
@@ -232,9 +221,7 @@ def _inside(child: _Written, parent: _Written) -> bool:
 
 
 def _markup(node: Node, indent: str, step: str) -> str:
-    start = "".join(
-        [f"<{node.tag!s}", *(f" {name!s}={quoteattr(str(value))}" for name, value in node.items())]
-    )
+    start = "".join([f"<{node.tag!s}", *(f" {name!s}={quoteattr(str(value))}" for name, value in node.items())])
     children = list(node.iterchildren("*"))
     if not children:
         return f"{start}/>"
@@ -420,11 +407,7 @@ class Editing:
         old = str(node.get(attribute))
         value = old if value is None else value
         self.steps.append(
-            Step(
-                self.name,
-                self.span(node, attribute),
-                f'`{attribute}="{old}"` is `{new}="{value}"` at {called(node)}',
-            )
+            Step(self.name, self.span(node, attribute), f'`{attribute}="{old}"` is `{new}="{value}"` at {called(node)}')
         )
         original = self.renamed.setdefault(node, {}).pop(attribute, attribute)
         pairs = [(new, value) if name == attribute else (str(name), str(was)) for name, was in node.items()]
@@ -479,9 +462,7 @@ class Editing:
         """Something does not mean the same any more."""
         shown = () if self.change is None else self.change.arrays
         span = None if node is None else self.span(node, attribute)
-        self.meanings.append(
-            Meaning(self.name, message, span, help=help, arrays=shown if arrays is None else arrays)
-        )
+        self.meanings.append(Meaning(self.name, message, span, help=help, arrays=shown if arrays is None else arrays))
 
     def refuse(self, node: Node, message: str, help: str | None = None, attribute: str | None = None) -> None:
         """Something that cannot be said in the other version."""
@@ -539,9 +520,7 @@ class Pieces:
             if not file or not unit.door.exists(path):
                 continue  # MuJoCo says so
             if "urdf" in f"{element.get('content_type')} {path.suffix}".lower():
-                self.left.append(
-                    Meaning("attached", f"`{shown}` is URDF, and stays as it is", span, help=None)
-                )
+                self.left.append(Meaning("attached", f"`{shown}` is URDF, and stays as it is", span, help=None))
                 continue
             inner = self._known.get(real)
             if inner is None:

@@ -71,9 +71,7 @@ def open_python(python: Path) -> Other:
     if os.path.isdir(python):
         inside = _python_of(python)
         if not os.path.exists(inside):
-            raise OtherError(
-                f"`{python}` is a folder without a Python", "name an interpreter or its environment"
-            )
+            raise OtherError(f"`{python}` is a folder without a Python", "name an interpreter or its environment")
         python = inside
     return Other(python.absolute(), str(_run(python.absolute(), [])["version"]))
 
@@ -161,8 +159,7 @@ def _run(python: Path, arguments: list[str]) -> dict[str, Any]:
     except subprocess.TimeoutExpired:
         process.end()
         raise OtherError(
-            f"the MuJoCo of `{python}` gave no answer in {in_force().time:g} seconds",
-            "give it more with `--timeout`",
+            f"the MuJoCo of `{python}` gave no answer in {in_force().time:g} seconds", "give it more with `--timeout`"
         ) from None
     finally:
         process.release()

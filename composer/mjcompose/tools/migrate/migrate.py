@@ -210,18 +210,13 @@ def _leave_out(editing: Editing) -> None:
         if node in editing.refused:
             continue
         unread_before = unread(editing.root, editing.before)
-        if any(
-            each.node is node and (each.attribute, each.value) == (name, found.value)
-            for each in unread_before
-        ):
+        if any(each.node is node and (each.attribute, each.value) == (name, found.value) for each in unread_before):
             continue  # the version it was written for does not read it either
         lacks = f"MuJoCo {editing.after} has no {found.called}: {found.when()}"
         if name is None:
             is_new = found.since and later(found.since, editing.after)
             help = "`mjcompose build --target plain` writes a model without frames and copies"
-            editing.refuse(
-                node, lacks, help if is_new and node.tag in ("frame", "replicate", "attach") else None
-            )
+            editing.refuse(node, lacks, help if is_new and node.tag in ("frame", "replicate", "attach") else None)
         elif found.value is None and _says_nothing(node, name):
             editing.unset(node, name)
         elif f"{place(node)}@{name}" in _OF_THE_ENGINE:
@@ -376,9 +371,7 @@ def measured(compiled: Compiled | None) -> dict[str, object]:
     with np.load(compiled.arrays, allow_pickle=False) as stored:
         damping = stored["actuator_biasprm"][:, 2]
     names = compiled.names.get("actuator", ())
-    return {
-        "kv": {name: number_text(-float(value)) for name, value in zip(names, damping, strict=False) if name}
-    }
+    return {"kv": {name: number_text(-float(value)) for name, value in zip(names, damping, strict=False) if name}}
 
 
 def lay_out(migrated: Migrated, folder: Path, *, link: bool = False) -> dict[Path, Path]:

@@ -38,9 +38,7 @@ def _shift(editing: Editing, sign: float) -> None:
             continue
         new = margin + sign * gap
         if sign > 0 and new < 0:
-            editing.refuse(
-                node, f"{called(node)} would have a negative margin, which MuJoCo {editing.after} refuses"
-            )
+            editing.refuse(node, f"{called(node)} would have a negative margin, which MuJoCo {editing.after} refuses")
             continue
         editing.set(node, "margin", number_text(round(new, 15)))
 
@@ -58,9 +56,7 @@ def _combine(editing: Editing, factor: float, was: str, now: str) -> None:
     if editing is not editing.whole[0]:
         return  # a geom touches those of all models that are attached
     for name in ("margin", "gap"):
-        geoms = [
-            (each, node) for each in editing.whole for node in each.at("body/geom") if _collides(each, node)
-        ]
+        geoms = [(each, node) for each in editing.whole for node in each.at("body/geom") if _collides(each, node)]
         values = [_number_margins(each, node, name) for each, node in geoms]
         having = [pair for pair, value in zip(geoms, values, strict=True) if value]
         if not having or (len(having) == 1 and not _is_copied(*having[0])):
@@ -138,9 +134,7 @@ def roles_by_layer(editing: Editing) -> None:
     for node in editing.at("asset/material/layer"):
         role = node.get("role")
         if role not in ROLES:
-            editing.refuse(
-                node, f"MuJoCo {editing.after} has no layer of the role `{role}`", attribute="role"
-            )
+            editing.refuse(node, f"MuJoCo {editing.after} has no layer of the role `{role}`", attribute="role")
             continue
         editing.unset(node, "role")
         editing.retag(node, role)
@@ -183,9 +177,7 @@ def shells_of_meshes(editing: Editing) -> None:
         mesh = editing.value(node, "mesh")
         if mesh is not None and (editing.value(node, "type") or "sphere") == "mesh":
             wanted.setdefault(mesh, []).append((node, editing.value(node, "shellinertia") == "true"))
-    meshes = {
-        str(node.get("name") or stem(str(node.get("file") or ""))): node for node in editing.at("asset/mesh")
-    }
+    meshes = {str(node.get("name") or stem(str(node.get("file") or ""))): node for node in editing.at("asset/mesh")}
     for name, uses in wanted.items():
         shells = [node for node, shell in uses if shell]
         if not shells:
@@ -314,9 +306,7 @@ def lines_did_not_bend(editing: Editing) -> None:
 def lines_that_bend(editing: Editing) -> None:
     for flex, node in _flexes(editing):
         if dimension(flex) == 1 and _number(node, "young"):
-            editing.warn(
-                node, f"{called(flex)} does not bend in MuJoCo {editing.after}", None, attribute="young"
-            )
+            editing.warn(node, f"{called(flex)} does not bend in MuJoCo {editing.after}", None, attribute="young")
 
 
 def _elastic(editing: Editing) -> Iterator[tuple[Node, Node, float, float, float, str]]:
@@ -383,9 +373,7 @@ def has_elasticity(editing: Editing) -> bool:
 def implicit_flexes(editing: Editing) -> None:
     """3.11 and 3.12 integrated flexes implicitly with the solver CG; since 3.13 that is the integrator `discrete`."""
     options = editing.at("option")
-    integrator = next(
-        (str(node.get("integrator")) for node in reversed(options) if node.get("integrator")), "Euler"
-    )
+    integrator = next((str(node.get("integrator")) for node in reversed(options) if node.get("integrator")), "Euler")
     solver = next((str(node.get("solver")) for node in reversed(options) if node.get("solver")), "Newton")
     if integrator not in ("implicit", "implicitfast") or not has_elasticity(editing):
         return
@@ -434,9 +422,7 @@ def _gives_gains(tag: str, node: Node) -> bool:
 def keys_of_replicates(editing: Editing) -> None:
     """Before 3.16 each copy of a replicate had a copy of every key."""
     moving = [
-        node
-        for node in editing.at("replicate")
-        if next(node.iter("joint", "freejoint", "attach"), None) is not None
+        node for node in editing.at("replicate") if next(node.iter("joint", "freejoint", "attach"), None) is not None
     ]
     for node in editing.at("keyframe/key") if moving else ():
         editing.warn(

@@ -150,9 +150,7 @@ class Workshop:
                 operand.report(context.sink)
             self._watch(operand, made, context)
             if not is_new:
-                self.shown = Shown(
-                    old.version, old.text, old.blobs, title=old.title, fault=self._words(context)
-                )
+                self.shown = Shown(old.version, old.text, old.blobs, title=old.title, fault=self._words(context))
             self.shown.seconds = time.monotonic() - started
             return self.shown
 
@@ -165,9 +163,7 @@ class Workshop:
 
     def _describe(self, side: Side, operand: Operand, old: Shown) -> bool:
         menus = choices(operand, self.asked)
-        found = described(
-            side, self.session, old.blobs, editor=self.editor, key_named=self.key, choices=menus
-        )
+        found = described(side, self.session, old.blobs, editor=self.editor, key_named=self.key, choices=menus)
         if found is None or (old.version < 0 and not found.has_key(self.key, operand.context.sink)):
             return False
         blobs = {name: found.blobs.get(name) or old.blobs[name] for name in found.used}
@@ -213,9 +209,7 @@ def advance(mujoco: Any, model: Any, asked: Mapping[str, Any]) -> State:
     stopped = simulate(mujoco, model, data, end=asked["seconds"], begun=begun, most=_MOST_SECONDS)
     if stopped is not None:
         return {"stopped": stopped}
-    return {name: getattr(data, name).tolist() for name in ("qpos", "qvel", "act")} | {
-        "time": float(data.time)
-    }
+    return {name: getattr(data, name).tolist() for name in ("qpos", "qvel", "act")} | {"time": float(data.time)}
 
 
 class Physics:

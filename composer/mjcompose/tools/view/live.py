@@ -42,9 +42,7 @@ def started(workshop: Workshop, service: Service, context: Context) -> Server | 
         return None
 
 
-def serve(
-    server: Server, opens: bool, say: Callable[[str], None], stop: Event, said: Callable[[Shown], None]
-) -> None:
+def serve(server: Server, opens: bool, say: Callable[[str], None], stop: Event, said: Callable[[Shown], None]) -> None:
     """Build, serve, watch and build again until `stop` is set; `said` is called with the result of each build."""
     Thread(target=server.run, daemon=True).start()
     try:
@@ -124,9 +122,7 @@ def _invitation(address: str, opens: bool) -> list[str]:
         return lines
     port = address.split("/")[2].rpartition(":")[2]
     if reason == "ssh":
-        lines.append(
-            f"on your own machine: ssh -L {port}:127.0.0.1:{port} {_host()}, then open the address there"
-        )
+        lines.append(f"on your own machine: ssh -L {port}:127.0.0.1:{port} {_host()}, then open the address there")
     elif reason == "container":
         lines.append(f"in a container: forward the port {port}; with Docker start it with -p 127.0.0.1:{port}:{port},"
                      f" and this with --host 0.0.0.0 --port {port}")  # fmt: skip

@@ -68,18 +68,12 @@ def choices(operand: Operand, asked: Asked) -> list[dict[str, Any]]:
     if not isinstance(document, Mapping):
         return []
     menus = []
-    cells = (
-        [cell.name for cell in cells_of(operand.path, context, dict(asked.given))]
-        if _has_cells(document)
-        else []
-    )
+    cells = [cell.name for cell in cells_of(operand.path, context, dict(asked.given))] if _has_cells(document) else []
     variants = find(document, ("variants",))
     if isinstance(variants, Mapping) and asked.pick is None:
         for axis, (_, values) in variants.entries.items():
             if isinstance(values, Mapping):
-                menus.append(
-                    _menu(axis, f"variant {axis}", list(values.entries), value=_now(asked.given.get(axis)))
-                )
+                menus.append(_menu(axis, f"variant {axis}", list(values.entries), value=_now(asked.given.get(axis))))
     if cells:
         known = [_NONE, *cells[:_MOST_CELLS]]
         menus.append(_menu(CELL, "cell or sample", known, value=asked.pick or _NONE))
@@ -163,9 +157,7 @@ class Origins:
         self._part_places: list[Any] = []
         self._numbers: dict[str, int] = {}
 
-    def data(
-        self, names: AbcMapping[str, Sequence[str]], excluded: Sequence[tuple[str, str]]
-    ) -> dict[str, Any]:
+    def data(self, names: AbcMapping[str, Sequence[str]], excluded: Sequence[tuple[str, str]]) -> dict[str, Any]:
         """Return for each kind a list as long as its `names`: place, part, words and changes of an element, or null.
 
         `excluded` are the pairs of bodies that are excluded from contact; there is a list for these too.
@@ -274,9 +266,7 @@ def described(
     bytes. `names` are the file names shared with another model on the page. `more` is added to the JSON.
     """
     with scratch("scene") as folder:
-        answer = engine.call(
-            session, describe, [side.kept], argument={"folder": str(folder), "known": sorted(known)}
-        )
+        answer = engine.call(session, describe, [side.kept], argument={"folder": str(folder), "known": sorted(known)})
         if not answer.ok:
             said = answer.error or answer.crash
             message = f"`{side.operand.label}` cannot be shown: {said}"
@@ -287,14 +277,10 @@ def described(
         blobs = {name: path.read_bytes() for name in used if os.path.exists(path := Path(folder, name))}
     origins = Origins(side, names or Names(side.operand.context.folder))
     elements = {
-        kind: columns["name"]
-        for kind, columns in scene.items()
-        if isinstance(columns, dict) and "name" in columns
+        kind: columns["name"] for kind, columns in scene.items() if isinstance(columns, dict) and "name" in columns
     }
     bodies, excluded = scene["body"]["name"], scene["exclude"]
-    pairs = [
-        (bodies[one], bodies[two]) for one, two in zip(excluded["body1"], excluded["body2"], strict=True)
-    ]
+    pairs = [(bodies[one], bodies[two]) for one, two in zip(excluded["body1"], excluded["body2"], strict=True)]
     scene["origins"] = origins.data(elements, pairs)
     scene["title"] = title = _title(side)
     if editor is not None:
@@ -348,9 +334,7 @@ def difference(found: Diff) -> dict[str, Any]:
 def _elements(changes: list[Change], what: str, side: int) -> list[str]:
     """Return the elements of A or B with this kind of change, as `KIND NUMBER`."""
     found = (
-        f"{each.kind} {each.index[side]}"
-        for each in changes
-        if _what(each) == what and each.index[side] != _ABSENT
+        f"{each.kind} {each.index[side]}" for each in changes if _what(each) == what and each.index[side] != _ABSENT
     )
     return list(dict.fromkeys(found))
 
@@ -370,9 +354,7 @@ _PLAYED = _ALONE.replace("'unsafe-inline';", "'unsafe-inline' 'unsafe-eval'; con
 _LINE = 4096
 
 
-def alone(
-    description: Description, *others: Description, played: AbcMapping[str, bytes] | None = None
-) -> str:
+def alone(description: Description, *others: Description, played: AbcMapping[str, bytes] | None = None) -> str:
     """Return the page of a model, or of two models, where the second is the new state of the first.
 
     The two share blobs. With the files of a bundle in `played` the page also has MuJoCo's WebAssembly.
@@ -380,9 +362,7 @@ def alone(
     models = "".join(_embedded(number, each) for number, each in enumerate((description, *others)))
     policy = _ALONE if played is None else _PLAYED
     engine = "" if played is None else _engine(played)
-    return shell(
-        description.title, f'<meta http-equiv="Content-Security-Policy" content="{policy}">', models + engine
-    )
+    return shell(description.title, f'<meta http-equiv="Content-Security-Policy" content="{policy}">', models + engine)
 
 
 def _engine(files: AbcMapping[str, bytes]) -> str:
@@ -395,9 +375,7 @@ def _engine(files: AbcMapping[str, bytes]) -> str:
 def live(title: str) -> str:
     """Return the page of a server, which serves the program and the models separately."""
     style, script = "<link rel=stylesheet href=page.css>", "<script src=page.js></script>"
-    return shell(title, "", "", style=style, script=script).replace(
-        "<html lang=en>", "<html lang=en data-live>"
-    )
+    return shell(title, "", "", style=style, script=script).replace("<html lang=en>", "<html lang=en data-live>")
 
 
 def shell(title: str, head: str, body: str, style: str | None = None, script: str | None = None) -> str:

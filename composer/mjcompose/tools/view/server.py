@@ -433,12 +433,8 @@ class _Handler(BaseHTTPRequestHandler):
                 if not self.connection.recv(1 << 16):
                     break
 
-    def _send(
-        self, content: bytes, kind: str, status: HTTPStatus = HTTPStatus.OK, kept: bool = False
-    ) -> None:
-        packed = (
-            len(content) > _WORTH_PACKING and "gzip" in self.headers.get("accept-encoding", "") and not kept
-        )
+    def _send(self, content: bytes, kind: str, status: HTTPStatus = HTTPStatus.OK, kept: bool = False) -> None:
+        packed = len(content) > _WORTH_PACKING and "gzip" in self.headers.get("accept-encoding", "") and not kept
         if packed:
             content = gzip.compress(content, 1)
         self.send_response(status)

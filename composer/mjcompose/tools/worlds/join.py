@@ -64,9 +64,7 @@ class Tree:
         bodies = self.table.names["body"]
         if "" in bodies:
             help = "give it a name in its source"
-            raise failure(
-                CODE, f"`{self.name}` has a body without a name, which a union cannot tell from others", help
-            )
+            raise failure(CODE, f"`{self.name}` has a body without a name, which a union cannot tell from others", help)
         for number, name in enumerate(bodies):
             self.own[name] = tuple(
                 (kind, *self._about(kind, each))
@@ -98,10 +96,7 @@ class Tree:
         """
         model = self.model
         if shape == _HFIELD:
-            first, count = (
-                int(model.hfield_adr[asset]),
-                int(model.hfield_nrow[asset] * model.hfield_ncol[asset]),
-            )
+            first, count = (int(model.hfield_adr[asset]), int(model.hfield_nrow[asset] * model.hfield_ncol[asset]))
             return sha256(model.hfield_data[first : first + count].tobytes()).hexdigest()
         if shape != _MESH:
             return ""
@@ -242,9 +237,7 @@ class Joining:
         """Add a model; return whether it must be kept. Raises LoadError if it is another model."""
         model = each.loaded.model
         shape = shape_of(model, each.name) if self.unites else None
-        alike = (
-            one for one in self.groups if one.shape == shape and unlike(one.first.loaded.model, model) is None
-        )
+        alike = (one for one in self.groups if one.shape == shape and unlike(one.first.loaded.model, model) is None)
         group = next(alike, None)
         is_new = group is None
         if group is None:
@@ -264,9 +257,7 @@ class Joining:
         """Return the worlds of the common model."""
         (group,) = self.groups
         loaded = group.first.loaded
-        return Worlds(
-            loaded.model, loaded.manifest, loaded.index, table=self.table(loaded, dict(group.varying()))
-        )
+        return Worlds(loaded.model, loaded.manifest, loaded.index, table=self.table(loaded, dict(group.varying())))
 
     def table(self, loaded: Loaded, varying: Mapping[str, Varying]) -> Table:
         """Return a table of the differences from a model."""
@@ -290,9 +281,7 @@ def join(found: Iterable[Joined], expected: int) -> Worlds:
 
 def _other(first: Joined, other: Joined) -> Exception:
     why = unlike(first.loaded.model, other.loaded.model)
-    help = (
-        "build these cells by themselves with `--pick`, or add `--as union`: one model has the parts of all"
-    )
+    help = "build these cells by themselves with `--pick`, or add `--as union`: one model has the parts of all"
     message = f"`{other.name}` cannot be a world of `{first.name}`: it is another model"
     return failure(CODE, message, help, notes=why or ())
 
@@ -335,9 +324,7 @@ class Shelf:
         """Return the folder of a model, for `Maker`."""
         return self.folder / name.replace("/", "_")
 
-    def put(
-        self, result: BuildResult, maker: Maker, context: Context, session: Session | None
-    ) -> BuildResult | None:
+    def put(self, result: BuildResult, maker: Maker, context: Context, session: Session | None) -> BuildResult | None:
         """Write a model, for `CellMaker`."""
         bundle = result.bundle
         assert isinstance(bundle, Bundle)
@@ -351,9 +338,7 @@ class Shelf:
         if os.path.exists(folder / WORLDS):
             table = read(read_regular(folder / WORLDS))
         named = {"name": cell.cell or loaded.manifest.name}
-        return Joined(
-            loaded, result.name, {**named, **cell.values()}, sample=cell.sample, table=table, folder=folder
-        )
+        return Joined(loaded, result.name, {**named, **cell.values()}, sample=cell.sample, table=table, folder=folder)
 
     def clear(self, each: Joined) -> None:
         """Remove the files of a model."""

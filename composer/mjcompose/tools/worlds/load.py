@@ -248,9 +248,7 @@ def _compiled(mujoco: Any, file: Path, shown: str) -> Model:
         return mujoco.MjModel.from_xml_path(str(file))
     except (ValueError, RuntimeError, mujoco.FatalError) as error:
         said = " ".join(str(error).replace(str(file.parent), "").split())
-        raise failure(
-            "mujoco-rejects", f"MuJoCo {mujoco.__version__} does not load `{shown}`: {said}"
-        ) from error
+        raise failure("mujoco-rejects", f"MuJoCo {mujoco.__version__} does not load `{shown}`: {said}") from error
 
 
 def _check_version(manifest: Manifest, running: str, shown: str, is_binary: bool) -> None:

@@ -214,9 +214,7 @@ class Vector:
         """Return the addresses of the elements of a body, including unnamed joints. Raises UnknownNameError."""
         found = [each for each in self.entries if each.body == body]
         if not found:
-            raise unknown(
-                f"body with a {self._lookup.kind}", body, [each.body for each in self.entries if each.body]
-            )
+            raise unknown(f"body with a {self._lookup.kind}", body, [each.body for each in self.entries if each.body])
         start, end = found[0].start, found[-1].start + found[-1].size
         return start if end - start == 1 else slice(start, end)
 

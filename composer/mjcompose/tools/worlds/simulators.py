@@ -42,9 +42,7 @@ def mujoco(worlds: Worlds, nthread: int = 0, *, persistent: bool = False) -> Any
         import mujoco as installed
 
         help = "install `mujoco>=3.17`, or step `worlds.models()` one after another"
-        raise failure(
-            "not-installed", f"MuJoCo {installed.__version__} has no `mujoco.batch`", help
-        ) from error
+        raise failure("not-installed", f"MuJoCo {installed.__version__} has no `mujoco.batch`", help) from error
     names = [name for name in worlds.arrays if name not in MEANS]
     if shared := [name for name in names if name not in MODEL_FIELDS]:
         listed = ", ".join(f"`{name}`" for name in shared)
@@ -81,9 +79,7 @@ def warp(worlds: Worlds) -> Any:
     try:
         import mujoco_warp
     except ImportError as error:
-        raise failure(
-            "not-installed", f"`mujoco_warp` cannot be used: {error}", "`pip install mujoco-warp`"
-        ) from error
+        raise failure("not-installed", f"`mujoco_warp` cannot be used: {error}", "`pip install mujoco-warp`") from error
     simulator = Simulator("warp", mujoco_warp.put_model)
     model = simulator.take(worlds, worlds.nominal)
     names = per_world(model, worlds)
@@ -139,9 +135,7 @@ def unread(worlds: Worlds) -> list[str]:
     discrete = getattr(mujoco.mjtIntegrator, "mjINT_DISCRETE", None)
     factored = discrete is not None and worlds.nominal.opt.integrator == int(discrete)
     read = (*((_OF_SLEEP,) if sleeps else ()), *(("efm0_",) if factored else ()))
-    factors = [
-        name for name in dir(worlds.nominal) if name.startswith(_FACTORS) and not name.startswith(read)
-    ]
+    factors = [name for name in dir(worlds.nominal) if name.startswith(_FACTORS) and not name.startswith(read)]
     fluid = [name for name in _FLUID if name in worlds.arrays or np.any(value_of(worlds.nominal, name))]
     return [*factors, *MEANS, *(() if fluid else _IN_FLUID)]
 
@@ -190,14 +184,10 @@ def mjx(worlds: Worlds, model: Any = None) -> tuple[Any, Any]:
             continue
         theirs = _leaf(base, name)
         if getattr(theirs, "shape", None) != leaf.shape:
-            found = (
-                "does not have it" if theirs is None else f"has the shape {theirs.shape}, not {leaf.shape}"
-            )
+            found = "does not have it" if theirs is None else f"has the shape {theirs.shape}, not {leaf.shape}"
             help = "make it of `study.nominal`, or leave it out"
             raise failure(
-                "bundle-changed",
-                f"the model is another one than that of the worlds: of `{name}` it {found}",
-                help,
+                "bundle-changed", f"the model is another one than that of the worlds: of `{name}` it {found}", help
             )
         replaced[name] = jax.numpy.asarray(worlds.values(name).reshape(worlds.count, *leaf.shape), leaf.dtype)
     check_nothing_is_shared(worlds, simulator, replaced)
@@ -258,22 +248,18 @@ def _set(worlds: Worlds, names: list[str], entity: str | None, sim: Any, env_ids
 
     if sim.num_envs != worlds.count:
         help = f"make `num_envs` {worlds.count}, or choose worlds: `study.take(range({sim.num_envs}))`"
-        raise failure(
-            "bundle-changed", f"there are {sim.num_envs} environments and {worlds.count} worlds", help
-        )
+        raise failure("bundle-changed", f"there are {sim.num_envs} environments and {worlds.count} worlds", help)
     chosen = torch.arange(sim.num_envs) if env_ids is None else env_ids.cpu()
     for name in names:
         ours, theirs = _places(worlds, name, entity, scene=sim.mj_model)
         numbers = warp.to_torch(getattr(sim.wp_model, name)).view(sim.num_envs, -1)
         values = torch.as_tensor(worlds.arrays[name].values[:, ours][chosen.numpy()], dtype=numbers.dtype)
-        numbers[chosen[:, None].to(numbers.device), torch.as_tensor(theirs, device=numbers.device)] = (
-            values.to(numbers.device)
+        numbers[chosen[:, None].to(numbers.device), torch.as_tensor(theirs, device=numbers.device)] = values.to(
+            numbers.device
         )
 
 
-def _places(
-    worlds: Worlds, name: str, entity: str | None, scene: Model
-) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def _places(worlds: Worlds, name: str, entity: str | None, scene: Model) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """Return which numbers of an array a scene takes, and their indices there.
 
     Raises LoadError for one that it lacks.
@@ -285,8 +271,7 @@ def _places(
             raise failure("bundle-changed", "the scene's model is another one than that of the worlds", help)
         return np.arange(index.size), index
     there = {
-        (each.element, each.attribute): at
-        for at, each in enumerate(whose(scene, name, range(flat(scene, name).size)))
+        (each.element, each.attribute): at for at, each in enumerate(whose(scene, name, range(flat(scene, name).size)))
     }
     ours, theirs = [], []
     for at, each in enumerate(whose(worlds.nominal, name, index)):
@@ -294,12 +279,8 @@ def _places(
             continue  # mjlab recomputes it
         called = _in_scene(each.element, entity)
         if (found := there.get((called, each.attribute))) is None:
-            help = (
-                "keep in the entity what differs between worlds, or leave out of the recipe what changes it"
-            )
-            raise failure(
-                "bundle-changed", f"the scene has no {each.kind} `{called}` with `{each.attribute}`", help
-            )
+            help = "keep in the entity what differs between worlds, or leave out of the recipe what changes it"
+            raise failure("bundle-changed", f"the scene has no {each.kind} `{called}` with `{each.attribute}`", help)
         ours.append(at)
         theirs.append(found)
     return np.array(ours, np.int64), np.array(theirs, np.int64)
@@ -403,9 +384,7 @@ def check_nothing_is_shared(worlds: Worlds, simulator: Simulator, varied: Collec
     Every difference must be among the `varied` arrays. MuJoCo Warp, for instance, leaves springs of tendons out of
     its steps if the converted model has none, whatever the arrays of the worlds say. Raises LoadError.
     """
-    before, after = (
-        dict(_leaves(simulator.take(worlds, each))) for each in (worlds.nominal, _otherwise(worlds))
-    )
+    before, after = (dict(_leaves(simulator.take(worlds, each))) for each in (worlds.nominal, _otherwise(worlds)))
     last = {name.rpartition(".")[2] for name in varied}
     shared = [
         name for name, value in before.items()
@@ -415,10 +394,7 @@ def check_nothing_is_shared(worlds: Worlds, simulator: Simulator, varied: Collec
     if shared:
         message = f"{simulator.name} has {_listed(shared)} once for all worlds, computed from what differs"
         raise failure(
-            "not-per-world",
-            message,
-            _INSTEAD,
-            notes=[f"between these worlds differ {_listed(worlds.arrays)}"],
+            "not-per-world", message, _INSTEAD, notes=[f"between these worlds differ {_listed(worlds.arrays)}"]
         )
 
 

@@ -121,14 +121,10 @@ def of_sources(bundle: Bundle, models: Sequence[Bundle]) -> Bundle:
     licenses: dict[str, dict[str, None]] = {}
     read: dict[tuple[str, str], Read] = {}
     for model, manifest in zip(models, manifests, strict=True):
-        moved = {
-            path: _free(path, model.files[path], texts) for path in model.files if path.startswith(_LICENSES)
-        }
+        moved = {path: _free(path, model.files[path], texts) for path in model.files if path.startswith(_LICENSES)}
         texts |= {moved[path]: model.files[path] for path in moved}
         for each in manifest.inputs:
-            known = each.model_copy(
-                update={"licenses": tuple(moved.get(path, path) for path in each.licenses)}
-            )
+            known = each.model_copy(update={"licenses": tuple(moved.get(path, path) for path in each.licenses)})
             inputs.setdefault((each.path, each.sha256), known)
         for license, parts in manifest.licenses.items():
             licenses.setdefault(license, {}).update(dict.fromkeys(parts))
@@ -251,6 +247,4 @@ def _check(mapped: Mapped, made: Model, model: Model, name: str) -> None:
     if different:
         listed = ", ".join(f"`{each}`" for each in different)
         help = "build this cell by itself with `--pick`"
-        raise failure(
-            CODE, f"`{name}` is not what the union of all models is in its world: {listed} differ", help
-        )
+        raise failure(CODE, f"`{name}` is not what the union of all models is in its world: {listed} differ", help)

@@ -96,9 +96,7 @@ class Mapped:
     def _fail(self, kind: str, number: int) -> None:
         shown = self.theirs.describe(kind, number)
         help = "refer in it to bodies of one part alone, or to what all models have"
-        raise failure(
-            CODE, f"`{self.name}` has the {kind} `{shown}`, which belongs to no part of a union", help
-        )
+        raise failure(CODE, f"`{self.name}` has the {kind} `{shown}`, which belongs to no part of a union", help)
 
     def check_no_more_acts(self, unused: Collection[str]) -> None:
         """Check that nothing acts in the union that the model lacks, except on absent parts. Raises LoadError."""
@@ -157,8 +155,7 @@ class Mapped:
             (kind, rows), (_, others) = owners(self.union, array), owners(self.model, array)
             to, of = self._matched(kind, rows, others)
             width, other = (
-                int(np.prod(np.shape(getattr(each, array))[1:], dtype=int))
-                for each in (self.union, self.model)
+                int(np.prod(np.shape(getattr(each, array))[1:], dtype=int)) for each in (self.union, self.model)
             )
             columns = np.arange(min(width, other))
             self._pairs[array] = (
@@ -197,11 +194,7 @@ def numbers(model: Model) -> Iterator[str]:
     """Yield the arrays with properties of elements, as opposed to addresses and references."""
     for name in dir(model):
         array = getattr(model, name) if not name.startswith("_") else None
-        if (
-            not isinstance(array, np.ndarray)
-            or not array.ndim
-            or name.startswith(("name", "key_", "tex_", "mesh_"))
-        ):
+        if not isinstance(array, np.ndarray) or not array.ndim or name.startswith(("name", "key_", "tex_", "mesh_")):
             continue
         if about(name).treatment not in _NOT_NUMBERS:
             yield name
@@ -224,8 +217,7 @@ def silenced(union: Model, bodies: Iterable[str]) -> list[tuple[str, np.ndarray,
     dofs = np.flatnonzero(np.isin(union.dof_bodyid, at))
     geoms = np.flatnonzero(np.isin(union.geom_bodyid, at))
     tendons = np.array(
-        [n for n in range(union.ntendon) if np.isin(list(referring_bodies(union, "tendon", n)), at).any()],
-        int,
+        [n for n in range(union.ntendon) if np.isin(list(referring_bodies(union, "tendon", n)), at).any()], int
     )
     found: list[tuple[str, np.ndarray, Any]] = [
         ("body_mass", at, 0.0), ("body_inertia", _all(union.body_inertia, at), 0.0),
@@ -248,9 +240,7 @@ def silenced(union: Model, bodies: Iterable[str]) -> list[tuple[str, np.ndarray,
         ],
         int,
     )
-    found += [
-        (name, _all(getattr(union, name), acting), 0.0) for name in ("actuator_gainprm", "actuator_biasprm")
-    ]
+    found += [(name, _all(getattr(union, name), acting), 0.0) for name in ("actuator_gainprm", "actuator_biasprm")]
     return [each for each in found if each[1].size]
 
 

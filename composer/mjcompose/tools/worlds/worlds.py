@@ -201,9 +201,7 @@ def read(content: bytes) -> Table:
         return read_parquet(content)
     try:
         with np.load(BytesIO(content), allow_pickle=False) as file:
-            about = json.loads(
-                bytes(file[_TABLE_FILE_ABOUT])
-            )  # text beside the arrays, or an array of its bytes
+            about = json.loads(bytes(file[_TABLE_FILE_ABOUT]))  # text beside the arrays, or an array of its bytes
             names = sorted({each.rpartition("/")[0] for each in file.files if "/" in each})
             arrays = {name: Varying(file[f"{name}/index"], file[f"{name}/values"]) for name in names}
             given = {each: file[each] for each in ("cell", "sample") if each in file.files}

@@ -88,9 +88,7 @@ def arm(names: Iterable[str], by_class: bool) -> str:
     return xml.replace("KEYS", f"<keyframe>{key}</keyframe>")
 
 
-def converted(
-    folder: Path, xml: str, names: Iterable[str], to: str
-) -> tuple[mujoco.MjModel | None, list[Diagnostic]]:
+def converted(folder: Path, xml: str, names: Iterable[str], to: str) -> tuple[mujoco.MjModel | None, list[Diagnostic]]:
     (folder / "arm.xml").write_text(xml)
     edits = "".join(f"  - {{select: {{actuator: {name}}}, convert: {{to: {to}}}}}\n" for name in names)
     (folder / "recipe.yaml").write_text(f"recipe: 1\nbase: ./arm.xml\nedit:\n{edits}")
@@ -124,15 +122,11 @@ def behaviour(model: mujoco.MjModel, seed: int) -> list[float]:
 def is_law_kept(before: mujoco.MjModel, after: mujoco.MjModel) -> None:
     for array in LAW:
         if hasattr(before, f"actuator_{array}"):
-            is_equal = np.array_equal(
-                getattr(after, f"actuator_{array}"), getattr(before, f"actuator_{array}")
-            )
+            is_equal = np.array_equal(getattr(after, f"actuator_{array}"), getattr(before, f"actuator_{array}"))
             assert is_equal, array
 
 
-CASES = [
-    (to, by_class) for to in ("general", "motor", "position", "velocity", "pid") for by_class in (False, True)
-]
+CASES = [(to, by_class) for to in ("general", "motor", "position", "velocity", "pid") for by_class in (False, True)]
 
 
 @pytest.mark.parametrize(("to", "by_class"), CASES)
@@ -158,12 +152,7 @@ LOSSY = {
     "position": "pid three unread",
     "velocity": "position pid three unread",
 }
-FIRST_CONTROL_STAYS = {
-    ("position", "pid"),
-    ("position", "three"),
-    ("velocity", "unread"),
-    ("motor", "g_filter"),
-}
+FIRST_CONTROL_STAYS = {("position", "pid"), ("position", "three"), ("velocity", "unread"), ("motor", "g_filter")}
 
 
 @pytest.mark.parametrize("by_class", [False, True], ids=["own", "class"])
@@ -191,10 +180,7 @@ def test_an_actrange_of_a_class_is_in_the_way(tmp_path: Path) -> None:
     """MuJoCo 4.0 refuses it without an activation, and nothing that the actuator writes undoes it."""
     after, (fault,) = converted(tmp_path, arm(["rate"], True), ["rate"], "position")
     assert after is None and fault.code == "wrong-type"
-    assert (
-        fault.message
-        == "a `position` cannot have the `actrange` that the class `rate` gives intvelocity `rate`"
-    )
+    assert fault.message == "a `position` cannot have the `actrange` that the class `rate` gives intvelocity `rate`"
 
 
 def test_what_turns_about_three_axes_does_not_as_a_motor(tmp_path: Path) -> None:
@@ -242,9 +228,7 @@ def felt(model: mujoco.MjModel, joint: str, actuator: str) -> tuple[float, float
 
 
 @pytest.mark.parametrize("to", ["position", "pid"])
-@pytest.mark.parametrize(
-    ("name", "joint", "coefficient"), [("a", "h", 1), ("b", "s", 1), ("c", "s", 2), ("d", "h", 1)]
-)
+@pytest.mark.parametrize(("name", "joint", "coefficient"), [("a", "h", 1), ("b", "s", 1), ("c", "s", 2), ("d", "h", 1)])
 def test_a_joint_feels_the_gains_of_the_recipe_through_a_gear(
     tmp_path: Path, name: str, joint: str, coefficient: int, to: str
 ) -> None:
@@ -271,10 +255,7 @@ def test_a_joint_moves_as_with_the_same_pid_without_a_gear(tmp_path: Path, name:
     model, _ = converted(tmp_path, GEARED, [name], f"pid, {written}")
     assert model is not None
     held = re.search(rf'name="{name}" (joint="\w")', GEARED)
-    numbers = {
-        each: " ".join(map(str, value if isinstance(value, list) else [value]))
-        for each, value in SERVO.items()
-    }
+    numbers = {each: " ".join(map(str, value if isinstance(value, list) else [value])) for each, value in SERVO.items()}
     plainly = " ".join(f'{each}="{value}"' for each, value in numbers.items())
     plain = re.sub(rf'<\w+ name="{name}" .*', f'<pid name="{name}" {held[1]} {plainly}/>', GEARED)  # type: ignore[index]
     ends = []

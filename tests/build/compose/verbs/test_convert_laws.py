@@ -47,9 +47,7 @@ def test_what_is_lost_is_told(radian: Case) -> None:
     assert model.key("home").ctrl == pytest.approx([0, 0, 0.3, 0.4, 0.5, 0.6]), "they would be forces"
     model = radian.edited("{select: {actuator: a1}, convert: {to: velocity}}")
     assert model.actuator("a1").gainprm[0] == 10 and not model.actuator("a1").ctrllimited[0]
-    assert (
-        "`ctrlrange`, which limits another thing" in radian.said and "its position gain, 100" in radian.said
-    )
+    assert "`ctrlrange`, which limits another thing" in radian.said and "its position gain, 100" in radian.said
     model = radian.edited("{select: {actuator: f1}, convert: {to: motor}}")
     assert model.na == 0 and "its dynamics, `filterexact`" in radian.said
     assert model.key("home").ctrl == pytest.approx([0.1, 0.2, 0.3, 0.4, 0, 0.6])
@@ -167,6 +165,4 @@ def test_a_law_of_its_own_is_lost_and_told(tmp_path: Path) -> None:
 def test_a_gain_that_there_is_not_must_be_given(radian: Case) -> None:
     assert radian.told("{select: {actuator: m1}, convert: {to: position}}") == ["39 missing-key"]
     model = radian.edited("{select: {actuator: m1}, convert: {to: position, kp: 5, ctrlrange: [-1, 1]}}")
-    assert model.actuator("m1").gainprm[0] == 5 and model.actuator("m1").biasprm[:3] == pytest.approx(
-        [0, -5, 0]
-    )
+    assert model.actuator("m1").gainprm[0] == 5 and model.actuator("m1").biasprm[:3] == pytest.approx([0, -5, 0])

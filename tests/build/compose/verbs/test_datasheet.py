@@ -126,22 +126,12 @@ def test_a_delay(tmp_path: Path) -> None:
         ("p", "model: bare, bandwidth: 1, error: 0.1", "exclusive-keys", "both `bandwidth` and `error`"),
         ("p", "model: late, error: 0.1", "missing-key", "has no speed, from which `kv` would follow"),
         ("p", "model: bare, effort: rated, error: 1", "missing-key", "has no rated torque"),
-        (
-            "p",
-            "model: bare, effort: full, error: 1",
-            "wrong-keyword",
-            "`effort` of `datasheet` cannot be `full`",
-        ),
+        ("p", "model: bare, effort: full, error: 1", "wrong-keyword", "`effort` of `datasheet` cannot be `full`"),
         ("p", "model: bare, bandwidth: 0", "out-of-range", "must be more than 0"),
         ("p", "model: bare, bandwith: 3", "unknown-key", "`datasheet` has no key `bandwith`"),
         ("p", "bandwidth: 3", "missing-key", "`datasheet` lacks `model`"),
         ("s", "model: bare, error: 0.1", "wrong-type", "does not turn a hinge"),
-        (
-            "i",
-            "model: bare, error: 0.1",
-            "wrong-type",
-            "is a `intvelocity`, whose gains a data sheet does not give",
-        ),
+        ("i", "model: bare, error: 0.1", "wrong-type", "is a `intvelocity`, whose gains a data sheet does not give"),
     ],
 )
 def test_faults(name: str, given: str, code: str, told: str, tmp_path: Path) -> None:
@@ -162,11 +152,7 @@ def test_what_moves_is_to_be_known(tmp_path: Path) -> None:
     [
         ("{effort: 1}", "missing-key", "data sheet `m` lacks `source`"),
         ("{source: x}", "missing-key", "data sheet `m` lacks `effort`"),
-        (
-            "{effort: 0, source: x}",
-            "out-of-range",
-            "`effort` of data sheet `m` is 0, and must be more than 0",
-        ),
+        ("{effort: 0, source: x}", "out-of-range", "`effort` of data sheet `m` is 0, and must be more than 0"),
         ("{effort: x, source: x}", "wrong-type", "`effort` of data sheet `m` expects a number"),
         ("{effort: 1, source: 3}", "wrong-type", "`source` of data sheet `m` expects text"),
         ("{effort: 1, source: x, torque: 3}", "unknown-key", "data sheet `m` has no key `torque`"),

@@ -20,14 +20,7 @@ def test_every_reference_follows_a_rename(radian: Case, own: bool) -> None:
     )
     before, after = radian.model("recipe: 1\nbase: ./arm.xml\n"), radian.edited(edits, own)
     assert after.joint("bend").range == pytest.approx(before.joint("elbow").range)
-    for array in (
-        "actuator_trnid",
-        "sensor_objid",
-        "geom_matid",
-        "exclude_signature",
-        "key_qpos",
-        "dof_damping",
-    ):
+    for array in ("actuator_trnid", "sensor_objid", "geom_matid", "exclude_signature", "key_qpos", "dof_damping"):
         assert np.array_equal(getattr(before, array), getattr(after, array))
     assert after.actuator("drive").trnid[0] == after.joint("bend").id
 
@@ -50,9 +43,7 @@ def test_a_bone_keeps_the_name_of_its_body_when_a_geom_of_that_name_is_renamed(t
     def bones(selected: str) -> bytes:
         recipe = f"recipe: 1\nbase: ./arm.xml\nedit: [{{select: {{{selected}: trunk}}, rename: chest}}]\n"
         (tmp_path / "recipe.yaml").write_text(recipe)
-        built = build(
-            Request(tmp_path / "recipe.yaml", verified=False), Context(environment={}, folder=tmp_path)
-        )
+        built = build(Request(tmp_path / "recipe.yaml", verified=False), Context(environment={}, folder=tmp_path))
         assert built is not None
         (coat,) = [content for path, content in built.bundle.files.items() if path.endswith(".skn")]
         return coat
@@ -72,8 +63,6 @@ def test_copies_of_a_replicate_are_renamed(tmp_path: Path) -> None:
 
 def test_who_refers_may_be_renamed_with_what_it_refers_to(radian: Case) -> None:
     before = radian.model("recipe: 1\nbase: ./arm.xml\n")
-    after = radian.edited(
-        "{select: {joint: '*'}, rename: 'x_${name}'}, {select: {actuator: '*'}, rename: 'x_${name}'}"
-    )
+    after = radian.edited("{select: {joint: '*'}, rename: 'x_${name}'}, {select: {actuator: '*'}, rename: 'x_${name}'}")
     assert after.actuator("x_a2").trnid[0] == after.joint("x_elbow").id
     assert np.array_equal(after.actuator_trnid, before.actuator_trnid)

@@ -96,9 +96,7 @@ class _Shapes:
         return np.concatenate(found)
 
 
-def _faults(
-    scope: Scope, shapes: _Shapes, body: int, geoms: list[int], settings: Mapping[str, Any]
-) -> Iterator[str]:
+def _faults(scope: Scope, shapes: _Shapes, body: int, geoms: list[int], settings: Mapping[str, Any]) -> Iterator[str]:
     """Yield what is impossible for one body, in words."""
     import numpy as np
 
@@ -114,8 +112,7 @@ def _faults(
     outside = float(np.linalg.norm(np.maximum(np.maximum(low - centre, centre - high), 0.0)))
     if outside > settings["outside"] * diagonal + _ROUNDING:
         yield (
-            f"its centre of mass is {outside:.4g} m outside the box around its geoms, which is {diagonal:.4g} m"
-            " across"
+            f"its centre of mass is {outside:.4g} m outside the box around its geoms, which is {diagonal:.4g} m across"
         )
     farthest = float(np.linalg.norm(corners - centre, axis=1).max())
     gyration = float(np.sqrt(moments[2] / mass))

@@ -30,23 +30,17 @@ def chosen(scope: Scope, kind: str, settings: Mapping[str, Any]) -> list[int] | 
     globs: Sequence[str] = settings[kind]
     if (nothing := unmet(scope, (kind,), globs, kind)) is not None:
         return nothing
-    return (
-        list(dict.fromkeys(each for glob in globs for each in scope.matching(kind, glob))) if globs else None
-    )
+    return list(dict.fromkeys(each for glob in globs for each in scope.matching(kind, glob))) if globs else None
 
 
 def excepted(scope: Scope, kinds: Sequence[str], settings: Mapping[str, Any]) -> set[tuple[str, int]] | Fault:
     """Return the elements that `except` names, by kind and id, or a finding that a glob names nothing."""
     if (nothing := unmet(scope, kinds, settings["except"], "except")) is not None:
         return nothing
-    return {
-        (kind, each) for glob in settings["except"] for kind in kinds for each in scope.matching(kind, glob)
-    }
+    return {(kind, each) for glob in settings["except"] for kind in kinds for each in scope.matching(kind, glob)}
 
 
-def listed(
-    lines: Sequence[str], expected: str, actual: str, *at: str | int, help: str | None = None
-) -> list[Fault]:
+def listed(lines: Sequence[str], expected: str, actual: str, *at: str | int, help: str | None = None) -> list[Fault]:
     """Return one finding for lines, the first of them as its message; nothing without lines."""
     if not lines:
         return []

@@ -27,9 +27,7 @@ class ShapeOffMesh(Rule):
     example: ClassVar = "{hausdorff: 0.002}"
     instead: ClassVar = {"meshes": "mesh"}
     rules: ClassVar = (
-        AnyOf(
-            *_LIMITS, lacks="does not say how near", advice="write for instance `hausdorff: 0.002`, in metres"
-        ),
+        AnyOf(*_LIMITS, lacks="does not say how near", advice="write for instance `hausdorff: 0.002`, in metres"),
     )
 
     mesh: Annotated[tuple[Annotated[str, Name("mesh", glob=True)], ...], Items(1, single=True)] = ()
@@ -68,12 +66,9 @@ def check(scope: Scope, settings: Mapping[str, Any]) -> list[Fault]:
                 help = did_you_mean(glob, names)
                 return [Fault("unknown-name", message, (key, at), notes=notes, help=help)]
     fitting = {
-        key: {name for glob in settings[key] for name in scope.fitting(glob, names)}
-        for key in ("mesh", "except")
+        key: {name for glob in settings[key] for name in scope.fitting(glob, names)} for key in ("mesh", "except")
     }
-    meant = [
-        each for each in pairs if each[0] in (fitting["mesh"] or names) and each[0] not in fitting["except"]
-    ]
+    meant = [each for each in pairs if each[0] in (fitting["mesh"] or names) and each[0] not in fitting["except"]]
     if not meant:
         return [failed("no `collision` or `simplify` made anything of a mesh", "at least one mesh", "none")]
     scope.found("meshes", len(meant))
@@ -88,9 +83,7 @@ def check(scope: Scope, settings: Mapping[str, Any]) -> list[Fault]:
         scope.found("uncovered", max(covered)[0])
     if (most := settings["uncovered"]) is not None:
         wrong = [each for each in covered if each[0] > most]
-        findings += _failed(
-            wrong, "leaves {} of the surface outside", f"at most {most:g}", measure="uncovered"
-        )
+        findings += _failed(wrong, "leaves {} of the surface outside", f"at most {most:g}", measure="uncovered")
     if settings["volume"] is not None:
         findings += _volumes(meant, *settings["volume"])
     return findings

@@ -41,9 +41,7 @@ def numbers(model: Any, array: Any) -> Any:
     shapes = [SHAPES[kind] for kind in np.asarray(array("geom_type")).tolist() if kind < len(SHAPES)]
     found = {
         "bodies": {
-            model.body(number).name: body(array, number)
-            for number in range(1, model.nbody)
-            if model.body(number).name
+            model.body(number).name: body(array, number) for number in range(1, model.nbody) if model.body(number).name
         },
         "joints": {
             model.joint(number).name: joint(model, array, number)
@@ -59,11 +57,7 @@ def numbers(model: Any, array: Any) -> Any:
     }
     for number in range(model.njnt):
         name = model.joint(number).name
-        if (
-            name in found["joints"]
-            and model.jnt_type[number] in (HINGE, SLIDE)
-            and not model.jnt_actgravcomp[number]
-        ):
+        if name in found["joints"] and model.jnt_type[number] in (HINGE, SLIDE) and not model.jnt_actgravcomp[number]:
             found["joints"][name]["force"] = _force(found["joints"][name], name, model, array=array)
     return found
 
@@ -73,8 +67,7 @@ def _force(joint, name, model, array):
     drives = [
         actuator(model, array, number)
         for number in range(model.nu)
-        if model.actuator_trntype[number] == _JOINT
-        and model.joint(int(model.actuator_trnid[number][0])).name == name
+        if model.actuator_trntype[number] == _JOINT and model.joint(int(model.actuator_trnid[number][0])).name == name
     ]
     ends = [each.get("effort") or [None] for each in drives]
     both = [max((abs(end) for end in each), default=0) for each in ends if None not in each]
@@ -106,11 +99,7 @@ def qpos(model: Any, pose: Any) -> Any:
 def poses(model: Any, xpos: Any, xmat: Any) -> Any:
     names = [model.body(number).name for number in range(model.nbody)]
     return [
-        {
-            name: [at[n].tolist(), turned[n].reshape(3, 3).tolist()]
-            for n, name in enumerate(names)
-            if n and name
-        }
+        {name: [at[n].tolist(), turned[n].reshape(3, 3).tolist()] for n, name in enumerate(names) if n and name}
         for at, turned in zip(xpos, xmat)
     ]
 
@@ -161,9 +150,7 @@ def actuator(model, array, number):
     if model.actuator_gaintype[number] != _FIXED or model.actuator_dyntype[number] != _NO_DYNAMICS:
         return found
     gear = float(array("actuator_gear")[number][0])
-    gain, bias = (
-        np.asarray(array(name)[number], dtype=float) for name in ("actuator_gainprm", "actuator_biasprm")
-    )
+    gain, bias = (np.asarray(array(name)[number], dtype=float) for name in ("actuator_gainprm", "actuator_biasprm"))
     affine = model.actuator_biastype[number] == _AFFINE
     found |= {"kp": -bias[1] * gear**2 if affine else 0.0, "kd": -bias[2] * gear**2 if affine else 0.0}
     ends = np.array([-np.inf, np.inf])
