@@ -74,8 +74,8 @@ def test_a_wrong_order_fails_at_import_with_the_sentence_of_the_page(copied: Pat
 
 
 def test_a_row_without_words_fails_at_import(copied: Path) -> None:
-    add_row(copied, re.sub(r'\n +"names the file.*?",', '\n        "",', BLOCKS[2]))
+    add_row(copied, re.sub(r'"names the file.*?",', '"",', BLOCKS[2]))
     failed = command(copied, "build", "recipe.yaml", "-o", "other/")
     assert "the pass `part_files` has no words for `mjcompose explain`" in failed.stderr
-    add_row(copied, re.sub(r'\n +"names the file.*?",', "", BLOCKS[2]))
+    add_row(copied, re.sub(r' "names the file.*?",', "", BLOCKS[2]))
     assert "missing 1 required positional argument: 'words'" in command(copied, "build", "recipe.yaml").stderr
