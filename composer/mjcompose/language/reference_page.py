@@ -93,7 +93,7 @@ MANUAL = "https://mujoco.readthedocs.io/en/stable/XMLreference.html"
 _HEAD = f"""# Recipe reference
 
 Every key of a recipe, a page for each section. [Recipes](../recipes.md), [variation](../variation.md),
-[randomization](../randomisation.md) and [checks](../checks.md) explain how to use them together. Each page begins with
+[randomization](../randomization.md) and [checks](../checks.md) explain how to use them together. Each page begins with
 examples that use all of its keys; the tests build them. Elements and attributes are those of MJCF and mean the same as
 in MuJoCo's [XML reference]({MANUAL}).
 
