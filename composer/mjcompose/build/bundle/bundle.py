@@ -110,7 +110,7 @@ def form_of(out: str | PathLike[str]) -> OutputForm:
     A name that ends in a slash or has no suffix is a folder, and so is an existing folder.
 
     >>> form_of("build/arm"), form_of("arm.mjz")
-    (<Form.FOLDER: 'folder'>, <Form.ARCHIVE: 'archive'>)
+    (<OutputForm.FOLDER: 'folder'>, <OutputForm.ARCHIVE: 'archive'>)
     """
     name = fspath(out)
     path = Path(name)
