@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
@@ -33,6 +34,24 @@ def look(options: Options, run: Run) -> Answer:
     name = run.need(None if options.none else options.recipe.name, options.recipe)
     words = f"{name}, strictly" if run.context.strict else name
     return Answer(words, lambda: {"name": name}, is_outcome=options.printed)
+
+
+@dataclass(frozen=True, slots=True)
+class Fetches:
+    offline: bool = flag("--offline", help="Fetch nothing.")
+
+
+@command(Fetches)
+def fetch(options: Fetches, run: Run) -> Answer:
+    """Open a context in a thread, as the page of `view` does when a file is saved."""
+    with ThreadPoolExecutor() as threads:
+        context = threads.submit(run.new_context).result()
+    return Answer(str(context.fetching.offline), dict)
+
+
+def test_a_thread_opens_a_context() -> None:
+    done = CliRunner().invoke(fetch, ["--offline"])
+    assert (done.exit_code, done.stdout) == (0, "True\n"), done.exception
 
 
 def _look(*words: str) -> Result:

@@ -117,7 +117,9 @@ def test_the_action_checks_and_builds(project: Path, shell: dict[str, str]) -> N
 @pytest.mark.slow
 def test_the_action_builds_no_model_over_another(project: Path, shell: dict[str, str]) -> None:
     recipe = (project / "recipes" / "my_arms.yaml").read_text(encoding="utf-8")
-    (project / "recipes" / "other.yaml").write_text(f"{recipe}  more: {{expect: {{attr: mass, range: [0, 9]}}}}\n", encoding="utf-8")
+    (project / "recipes" / "other.yaml").write_text(
+        f"{recipe}  more: {{expect: {{attr: mass, range: [0, 9]}}}}\n", encoding="utf-8"
+    )
     script, env = step("Build")
     ran = sh(script, project, {**shell, **env})
     assert ran.returncode == 1

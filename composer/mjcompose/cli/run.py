@@ -197,6 +197,7 @@ class Run:
         self.texts: Mapping[str, bytes] = {}
         self.to_stderr = False
         self._given, self._meta = given, command.meta
+        self._progress = progress_of_command()  # contexts are also opened in threads, which lack Click's own
         self.is_reported = False
         self.context = self.new_context()
 
@@ -207,7 +208,7 @@ class Run:
         from mjcompose.sources.fetching import Fetching
 
         locked, offline, both = (bool(self._given.get(each)) for each in ("locked", "offline", "frozen"))
-        how = Fetching(locked=locked or both, offline=offline or both, progress=progress_of_command())
+        how = Fetching(locked=locked or both, offline=offline or both, progress=self._progress)
         return Context(fetching=how, strict=self.is_strict)
 
     def report(self, context: Context | None = None) -> None:
