@@ -19,7 +19,7 @@ Support = tuple[float, float]
 
 
 CHOICE = "choice"
-"""The word for a draw among values, which is no distribution of numbers."""
+"""The key for drawing one of several values, which need not be numbers."""
 
 
 class Arithmetic(Protocol):

@@ -42,7 +42,7 @@ def main() -> None:
 
 
 def bound(memory: int) -> None:
-    """Limit the data of this process to so many bytes, or to the user's limit if that is lower (POSIX)."""
+    """Limit the memory for data of this process, in bytes, or keep the user's own limit if it is lower (POSIX)."""
     try:
         import resource
     except ImportError:

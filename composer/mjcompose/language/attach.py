@@ -114,7 +114,7 @@ class Sense(Model):
 
     @property
     def quantities(self) -> tuple[str, ...]:
-        """What is measured."""
+        """The measured quantities."""
         return tuple(each for each in _QUANTITIES if getattr(self, each))
 
 
@@ -159,7 +159,7 @@ class _Nameless:
 
 
 class Attachment(Model):
-    """A part: the model, where it hangs, how it is turned, and what stands between."""
+    """A part: its model, its place, its pose there, and the joints in between."""
 
     rules: ClassVar = (Inline(), Exclusive(*PLACES), Exclusive(*ORIENTATIONS), _Nameless())
     example: ClassVar = "{model: …}"
@@ -171,7 +171,7 @@ class Attachment(Model):
     model: Annotated[str | Mapping[str, Any], ModelField()] = Field(examples=["./FILE.xml"])
     """A model reference (a file relative to the recipe, `package:…`, `menagerie:…`), or a recipe written in place."""
     packages: dict[str, Text] = Field(default_factory=dict)
-    """The folders that `package://NAME` stands for in URDF: a mapping from NAME to a path relative to the recipe; `"*"`
+    """The folders of `package://NAME` in URDF: a mapping from NAME to a path relative to the recipe; `"*"`
     is a ROS workspace, all of whose packages are meant."""
     urdf: UrdfKeys = Field(default_factory=UrdfKeys)
     """How a URDF is read: visuals, fixed links, actuators."""
@@ -222,19 +222,19 @@ class Attachment(Model):
 
     @property
     def key_policy(self) -> KeyPolicy:
-        """What becomes of the part's keyframes."""
+        """How the part's keyframes are copied."""
         return "none" if any(each.leaves_keys for each in self.drop) else self.keys
 
     @property
     def sensors(self) -> Sense | None:
-        """What is measured at the place."""
+        """The sensors at the place."""
         if not isinstance(self.sense, tuple):
             return self.sense
         return Sense(force="force" in self.sense, torque="torque" in self.sense)
 
     @property
     def is_placed(self) -> bool:
-        """Whether something is said about its place, or about what stands between the two."""
+        """Whether the part has keys about its place, or about a joint or sensors there."""
         return not _OF_A_PLACE.isdisjoint(self.model_fields_set)
 
     @property
@@ -254,7 +254,7 @@ class Attachment(Model):
 
 
 _OF_A_MODEL = ("packages", "urdf", "with", "subtree", "drop", "edit", "keys", "allow")
-"""What is about the model itself, which an unknown key seldom means."""
+"""Keys about the model itself, which an unknown key seldom means."""
 _OF_A_PLACE = frozenset({*ORIENTATIONS, "pos", "mate", "joint", "sense"})
 _NOT_OF_A_BASE = (*PLACES, "prefix", "replicate")
 

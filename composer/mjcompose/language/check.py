@@ -107,7 +107,7 @@ class _SaysSomething:
 
 
 class CheckEntry(Model):
-    """What must hold of every built model: one or more kinds of check."""
+    """Conditions that every built model must meet: one or more kinds of check."""
 
     rules: ClassVar = (_SaysSomething(),)
     example: ClassVar = "{unchanged: {}}"

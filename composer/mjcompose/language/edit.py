@@ -50,7 +50,7 @@ class For:
 
 
 class Verb(Model):
-    """What an entry of `edit` does with each element that it selects.
+    """A change that an entry of `edit` makes to each selected element.
 
     A verb that `reshapes` makes, removes or moves elements, after which a part cannot be compared with its source. One
     that is `alone` cannot be combined with others. `values` is the kind of definition of its values in the JSON Schema,
@@ -104,7 +104,7 @@ One of ours is imported when a recipe writes it, like one of another package.
 
 
 class _DoesSomething:
-    """An entry has a verb, and one that stands alone has no other beside it."""
+    """An entry has a verb; some verbs allow no other in the same entry."""
 
     def faults(self, value: Mapping[str, Any], model: type[Model], context: Settings) -> Iterator[Fault]:
         verbs = [name for name in VERBS if name in value]

@@ -302,7 +302,7 @@ class Recipe(Model):
     check: Annotated[dict[str, CheckEntry], Expects("a mapping from names to checks", "{whole: {unchanged: {}}}")] = (
         Field({})
     )
-    """What must hold of the model: a mapping from a name to a check."""
+    """Conditions that the model must meet: a mapping from a name to a check."""
     allow: Annotated[tuple[str, ...], Allowed()] = ()
     """The codes of warnings that are meant to be there: they are not reported. Parts and edits can have it, too."""
 

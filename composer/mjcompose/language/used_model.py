@@ -27,7 +27,7 @@ from mjcompose.model.selector import EVERYTHING, Selector, known_tags, paths_of
 
 
 class UrdfKeys(Model):
-    """What becomes of what MuJoCo leaves out, or leaves to others; without it, it is as the file or MuJoCo says."""
+    """How to read elements that MuJoCo ignores. Omitted keys keep the behavior of the file or of MuJoCo."""
 
     visuals: Literal["keep", "drop"] | None = None
     """Whether visuals become geoms that touch nothing; what collides is then in group 3, which viewers hide. By default

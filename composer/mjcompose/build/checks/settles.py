@@ -26,7 +26,7 @@ class Near(CheckPart):
 
 
 class Settles(Check):
-    """The model comes to rest: simulated from a keyframe, it does not diverge and stands still at the end."""
+    """The model comes to rest: simulated from a keyframe, it does not diverge and is at rest at the end."""
 
     word: ClassVar = "settles"
     example: ClassVar = "{key: home}"

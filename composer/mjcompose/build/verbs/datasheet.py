@@ -50,11 +50,11 @@ class Datasheet(Verb):
     bandwidth: Annotated[Positive, Unit("Hz")] | None = None
     """how fast it follows, in Hz: `kp` and `kv` follow from this and from the inertia at the output"""
     error: Annotated[Positive, Unit("rad")] | None = None
-    """in place of `bandwidth`: the error in rad at which it gives its greatest torque"""
+    """the error in rad at which the motor gives its greatest torque, instead of `bandwidth`"""
     damping_ratio: NotNegative | None = None
     """1 without it: how fast it comes to rest, with `bandwidth`"""
     inertia: Annotated[NotNegative, Unit("kg·m²")] | None = None
-    """what it moves besides its own armature, in kg·m², with `bandwidth`"""
+    """the inertia of the load, without the armature, in kg·m², with `bandwidth`"""
     effort: Literal["peak", "rated"] = "peak"
     """whether it gives its peak or its rated torque"""
 

@@ -46,7 +46,7 @@ Place = Annotated[
 
 
 class Move(Verb):
-    """Another body or frame to stand in, and the pose there."""
+    """The new parent, a body or a frame, and the pose there."""
 
     rules: ClassVar = (For(*_IN_THE_TREE, what="for the body tree, and `{tag}` is not in it"), Exclusive(*ORIENTATIONS))
     example: ClassVar = "{to: NAME}"
@@ -55,17 +55,17 @@ class Move(Verb):
     to: Place = Field(examples=["NAME"])
     """a body, `world`, or `{frame: NAME}`"""
     pos: Annotated[Any, Attribute("frame", "pos", computed=True)] = None
-    """`pos` in what it then stands in"""
+    """`pos` in the frame of the new parent"""
     quat: Annotated[Any, Attribute("frame", "quat", computed=True)] = None
-    """`quat` in what it then stands in"""
+    """`quat` in the frame of the new parent"""
     euler: Annotated[Any, Attribute("frame", "euler", computed=True)] = None
-    """`euler` in what it then stands in"""
+    """`euler` in the frame of the new parent"""
     axisangle: Annotated[Any, Attribute("frame", "axisangle", computed=True)] = None
-    """`axisangle` in what it then stands in"""
+    """`axisangle` in the frame of the new parent"""
     xyaxes: Annotated[Any, Attribute("frame", "xyaxes", computed=True)] = None
-    """`xyaxes` in what it then stands in"""
+    """`xyaxes` in the frame of the new parent"""
     zaxis: Annotated[Any, Attribute("frame", "zaxis", computed=True)] = None
-    """`zaxis` in what it then stands in"""
+    """`zaxis` in the frame of the new parent"""
 
     @property
     def pose(self) -> dict[str, Any]:
@@ -81,7 +81,7 @@ class Move(Verb):
                 yield unknown_attribute(name, tag, kinds, at=(name,))
 
     def carry_out(self, entry: Entry, at: Path) -> None:
-        # Each gets its place first, for its pose is one in what it then stands in.
+        # Each element moves first: its pose is relative to the new parent.
         for index, node in enumerate(entry.found):
             _move(entry.editing, node, index, to=self.to, at=at)
             if self.pose:

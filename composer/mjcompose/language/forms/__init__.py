@@ -1,1 +1,1 @@
-"""What declares the keys of the language: models, rules, kinds of values, and what is derived from them."""
+"""How keys of the language are declared: models, rules, kinds of values, and everything derived from them."""

@@ -34,7 +34,7 @@ def _whole(_: str) -> Schema:
 
 
 class Generator(GenerateJsonSchema):
-    """Within our models, `${…}` may stand for every number, flag and keyword: the schema is of unexpanded recipes."""
+    """Our models accept `${…}` for every number, flag and keyword, because the schema describes unexpanded recipes."""
 
     _ours = False
 

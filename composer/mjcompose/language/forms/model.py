@@ -33,11 +33,11 @@ if TYPE_CHECKING:
 # Characters for private use, which no recipe can contain: a name with braces in it is never taken for a mark.
 IT, OWNER, KEY = "\ue001", "\ue002", "\ue003"
 WHOLE: Final = "<value>"
-"""The alias of the only field of a model whose written form is no mapping but the value of that field."""
+"""The alias of a model's only field, if you write the value itself instead of a mapping."""
 
 
 def is_hidden(step: str | int) -> bool:
-    """Return whether a step of pydantic's path is none of the recipe: an alternative, or a key that nobody writes.
+    """Return whether a step of pydantic's path is not in the recipe: an alternative of a union, or a hidden key.
 
     >>> is_hidden("<value>"), is_hidden("value"), is_hidden(0)
     (True, False, False)
@@ -48,13 +48,11 @@ def is_hidden(step: str | int) -> bool:
 class Model(BaseModel):
     """A mapping with fixed keys, in the order in which `fmt` writes them; the text below a field describes its key.
 
-    `rules` say which keys exclude or need one another. `short` is the key that a text alone stands for, or with
-    `short_type` a list. `example` is
-    what messages recommend to write, where `…` is the text that is written, if there is one. `noun` is what messages
-    call a key. `instead` has words that are no keys, each with the key that is right, or with a help line.
+    `rules` say which keys exclude or need one another. `short` is the key of a value that is written without a mapping:
+    a text, or a value of `short_type`. Messages recommend `example`, in which `…` is the written text, and call a key
+    by its `noun`. `instead` maps wrong words to the right key, or to a help line.
 
-    A null is refused wherever a key is written with one. Nothing is converted, but a whole number may stand for any
-    number.
+    No key accepts null. Values are not converted, except whole numbers where any number is accepted.
     """
 
     model_config = ConfigDict(

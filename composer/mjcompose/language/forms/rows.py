@@ -1,4 +1,4 @@
-"""Keys whose forms stand elsewhere: in a module that is imported when a recipe writes the key, or in a table."""
+"""Keys whose forms are declared elsewhere: in a module that is imported when a recipe uses the key, or in a table."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from mjcompose.base.extensions import Table
 from mjcompose.language.form import Schema, settings, together
 
 ELSEWHERE = "mjcompose"
-"""The key of pydantic's metadata for forms that stand elsewhere: `Generator` asks them for their JSON Schema."""
+"""The key of pydantic's metadata for forms declared elsewhere: `Generator` asks them for their JSON Schema."""
 
 
 @cache
@@ -30,7 +30,7 @@ def loaded(target: str) -> Any:
 
 
 def form_of(row: Any) -> Any:
-    """Return the type that a row of a table, or a `module:Name`, stands for."""
+    """Return the type behind a row of a table or a `module:Name`."""
     return loaded(row) if isinstance(row, str) else row
 
 
@@ -65,7 +65,7 @@ def core_schema_of(form: Any) -> CoreSchema:
 
 
 class Lazy:
-    """The form of a field stands in a module that is imported when a recipe writes the key.
+    """Declares a field whose module is imported when a recipe uses the key.
 
     ``randomize: Annotated[Any, Lazy("mjcompose.language.randomize:Randomize")] = None``
     """

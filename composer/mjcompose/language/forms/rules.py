@@ -1,4 +1,4 @@
-"""Rules about which keys of a mapping stand together: each for the reader, and for the JSON Schema of editors."""
+"""Rules about which keys of a mapping go together, for the reader and for the JSON Schema of editors."""
 
 from __future__ import annotations
 
@@ -99,7 +99,7 @@ class AnyOf(OneOf):
 
 
 class Belongs:
-    """A key has a meaning only beside another one."""
+    """A key has a meaning only together with another one."""
 
     def __init__(self, name: str, to: str, *, help: str | None = None) -> None:
         self.name, self.to = name, to

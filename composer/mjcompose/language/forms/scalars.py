@@ -1,6 +1,6 @@
 """Kinds of single values and lists: numbers with bounds and units, names with a scope, globs, one or many.
 
-What annotates a type is read by the validator, by messages (`Expects`, `Unit`), and by editors (`Name`).
+The annotations of a type tell the validator, messages (`Expects`, `Unit`) and editors (`Name`) how to treat it.
 """
 
 from __future__ import annotations

@@ -53,7 +53,7 @@ def faults(error: ValidationError, root: Any, data: Any, start: Path = ()) -> It
 
 
 def misspelt(errors: Sequence[Any], root: Any, data: Any) -> dict[int, Any]:
-    """Return the error of the missing key that an unknown key beside it should have been, by the id of its error."""
+    """Return the error of each missing key that an unknown key misspells, by the id of the unknown key's error."""
     missing: dict[Path, dict[str, Any]] = {}
     for each in errors:
         if each["type"] == "missing":
@@ -202,7 +202,7 @@ def _type(place: Spot, kind: str, value: Any, message: str) -> Fault:
 
 
 def _advice(place: Spot, value: Any) -> tuple[str | None, Fix | None]:
-    """Return what to write in place of a value of another type."""
+    """Return an example to write instead of a value of the wrong type."""
     if is_model(place.kind):
         if isinstance(value, str) and (spaced := without_space(value, place.kind.key_names())):
             return f"put a space behind the colon: `{spaced}`", None

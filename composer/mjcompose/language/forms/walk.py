@@ -79,7 +79,7 @@ def alternatives(kind: Any) -> tuple[Any, ...]:
 def spot(root: Any, loc: Path, data: Any, start: Path = ()) -> Spot:
     """Return the place to which pydantic's path leads. `start` is the path of `data`, whose type is `root`.
 
-    Steps that are none of the data are left out of the path, but for a key that is missing.
+    The path omits steps that are not in the data, except for a missing key.
     """
     way = _Way(root).plain()
     found = Spot(start, way.kind, tuple(way.metadata))
