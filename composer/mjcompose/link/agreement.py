@@ -208,18 +208,7 @@ class _Wish:
 
 
 def agreement(linking: Linking) -> None:
-    """Compare what every unit writes, take what the parts agree on, then merge the sizes.
-
-    Sizes make room for both; what contradicts the base is reported:
-
-    >>> from mjcompose.link.link import print_after
-    >>> part = '<option gravity="0 0 0" cone="elliptic"/><size nuserdata="3"/>'
-    >>> base = '<option gravity="0 0 -1"/>'
-    >>> print_after(agreement, part, base)
-    base: <option gravity="0 0 -1" cone="elliptic"/>
-    base: <size nuserdata="3"/>
-    error: `p/` wants `option.gravity` to be `0 0 0`, the model has `0 0 -1`
-    """
+    """Compare what every unit writes, take what the parts agree on, then merge the sizes."""
     if not linking.parts:
         return
     model = requested_settings(linking.base)
@@ -438,13 +427,7 @@ _NAME = "passthrough"
 
 
 def passthrough(linking: Linking) -> None:
-    """Let the model say what its textures are used to; refuse units of which some ask for it and some do not.
-
-    >>> from mjcompose.link.link import print_after
-    >>> part = '<compiler passthrough="textures"/><asset><texture name="t" type="2d" file="t.png"/></asset>'
-    >>> print_after(passthrough, part)
-    base: <compiler passthrough="textures"/>
-    """
+    """Let the model say what its textures are used to; refuse units of which some ask for it and some do not."""
     if not linking.parts or not any(map(_wants_passthrough, linking.units)):
         return
     asking: list[tuple[Unit, Node]] = []

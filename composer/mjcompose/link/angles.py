@@ -41,16 +41,7 @@ _OF_BALLS = ("range", "springyield")
 
 
 def angles(linking: Linking) -> None:
-    """Rewrite each unit that differs from what the model will say.
-
-    The part is in degrees, MuJoCo's default, and the base is not:
-
-    >>> from mjcompose.link.link import print_after
-    >>> part = '<worldbody><body euler="180 0 0"><joint range="0 90"/></body></worldbody>'
-    >>> base = '<compiler angle="radian"/>'
-    >>> print_after(angles, part, base)
-    part: <worldbody><body euler="3.141592653589793 0 0"><joint range="0 1.5707963267948966"/></body></worldbody>
-    """
+    """Rewrite each unit that differs from what the model will say."""
     unit, sequence = linking.angle, linking.base.settings.eulerseq
     for part in linking.units:
         settings = part.settings
@@ -236,18 +227,7 @@ _NOT_TAKEN = ("type", "axis", "pos", "damping", "springdamper")
 
 
 def note_flexes(linking: Linking) -> None:
-    """Record the flexes in the worldbodies of the units before the units are joined.
-
-    MuJoCo gives their vertices the joint settings of the top class:
-
-    >>> from mjcompose.link.link import linking_after
-    >>> part = (
-    ...     '<default><joint armature="2"/></default>'
-    ...     '<worldbody><flexcomp name="f" type="grid" count="2 2 1" spacing="1 1 1"/></worldbody>'
-    ... )
-    >>> linking_after(note_flexes, part).notes.flexes[0].joint
-    {'armature': '2'}
-    """
+    """Record the flexes in the worldbodies of the units before the units are joined."""
     if not linking.parts:
         return
     for unit, part in [(linking.base, None), *((part.unit, part) for part in linking.parts)]:
@@ -289,19 +269,7 @@ def undo_settings(given: Mapping[str, str]) -> dict[str, str]:
 
 
 def check_flexes(linking: Linking) -> None:
-    """Refuse a flex whose vertices would get other joint defaults in the model than alone.
-
-    A flex takes the joint defaults of the body around it, which are those of the base here:
-
-    >>> from mjcompose.link.link import print_after
-    >>> part = (
-    ...     '<default><joint armature="2"/></default>'
-    ...     '<worldbody><flexcomp name="f" type="grid" count="2 2 1" dim="2"/></worldbody>'
-    ... )
-    >>> base = '<worldbody><body><site name="tool"/></body></worldbody>'
-    >>> print_after(check_flexes, part, base, on="tool")
-    error: the flex of `p/` takes the joint defaults `armature="2"` alone, and here of MuJoCo
-    """
+    """Refuse a flex whose vertices would get other joint defaults in the model than alone."""
     for flex in linking.notes.flexes:
         body = next(flex.element.iterancestors("body"), None)
         given = linking.notes.main_joint if body is None else _joint_settings_above(linking, body)
@@ -395,17 +363,7 @@ _TOLERABLE = 1e-3
 
 
 def flex_turns(linking: Linking) -> None:
-    """Report changes that frames make to the flexes in the worldbodies of parts.
-
-    A `quat` that a frame would normalise is reported:
-
-    >>> from mjcompose.link.link import print_after
-    >>> part = (
-    ...     '<worldbody><flexcomp name="f" type="grid" count="2 2 1" dim="2" quat="0 2 0 0"/></worldbody>'
-    ... )
-    >>> print_after(flex_turns, part)
-    error: the flex of `p/` is turned by a `quat` of length 2: MuJoCo stretches it alone, and not below a frame
-    """
+    """Report changes that frames make to the flexes in the worldbodies of parts."""
     for flex in linking.notes.flexes:
         parent = flex.element.getparent()
         # In a frame of its own a flex is read the same way alone.

@@ -28,14 +28,7 @@ _GIVEN = ("pos", *ORIENTATIONS, "fromto")
 
 
 def bodies(linking: Linking) -> None:
-    """Attach the parts in their order. A part that is attached to another part waits for that one.
-
-    >>> from mjcompose.link.link import print_after
-    >>> part = '<worldbody><body/></worldbody>'
-    >>> base = '<worldbody><site name="s" pos="0 0 1"/></worldbody>'
-    >>> print_after(bodies, part, base, on="s")
-    model: <worldbody><site name="s" pos="0 0 1"/><frame pos="0 0 1" childclass="p/"><body/></frame></worldbody>
-    """
+    """Attach the parts in their order. A part that is attached to another part waits for that one."""
     order = _AttachmentOrder(linking)
     tops: dict[Part, Node] = {}
     while ready := order.next():

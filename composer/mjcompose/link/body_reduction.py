@@ -26,17 +26,7 @@ _REDUCING = ("fusestatic", "discardvisual")
 
 
 def body_reduction(linking: Linking) -> None:
-    """Reduce each unit that asks for it; a model of one unit leaves it to MuJoCo.
-
-    >>> from mjcompose.link.link import print_after
-    >>> part = (
-    ...     '<compiler discardvisual="true"/>'
-    ...     '<worldbody><geom size=".1"/><geom size=".2" contype="0" conaffinity="0"/></worldbody>'
-    ... )
-    >>> print_after(body_reduction, part)
-    part: <compiler/>
-    part: <worldbody><geom size=".1"/></worldbody>
-    """
+    """Reduce each unit that asks for it; a model of one unit leaves it to MuJoCo."""
     if not linking.composed:
         return
     _reduce(linking, linking.base, None)

@@ -43,20 +43,7 @@ _TREE = ("joint", "geom", "site", "camera", "light")
 
 
 def defaults(linking: Linking) -> None:
-    """Wrap the top classes, move all classes under the base's, and name the class of what has none.
-
-    The actuator stands outside of the body tree and has to name the class:
-
-    >>> from mjcompose.link.link import print_after
-    >>> part = (
-    ...     '<default><motor gear="2"/></default>'
-    ...     '<worldbody><site name="s"/></worldbody>'
-    ...     '<actuator><motor site="s"/></actuator>'
-    ... )
-    >>> print_after(defaults, part)
-    base: <default><default class="p/"><motor gear="2"/></default></default>
-    part: <actuator><motor site="p/s" class="p/"/></actuator>
-    """
+    """Wrap the top classes, move all classes under the base's, and name the class of what has none."""
     base = linking.base
     for unit in linking.units:
         unit.forget_classes()
@@ -89,16 +76,7 @@ def _move_classes(linking: Linking) -> None:
 
 
 def choose_classes(linking: Linking) -> None:
-    """Decide the name of every top class before anything is renamed.
-
-    The top class of the base keeps its name as long as it sets nothing:
-
-    >>> from mjcompose.link.link import linking_after
-    >>> linking_after(choose_classes, base='<default><default class="c"/></default>').base_class
-    >>> linking = linking_after(choose_classes, base='<default><geom density="5"/></default>')
-    >>> linking.base_class, linking.parts[0].top_class
-    ('base/', 'p/')
-    """
+    """Decide the name of every top class before anything is renamed."""
     separator = linking.request.separator
     prefixes = {part.prefix for part in linking.parts}
     # A unit that is itself a composition has wrapped classes already.
@@ -240,17 +218,7 @@ class _Suspect(NamedTuple):
 
 
 def top_level_defaults(linking: Linking) -> None:
-    """Write the gain that several top-level `<default>` elements set for an actuator, or refuse it if impossible.
-
-    >>> from mjcompose.link.link import print_after
-    >>> part = (
-    ...     '<default><position kp="4"/></default><default><velocity kv="9"/></default>'
-    ...     '<worldbody><body><joint name="j"/><geom size=".1"/></body></worldbody>'
-    ...     '<actuator><position joint="j"/></actuator>'
-    ... )
-    >>> print_after(top_level_defaults, part)
-    part: <actuator><position joint="j" kp="1"/></actuator>
-    """
+    """Write the gain that several top-level `<default>` elements set for an actuator, or refuse it if impossible."""
     wrapped = [part.unit for part in linking.parts]
     if linking.base_class is not None:
         wrapped.append(linking.base)

@@ -176,13 +176,7 @@ Taken = dict[str, tuple[str, bytes | None]]
 
 
 def files(linking: Linking) -> None:
-    """Store each file as `assets/LABEL/path`. Units with the same label share a folder unless their paths clash.
-
-    >>> from mjcompose.link.link import print_after
-    >>> part = '<compiler meshdir="meshes"/><asset><mesh file="link.obj"/></asset>'
-    >>> print_after(files, part)
-    part: <asset><mesh file="assets/part/link.obj"/></asset>
-    """
+    """Store each file as `assets/LABEL/path`. Units with the same label share a folder unless their paths clash."""
     # Parts of one source share its files: the same path is taken by the same bytes only.
     taken: Taken = {}
     for prefix, unit in [("", linking.base), *((part.prefix, part.unit) for part in linking.parts)]:

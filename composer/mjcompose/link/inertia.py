@@ -35,18 +35,7 @@ _RULES = ("inertiafromgeom", "inertiagrouprange", *MEASURED)
 
 
 def inertia(linking: Linking) -> None:
-    """Rewrite each unit whose rule differs; a model of one unit keeps its own rules.
-
-    A geom outside of `inertiagrouprange` gives its body no mass:
-
-    >>> from mjcompose.link.link import print_after
-    >>> part = (
-    ...     '<compiler inertiagrouprange="0 1"/>'
-    ...     '<worldbody><body><geom size=".1" group="2"/></body></worldbody>'
-    ... )
-    >>> print_after(inertia, part)
-    part: <worldbody><body><geom size=".1" group="2" mass="0"/></body></worldbody>
-    """
+    """Rewrite each unit whose rule differs; a model of one unit keeps its own rules."""
     if not linking.composed:
         return
     for unit in linking.units:
@@ -174,17 +163,7 @@ _SIZES = {"sphere": 1, "capsule": 2, "cylinder": 2, "box": 3, "ellipsoid": 3}
 
 
 def fitted_sizes(linking: Linking) -> None:
-    """Measure the fitted primitives of each unit that fits them to the bounding box.
-
-    >>> from mjcompose.link.link import print_after
-    >>> part = (
-    ...     '<compiler fitaabb="true"/>'
-    ...     '<asset><mesh name="m" vertex="-1 -1 -1 1 1 1 -1 1 1 1 -1 1 1 1 -1 -1 -1 1 -1 1 -1 1 -1 -1"/></asset>'
-    ...     '<worldbody><geom type="sphere" mesh="m"/></worldbody>'
-    ... )
-    >>> print_after(fitted_sizes, part)  # doctest: +ELLIPSIS
-    part: <worldbody><geom type="sphere" size="1"...
-    """
+    """Measure the fitted primitives of each unit that fits them to the bounding box."""
     for unit in linking.units if linking.composed else ():
         if unit.settings.fitaabb != "true":
             continue
@@ -248,18 +227,7 @@ _ARRAYS = ("actuator_lengthrange",)
 
 
 def lengthranges(linking: Linking) -> None:
-    """Measure the actuators of each unit that has rules of its own; the model keeps MuJoCo's rules.
-
-    >>> from mjcompose.link.link import print_after
-    >>> part = (
-    ...     '<compiler><lengthrange mode="all"/></compiler>'
-    ...     '<worldbody><body><joint name="j" type="slide" range="0 1"/><geom size=".1"/></body></worldbody>'
-    ...     '<actuator><motor joint="j"/></actuator>'
-    ... )
-    >>> print_after(lengthranges, part)  # doctest: +ELLIPSIS
-    part: <compiler/>
-    part: <actuator><motor joint="j" lengthrange="-0.000...
-    """
+    """Measure the actuators of each unit that has rules of its own; the model keeps MuJoCo's rules."""
     # What hangs on a unit would be moved with it, and may stop it earlier.
     hanging = any(part.joints or part.place.kind != "world" for part in linking.parts)
     for unit in linking.units if linking.parts else ():

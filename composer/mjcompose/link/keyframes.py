@@ -229,22 +229,7 @@ def _carry_references(linking: Linking, part: Part, layout: Layout) -> None:
 
 
 def keyframes(linking: Linking) -> None:
-    """Write every key once, complete for the finished model. A key of the recipe has the recipe's values.
-
-    The two keys of one name become one, in the order of the joints:
-
-    >>> from mjcompose.link.link import print_after
-    >>> part = (
-    ...     '<worldbody><body><joint/><geom size=".1"/></body></worldbody>'
-    ...     '<keyframe><key name="home" qpos="2"/></keyframe>'
-    ... )
-    >>> base = (
-    ...     '<worldbody><body><joint/><geom size=".1"/></body></worldbody>'
-    ...     '<keyframe><key name="home" qpos="1"/></keyframe>'
-    ... )
-    >>> print_after(keyframes, part, base)
-    model: <keyframe><key name="home" qpos="1 2"/></keyframe>
-    """
+    """Write every key once, complete for the finished model. A key of the recipe has the recipe's values."""
     _check_attached(linking)
     if linking.keys.base_layout is None:
         return

@@ -2,16 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable
 from enum import Enum
-from pathlib import Path
 from types import FunctionType
-from typing import Any
-
-from lxml import etree
 
 from mjcompose.base.dataclass import dataclass
-from mjcompose.base.sink import Sink
 from mjcompose.link.agreement import agreement, autolimits, passthrough
 from mjcompose.link.angles import angles, check_flexes, flex_turns, note_flexes
 from mjcompose.link.bodies import bodies
@@ -20,17 +15,13 @@ from mjcompose.link.defaults import choose_classes, defaults, top_level_defaults
 from mjcompose.link.files import files
 from mjcompose.link.inertia import fitted_sizes, inertia, lengthranges
 from mjcompose.link.keyframes import keyframes
-from mjcompose.link.linking import AttachmentPlace, Joint, Linking, Part
-from mjcompose.link.measure import measure_with
+from mjcompose.link.linking import Linking
 from mjcompose.link.names import names
 from mjcompose.link.replicates import check_replicates, replicates
-from mjcompose.link.settings import alignment, compiler, memory_requests, memory_size
+from mjcompose.link.settings import alignment, compiler, memory_size
 from mjcompose.link.submodels import submodel_options, submodels
 from mjcompose.link.unit_keys import layouts
 from mjcompose.link.world import check_roots, roots, sections, worlds
-from mjcompose.model.parse import parse_text
-from mjcompose.model.unit import Unit
-from mjcompose.sources.context import Context
 
 
 class Fact(Enum):
@@ -116,74 +107,6 @@ compile each unit alone, with its own settings, files and angles
         facts |= row.leaves
         facts -= row.ends
         ended |= dict.fromkeys(row.ends, row)
-
-
-def print_after(
-    run: object, part: str = "", base: str = "", *, files: Mapping[str, str] | None = None, **hung: Any
-) -> None:
-    """Link a part with the prefix `p/` to a base, up to a pass, and print the sections that this pass has changed.
-
-    Both are the text inside `<mujoco>`; `files` are models that the part names, as whole texts. `hung` says how the
-    part hangs, as in `_part`. Errors are printed, too.
-    """
-    linking, before, facts = _linked(run, part, base, files=files or {}, **hung)
-    units = [("model" if Fact.JOINED in facts else "base", linking.base)]
-    if Fact.OWN_SECTIONS in facts:  # also once the bodies of the part are in the base
-        units += [("part", each.unit) for each in linking.parts]
-    for (label, unit), old in zip(units, before, strict=False):
-        for text in _sections(unit):
-            if text not in old:
-                print(f"{label}: {text}")  # noqa: T201
-    for fault in linking.sink.diagnostics:
-        print(f"{fault.severity.value}: {fault.message}")  # noqa: T201
-
-
-def linking_after(run: object, part: str = "", base: str = "", **hung: Any) -> Linking:
-    """Return the linking after a pass that only records facts. The arguments are those of `print_after`."""
-    linking, _, _ = _linked(run, part, base, files={}, **hung)
-    return linking
-
-
-def _linked(
-    run: object, part: str, base: str, files: Mapping[str, str], **hung: Any
-) -> tuple[Linking, list[list[str]], set[Fact]]:
-    """Return the linking after a pass, the sections of its units before it, and the facts that hold after it."""
-    row = row_of(run)
-    assert row is not None
-    sink = Sink()
-    measure = measure_with(Context(sink=sink, environment={}))
-    linking = Linking(_unit("base", base), [_part(part, files, **hung)], sink, measure=measure)
-    linking.notes.memory = memory_requests(linking)
-    facts = set(AT_THE_START)
-    before: list[list[str]] = []
-    for each in (*PASSES, *FINISHING):
-        before = [_sections(unit) for unit in linking.units]
-        each.run(linking)
-        facts = (facts | each.leaves) - each.ends
-        if each is row:
-            break
-    return linking, before, facts
-
-
-def _part(text: str, files: Mapping[str, str], *, on: str = "", joint: str = "", weld: bool = False) -> Part:
-    """Return a part that is attached to the world, or to the site `on`, with a `joint` if one is given."""
-    unit = _unit("part", text)
-    unit.contents = {name: each.encode() for name, each in files.items()}
-    place = AttachmentPlace("site", on) if on else AttachmentPlace()
-    return Part(unit, "p/", place, joints=(Joint("joint", {"name": joint}),) if joint else (), weld=weld)
-
-
-def _unit(label: str, text: str) -> Unit:
-    sink = Sink()
-    source = f"<mujoco>{text}</mujoco>".encode()
-    unit = parse_text(source, sink, file=f"{label}.xml", directory=Path(), label=label)
-    assert unit is not None, sink.diagnostics
-    return unit
-
-
-def _sections(unit: Unit) -> list[str]:
-    sections = unit.root.iterchildren("*")
-    return [" ".join(etree.tostring(each, with_tail=False).decode().split()) for each in sections]
 
 
 def _all(*facts: Fact) -> frozenset[Fact]:

@@ -50,17 +50,7 @@ _NOTHING: Mapping[str, str] = MappingProxyType({})
 
 
 def names(linking: Linking) -> None:
-    """Rename part by part; afterwards `linking.names` knows every name of the model.
-
-    >>> from mjcompose.link.link import print_after
-    >>> part = (
-    ...     '<worldbody><body name="b"><joint name="j"/></body></worldbody>'
-    ...     '<actuator><motor joint="j"/></actuator>'
-    ... )
-    >>> print_after(names, part)
-    part: <worldbody><body name="p/b"><joint name="p/j"/></body></worldbody>
-    part: <actuator><motor joint="p/j"/></actuator>
-    """
+    """Rename part by part; afterwards `linking.names` knows every name of the model."""
     for part in (None, *linking.parts):
         _UnitRenaming(linking, part).run()
 

@@ -58,19 +58,7 @@ _COPIED = frozenset("body joint geom site camera light tendon equality actuator 
 
 
 def check_replicates(linking: Linking) -> None:
-    """Refuse a replicate that would change another unit.
-
-    MuJoCo would copy the clock of the base, too, and the replicate must stay as the `<exclude>` refers to it:
-
-    >>> from mjcompose.link.link import print_after
-    >>> part = (
-    ...     '<worldbody><replicate count="2"><body name="b"/></replicate></worldbody>'
-    ...     '<contact><exclude body1="b" body2="b"/></contact>'
-    ... )
-    >>> base = '<sensor><clock/></sensor>'
-    >>> print_after(check_replicates, part, base)
-    error: the `<replicate>` of `part.xml` would multiply the `<clock>` without a name of `base.xml`, too
-    """
+    """Refuse a replicate that would change another unit."""
     waiting = {unit: list(multiplied_elements(unit)) for unit in linking.units if linking.notes.replicates}
     if not any(found for other, found in waiting.items() for unit, _ in linking.notes.replicates if other is not unit):
         return
@@ -160,16 +148,7 @@ def _refuse(linking: Linking, unit: Unit, replicate: Node, other: Unit, thing: N
 
 
 def replicates(linking: Linking) -> None:
-    """Record every replicate, and write out those whose meaning would change in the model.
-
-    Beside this replicate, MuJoCo would multiply the clock of the base:
-
-    >>> from mjcompose.link.link import print_after
-    >>> part = '<worldbody><replicate count="2"><geom name="g" size=".1"/></replicate></worldbody>'
-    >>> base = '<sensor><clock/></sensor>'
-    >>> print_after(replicates, part, base)
-    part: <worldbody><frame><geom name="g0" size=".1"/></frame><frame><geom name="g1" size=".1"/></frame></worldbody>
-    """
+    """Record every replicate, and write out those whose meaning would change in the model."""
     if not linking.parts:
         return
     holding = [unit for unit in linking.units if next(unit.root.iter("replicate"), None) is not None]

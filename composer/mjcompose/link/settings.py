@@ -31,16 +31,7 @@ _INSIDE_BODIES = ("body", "flexcomp", "composite", "attach")
 
 
 def alignment(linking: Linking) -> None:
-    """Settle what the model says, and make what differs from it explicit; a base alone keeps what it says.
-
-    >>> from mjcompose.link.link import print_after
-    >>> part = (
-    ...     '<compiler alignfree="true"/>'
-    ...     '<worldbody><body><freejoint/><geom size=".1"/></body></worldbody>'
-    ... )
-    >>> print_after(alignment, part)
-    part: <worldbody><body><freejoint align="true"/><geom size=".1"/></body></worldbody>
-    """
+    """Settle what the model says, and make what differs from it explicit; a base alone keeps what it says."""
     if not linking.composed:
         return
     stubborn = [
@@ -122,13 +113,7 @@ _NO_EFFECT = ("coordinate", "usethread", "conflict")
 
 
 def compiler(linking: Linking) -> None:
-    """Write the base's settings once, as they now hold for every part.
-
-    >>> from mjcompose.link.link import print_after
-    >>> base = '<compiler angle="radian" meshdir="m" inertiafromgeom="true"/>'
-    >>> print_after(compiler, base=base)
-    model: <compiler angle="radian"/>
-    """
+    """Write the base's settings once, as they now hold for every part."""
     root = linking.base.root
     written: dict[str, str] = {}
     settings: list[Node] = []
@@ -300,14 +285,7 @@ def _written_requests(linking: Linking, unit: Unit, called: str) -> Iterator[Mem
 
 
 def memory_size(linking: Linking) -> None:
-    """Remove the memory size if MuJoCo's own for the whole model is larger than any source asks for.
-
-    >>> from mjcompose.link.link import print_after
-    >>> base = '<worldbody>' + '<body><freejoint/><geom size=".1"/></body>' * 30 + '</worldbody>'
-    >>> part = '<size memory="1K"/><worldbody><body><joint/><geom size=".1"/></body></worldbody>'
-    >>> print_after(memory_size, part, base)  # doctest: +ELLIPSIS
-    warning: `size.memory` of `p/` is 1K, ...
-    """
+    """Remove the memory size if MuJoCo's own for the whole model is larger than any source asks for."""
     if not linking.notes.memory or linking.measure is None:
         return
     unit = linking.flat()

@@ -77,17 +77,7 @@ _FLAG = "option/flag/"
 
 
 def submodel_options(linking: Linking) -> None:
-    """Write into every such unit what it has alone. A model of one unit is left to MuJoCo.
-
-    >>> from mjcompose.link.link import print_after
-    >>> part = (
-    ...     '<compiler conflict="merge"/><asset><model name="m" file="m.xml"/></asset>'
-    ...     '<worldbody><attach model="m" body="b" prefix="q/"/></worldbody>'
-    ... )
-    >>> model = '<mujoco><option timestep="0.004"/><worldbody><body name="b"/></worldbody></mujoco>'
-    >>> print_after(submodel_options, part, files={"m.xml": model})
-    part: <option timestep="0.004"/>
-    """
+    """Write into every such unit what it has alone. A model of one unit is left to MuJoCo."""
     for unit in linking.units if linking.parts else ():
         _adopt_options(unit)
 
@@ -146,13 +136,7 @@ def _write(unit: Unit, path: str, value: str, compiler: Node) -> None:
 
 
 def submodels(linking: Linking) -> None:
-    """Bundle the sub-models of every unit below `assets/LABEL/models/`.
-
-    >>> from mjcompose.link.link import print_after
-    >>> part = '<asset><model file="m.xml"/></asset>'
-    >>> print_after(submodels, part, files={"m.xml": '<mujoco model="hand"/>'})
-    part: <asset><model file="assets/part/models/m.xml" name="hand"/></asset>
-    """
+    """Bundle the sub-models of every unit below `assets/LABEL/models/`."""
     policies = [linking.request.base_keyframes, *(part.keyframes for part in linking.parts)]
     for unit, policy in zip(linking.units, policies, strict=True):
         for element in unit.root.iter("model"):

@@ -289,16 +289,7 @@ VECTORS = ("qpos", "qvel", "act", "ctrl", "mpos", "mquat")
 
 
 def layouts(linking: Linking) -> None:
-    """Record the key layout of each unit before the units are joined.
-
-    Keys that `nkey` asks for stay with their part when they are written:
-
-    >>> from mjcompose.link.link import print_after
-    >>> part = '<size nkey="1"/>'
-    >>> print_after(layouts, part)
-    part: <size/>
-    part: <keyframe><key/></keyframe>
-    """
+    """Record the key layout of each unit before the units are joined."""
     for unit in linking.units if linking.parts else ():
         _write_padding(unit)
     for part in linking.parts:

@@ -24,16 +24,7 @@ from mjcompose.model.unit import Unit
 
 
 def roots(linking: Linking) -> None:
-    """Weld the parts as requested, and record elements that MuJoCo does not allow below a body.
-
-    `weld` takes away the free joint of a part:
-
-    >>> from mjcompose.link.link import print_after
-    >>> part = '<worldbody><body><freejoint/><geom size=".1"/></body></worldbody>'
-    >>> base = '<worldbody><body><site name="tool"/></body></worldbody>'
-    >>> print_after(roots, part, base, on="tool", weld=True)
-    part: <worldbody><body><geom size=".1"/></body></worldbody>
-    """
+    """Weld the parts as requested, and record elements that MuJoCo does not allow below a body."""
     for part in linking.parts:
         if part.by_itself:
             continue
@@ -57,14 +48,7 @@ def roots(linking: Linking) -> None:
 
 
 def check_roots(linking: Linking) -> None:
-    """Refuse free joints, mocap bodies and planes below a body. Frames of the world are not bodies.
-
-    >>> from mjcompose.link.link import print_after
-    >>> part = '<worldbody><body><freejoint/><geom size=".1"/></body></worldbody>'
-    >>> base = '<worldbody><body><site name="tool"/></body></worldbody>'
-    >>> print_after(check_roots, part, base, on="tool")  # doctest: +ELLIPSIS
-    error: `p/` has a free joint at its root...
-    """
+    """Refuse free joints, mocap bodies and planes below a body. Frames of the world are not bodies."""
     # MuJoCo 4.0: "free joint can only be used on top level". A frame of the world is no body:
     # `<frame><body><freejoint/>…` is right, and so is a mocap body there.
     for part, body, joint, called, alone in linking.notes.floating:
@@ -199,14 +183,6 @@ def worlds(linking: Linking) -> None:
 
     MuJoCo's own attach leaves all of this as it is: in 4.0 a `<weld body1="b"/>` pulls an attached part back to where
     it is in its file, and on a moving body it nails the part to the world.
-
-    >>> from mjcompose.link.link import print_after
-    >>> part = (
-    ...     '<worldbody><body name="b"><freejoint/><geom size=".1"/></body></worldbody>'
-    ...     '<equality><connect body1="world" body2="b" anchor="0 0 1"/></equality>'
-    ... )
-    >>> print_after(worlds, part, '<worldbody><site name="s" pos="3 0 0"/></worldbody>', on="s")
-    part: <equality><connect body1="world" body2="p/b" anchor="3 0 1"/></equality>
     """
     degrees, sequence = linking.angle == "degree", linking.base.settings.eulerseq
     for part in linking.parts:
@@ -399,14 +375,7 @@ def _warn(linking: Linking, part: Part, element: Node, what: str, help: str) -> 
 
 
 def sections(linking: Linking) -> None:
-    """Move the remaining sections of every part into the base's.
-
-    >>> from mjcompose.link.link import print_after
-    >>> part = '<worldbody><site name="s"/></worldbody><sensor><gyro site="s"/></sensor>'
-    >>> base = '<sensor><clock/></sensor>'
-    >>> print_after(sections, part, base)
-    model: <sensor><clock/><gyro site="p/s"/></sensor>
-    """
+    """Move the remaining sections of every part into the base's."""
     for part in linking.parts:
         for section in list(part.unit.root):
             tag = section.tag
