@@ -56,12 +56,12 @@ def test_the_sentence_of_an_order_that_breaks_a_need() -> None:
     with pytest.raises(PassOrderError) as raised:
         check_order(swapped(by_name["names"], by_name["defaults"]))
     assert str(raised.value) == (
-        "the pass `defaults` must stand after `names`: it needs that every name is the one that it has in the model"
+        "the pass `defaults` must come after `names`: it needs that every name is the one that it has in the model"
     )
     with pytest.raises(PassOrderError) as raised:
         check_order(swapped(by_name["lengthranges"], by_name["angles"]))
     assert str(raised.value) == (
-        "the pass `lengthranges` must stand before `angles`: it needs that MuJoCo can compile each unit alone, "
+        "the pass `lengthranges` must come before `angles`: it needs that MuJoCo can compile each unit alone, "
         "with its own settings, files and angles"
     )
 

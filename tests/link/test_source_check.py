@@ -90,7 +90,7 @@ def test_all_bad_values_are_told_at_once(workshop: Workshop) -> None:
         ),
         ('<worldbody><body name="world"/></worldbody>', "bad-name",
          "a body cannot be called `world`, which is the name of the world itself"),
-        ('<default class="hand"/>', "bad-name", "a default class at the top is called `main`, and not `hand`"),
+        ('<default class="hand"/>', "bad-name", "a default class at the top must be called `main`, got `hand`"),
         ("<default><default/></default>", "bad-name", "a default class inside another has no name"),
         ('<default><default class="main"/></default>', "class-clash", "two classes are called `main`"),
         ('<default><default class="a"><default class="a"/></default></default>', "class-clash", "two classes are called `a`"),
@@ -130,7 +130,7 @@ def test_attributes_of_which_mujoco_takes_one(workshop: Workshop, element: str, 
     unit = workshop.unit(text.format(f"<body>{element}</body>"))
     assert not check_source(unit, sink)
     (error,) = sink.errors
-    assert error.message.endswith(f"has {names}, of which MuJoCo takes only one")
+    assert error.message.endswith(f"has {names}, and MuJoCo takes only one of them")
     repair(unit)
     assert check_source(unit, sink)
     assert check_source(workshop.unit(text.format(f"<frame><body>{element}</body></frame>")), sink)

@@ -33,17 +33,17 @@ class Fact(Enum):
     FLEXES_NOTED = "the flexes in the world of each unit are known"
     UNROLLED = "replicates that cannot stay are written out"
     LAID_OUT = "it is known how each unit lays out its keys"
-    REDUCED = "what MuJoCo leaves out of a unit is gone"
+    REDUCED = "elements that MuJoCo omits from a unit are gone"
     CLASSES_CHOSEN = "every top class has its final name"
     OPTIONS_ADOPTED = "each unit has the options of the models that it attaches"
     ALIGNED = "it is known whether the model says `alignfree`"
     ANGLES_SHARED = "all units have one unit of angle and one Euler sequence"
-    ROOTS_NOTED = "what may only stand in the world is known"
+    ROOTS_NOTED = "elements that only the world may have are known"
     FILES_PLACED = "every file has its path in the bundle"
     MODELS_NAMED = "every model that MuJoCo attaches has a name and a path in the bundle"
     NAMES_FINAL = "every name is the one that it has in the model"
     CLASSES_WRAPPED = "every unit has its default classes below a top class of its own"
-    JOINED = "all bodies stand in one tree"
+    JOINED = "all bodies are in one tree"
 
 
 AT_THE_START = frozenset({Fact.ALONE, Fact.OWN_NAMES, Fact.OWN_SECTIONS})
@@ -90,7 +90,7 @@ def check_order(passes: Iterable[Pass]) -> None:
     >>> check_order([measures, turns])
     >>> check_order([turns, measures])
     Traceback (most recent call last):
-    mjcompose.link.link.PassOrderError: the pass `measure` must stand before `turn`: it needs that MuJoCo can \
+    mjcompose.link.link.PassOrderError: the pass `measure` must come before `turn`: it needs that MuJoCo can \
 compile each unit alone, with its own settings, files and angles
     """
     rows = list(passes)
@@ -99,18 +99,22 @@ compile each unit alone, with its own settings, files and angles
     for at, row in enumerate(rows):
         for fact in sorted(row.needs - facts, key=list(Fact).index):
             if fact in ended:
-                where = f"must stand before `{ended[fact].name}`"
+                where = f"must come before `{ended[fact].name}`"
             else:
                 later = next((each for each in rows[at:] if fact in each.leaves), None)
-                where = "cannot run" if later is None else f"must stand after `{later.name}`"
+                where = "cannot run" if later is None else f"must come after `{later.name}`"
             raise PassOrderError(f"the pass `{row.name}` {where}: it needs that {fact.value}")
         facts |= row.leaves
         facts -= row.ends
         ended |= dict.fromkeys(row.ends, row)
 
 
-def _all(*facts: Fact) -> frozenset[Fact]:
-    return frozenset(facts)
+def _pass(
+    run: Callable[[Linking], None], words: str, needs: str, leaves: str = "", ends: str = "", **flags: bool
+) -> Pass:
+    """Return a row of the table. The facts are given by their names."""
+    needed, left, ended = (frozenset(Fact[name] for name in names.split()) for names in (needs, leaves, ends))
+    return Pass(run, words, needs=needed, leaves=left, ends=ended, **flags)
 
 
 # The order. 10 of the 26 neighbouring pairs of these passes give another model or other faults when they are swapped
@@ -126,184 +130,138 @@ def _all(*facts: Fact) -> frozenset[Fact]:
 # is true; they come from the experiment and from the code. 17 random orders that they allow gave the same bytes and
 # the same faults for each of 311 models:
 #
-# - What measures a unit compiles it alone, so that it runs before `angles` turns its numbers, `roots` takes joints out
+# - A pass that measures a unit compiles it alone, so it runs before `angles` turns its numbers, `roots` removes joints
 #   and `files` gives its files other paths.
-# - `layouts` counts a `<replicate>` as one block, so that those to be written out must be gone (`replicates`). These
-#   are found by the names, the angles and the sequence of their own file.
+# - `layouts` counts a `<replicate>` as one block, so `replicates` must have written out those that cannot stay. It
+#   finds them by the names, the angles and the sequence of their own file.
 # - `body_reduction` settles the mass of what it fuses, by the rules that `inertia` would apply once more; it also takes
-#   settings out of the classes, so that the base's top class may set nothing any more (`choose_classes`).
+#   settings out of the classes, so the base's top class may set nothing any more (`choose_classes`).
 # - `submodels` gives a name to the models that have none, `names` puts the prefix before it.
 # - `defaults` writes names of classes that are final: `names` would prefix them again.
 # - A part hangs on a place by its final name, with the angles of the model (`bodies`), and takes the pose of a site
 #   from its class (`defaults`). Whether its body is aligned is known by then (`alignment`).
 PASSES: tuple[Pass, ...] = (
-    Pass(note_flexes, "noted by the linker", needs=_all(Fact.OWN_NAMES, Fact.ALONE), leaves=_all(Fact.FLEXES_NOTED)),
-    Pass(flex_turns, "checked by the linker", needs=_all(Fact.FLEXES_NOTED, Fact.OWN_NAMES), stops=False),
-    Pass(
-        replicates,
-        "a copy by a `<replicate>`, written out",
-        needs=_all(Fact.ALONE, Fact.OWN_NAMES),
-        leaves=_all(Fact.UNROLLED),
+    _pass(note_flexes, "noted by the linker", "OWN_NAMES ALONE", leaves="FLEXES_NOTED"),
+    _pass(flex_turns, "checked by the linker", "FLEXES_NOTED OWN_NAMES", stops=False),
+    _pass(replicates, "a copy by a `<replicate>`, written out", "ALONE OWN_NAMES", leaves="UNROLLED"),
+    _pass(
+        layouts, "the keys that `nkey` of `<size>` asks for, written out", "UNROLLED ALONE OWN_NAMES", leaves="LAID_OUT"
     ),
-    Pass(
-        layouts,
-        "the keys that `nkey` of `<size>` asks for, written out",
-        needs=_all(Fact.UNROLLED, Fact.ALONE, Fact.OWN_NAMES),
-        leaves=_all(Fact.LAID_OUT),
-    ),
-    Pass(
+    _pass(
         body_reduction,
         "as MuJoCo has it in its file alone, by `fusestatic` or `discardvisual`",
-        needs=_all(Fact.ALONE, Fact.OWN_NAMES, Fact.OWN_SECTIONS),
-        leaves=_all(Fact.REDUCED),
+        "ALONE OWN_NAMES OWN_SECTIONS",
+        leaves="REDUCED",
     ),
-    Pass(
+    _pass(
         choose_classes,
         "the name of a top class, chosen by the linker",
-        needs=_all(Fact.REDUCED, Fact.FLEXES_NOTED, Fact.OWN_NAMES),
-        leaves=_all(Fact.CLASSES_CHOSEN),
+        "REDUCED FLEXES_NOTED OWN_NAMES",
+        leaves="CLASSES_CHOSEN",
     ),
-    Pass(
+    _pass(
         top_level_defaults,
         "given by its class in its file alone, where the top class is written in several `<default>`",
-        needs=_all(Fact.CLASSES_CHOSEN, Fact.ALONE, Fact.OWN_NAMES),
+        "CLASSES_CHOSEN ALONE OWN_NAMES",
         stops=False,
     ),
-    Pass(
-        alignment,
-        "`alignfree`, made explicit",
-        needs=_all(Fact.REDUCED, Fact.OWN_NAMES),
-        leaves=_all(Fact.ALIGNED),
-        stops=False,
-    ),
-    Pass(inertia, "the inertia rules of its file, made explicit", needs=_all(Fact.REDUCED, Fact.ALONE, Fact.OWN_NAMES)),
-    Pass(
-        fitted_sizes,
-        "fitted by MuJoCo to the mesh's bounding box, by `fitaabb`",
-        needs=_all(Fact.REDUCED, Fact.ALONE, Fact.OWN_NAMES),
-    ),
-    Pass(autolimits, "checked by the linker", needs=_all(Fact.ALONE, Fact.OWN_NAMES, Fact.OWN_SECTIONS), stops=False),
-    Pass(lengthranges, "measured by MuJoCo on its file alone", needs=_all(Fact.ALONE, Fact.OWN_SECTIONS)),
-    Pass(
+    _pass(alignment, "`alignfree`, made explicit", "REDUCED OWN_NAMES", leaves="ALIGNED", stops=False),
+    _pass(inertia, "the inertia rules of its file, made explicit", "REDUCED ALONE OWN_NAMES"),
+    _pass(fitted_sizes, "fitted by MuJoCo to the mesh's bounding box, by `fitaabb`", "REDUCED ALONE OWN_NAMES"),
+    _pass(autolimits, "checked by the linker", "ALONE OWN_NAMES OWN_SECTIONS", stops=False),
+    _pass(lengthranges, "measured by MuJoCo on its file alone", "ALONE OWN_SECTIONS"),
+    _pass(
         angles,
         "in the model's unit of angle and Euler sequence",
-        needs=_all(Fact.UNROLLED, Fact.OWN_NAMES),
-        leaves=_all(Fact.ANGLES_SHARED),
-        ends=_all(Fact.ALONE),
+        "UNROLLED OWN_NAMES",
+        leaves="ANGLES_SHARED",
+        ends="ALONE",
         rewrites=True,
     ),
-    Pass(
+    _pass(
         submodel_options,
         "an option of a model that it attaches, which MuJoCo merges",
-        needs=_all(Fact.OWN_SECTIONS),
-        leaves=_all(Fact.OPTIONS_ADOPTED),
+        "OWN_SECTIONS",
+        leaves="OPTIONS_ADOPTED",
     ),
-    Pass(agreement, "what the parts ask for", needs=_all(Fact.OPTIONS_ADOPTED, Fact.OWN_NAMES), stops=False),
-    Pass(
+    _pass(agreement, "what the parts ask for", "OPTIONS_ADOPTED OWN_NAMES", stops=False),
+    _pass(
         roots,
         "left out, as the part is welded to its place",
-        needs=_all(Fact.LAID_OUT, Fact.OWN_NAMES),
-        leaves=_all(Fact.ROOTS_NOTED),
-        ends=_all(Fact.ALONE),
+        "LAID_OUT OWN_NAMES",
+        leaves="ROOTS_NOTED",
+        ends="ALONE",
         stops=False,
     ),
-    Pass(
-        passthrough,
-        "`passthrough`, which holds for all textures or for none",
-        needs=_all(Fact.OWN_SECTIONS),
-        stops=False,
-    ),
-    Pass(
+    _pass(passthrough, "`passthrough`, which holds for all textures or for none", "OWN_SECTIONS", stops=False),
+    _pass(
         files,
         "where the bundle has the file",
-        needs=_all(Fact.OPTIONS_ADOPTED, Fact.OWN_NAMES, Fact.OWN_SECTIONS),
-        leaves=_all(Fact.FILES_PLACED),
-        ends=_all(Fact.ALONE),
+        "OPTIONS_ADOPTED OWN_NAMES OWN_SECTIONS",
+        leaves="FILES_PLACED",
+        ends="ALONE",
         rewrites=True,
     ),
-    Pass(
+    _pass(
         submodels,
         "where the bundle has the model",
-        needs=_all(Fact.OPTIONS_ADOPTED, Fact.FILES_PLACED, Fact.OWN_SECTIONS),
-        leaves=_all(Fact.MODELS_NAMED),
-        ends=_all(Fact.ALONE),
+        "OPTIONS_ADOPTED FILES_PLACED OWN_SECTIONS",
+        leaves="MODELS_NAMED",
+        ends="ALONE",
         rewrites=True,
     ),
-    Pass(
+    _pass(
         names,
         "the prefix of the part",
-        needs=_all(Fact.CLASSES_CHOSEN, Fact.MODELS_NAMED, Fact.OWN_NAMES, Fact.OWN_SECTIONS),
-        leaves=_all(Fact.NAMES_FINAL),
-        ends=_all(Fact.ALONE, Fact.OWN_NAMES),
+        "CLASSES_CHOSEN MODELS_NAMED OWN_NAMES OWN_SECTIONS",
+        leaves="NAMES_FINAL",
+        ends="ALONE OWN_NAMES",
         stops=False,
         rewrites=True,
     ),
-    Pass(
+    _pass(
         defaults,
         "the top class of its file",
-        needs=_all(Fact.NAMES_FINAL, Fact.CLASSES_CHOSEN, Fact.FLEXES_NOTED, Fact.OWN_SECTIONS),
-        leaves=_all(Fact.CLASSES_WRAPPED),
+        "NAMES_FINAL CLASSES_CHOSEN FLEXES_NOTED OWN_SECTIONS",
+        leaves="CLASSES_WRAPPED",
         rewrites=True,
     ),
-    Pass(
+    _pass(
         bodies,
         "holds what the parts bring",
-        needs=_all(
-            Fact.NAMES_FINAL,
-            Fact.CLASSES_WRAPPED,
-            Fact.ANGLES_SHARED,
-            Fact.ALIGNED,
-            Fact.ROOTS_NOTED,
-            Fact.FLEXES_NOTED,
-            Fact.LAID_OUT,
-        ),
-        leaves=_all(Fact.JOINED),
+        "NAMES_FINAL CLASSES_WRAPPED ANGLES_SHARED ALIGNED ROOTS_NOTED FLEXES_NOTED LAID_OUT",
+        leaves="JOINED",
         stops=False,
     ),
     # The passes from here on look at the joined tree; `check_replicates` also needs to know whose section it reads.
-    Pass(
-        check_replicates,
-        "checked by the linker",
-        needs=_all(Fact.JOINED, Fact.UNROLLED, Fact.OWN_SECTIONS),
-        stops=False,
-    ),
-    Pass(check_roots, "checked by the linker", needs=_all(Fact.JOINED, Fact.ROOTS_NOTED), stops=False),
-    Pass(
-        check_flexes,
-        "checked by the linker",
-        needs=_all(Fact.JOINED, Fact.FLEXES_NOTED, Fact.CLASSES_WRAPPED),
-        stops=False,
-    ),
-    Pass(
+    _pass(check_replicates, "checked by the linker", "JOINED UNROLLED OWN_SECTIONS", stops=False),
+    _pass(check_roots, "checked by the linker", "JOINED ROOTS_NOTED", stops=False),
+    _pass(check_flexes, "checked by the linker", "JOINED FLEXES_NOTED CLASSES_WRAPPED", stops=False),
+    _pass(
         worlds,
         "carried along with its part: it is measured in the world of its file",
-        needs=_all(Fact.JOINED, Fact.NAMES_FINAL, Fact.ANGLES_SHARED, Fact.OWN_SECTIONS),
+        "JOINED NAMES_FINAL ANGLES_SHARED OWN_SECTIONS",
         stops=False,
     ),
-    Pass(
+    _pass(
         sections,
         "holds what the parts bring",
-        needs=_all(Fact.NAMES_FINAL, Fact.CLASSES_WRAPPED, Fact.FILES_PLACED, Fact.MODELS_NAMED),
-        ends=_all(Fact.OWN_SECTIONS),
+        "NAMES_FINAL CLASSES_WRAPPED FILES_PLACED MODELS_NAMED",
+        ends="OWN_SECTIONS",
     ),
-    Pass(
+    _pass(
         compiler,
         "the settings that hold for every part",
-        needs=_all(Fact.ANGLES_SHARED, Fact.ALIGNED, Fact.FILES_PLACED, Fact.MODELS_NAMED),
-        ends=_all(Fact.ALONE),
+        "ANGLES_SHARED ALIGNED FILES_PLACED MODELS_NAMED",
+        ends="ALONE",
         rewrites=True,
     ),
 )
 
 # These wait until nothing more is added to the model.
 FINISHING: tuple[Pass, ...] = (
-    Pass(
-        keyframes,
-        "laid out anew for the whole model",
-        needs=_all(Fact.LAID_OUT, Fact.JOINED, Fact.NAMES_FINAL),
-        rewrites=True,
-    ),
-    Pass(memory_size, "the memory that the whole model needs", needs=_all(Fact.JOINED)),
+    _pass(keyframes, "laid out anew for the whole model", "LAID_OUT JOINED NAMES_FINAL", rewrites=True),
+    _pass(memory_size, "the memory that the whole model needs", "JOINED"),
 )
 
 check_order((*PASSES, *FINISHING))
@@ -320,22 +278,17 @@ def link(linking: Linking) -> bool:
 
     False if a pass found errors that later passes cannot cope with; then the names of the model are not known.
     """
-    before = linking.sink.error_count
     for row in PASSES:
+        before = linking.sink.error_count
         row.run(linking)
         linking.watch(linking.units, row.run)
-        after = linking.sink.error_count
-        if after > before and row.stops:
+        if row.stops and linking.sink.error_count > before:
             return False
-        before = after
     return True
 
 
 def link_alone(linking: Linking) -> None:
-    """Link a base without parts, of which only the paths of its files change.
-
-    Its names are not looked at, nor its keys: whoever calls knows that its names are right.
-    """
+    """Link a base without parts: only the paths of its files change. The caller has checked its names and keys."""
     for link_pass in (files, submodels, compiler):
         link_pass(linking)
 

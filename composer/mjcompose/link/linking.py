@@ -289,6 +289,12 @@ class FileUse(NamedTuple):
     shared: bool = True
 
 
+def detach(element: Node) -> None:
+    """Remove an element from its parent, if it has one."""
+    if (parent := element.getparent()) is not None:
+        parent.remove(element)
+
+
 _path = lru_cache(maxsize=4096)(Path)  # a model has the same files in each of its samples
 
 
@@ -321,7 +327,7 @@ class Linking:
 
     @property
     def composed(self) -> bool:
-        """Whether the model has more than the base, so that the base's rules for a whole model apply only to it."""
+        """Whether the model has more than the base, so the base's rules for a whole model apply only to it."""
         return bool(self.parts) or self.request.adds_mass
 
     @property

@@ -14,15 +14,17 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from functools import cache
+from itertools import chain
 
 from lxml.etree import _Element as Node
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Note
 from mjcompose.base.sink import Sink
+from mjcompose.link.linking import detach
 from mjcompose.link.settings import ROOM
 from mjcompose.model.classes import MAIN
 from mjcompose.model.grammar import GRAMMAR, Attribute, ElementType, version_key
@@ -41,184 +43,65 @@ _PLAIN = re.compile(r"-?[0-9.]+(?: -?[0-9.]+)*", re.ASCII)
 
 
 @dataclass(frozen=True, slots=True)
-class _Malformed:
-    node: Node
-    attribute: Attribute
-    refusal: Refusal
+class _Fault:
+    """A fault of an element, or of its attribute `name`, which is marked itself (`key`) or by its value.
 
-    def report(self, unit: Unit, sink: Sink) -> None:
-        name = self.attribute.name
-        code = "wrong-keyword" if self.attribute.type in ("keyword", "keywords") else "wrong-type"
-        message = f"`{name}` of `<{self.node.tag}>` {self.refusal.message}"
-        sink.error(code, message, unit.origins.span(self.node, unit.file, name), help=self.refusal.advice)
-
-    def repair(self) -> None:
-        self.node.set(self.attribute.name, _sample(self.attribute))
-
-
-@dataclass(frozen=True, slots=True)
-class _UnknownAttribute:
-    node: Node
-    name: str
-    version: str | None = None
-
-    def report(self, unit: Unit, sink: Sink) -> None:
-        found = unknown_attribute(self.node, self.name, unit.file, version=self.version).diagnostic
-        span = unit.origins.span(self.node, unit.file, self.name, key=True)
-        sink.add(replace(found, span=span))
-
-    def repair(self) -> None:
-        del self.node.attrib[self.name]
-
-
-@dataclass(frozen=True, slots=True)
-class _Misnamed:
-    """A name that MuJoCo reserves; adding a prefix would hide the error."""
+    A fault without a `code` is an element or an attribute that MJCF does not have. `first` is the element that it
+    repeats. To repair the element, its attributes become `repaired`, None for each that is removed; without
+    `repaired` the element is removed.
+    """
 
     node: Node
-    name: str
-    message: str
-    help: str
+    code: str = ""
+    message: str = ""
+    help: str | None = None
+    name: str | None = None
+    key: bool = False
+    first: Node | None = None
+    repaired: Mapping[str, str | None] | None = None
 
-    def report(self, unit: Unit, sink: Sink) -> None:
-        span = unit.origins.span(self.node, unit.file, self.name)
-        sink.error("bad-name", self.message, span, help=self.help)
-
-    def repair(self) -> None:
-        if self.name != "class":
-            self.node.set(self.name, "another world")
-        else:
-            is_top = (above := self.node.getparent()) is None or above.tag != "default"
-            self.node.set(self.name, MAIN if is_top else "another class")
-
-
-@dataclass(frozen=True, slots=True)
-class _RepeatedKey:
-    """A key with the same name as another key of its file; linking would merge the two."""
-
-    node: Node
-    first: Node
-
-    def report(self, unit: Unit, sink: Sink) -> None:
-        note = Note("the other one is here", unit.origins.span(self.first, unit.file, "name"))
-        sink.error(
-            "name-clash",
-            f"two keys are called `{self.node.get('name')}`",
-            unit.origins.span(self.node, unit.file, "name"),
-            notes=(note,),
-            help="give one of them another name",
-        )
+    def report(self, unit: Unit, sink: Sink, version: str | None) -> None:
+        span = unit.origins.span(self.node, unit.file, self.name, key=self.key)
+        if not self.code:
+            if self.name is None:
+                found = unknown_element(self.node, unit.file, version)
+            else:
+                found = unknown_attribute(self.node, self.name, unit.file, version=version)
+            sink.add(replace(found.diagnostic, span=span))
+            return
+        notes = ()
+        if self.first is not None:
+            notes = (Note("the other one is here", unit.origins.span(self.first, unit.file, self.name)),)
+        sink.error(self.code, self.message, span, notes=notes, help=self.help)
 
     def repair(self) -> None:
-        _remove(self.node)
+        if self.repaired is None:
+            detach(self.node)
+        for name, value in (self.repaired or {}).items():
+            if value is None:
+                del self.node.attrib[name]
+            else:
+                self.node.set(name, value)
 
-
-@dataclass(frozen=True, slots=True)
-class _RepeatedClass:
-    """A class of the same name as another one; that of the top is `main`, written or not."""
-
-    node: Node
-    first: Node
-
-    def report(self, unit: Unit, sink: Sink) -> None:
-        note = Note("the other one is here", unit.origins.span(self.first, unit.file, "class"))
-        sink.error(
-            "class-clash",
-            f"two classes are called `{self.node.get('class')}`",
-            unit.origins.span(self.node, unit.file, "class"),
-            notes=(note,),
-            help="give one of them another name",
-        )
-
-    def repair(self) -> None:
-        _remove(self.node)
-
-
-@dataclass(frozen=True, slots=True)
-class _UnknownElement:
-    node: Node
-    version: str | None = None
-
-    def report(self, unit: Unit, sink: Sink) -> None:
-        found = unknown_element(self.node, unit.file, self.version).diagnostic
-        span = unit.origins.span(self.node, unit.file)
-        sink.add(replace(found, span=span))
-
-    def repair(self) -> None:
-        _remove(self.node)
-
-
-@dataclass(frozen=True, slots=True)
-class _TooMany:
-    node: Node
-    most: int
-
-    def report(self, unit: Unit, sink: Sink) -> None:
-        parent = self.node.getparent()
-        assert parent is not None
-        how_many = "one" if self.most == 1 else str(self.most)
-        message = f"MuJoCo takes {how_many} `<{self.node.tag}>` in `<{parent.tag}>`, and this is another one"
-        span = unit.origins.span(self.node, unit.file)
-        sink.error("wrong-length", message, span, help="join them, or take one out")
-
-    def repair(self) -> None:
-        _remove(self.node)
-
-
-@dataclass(frozen=True, slots=True)
-class _Clashing:
-    """Attributes that exclude one another. If one of them counts, which one depends on the reader."""
-
-    node: Node
-    names: tuple[str, ...]
-
-    def report(self, unit: Unit, sink: Sink) -> None:
-        *others, last = (f"`{name}`" for name in self.names)
-        message = f"`<{self.node.tag}>` has {', '.join(others)} and {last}, of which MuJoCo takes only one"
-        span = unit.origins.span(self.node, unit.file, self.names[-1], key=True)
-        sink.error("wrong-length", message, span, help=f"take {last} or the other out")
-
-    def repair(self) -> None:
-        for name in self.names[1:]:
-            del self.node.attrib[name]
-
-
-_Fault = (
-    _Malformed | _UnknownAttribute | _Misnamed | _RepeatedKey | _RepeatedClass | _UnknownElement | _TooMany | _Clashing
-)
+    @property
+    def unknown(self) -> tuple[Node, str | None]:
+        """The element, and the name of the attribute if MJCF does not have it."""
+        return self.node, None if self.code else self.name
 
 
 def check_source(unit: Unit, sink: Sink) -> bool:
     """Report elements, attributes and values of a file that MJCF does not have. Return whether there are none.
 
-    The unit is that of the file as it is: in one that was being linked the fault may be gone already.
+    The unit must be the file as written: linking may remove a fault.
     """
-    found = list(_faults(unit.root))
-    if found:
+    faults = list(_faults(unit.root))
+    if faults:
         passed_over = set(unread(unit.root))
-        found = [each for each in found if _what(each) not in passed_over]
-    version = version_of(_what(each) for each in found if isinstance(each, _UnknownAttribute | _UnknownElement))
-    for fault in found:
-        if isinstance(fault, _UnknownAttribute | _UnknownElement):
-            fault = replace(fault, version=version)
-        fault.report(unit, sink)
-    return not found
-
-
-def _of_classes(root: Node) -> Iterator[_RepeatedClass]:
-    """MuJoCo 4.0: `repeated default class name`. In a part `main` becomes another name, and nothing would repeat it."""
-    classes: dict[str, Node] = {}
-    for section in root.iterchildren("default"):
-        classes.setdefault(MAIN, section)
-        for nested in section.iterfind(".//default"):
-            name = str(nested.get("class") or "")
-            if name and classes.setdefault(name, nested) is not nested:
-                yield _RepeatedClass(nested, classes[name])
-
-
-def _what(fault: _Fault) -> tuple[Node, str | None]:
-    """Return the element of a fault, and the name of its attribute if the attribute is unknown."""
-    return fault.node, fault.name if isinstance(fault, _UnknownAttribute) else None
+        faults = [fault for fault in faults if fault.unknown not in passed_over]
+    version = version_of(fault.unknown for fault in faults if not fault.code)
+    for fault in faults:
+        fault.report(unit, sink, version)
+    return not faults
 
 
 def repair(unit: Unit) -> None:
@@ -227,13 +110,24 @@ def repair(unit: Unit) -> None:
         fault.repair()
 
 
+def _repeated(root: Node) -> Iterator[_Fault]:
+    """Yield keys and classes with the name of an earlier one. Linking merges keys, and gives `main` another name."""
+    # MuJoCo 4.0: `repeated default class name`. The class at the top is `main`, written or not.
+    tops = list(root.iterchildren("default"))
+    classes = dict.fromkeys([MAIN], tops[0]) if tops else {}
+    for known, nodes, attribute, code, kind in (
+        ({}, root.iterfind("keyframe/key"), "name", "name-clash", "keys"),
+        (classes, chain(*(top.iterfind(".//default") for top in tops)), "class", "class-clash", "classes"),
+    ):
+        for node in nodes:
+            name = str(node.get(attribute) or "")
+            if name and (first := known.setdefault(name, node)) is not node:
+                message, help = f"two {kind} are called `{name}`", "give one of them another name"
+                yield _Fault(node, code, message, help, name=attribute, first=first)
+
+
 def _faults(root: Node) -> Iterator[_Fault]:
-    keys: dict[str, Node] = {}
-    for key in root.iterfind("keyframe/key"):
-        name = str(key.get("name") or "")
-        if name and keys.setdefault(name, key) is not key:
-            yield _RepeatedKey(key, keys[name])
-    yield from _of_classes(root)
+    yield from _repeated(root)
     waiting = [(root, GRAMMAR.root)]
     while waiting:
         node, kind = waiting.pop()
@@ -248,9 +142,9 @@ def _faults(root: Node) -> Iterator[_Fault]:
             if child.tag in known:
                 below.append((child, known[child.tag]))
             else:
-                yield _UnknownElement(child)
+                yield _Fault(child)
         if len(below) > 1 and kind is not GRAMMAR.root:  # MuJoCo joins sections, however many there are
-            yield from _too_many(below)
+            yield from _too_many(node, below)
         waiting += reversed(below)
 
 
@@ -260,44 +154,60 @@ def _of_attributes(node: Node, kind: ElementType) -> Iterator[_Fault]:
         attribute = known.get(str(name))
         if attribute is None:
             if name not in kind.ignored and not _is_newer():
-                yield _UnknownAttribute(node, str(name))
+                yield _Fault(node, name=str(name), key=True, repaired={str(name): None})
         elif node.tag == "size" and name in ROOM and not value.strip():
-            # MuJoCo 4.0 passes over blanks in place of numbers, but not in these.
-            yield _Malformed(node, attribute, Refusal("is empty"))
+            # MuJoCo 4.0 ignores blanks instead of numbers, except in these attributes.
+            yield _malformed(node, attribute, Refusal("is empty"))
         elif attribute.type not in _FREE and not _is_plain(attribute, str(value)):
             refusal = check_value(attribute, str(value))
             if refusal is not None:
-                yield _Malformed(node, attribute, refusal)
+                yield _malformed(node, attribute, refusal)
+
+
+def _malformed(node: Node, attribute: Attribute, refusal: Refusal) -> _Fault:
+    name = attribute.name
+    code = "wrong-keyword" if attribute.type in ("keyword", "keywords") else "wrong-type"
+    message = f"`{name}` of `<{node.tag}>` {refusal.message}"
+    return _Fault(node, code, message, refusal.advice, name=name, repaired={name: _sample(attribute)})
 
 
 def _is_checked(node: Node) -> bool:
     """Return whether MuJoCo (3.12 to 4.0) checks the rules for an element of a body here. Inside a frame it does not.
 
-    A part ends up in one. What is not of the body tree is looked at in the composition, too.
+    A part ends up in a frame. MuJoCo checks elements outside the body tree in the composition, too.
     """
     around = {str(each.tag) for each in node.iterancestors()}
     return "worldbody" in around and around.isdisjoint(BLIND)
 
 
-def _of_constraints(node: Node, kind: ElementType) -> Iterator[_Clashing]:
+def _of_constraints(node: Node, kind: ElementType) -> Iterator[_Fault]:
+    """Yield attributes that exclude one another. Which of them counts depends on the reader."""
     for rule in kind.constraints:
-        written = tuple(name for (name,) in rule.bundles if name in node.attrib) if rule.kind == "exclusive" else ()
-        if len(written) > 1:
-            yield _Clashing(node, written)
+        names = [name for (name,) in rule.bundles if name in node.attrib] if rule.kind == "exclusive" else []
+        if len(names) > 1:
+            *others, last = (f"`{name}`" for name in names)
+            message = f"`<{node.tag}>` has {', '.join(others)} and {last}, and MuJoCo takes only one of them"
+            repaired = dict.fromkeys(names[1:])
+            help = f"remove {last} or the other"
+            yield _Fault(node, "wrong-length", message, help, name=names[-1], key=True, repaired=repaired)
 
 
-def _of_name(node: Node, kind: ElementType) -> Iterator[_Misnamed]:
+def _of_name(node: Node, kind: ElementType) -> Iterator[_Fault]:
+    """Yield names that MuJoCo reserves; adding a prefix would hide the error."""
     if kind.path == "body" and node.get("name") == "world":
         message = "a body cannot be called `world`, which is the name of the world itself"
-        yield _Misnamed(node, "name", message, help="give it another name")
+        repaired = {"name": "another world"}
+        yield _Fault(node, "bad-name", message, "give it another name", name="name", repaired=repaired)
     elif kind.path == "default":
         parent, name = node.getparent(), node.get("class")
         if parent is None or parent.tag == "default":
             if not name:
-                yield _Misnamed(node, "class", "a default class inside another has no name", help='write `class="…"`')
+                message, help = "a default class inside another has no name", 'write `class="…"`'
+                yield _Fault(node, "bad-name", message, help, name="class", repaired={"class": "another class"})
         elif name not in (None, "", "main"):
-            message = f"a default class at the top is called `main`, and not `{name}`"
-            yield _Misnamed(node, "class", message, help=f'put it into one: `<default><default class="{name}">`')
+            message = f"a default class at the top must be called `main`, got `{name}`"
+            help = f'put it into one: `<default><default class="{name}">`'
+            yield _Fault(node, "bad-name", message, help, name="class", repaired={"class": MAIN})
 
 
 def _is_newer() -> bool:
@@ -328,18 +238,14 @@ def _is_plain(attribute: Attribute, value: str) -> bool:
     return (low or 0) <= len(parts) and (high is None or len(parts) <= high)
 
 
-def _too_many(children: list[tuple[Node, ElementType]]) -> Iterator[_TooMany]:
+def _too_many(parent: Node, children: list[tuple[Node, ElementType]]) -> Iterator[_Fault]:
     counts: Counter[str] = Counter()
     for child, kind in children:
         counts[kind.tag] += 1
         if kind.max_count is not None and counts[kind.tag] > kind.max_count:
-            yield _TooMany(child, kind.max_count)
-
-
-def _remove(node: Node) -> None:
-    parent = node.getparent()
-    if parent is not None:
-        parent.remove(node)
+            most = "one" if kind.max_count == 1 else str(kind.max_count)
+            message = f"MuJoCo takes {most} `<{child.tag}>` in `<{parent.tag}>`, and this is another one"
+            yield _Fault(child, "wrong-length", message, "join them, or remove one")
 
 
 def _sample(attribute: Attribute) -> str:
