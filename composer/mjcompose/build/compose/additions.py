@@ -89,14 +89,10 @@ def _report_no_target(step: AddElement, linking: Linking, making: ElementBuilder
     written = "to: {frame: {}}" if step.to_kind == "frame" else "to: {}"
     later = linking.later_places.target_of(step.to_kind, step.to) if linking.later_places else None
     if later is not None:
-        making.sink.error(
-            "unknown-name",
-            f"the {step.to_kind} `{step.to}` to add to does not exist yet: a later entry adds it",
-            step.to_span,
-            notes=(Note("it is added here", later[1]),),
-            help="put that entry above this one",
-            subjects=(step.to,),
-        )
+        message = f"the {step.to_kind} `{step.to}` to add to does not exist yet: a later entry adds it"
+        notes = (Note("it is added here", later[1]),)
+        help = "put that entry above this one"
+        making.sink.error("unknown-name", message, step.to_span, notes=notes, help=help, subjects=(step.to,))
         return
     help = None
     kinds = linking.names.kinds_of(step.to)

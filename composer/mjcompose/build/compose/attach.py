@@ -337,14 +337,11 @@ def _mate(place: AttachmentPlace, step: AttachPart, unit: Unit, making: ElementB
     settings = (unit.settings.angle == "degree", unit.settings.eulerseq)
     element = min(named, key=lambda each: _MATES.index(each.tag))
     if (scaled := scaled_above(element)) is not None:
-        making.sink.error(
-            "attach-place",
-            f"`{name}` of `{step.prefix}` is inside a frame that scales: where it is cannot be computed",
-            locate(making.document, (*step.at, "mate")),
-            notes=(Note("the frame", unit.origins.span(scaled, unit.file, "scale")),),
-            help="mate with a site outside the frame",
-            subjects=(name, step.prefix),
-        )
+        message = f"`{name}` of `{step.prefix}` is inside a frame that scales: where it is cannot be computed"
+        span = locate(making.document, (*step.at, "mate"))
+        notes = (Note("the frame", unit.origins.span(scaled, unit.file, "scale")),)
+        help = "mate with a site outside the frame"
+        making.sink.error("attach-place", message, span, notes=notes, help=help, subjects=(name, step.prefix))
     outer = element.getparent()
     assert outer is not None
     own = effective_pose(element, unit.classes) if element.tag == "site" else element
@@ -390,15 +387,12 @@ def _report_no_mate(step: AttachPart, unit: Unit, making: ElementBuilder) -> Non
         ]
         for tag in _MATES
     }
-    making.sink.error(
-        "attach-place",
-        f"`{step.prefix}` has no site, body or frame `{name}` to mate with",
-        locate(making.document, (*step.at, "mate")),
-        notes=[exists_note(tag, names, name) for tag, names in known.items() if names or tag != "frame"],
-        help=did_you_mean(name, [each for names in known.values() for each in names], "mate: {}"),
-        subjects=(name, step.prefix),
-        fix=renaming(name, [each for names in known.values() for each in names]),
-    )
+    message = f"`{step.prefix}` has no site, body or frame `{name}` to mate with"
+    span = locate(making.document, (*step.at, "mate"))
+    notes = [exists_note(tag, names, name) for tag, names in known.items() if names or tag != "frame"]
+    help = did_you_mean(name, [each for names in known.values() for each in names], "mate: {}")
+    fix = renaming(name, [each for names in known.values() for each in names])
+    making.sink.error("attach-place", message, span, notes=notes, help=help, subjects=(name, step.prefix), fix=fix)
 
 
 _HEAD = re.compile(r"[^*?{\[]*")

@@ -63,14 +63,10 @@ def _report(linking: Linking, making: ElementBuilder, element: Element, name: st
     kind, called = joint_type(joint, linking.base.classes), name_of(joint)
     which = f"the {kind} `{called}`" if called else f"a {kind} without a name"
     meant, other = ("an angle", "a length") if angular else ("a length", "an angle")
-    making.sink.error(
-        "bare-angle",
-        f"`{name}` of a class is {meant}, and {which} would take it for {other}",
-        making.span(element, name),
-        notes=(Note(f"{which} is written here", linking.span(linking.base, joint)),),
-        help=f"write `{name}` on the joints, or give the class to joints of one kind",
-        subjects=(called,),
-    )
+    message = f"`{name}` of a class is {meant}, and {which} would take it for {other}"
+    notes = (Note(f"{which} is written here", linking.span(linking.base, joint)),)
+    help = f"write `{name}` on the joints, or give the class to joints of one kind"
+    making.sink.error("bare-angle", message, making.span(element, name), notes=notes, help=help, subjects=(called,))
 
 
 def check_intervals(making: ElementBuilder) -> None:
@@ -122,14 +118,10 @@ def check_mass(step: AttachPart, part: Part, linking: Linking, making: ElementBu
         return
     notes = list(_reasons(fixed, linking))[:_SHOWN]
     give = f"`add: [{{to: {part.prefix}, geom: {{type: sphere, size: [0.01], mass: 1}}}}]`"
-    making.sink.error(
-        "mujoco-rejects",
-        f"`joint` moves `{part.called}`, but nothing that is fixed to the joint has mass",
-        locate(making.document, (*step.at, "joint"), key=True),
-        notes=notes,
-        help=f"give it mass, for example {give}, or leave `joint` out" if part.prefix else "give a body in it mass",
-        subjects=(part.called,),
-    )
+    message = f"`joint` moves `{part.called}`, but nothing that is fixed to the joint has mass"
+    span = locate(making.document, (*step.at, "joint"), key=True)
+    help = f"give it mass, for example {give}, or leave `joint` out" if part.prefix else "give a body in it mass"
+    making.sink.error("mujoco-rejects", message, span, notes=notes, help=help, subjects=(part.called,))
 
 
 def _reasons(fixed: list[Node], linking: Linking) -> Iterator[Note]:

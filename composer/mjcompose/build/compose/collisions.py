@@ -103,12 +103,9 @@ def _refuse_nameless(
         return
     (one, other), where = nameless[0]["called"], nameless[0]["where"]
     more = f" ({len(nameless) - 1} more such pairs)" if len(nameless) > 1 else ""
-    making.sink.error(
-        "bad-name",
-        f"{one} and {other} {what}{where and f' in {where}'}{more}, and a body without a name cannot be excluded",
-        step.span,
-        help='give it a name: `edit: [{select: {body: "**", where: {name: ""}}, rename: "b${index}"}]` in the part',
-    )
+    message = f"{one} and {other} {what}{where and f' in {where}'}{more}, and a body without a name cannot be excluded"
+    help = 'give it a name: `edit: [{select: {body: "**", where: {name: ""}}, rename: "b${index}"}]` in the part'
+    making.sink.error("bad-name", message, step.span, help=help)
 
 
 def _exclude_touching(
@@ -148,14 +145,11 @@ def _bodies(step: SetCollisions, index: int, plan: Plan, linking: Linking, makin
             known = [*places, *names[1:]]
             span = locate(making.document, path)
             inner = locate(making.document, (*path, at))
-            making.sink.error(
-                "unknown-name",
-                f"`{name}` is not a part, and names no body",
-                inner if len(step.collisions.sides[index]) > 1 else span,
-                notes=(exists_note("part", list(places), name), exists_note("body", names[1:], name)),
-                help=did_you_mean(name, known),
-                subjects=(name,),
-            )
+            message = f"`{name}` is not a part, and names no body"
+            span = inner if len(step.collisions.sides[index]) > 1 else span
+            notes = (exists_note("part", list(places), name), exists_note("body", names[1:], name))
+            help = did_you_mean(name, known)
+            making.sink.error("unknown-name", message, span, notes=notes, help=help, subjects=(name,))
         found += [body for body in everything if _name(body) in fitting and body not in found]
     return [body for body in found if any(_collides(geom, linking) for geom in own(body, "geom"))]
 
@@ -198,10 +192,9 @@ def _write_collisions(
                     return
                 named += product(names_of_copies(first), names_of_copies(second))
     if len(named) > _MOST:
-        making.sink.error(
-            "out-of-range", f"these are {len(named)} pairs of geoms, of which MuJoCo checks each", step.span,
-            help="name fewer bodies, or set `contype` and `conaffinity` by `edit`",
-        )  # fmt: skip
+        message = f"these are {len(named)} pairs of geoms, of which MuJoCo checks each"
+        help = "name fewer bodies, or set `contype` and `conaffinity` by `edit`"
+        making.sink.error("out-of-range", message, step.span, help=help)
         return
     _append(linking, making, step, tag="pair", keys=("geom1", "geom2"), pairs=named)
 

@@ -309,13 +309,12 @@ class ModelEdits:
             else:
                 section.replace(place, key)
             if (other := others.get(key.get("name"))) is not None:
+                message = f"a key cannot be called `{key.get('name')}`: the recipe writes a key of that name"
+                span = base.origins.span(other, base.file, "name")
+                notes = (Note("the other one", base.origins.span(key, base.file)),)
+                help = "choose another name"
                 self.making.sink.error(
-                    "name-clash",
-                    f"a key cannot be called `{key.get('name')}`: the recipe writes a key of that name",
-                    base.origins.span(other, base.file, "name"),
-                    notes=(Note("the other one", base.origins.span(key, base.file)),),
-                    help="choose another name",
-                    subjects=(str(key.get("name")),),
+                    "name-clash", message, span, notes=notes, help=help, subjects=(str(key.get("name")),)
                 )
 
 

@@ -277,12 +277,10 @@ def settle_joints(making: ElementBuilder, joint_type: Callable[[Node], str]) -> 
         bare = [at for at, v in enumerate(values) if not isinstance(v, Angle) and v != 0]
         if angular and bare and settings.angle is None:
             number = values[bare[0]]
-            making.sink.error(
-                "bare-angle",
-                f"`{name}` of a {kind} is an angle and {number} has no unit",
-                _item_span(making, node, element, name=name, index=bare[0]),
-                help=f"write `{number}deg` or `{number}rad`, or `angle: degree` at the top of the recipe",
-            )
+            message = f"`{name}` of a {kind} is an angle and {number} has no unit"
+            span = _item_span(making, node, element, name=name, index=bare[0])
+            help = f"write `{number}deg` or `{number}rad`, or `angle: degree` at the top of the recipe"
+            making.sink.error("bare-angle", message, span, help=help)
     making.pending.clear()
 
 
@@ -404,14 +402,11 @@ def set_default(step: SetDefault, linking: Linking, making: ElementBuilder) -> N
         linking.names.declared.setdefault("default", {})[name] = found
         making.origins.own(found, step.span)
     elif step.parent is not None:
-        making.sink.error(
-            "class-clash",
-            f"the default class `{step.name}` exists already, and `parent` is for a new one",
-            making.span(step.element, "parent"),
-            notes=(Note(f"`{step.name}` is declared here", linking.span(linking.base, found)),),
-            help="leave `parent` out to change the class, or choose another name",
-            subjects=(step.name,),
-        )
+        message = f"the default class `{step.name}` exists already, and `parent` is for a new one"
+        span = making.span(step.element, "parent")
+        notes = (Note(f"`{step.name}` is declared here", linking.span(linking.base, found)),)
+        help = "leave `parent` out to change the class, or choose another name"
+        making.sink.error("class-clash", message, span, notes=notes, help=help, subjects=(step.name,))
         return
     for child in step.element.children:
         kind = default_kind(child.tag)

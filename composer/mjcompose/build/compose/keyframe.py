@@ -195,14 +195,10 @@ class _KeyWriter:
         span = self._at("ctrl", JOINT, joint, key=True)
         if found:
             named = [f"`{_name(node)}`" for node, _ in found if _name(node)]
-            self.making.sink.error(
-                "unknown-name",
-                f"{len(found)} actuators act on the joint `{joint}`: which one is meant?",
-                span,
-                notes=(Note(f"those with a name: {', '.join(named)}"),) if named else (),
-                help="write it by the name of the actuator: `ctrl: {ACTUATOR: …}`",
-                subjects=(joint,),
-            )
+            message = f"{len(found)} actuators act on the joint `{joint}`: which one is meant?"
+            notes = (Note(f"those with a name: {', '.join(named)}"),) if named else ()
+            help = "write it by the name of the actuator: `ctrl: {ACTUATOR: …}`"
+            self.making.sink.error("unknown-name", message, span, notes=notes, help=help, subjects=(joint,))
             return None
         driven = [
             str(end)
@@ -210,14 +206,10 @@ class _KeyWriter:
             if not isinstance(node, Copy) and (end := node.get("joint") or node.get("jointinparent"))
         ]
         exists = self.linking.names.find("joint", joint) is not None
-        self.making.sink.error(
-            "unknown-name",
-            f"the joint `{joint}` has no actuator" if exists else f"the joint `{joint}` does not exist",
-            span,
-            notes=(Note(f"joints with an actuator: {', '.join(dict.fromkeys(driven)) or 'none'}"),),
-            help=did_you_mean(joint, driven) if not exists else "write the actuator by its name",
-            subjects=(joint,),
-        )
+        message = f"the joint `{joint}` has no actuator" if exists else f"the joint `{joint}` does not exist"
+        notes = (Note(f"joints with an actuator: {', '.join(dict.fromkeys(driven)) or 'none'}"),)
+        help = did_you_mean(joint, driven) if not exists else "write the actuator by its name"
+        self.making.sink.error("unknown-name", message, span, notes=notes, help=help, subjects=(joint,))
         return None
 
     def _written(self, element: Node, attribute: str | None) -> Span:
@@ -305,12 +297,9 @@ class _KeyWriter:
     def _angle(self, vector: str, value: Single, words: str, path: tuple[str, ...]) -> float:
         settings = self.making.angle_context.at((*self.step.key.at, vector, *path))
         if settings.angle is None and not isinstance(value, Angle) and value != 0:
-            self.making.sink.error(
-                "bare-angle",
-                f"{words} and {shown(value)} has no unit",
-                self._at(vector, *path),
-                help=f"write `{shown(value)}deg` or `{shown(value)}rad`, or `angle: degree` at the top of the recipe",
-            )
+            message = f"{words} and {shown(value)} has no unit"
+            help = f"write `{shown(value)}deg` or `{shown(value)}rad`, or `angle: degree` at the top of the recipe"
+            self.making.sink.error("bare-angle", message, self._at(vector, *path), help=help)
         # Keys are in radians in any model: `<key qpos="90"/>` of a hinge is 90 in MuJoCo 4.0 under `angle="degree"`,
         # too.
         return in_radians(value, settings, numbers.joint_radians)
@@ -319,13 +308,9 @@ class _KeyWriter:
         kind = "actuator" if slot.kind == "actuator" else f"{slot.kind} joint"
         count = f"{width} number{'' if width == 1 else 's'}" if width else "no numbers"
         meant = _MEANT.get((slot.kind, vector))
-        self.making.sink.error(
-            "wrong-length",
-            f"`{vector}` of the {kind} `{name}` has {count}, got {len(entry)}",
-            self._at(vector, *path),
-            help=f"write {meant}" if meant else "leave it out" if not width else None,
-            subjects=(name,),
-        )
+        message = f"`{vector}` of the {kind} `{name}` has {count}, got {len(entry)}"
+        help = f"write {meant}" if meant else "leave it out" if not width else None
+        self.making.sink.error("wrong-length", message, self._at(vector, *path), help=help, subjects=(name,))
 
     def _unknown(self, vector: str, name: str) -> None:
         kind, linking, sink = VECTORS[vector], self.linking, self.making.sink
@@ -364,15 +349,9 @@ class _KeyWriter:
                 also = f"; {help}" if help else ""
                 help = f"write it by its joint: `{vector}: {{joint: {{{name}: …}}}}`{also}"
             help = help or _naming(self.unnamed, name)
-        sink.error(
-            "unknown-name",
-            f"the {kind} `{name}` to set `{vector}` of does not exist",
-            span,
-            notes=notes,
-            help=help,
-            subjects=(name,),
-            fix=None if others else renaming(name, names),
-        )
+        message = f"the {kind} `{name}` to set `{vector}` of does not exist"
+        fix = None if others else renaming(name, names)
+        sink.error("unknown-name", message, span, notes=notes, help=help, subjects=(name,), fix=fix)
 
 
 def _count(actuators: int) -> str:

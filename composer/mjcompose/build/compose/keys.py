@@ -39,13 +39,9 @@ def zero_attributes(editing: Editing, found: Iterable[Node], keys: Iterable[str]
 def report_only_zeros(editing: Editing, found: Sequence[Node], key: str, at: Path, help: str) -> None:
     """Warn about a factor for a value that is zero on every element."""
     whose = editing.called(found[0]) if len(found) == 1 else f"each of the {len(found)} selected elements"
-    editing.sink.warning(
-        "scale-of-zero",
-        f"`{key}` of {whose} is 0, and a factor does not change it",
-        editing.span(at),
-        notes=[Note(f"{editing.called(found[0])} is written here", editing.span_of(found[0]))],
-        help=help,
-    )
+    message = f"`{key}` of {whose} is 0, and a factor does not change it"
+    notes = [Note(f"{editing.called(found[0])} is written here", editing.span_of(found[0]))]
+    editing.sink.warning("scale-of-zero", message, editing.span(at), notes=notes, help=help)
 
 
 def _is_zero(editing: Editing, node: Node, key: str) -> bool:
@@ -156,21 +152,14 @@ class _PoseHolder:
             if record is not None:
                 record.numbers[vector] = row
         if unknown:
-            self.making.sink.warning(
-                "not-held",
-                f"nothing says which control of {', '.join(unknown)} holds the key `{own.name}`: it is 0 there",
-                self.span(),
-                help="write the control beside `hold`: `ctrl: {hold: positions, ACTUATOR: 0.3}`",
-            )
+            message = f"nothing says which control of {', '.join(unknown)} holds the key `{own.name}`: it is 0 there"
+            help = "write the control beside `hold`: `ctrl: {hold: positions, ACTUATOR: 0.3}`"
+            self.making.sink.warning("not-held", message, self.span(), help=help)
 
     def _report_no_control(self, path: tuple[str, ...], kind: str) -> None:
-        self.making.sink.error(
-            "not-held",
-            f"no control of `{path[-1]}` holds the pose of the key `{self.step.key.name}`: it is {kind}",
-            self.span(*path),
-            help="write its control, or `ctrl: {hold: forces}`, which balances what acts on the model in that pose",
-            subjects=(path[-1],),
-        )
+        message = f"no control of `{path[-1]}` holds the pose of the key `{self.step.key.name}`: it is {kind}"
+        help = "write its control, or `ctrl: {hold: forces}`, which balances what acts on the model in that pose"
+        self.making.sink.error("not-held", message, self.span(*path), help=help, subjects=(path[-1],))
 
 
 def _addresses(layout: Layout, vector: str) -> Iterator[tuple[Any, int, int, int]]:

@@ -152,12 +152,9 @@ class PartRequest:
         needless = [each for each in self.drop if each.leaves_keys and not each.optional]
         if not needless or any(True for _ in unit.root.iterfind("keyframe/key")) or _may_have_keys(unit):
             return True
-        sink.error(
-            "selector",
-            f"`{unit.label}` has no keyframes that could be left out",
-            locate(document, (*self.at, "drop", needless[0].index)),
-            help=f"take `{needless[0]}` out of `drop`",
-        )
+        message = f"`{unit.label}` has no keyframes that could be left out"
+        help = f"take `{needless[0]}` out of `drop`"
+        sink.error("selector", message, locate(document, (*self.at, "drop", needless[0].index)), help=help)
         return False
 
     def take(self, unit: Unit, sink: Sink, measure: Measure | None) -> Subtree | None:

@@ -157,12 +157,9 @@ class MeshWorkshop:
         value = answer.value
         if "missing" in value:
             self.stopped = True
-            editing.sink.error(
-                "mesh-tools-missing",
-                f"`{job.method}` needs the Python package `{value['missing']}`, which is not installed",
-                job.span,
-                help='run `pip install "mjcompose[mesh]"`; what is locked needs no package',
-            )
+            message = f"`{job.method}` needs the Python package `{value['missing']}`, which is not installed"
+            help = 'run `pip install "mjcompose[mesh]"`; what is locked needs no package'
+            editing.sink.error("mesh-tools-missing", message, job.span, help=help)
             return None
         if "unusable" in value:
             why = value["unusable"].replace(str(attributes.get("file")), "its file")
@@ -208,10 +205,9 @@ class MeshWorkshop:
                     help = doubt.advice(scale, _set_scale(name_of(each.node) or ""), ", ")
                 place = editing.span_of(each.node)
                 cause = Cause(f"{doubt.kind} meshes of {each.span}", f"{each.called} ({place})")
-                editing.sink.warning(
-                    doubt.code, f"{each.called} {doubt.what}", each.span, help=help, cause=cause,
-                    notes=[Note(f"{each.called} is written here", place)],
-                )  # fmt: skip
+                message = f"{each.called} {doubt.what}"
+                notes = [Note(f"{each.called} is written here", place)]
+                editing.sink.warning(doubt.code, message, each.span, help=help, cause=cause, notes=notes)
 
 
 def _reach(editing: Editing) -> float:

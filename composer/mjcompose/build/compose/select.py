@@ -63,13 +63,9 @@ def select_counted(editing: Editing, selector: Selector, path: Path, count: Coun
         return []
     if expect is not None and len(found) != expect:
         notes = [Note(f"it selects {_names(editing, found)}")] if found else [*_existing(editing, selector)]
-        editing.sink.error(
-            "selector",
-            f"`{selector}` selects {_count(len(found))}, expected {expect}",
-            editing.span(count.at),
-            notes=notes,
-            help=None if not found else f"write `expect: {len(found)}` if that is right",
-        )
+        message = f"`{selector}` selects {_count(len(found))}, expected {expect}"
+        help = None if not found else f"write `expect: {len(found)}` if that is right"
+        editing.sink.error("selector", message, editing.span(count.at), notes=notes, help=help)
         return []
     if not found and not count.optional and expect is None:
         _report_nothing(editing, selector, path)
@@ -186,14 +182,9 @@ def _report_nothing(editing: Editing, selector: Selector, path: Path) -> None:
         if any(map(matcher(deeper, separator), names)):
             help = f'`*` stops at `{separator}`: write `{selector.tag}: "{deeper}"`'
             fix = Fix(deeper, selector.pattern, written)
-    editing.sink.error(
-        "selector",
-        f"`{selector}` selects nothing",
-        editing.span(path),
-        notes=_existing(editing, selector),
-        help=help or "write `optional: true` if that is not a fault",
-        fix=fix,
-    )
+    message = f"`{selector}` selects nothing"
+    help = help or "write `optional: true` if that is not a fault"
+    editing.sink.error("selector", message, editing.span(path), notes=_existing(editing, selector), help=help, fix=fix)
 
 
 def _existing(editing: Editing, selector: Selector) -> Iterable[Note]:

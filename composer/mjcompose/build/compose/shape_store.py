@@ -56,12 +56,9 @@ class ShapeStore:
             found = parse_shapes(json.loads(content))
         except (ValueError, RecursionError):
             path = self.path(key)
-            self.context.sink.error(
-                "lock-invalid",
-                f"`{self.context.shown(path) if path else key}` is not a collision shape that mjcompose made",
-                span,
-                help="take it from version control, or remove it and run `mjcompose lock`",
-            )
+            message = f"`{self.context.shown(path) if path else key}` is not a collision shape that mjcompose made"
+            help = "take it from version control, or remove it and run `mjcompose lock`"
+            self.context.sink.error("lock-invalid", message, span, help=help)
             return None
         self.used[key] = content
         return found

@@ -41,14 +41,12 @@ def report_unusable(editing: Editing, node: Node, fault: Fault, it: str | None =
     # A number without a unit is a fault of the recipe, wherever the element is.
     if fault.code != "bare-angle":
         notes.append(Note(f"{it or editing.called(node)} is written here", editing.span_of(node)))
+    message = fault.message
+    span = editing.span(fault.at, key=fault.key)
+    help = fault.help
+    fix = fault.fix
     editing.sink.error(
-        fault.code,
-        fault.message,
-        editing.span(fault.at, key=fault.key),
-        notes=notes,
-        help=fault.help,
-        subjects=(*fault.names, *editing.subjects(node)),
-        fix=fault.fix,
+        fault.code, message, span, notes=notes, help=help, subjects=(*fault.names, *editing.subjects(node)), fix=fix
     )
     raise UnusableValue
 
@@ -230,13 +228,11 @@ class Masses:
             raise UnusableValue
         mass = None if found is None else found.values(body, "body_mass", 1)
         if mass is None:
+            message = f"the mass of {self.editing.called(body)} is not known{hidden}"
+            notes = (Note("it is written here", self.editing.span_of(body)),)
+            help = "`scale` needs not know it; or write a `mass` on each of its geoms"
             self.editing.sink.error(
-                "selector",
-                f"the mass of {self.editing.called(body)} is not known{hidden}",
-                self.editing.span(at),
-                notes=(Note("it is written here", self.editing.span_of(body)),),
-                help="`scale` needs not know it; or write a `mass` on each of its geoms",
-                subjects=self.editing.subjects(body),
+                "selector", message, self.editing.span(at), notes=notes, help=help, subjects=self.editing.subjects(body)
             )
             raise UnusableValue
         return mass[0]
@@ -251,12 +247,9 @@ class Masses:
                 self._nothing(body, at)
             factor = wanted / now
         if factor < 0 or not math.isfinite(factor):
-            self.editing.sink.error(
-                "out-of-range",
-                f"the mass of {self.editing.called(body)} would be negative",
-                self.editing.span(at),
-                subjects=self.editing.subjects(body),
-            )
+            message = f"the mass of {self.editing.called(body)} would be negative"
+            span = self.editing.span(at)
+            self.editing.sink.error("out-of-range", message, span, subjects=self.editing.subjects(body))
             raise UnusableValue
         self.settle()
         self._scale(body, factor, at)
@@ -331,14 +324,11 @@ class Masses:
 
     def _nothing(self, body: Node, at: Path) -> None:
         editing = self.editing
-        editing.sink.error(
-            "wrong-type",
-            f"{editing.called(body)} has no mass of its own that could be scaled",
-            editing.span(at, key=True),
-            notes=(Note("it is written here", editing.span_of(body)),),
-            help=self._instead(body),
-            subjects=editing.subjects(body),
-        )
+        message = f"{editing.called(body)} has no mass of its own that could be scaled"
+        span = editing.span(at, key=True)
+        notes = (Note("it is written here", editing.span_of(body)),)
+        help = self._instead(body)
+        editing.sink.error("wrong-type", message, span, notes=notes, help=help, subjects=editing.subjects(body))
         raise UnusableValue
 
     def _instead(self, body: Node) -> str:

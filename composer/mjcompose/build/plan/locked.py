@@ -63,11 +63,9 @@ def _report_versions(lock: Lock, shown: str, recipe: str, context: Context) -> N
     if others:
         was = " and ".join(f"{name} {made_with[name]}" for name in others)
         now = " and ".join(f"{name} {here[name] or 'none'}" for name in others)
-        context.sink.warning(
-            "lock-stale",
-            f"`{shown}` was made with {was}, this is {now}: what is built may be other bytes",
-            help=f"install what it was made with, or run `mjcompose lock {recipe}`",
-        )
+        message = f"`{shown}` was made with {was}, this is {now}: what is built may be other bytes"
+        help = f"install what it was made with, or run `mjcompose lock {recipe}`"
+        context.sink.warning("lock-stale", message, help=help)
 
 
 @dataclass(slots=True)
@@ -137,21 +135,13 @@ def check_lock(plan: Plan, context: Context) -> None:
             now.files,
         ):
             report = context.sink.warning if kind_of(now).is_local and not fetching.locked else context.sink.error
-            report(
-                "source-changed",
-                f"`{id}` is not what `{shown}` pins",
-                use.span,
-                notes=[Note(change) for change in changes[:_SHOWN]] + _more(changes),
-                help=f"if that is meant, run `mjcompose lock {plan.file} --upgrade-source {name}`",
-            )
+            notes = [Note(change) for change in changes[:_SHOWN]] + _more(changes)
+            help = f"if that is meant, run `mjcompose lock {plan.file} --upgrade-source {name}`"
+            report("source-changed", f"`{id}` is not what `{shown}` pins", use.span, notes=notes, help=help)
         elif wrong := [*_wrong(before, now)]:
-            context.sink.error(
-                "lock-invalid",
-                f"what `{shown}` says of `{id}` cannot be: it was not made so",
-                use.span,
-                notes=[Note(each) for each in wrong],
-                help="take the lock from version control, or remove it and run `mjcompose lock`",
-            )
+            message = f"what `{shown}` says of `{id}` cannot be: it was not made so"
+            help = "take the lock from version control, or remove it and run `mjcompose lock`"
+            context.sink.error("lock-invalid", message, use.span, notes=[Note(each) for each in wrong], help=help)
         elif fetching.locked and (others := [*_of_another_version(before, now)]):
             context.sink.warning(
                 "lock-stale",
@@ -242,13 +232,10 @@ def _is_whole(id: str, use: _SourceUse, context: Context) -> bool:
     stored = {name: digest for name, digest in use.origin.stored.items() if name in there}
     changes = differences(stored, there)
     if changes:
-        context.sink.error(
-            "source-changed",
-            f"`{id}` is not what was fetched: files in the store were changed",
-            use.span,
-            notes=[Note(each.replace("was locked", "was stored")) for each in changes[:_SHOWN]] + _more(changes),
-            help="run `mjcompose cache verify --fix`; it is fetched again when it is needed",
-        )
+        message = f"`{id}` is not what was fetched: files in the store were changed"
+        notes = [Note(each.replace("was locked", "was stored")) for each in changes[:_SHOWN]] + _more(changes)
+        help = "run `mjcompose cache verify --fix`; it is fetched again when it is needed"
+        context.sink.error("source-changed", message, use.span, notes=notes, help=help)
     return not changes
 
 

@@ -85,12 +85,9 @@ class _Source:
             return False
         if distribution.unit is not None and not (self.parameter and self.parameter.is_angle):
             message = f"parameter `{self.name}` is not an angle, and what is drawn for it is one"
+            help = f"declare it as one: `{self.name}: {{unit: {distribution.unit}, …}}`"
             self.sink.error(
-                "wrong-type",
-                message,
-                locate(self.document, field.drawn_at),
-                help=f"declare it as one: `{self.name}: {{unit: {distribution.unit}, …}}`",
-                subjects=(self.name,),
+                "wrong-type", message, locate(self.document, field.drawn_at), help=help, subjects=(self.name,)
             )
             return False
         if distribution.components not in (None, len(numbers)):
@@ -124,13 +121,9 @@ class _Source:
         read = self.parameter.read(value)
         if not isinstance(read, Diagnostic):
             return read
-        self.sink.error(
-            read.code,
-            f"{read.message} in sample {sample}",
-            locate(self.document, self.field.drawn_at),
-            notes=(Note("the parameter is declared here", self.parameter.span),),
-            help=self._help(read),
-        )
+        span = locate(self.document, self.field.drawn_at)
+        notes = (Note("the parameter is declared here", self.parameter.span),)
+        self.sink.error(read.code, f"{read.message} in sample {sample}", span, notes=notes, help=self._help(read))
         return None
 
     def _help(self, refused: Diagnostic) -> str | None:

@@ -48,13 +48,9 @@ def without_rings(parts: tuple[AttachPart, ...], separator: str, sink: Sink) -> 
             reported.update(ring)
             names = ", which is attached to ".join(f"`{prefix}`" for prefix in [*ring[1:], mount])
             alone = len(ring) == 1
-            sink.error(
-                "attach-cycle",
-                f"`{part.prefix}` is attached to itself" if alone else f"`{part.prefix}` is attached to {names}",
-                part.span,
-                help=f"{'it' if alone else 'one of them'} must be attached to the base or to the world",
-                subjects=ring,
-            )
+            message = f"`{part.prefix}` is attached to itself" if alone else f"`{part.prefix}` is attached to {names}"
+            help = f"{'it' if alone else 'one of them'} must be attached to the base or to the world"
+            sink.error("attach-cycle", message, part.span, help=help, subjects=ring)
     if reported:
         sink.suppress_about(part_name(part, separator) for part in parts if part.prefix in reported)
     return tuple(part for part in parts if part.prefix not in reported)
@@ -99,13 +95,10 @@ def _of_keys(plan: Plan, parts: list[str], sink: Sink) -> None:
     for step in plan.keyframes:
         for part in step.key.sources:
             if parts.count(part) > 1:
-                sink.error(
-                    "name-clash",
-                    f"`{part}` may be two parts: one has it as its prefix, and one without a prefix as its key",
-                    locate(plan.document, (*step.key.at, FROM, part), key=True),
-                    help="give the one without a prefix another key",
-                    subjects=(part,),
-                )
+                message = f"`{part}` may be two parts: one has it as its prefix, and one without a prefix as its key"
+                span = locate(plan.document, (*step.key.at, FROM, part), key=True)
+                help = "give the one without a prefix another key"
+                sink.error("name-clash", message, span, help=help, subjects=(part,))
             elif part not in parts:
                 span = locate(plan.document, (*step.key.at, FROM, part), key=True)
                 sink.add(unknown_name("part", part, parts, span=span, purpose=" to take a key from"))

@@ -135,12 +135,9 @@ class _Planner:
         around = [recipe for recipe, _ in outer]
         if key in around:
             ring = [*around[around.index(key) :], path]
-            self.sink.error(
-                "source-cycle",
-                "recipes contain one another: " + " → ".join(each.name for each in ring),
-                span,
-                help="a recipe cannot be a part of itself: take one of these references out",
-            )
+            message = "recipes contain one another: " + " → ".join(each.name for each in ring)
+            help = "a recipe cannot be a part of itself: take one of these references out"
+            self.sink.error("source-cycle", message, span, help=help)
             return None
         if not self._may_nest(len(outer), span):
             return None
@@ -245,13 +242,10 @@ class _Planner:
             self.sink.error("missing-key", message, document.span, help="build without `--as worlds`")
             return
         for field in recipe.randomize.of_parameters:
-            self.sink.error(
-                "draw-at-run-time",
-                f"field `{field.name}` draws a parameter, and a compiled model has no parameters",
-                locate(document, (*field.at, "param")),
-                help="build without `--as worlds`: `--worlds FILE` makes worlds of any samples",
-                subjects=(field.name,),
-            )
+            message = f"field `{field.name}` draws a parameter, and a compiled model has no parameters"
+            span = locate(document, (*field.at, "param"))
+            help = "build without `--as worlds`: `--worlds FILE` makes worlds of any samples"
+            self.sink.error("draw-at-run-time", message, span, help=help, subjects=(field.name,))
 
     def _read(self, path: Path, given: Given) -> tuple[Recipe, Mapping, Concrete | None] | None:
         found = validated_recipe(path, given, self.context)
@@ -375,21 +369,14 @@ class _Planner:
         return self._assembled(found, inside, _Draws())
 
     def _separators(self, model: str, inner: Recipe | Plan, outer: Recipe, span: Span) -> None:
-        self.sink.error(
-            "separator-mismatch",
-            f"{model} separates names with `{inner.separator}`, this recipe with `{outer.separator}`",
-            span,
-            help=f'give both the same: `separator: "{inner.separator}"`',
-        )
+        message = f"{model} separates names with `{inner.separator}`, this recipe with `{outer.separator}`"
+        help = f'give both the same: `separator: "{inner.separator}"`'
+        self.sink.error("separator-mismatch", message, span, help=help)
 
     def _only_for(self, key: str, what: str, model: str, document: Mapping, at: tuple[str | int, ...]) -> None:
-        self.sink.error(
-            "unknown-key",
-            f"`{key}` is for {what}, and {model} is not one",
-            locate(document, (*at, key), key=True),
-            help=f"take `{key}` out",
-            subjects=(key,),
-        )
+        message = f"`{key}` is for {what}, and {model} is not one"
+        help = f"take `{key}` out"
+        self.sink.error("unknown-key", message, locate(document, (*at, key), key=True), help=help, subjects=(key,))
 
     def _arguments(
         self, given: Map[str, Any], document: Mapping, at: tuple[str | int, ...]
@@ -397,11 +384,8 @@ class _Planner:
         """Yield the arguments of a xacro template as text."""
         for name, value in given.items():
             if isinstance(value, list):
-                self.sink.error(
-                    "wrong-type",
-                    f"the argument `{name}` of a xacro template is text or a number, got a list",
-                    locate(document, (*at, "with", name)),
-                )
+                message = f"the argument `{name}` of a xacro template is text or a number, got a list"
+                self.sink.error("wrong-type", message, locate(document, (*at, "with", name)))
                 continue
             yield name, str(value).lower() if isinstance(value, bool) else str(value)
 
@@ -435,19 +419,13 @@ class _Planner:
         found: dict[str, Path] = {}
         for name, at in ros.in_workspace(folder):
             if name in found:
-                self.sink.error(
-                    "name-clash",
-                    f"two packages of the workspace are called `{name}`",
-                    span,
-                    notes=(Note(f"`{self.context.shown(found[name])}` and `{self.context.shown(at)}`"),),
-                    help=f"say which one is meant: `{name}: …`, and put a file `COLCON_IGNORE` into the other",
-                )
+                message = f"two packages of the workspace are called `{name}`"
+                notes = (Note(f"`{self.context.shown(found[name])}` and `{self.context.shown(at)}`"),)
+                help = f"say which one is meant: `{name}: …`, and put a file `COLCON_IGNORE` into the other"
+                self.sink.error("name-clash", message, span, notes=notes, help=help)
             found.setdefault(name, at)
         if not found and os.path.isdir(folder):
-            self.sink.error(
-                "file-not-found",
-                f"the workspace `{self.context.shown(folder)}` has no package",
-                span,
-                help="name the folder with the packages, each of which has a `package.xml`",
-            )
+            message = f"the workspace `{self.context.shown(folder)}` has no package"
+            help = "name the folder with the packages, each of which has a `package.xml`"
+            self.sink.error("file-not-found", message, span, help=help)
         yield from found.items()

@@ -296,10 +296,8 @@ def _extended(named: Node, path: Path, context: Context, chain: tuple[Path, ...]
         sink.add(error.at(named.span))
         return None
     if source.format != "recipe":
-        sink.error(
-            "source-kind", f"`{named.value}` is not a recipe, which is all that can be extended", named.span,
-            help=f"start from it: `base: {named.value}`",
-        )  # fmt: skip
+        message = f"`{named.value}` is not a recipe, which is all that can be extended"
+        sink.error("source-kind", message, named.span, help=f"start from it: `base: {named.value}`")
         return None
     most = in_force().nesting
     if len(chain) > most:
@@ -332,12 +330,8 @@ def _text(path: Path, context: Context) -> bytes | None:
         _unreadable(path, shown, error, context=context)
         return None
     if text.lstrip().startswith(b"<"):
-        context.sink.error(
-            "source-kind",
-            f"`{shown}` is XML and no recipe",
-            Span(shown, 1, 1),
-            help=f"a recipe names its models: `base: ./{path.with_suffix('.xml').name}`",
-        )
+        help = f"a recipe names its models: `base: ./{path.with_suffix('.xml').name}`"
+        context.sink.error("source-kind", f"`{shown}` is XML and no recipe", Span(shown, 1, 1), help=help)
         return None
     return text
 
@@ -385,12 +379,9 @@ def read_trust(node: Mapping, folder: Path, sink: Sink) -> Trust:
 
 def refuse_trust(node: Mapping, origin: Origin, sink: Sink) -> None:
     """Report the section in a recipe from elsewhere, which cannot grant trust to itself."""
-    sink.error(
-        "source-outside",
-        f"`{TRUST}` in a recipe of `{origin.id}` counts for nothing: only your own recipe says what it trusts",
-        node.entries[TRUST][0].span,
-        help=f"write in your own recipe what you trust; this `{TRUST}` has to go",
-    )
+    message = f"`{TRUST}` in a recipe of `{origin.id}` counts for nothing: only your own recipe says what it trusts"
+    help = f"write in your own recipe what you trust; this `{TRUST}` has to go"
+    sink.error("source-outside", message, node.entries[TRUST][0].span, help=help)
 
 
 def _texts(written: Mapping, name: str, sink: Sink) -> list[tuple[str, Span]]:
