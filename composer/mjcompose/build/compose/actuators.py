@@ -1,6 +1,4 @@
-"""An actuator as MuJoCo compiled it, and the units of its controls.
-
-The units of the controls and activations of actuators: angles, angular velocities, or plain numbers.
+"""Actuators as MuJoCo compiles them, and the units of their controls and activations.
 
 The control of a position servo is a position, that of a velocity servo a velocity, of whatever the servo moves;
 `compiled/units.py` determines the same for a compiled model. Only a joint determines whether that is an angle: a

@@ -87,6 +87,7 @@ def _check_mass(step: AddElement, node: Node, linking: Linking, making: ElementB
 
 def _report_no_target(step: AddElement, linking: Linking, making: ElementBuilder) -> None:
     written = "to: {frame: {}}" if step.to_kind == "frame" else "to: {}"
+    help: str | None = None
     later = linking.later_places.target_of(step.to_kind, step.to) if linking.later_places else None
     if later is not None:
         message = f"the {step.to_kind} `{step.to}` to add to does not exist yet: a later entry adds it"
@@ -94,7 +95,6 @@ def _report_no_target(step: AddElement, linking: Linking, making: ElementBuilder
         help = "put that entry above this one"
         making.sink.error("unknown-name", message, step.to_span, notes=notes, help=help, subjects=(step.to,))
         return
-    help = None
     kinds = linking.names.kinds_of(step.to)
     if step.to_kind == "body" and "frame" in kinds:
         help = f"`{step.to}` is a frame: write `to: {{frame: {step.to}}}`"

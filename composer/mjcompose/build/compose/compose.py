@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import field, replace
-from functools import partial
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from lxml import etree
@@ -14,7 +13,6 @@ from lxml.etree import _Element as Node
 from mjcompose.base.access import NOTHING
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Path as KeyPath
-from mjcompose.base.diagnostic import Span
 from mjcompose.base.limits import advice, in_force
 from mjcompose.base.sink import Sink
 from mjcompose.build.bundle.collect import check_files
@@ -52,17 +50,7 @@ from mjcompose.build.plan.plan import (
     part_name,
 )
 from mjcompose.build.plan.step_table import STEPS
-from mjcompose.build.plan.steps import (
-    AddElement,
-    AppendElement,
-    DrawValues,
-    EditElements,
-    SetCollisions,
-    SetDefault,
-    SetSingleton,
-    Step,
-    WriteKeyframe,
-)
+from mjcompose.build.plan.steps import AddElement, AppendElement, SetDefault, SetSingleton, Step
 from mjcompose.language.form import check_rows
 from mjcompose.link.agreement import SINGLETONS, common_settings, of_base, requested_settings, set_value
 from mjcompose.link.files import add_file
@@ -93,24 +81,22 @@ if TYPE_CHECKING:
 Result = TypeVar("Result")
 # What else is added would change what `settotalmass` of the base gives each body: MuJoCo scales the whole model to it.
 _WEIGHTLESS = ("site", "camera", "light")
-# What writes a step into the joined model. The steps after these wait until all of it exists: edits and draws
-# (`model_edits.py`), and keys (`keyframe.py`).
+# These functions write a step into the joined model. Steps that wait for the whole model are in other modules.
 _WRITE: Mapping[type[Step], Callable[[Any, Linking, ElementBuilder], None]] = {
     AddElement: add_element,
     SetSingleton: set_singleton,
     SetDefault: set_default,
     AppendElement: append_element,
 }
-_AFTERWARDS: tuple[type[Step], ...] = (EditElements, DrawValues, WriteKeyframe, SetCollisions)
-check_rows("the steps that composer/mjcompose/build/compose/compose.py carries out", [*_WRITE, *_AFTERWARDS], STEPS)
+check_rows(f"the steps that {__name__} carries out", _WRITE, [each for each in STEPS if not each.waits])
 
 
 @dataclass(frozen=True, slots=True)
 class Composed:
-    """One flat model, the files it names, the sources that are in it, what was drawn for it and made of its meshes.
+    """One flat model with its files, sources, draws and generated shapes.
 
-    `excluded` are the bodies that need not collide, where the recipe asks for these; `tables` says what was read of
-    the sources that are not MJCF.
+    `excluded` are the bodies that need not collide, if the recipe requests them. `tables` has what was read, and what
+    was not, of sources that are not MJCF.
     """
 
     model: Unit
@@ -128,9 +114,8 @@ class Composed:
 class ComposeOptions:
     """Options of composing.
 
-    With `checks_sources`, all of a source has to be MJCF, and not only what is looked at. With `notes_parts`, the
-    composer notes the part of each element. Without `makes_shapes`, only stored results of work on meshes are used,
-    because the work may take minutes.
+    With `checks_sources`, every element of a source must be valid MJCF. With `notes_parts`, the composer records the
+    part of each element. Without `makes_shapes`, it uses only stored results of work on meshes, which may take minutes.
     """
 
     checks_sources: bool = False
@@ -141,9 +126,9 @@ class ComposeOptions:
 class Composer:
     """Composes plans.
 
-    `subtrees` has the result for each model of which only one body is taken, by recipe and path. `parts` has the
-    recipe's name for the part of an element, if the options or the plan ask for it. `edits` has what each entry of
-    `edit` did, by recipe and path.
+    `subtrees` has the result for each model of which only one body is used, by recipe and path. `parts` has the
+    recipe's name for the part of an element, if the options or the plan need it. `edits` has the outcome of each entry
+    of `edit`, by recipe and path.
     """
 
     def __init__(
@@ -184,7 +169,7 @@ class Composer:
 
     def unit_of(self, plan: Plan, wanted: PartRequest) -> Unit | None:
         """Return the base or a part of a plan alone, reduced to the requested subtree, or None if it has faults."""
-        return self.guarded(plan, wanted.is_fixed_in_world, partial(Composer._unit, plan=plan, wanted=wanted))
+        return self.guarded(plan, wanted.is_fixed_in_world, lambda again: again._unit(plan, wanted))
 
     def read_subtrees(self, plan: Plan) -> None:
         """Take the subtrees of a plan, and compose only the sources that they come from."""
@@ -206,7 +191,7 @@ class Composer:
 
     def _compose(self, plan: Plan, is_fixed: bool) -> Composed | None:
         """Return the model of a plan. With `is_fixed`, it is fixed in the world of the final model."""
-        return self.guarded(plan, is_fixed, partial(Composer._composed, plan=plan, is_fixed=is_fixed))
+        return self.guarded(plan, is_fixed, lambda again: again._composed(plan, is_fixed))
 
     def guarded(self, plan: Plan, is_fixed: bool, work: Callable[[Composer], Result | None]) -> Result | None:
         """Return the result of the work, or None if it fails because of a source that is not valid MJCF."""
@@ -217,37 +202,29 @@ class Composer:
             faulty = [unit for unit in library.values() if not check_source(unit, self.context.sink)]
             if not faulty:
                 raise
-            self._retry_with_repairs(plan, is_fixed, work, library=library)
-            return None
+            # The work is repeated with corrected sources: an exception that still occurs is a bug.
+            for unit in library.values():
+                repair(unit)
+            context, options = replace(self.context, sink=Sink()), ComposeOptions(notes_parts=self.notes_parts)
+            again = Composer(context, self.measure, self.loader.session, library=library, options=options)
+            again.expect(plan, is_fixed)
+            with suppress(RecursionError):
+                work(again)
         except RecursionError:
-            self.context.sink.error(
-                "not-supported", f"elements of a model in `{plan.file}` stand too deep inside one another"
-            )
-            return None
-
-    def _retry_with_repairs(
-        self, plan: Plan, is_fixed: bool, work: Callable[[Composer], Result | None], library: Library
-    ) -> None:
-        """Repeat the work with the faults of the sources corrected. An exception that still occurs is a bug."""
-        for unit in library.values():
-            repair(unit)
-        context, options = replace(self.context, sink=Sink()), ComposeOptions(notes_parts=self.notes_parts)
-        again = Composer(context, self.measure, self.loader.session, library=library, options=options)
-        again.expect(plan, is_fixed)
-        with suppress(RecursionError):
-            work(again)
+            self.context.sink.error("not-supported", f"elements of a model in `{plan.file}` are nested too deeply")
+        return None
 
     def _composed(self, plan: Plan, is_fixed: bool) -> Composed | None:
-        read = self._units(plan, is_fixed)
-        if read is None or read[0] is None:
+        base, *units = self._units(plan, is_fixed) or [None]
+        if base is None:
             return None
-        base, *units = read
-        assert base is not None
-        given = [unit for unit in units if unit is not None]
-        if len(given) == len(units):
-            return self._joined(plan, base, given, is_fixed=is_fixed)
-        # Only for the errors that can still be found: a model without some of its parts is not given.
-        self._joined(self._without_missing(plan, units), base, given, is_fixed=is_fixed)
+        read = [unit for unit in units if unit is not None]
+        if len(read) == len(units):
+            return self._joined(plan, base, read, is_fixed=is_fixed)
+        # A model without some of its parts is only good for finding more errors.
+        kept = [step for step, unit in zip(plan.parts, units, strict=True) if unit is not None]
+        self.context.sink.suppress_about(part_name(step, plan.separator) for step in plan.parts if step not in kept)
+        self._joined(replace(plan, parts=tuple(kept)), base, read, is_fixed=is_fixed)
         return None
 
     def _units(self, plan: Plan, is_fixed: bool) -> list[Unit | None] | None:
@@ -272,12 +249,6 @@ class Composer:
             units.append(unit)
         return units
 
-    def _without_missing(self, plan: Plan, units: list[Unit | None]) -> Plan:
-        """Return the plan with only the parts that could be read, in which more faults can be found."""
-        kept = [step for step, unit in zip(plan.parts, units, strict=True) if unit is not None]
-        self.context.sink.suppress_about(part_name(step, plan.separator) for step in plan.parts if step not in kept)
-        return replace(plan, parts=tuple(kept))
-
     def _joined(self, plan: Plan, base: Unit, units: list[Unit], is_fixed: bool) -> Composed | None:
         """Attach the parts to the base, add the recipe's own elements, and return the result."""
         # Each call needs those before it: steps name joined elements, edits also select what steps add, `finish` lays
@@ -296,7 +267,11 @@ class Composer:
             return None
         self.keys.note_joined(linking)
         _carry_out(plan, linking, making, early=early)
-        changes = self._model_edits(plan, linking, making)
+        changes: ModelEdits | None = None
+        if plan.edits or plan.draws:
+            from mjcompose.build.compose.edits import ModelEdits  # few recipes need it
+
+            changes = ModelEdits(plan, linking, making, composer=self)
         self._edit(plan, changes, linking, making=making)
         if self.context.sink.error_count > before:
             return None
@@ -304,9 +279,9 @@ class Composer:
         spare_added(linking)
         hold_poses(plan, linking, making, context=self.context, session=self.loader.session)
         linking.watch(linking.units, hold_poses)
-        session = self.loader.session
+        samples = self.options.makes_shapes
         self.needless += set_collisions(
-            plan, linking, making, context=self.context, session=session, samples=self.options.makes_shapes
+            plan, linking, making, context=self.context, session=self.loader.session, samples=samples
         )
         check_names_of_keys(linking, making)
         if changes:
@@ -331,12 +306,21 @@ class Composer:
     def _linking(self, plan: Plan, base: Unit, units: list[Unit], making: ElementBuilder) -> Linking:
         """Return the base and its parts, with the joints between them, ready to be linked."""
         parts = [part_of(step, unit, making) for step, unit in zip(plan.parts, units, strict=True)]
-        linking = Linking(
-            base, parts, self.context.sink, request=_request(plan), measure=self.measure, watch=self.watch
-        )
+        top = [step.element for step in plan.steps if isinstance(step, SetDefault) and step.name == MAIN]
+        request = Request(
+            plan.separator, plan.conflict, plan.settled, base_keyframes=plan.base_keys,
+            requested_keys=plan.key_sources if plan.keyframes else None,
+            isolated_tags=frozenset(child.tag for element in top for child in element.children),
+            adds_mass=_adds_mass(plan),
+        )  # fmt: skip
+        linking = Linking(base, parts, self.context.sink, request=request, measure=self.measure, watch=self.watch)
         self.watch(linking.units, linking)
-        if self.notes_parts:
-            self._note_parts(plan, units)
+        # Before the units are joined. A nested recipe has already recorded its own parts.
+        for step, unit in zip(plan.parts, units, strict=True) if self.notes_parts else ():
+            name = part_name(step, plan.separator)
+            for node in unit.root.iter("*"):
+                inner = self.parts.get(node)
+                self.parts[node] = f"{name}/{inner}" if inner else name
         for step, part in zip(plan.parts, parts, strict=True):
             add_joints(step, part, linking, making=making)
         return linking
@@ -345,7 +329,7 @@ class Composer:
         """Carry out the edits, lay out the keys, and report what is wrong with the model before it is finished."""
         sink = self.context.sink
         are_named = True
-        if changes and sink.has_errors:  # without what is at fault a selector means other things
+        if changes and sink.has_errors:  # in a model that lacks something, a selector selects other elements
             are_named = changes.in_doubt()
         elif changes:
             changes.of_elements()
@@ -353,37 +337,20 @@ class Composer:
         if are_named:
             write_keyframes(plan, linking, making)
         if sink.has_errors:
-            # A missing file is reported beside other errors. What a joint moves is not known without what is at fault.
+            # A missing file is reported next to other errors. The mass that a joint moves is then unknown.
             check_files(linking.base, linking.files, sink, shown=self.context.shown)
         elif are_named:
             for step, part in zip(plan.parts, linking.parts, strict=True):
                 check_mass(step, part, linking, making=making)
         check_size(linking.base, sink, attached_size(linking.base))
 
-    def _model_edits(self, plan: Plan, linking: Linking, making: ElementBuilder) -> ModelEdits | None:
-        if not (plan.edits or plan.draws):
-            return None
-        from mjcompose.build.compose.edits import ModelEdits  # few recipes need it
-
-        return ModelEdits(
-            plan, linking, making, parts=self.parts, cost=self.cost, outcomes=self.edits, workshop=self._workshop()
-        )
-
-    def _workshop(self) -> MeshWorkshop:
-        """Return the place where meshes are worked on, one for the whole composition."""
+    def mesh_workshop(self) -> MeshWorkshop:
+        """Return the workshop for meshes, the same for the whole composition."""
         if self.workshop is None:
             from mjcompose.build.compose.mesh_jobs import MeshWorkshop  # few recipes need it
 
             self.workshop = MeshWorkshop(self.context, self.options.makes_shapes)
         return self.workshop
-
-    def _note_parts(self, plan: Plan, units: list[Unit]) -> None:
-        """Record the part of each element before the units are joined. A nested recipe has already recorded its own."""
-        for step, unit in zip(plan.parts, units, strict=True):
-            name = part_name(step, plan.separator)
-            for node in unit.root.iter("*"):
-                inner = self.parts.get(node)
-                self.parts[node] = f"{name}/{inner}" if inner else name
 
     def _reread_sources(self, plan: Plan, is_fixed: bool) -> Iterator[tuple[Key, Unit]]:
         """Yield the sources of a plan as they are in their files."""
@@ -398,7 +365,13 @@ class Composer:
         """Return the base or a part of a plan, reduced to the requested subtree, or None if it has faults."""
         if wanted.model is None:
             return Unit(etree.Element("mujoco"), plan.file, plan.path.parent, label=plan.path.stem, door=NOTHING)
-        unit = self._whole(wanted, locate(plan.document, (*wanted.at, "model")))
+        unit: Unit | None
+        if isinstance(wanted.model, Plan):
+            composed = self._compose(wanted.model, wanted.is_fixed_in_world)
+            unit = composed.model if composed else None
+        else:
+            span = locate(plan.document, (*wanted.at, "model"))
+            unit = self.loader.unit(wanted.model, span, wanted.is_fixed_in_world)
         if unit is None:
             return None
         if isinstance(wanted.model, Source):
@@ -414,19 +387,7 @@ class Composer:
         if wanted.drops_elements or wanted.edit:
             from mjcompose.build.compose.edits import PartEdits  # few recipes need it
 
-            edits = PartEdits(
-                plan,
-                wanted,
-                unit,
-                context=self.context,
-                measure=self.measure,
-                watch=self.watch,
-                cost=self.cost,
-                outcomes=self.edits,
-                workshop=self._workshop(),
-                keys=self.keys,
-            )
-            dropped = edits.carry_out()
+            dropped = PartEdits(plan, wanted, unit, composer=self).carry_out()
             if dropped is None:
                 return None
             if wanted.drops_elements:
@@ -435,29 +396,6 @@ class Composer:
                 known = self.subtrees.get(plan.place_of(wanted.at), Subtree(None, ()))
                 self.subtrees[plan.place_of(wanted.at)] = Subtree(known.body, (*known.dropped, *dropped))
         return unit
-
-    def _whole(self, wanted: PartRequest, span: Span) -> Unit | None:
-        if isinstance(wanted.model, Plan):
-            composed = self._compose(wanted.model, wanted.is_fixed_in_world)
-            return composed.model if composed else None
-        assert wanted.model is not None
-        return self.loader.unit(wanted.model, span, wanted.is_fixed_in_world)
-
-
-def _top_tags(plan: Plan) -> Iterator[str]:
-    """Yield the tags for which the recipe sets the top class."""
-    for step in plan.steps:
-        if isinstance(step, SetDefault) and step.name == MAIN:
-            yield from (child.tag for child in step.element.children)
-
-
-def _request(plan: Plan) -> Request:
-    return Request(
-        plan.separator, plan.conflict, plan.settled, base_keyframes=plan.base_keys,
-        requested_keys=plan.key_sources if plan.keyframes else None,
-        isolated_tags=frozenset(_top_tags(plan)),
-        adds_mass=_adds_mass(plan),
-    )  # fmt: skip
 
 
 def _adds_mass(plan: Plan) -> bool:
@@ -479,11 +417,7 @@ def _carry_out(plan: Plan, linking: Linking, making: ElementBuilder, early: Earl
             linking.watch(linking.units, step)
     if making.pending:
         classes = linking.base.classes
-
-        def kind(joint: Node) -> str:
-            return joint_type(joint, classes)
-
-        settle_joints(making, kind)
+        settle_joints(making, lambda joint: joint_type(joint, classes))
         check_class_angles(linking, making)
         linking.watch(linking.units, settle_joints)
     check_names(linking, making)
@@ -498,10 +432,7 @@ def _carry_out(plan: Plan, linking: Linking, making: ElementBuilder, early: Earl
 
 
 def adopted_settings(plan: Plan, context: Context, library: Library) -> tuple[Adopted, ...]:
-    """Return the settings that all parts agree on, among the parts that write them. A faulty model gives none.
-
-    Sources that the library has are not read again.
-    """
+    """Return the settings that the parts which write them agree on; none for a faulty model."""
     if not plan.parts:
         return ()
     aside = replace(context, sink=Sink())
@@ -512,27 +443,27 @@ def adopted_settings(plan: Plan, context: Context, library: Library) -> tuple[Ad
 
 def _settings(plan: Plan, composer: Composer, is_fixed: bool) -> Unit:
     """Return a unit with only the settings of a plan's model."""
-    base, *parts = [_of(each, plan, composer) for each in part_requests(plan, is_fixed)]
-    found, _ = common_settings(
-        asked := requested_settings(base),
-        [(step.prefix or part.label, requested_settings(part)) for step, part in zip(plan.parts, parts, strict=True)],
-        plan.settled,
+    units: list[Unit] = []
+    for request in part_requests(plan, is_fixed):
+        if isinstance(request.model, Plan):
+            units.append(_settings(request.model, composer, request.is_fixed_in_world))
+        else:
+            read = None if request.model is None else composer.unit_of(plan, request)
+            units.append(read or Unit(etree.Element("mujoco"), plan.file, plan.path.parent, label=plan.path.stem))
+    base, *parts = units
+    of_parts = zip(plan.parts, parts, strict=True)
+    own = requested_settings(base)
+    common, _ = common_settings(
+        own, [(step.prefix or part.label, requested_settings(part)) for step, part in of_parts], plan.settled
     )
-    adopted = (*of_base(base.adopted, asked, plan.settled), *found.values())
+    adopted = (*of_base(base.adopted, own, plan.settled), *common.values())
     unit = Unit(base.root, base.file, base.directory, label=base.label, origins=base.origins, adopted=adopted)
-    for each in found.values():
-        if each.is_written:
-            set_value(unit, each.path, each.value)
+    for setting in common.values():
+        if setting.is_written:
+            set_value(unit, setting.path, setting.value)
     making = ElementBuilder.of(plan, unit, composer.context, model_angle="radian")
     linking = Linking(unit, [], composer.context.sink)
     for step in plan.steps:
         if isinstance(step, SetSingleton) and step.section in SINGLETONS:
             set_singleton(step, linking, making)
     return unit
-
-
-def _of(each: PartRequest, plan: Plan, composer: Composer) -> Unit:
-    if isinstance(each.model, Plan):
-        return _settings(each.model, composer, each.is_fixed_in_world)
-    found = None if each.model is None else composer.unit_of(plan, each)
-    return found or Unit(etree.Element("mujoco"), plan.file, plan.path.parent, label=plan.path.stem)

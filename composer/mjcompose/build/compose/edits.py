@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Set
+from collections.abc import Iterable, Mapping, Set
 from dataclasses import field, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from lxml import etree
 from lxml.etree import _Element as Node
@@ -14,37 +14,36 @@ from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Note, Path
 from mjcompose.base.sink import Sink
 from mjcompose.build.compose.checks import check_intervals
-from mjcompose.build.compose.editing import EditCost, Editing, count_values
+from mjcompose.build.compose.editing import Editing, count_values
 from mjcompose.build.compose.elements import ElementBuilder
 from mjcompose.build.compose.load import PartRequest
 from mjcompose.build.compose.randomize import draw_values
 from mjcompose.build.compose.select import Count, select_counted
 from mjcompose.build.compose.values import Masses, UnusableValue
-from mjcompose.build.plan.plan import Drawn, DropElements, EditOutcome, ElementDraws, Plan, RecipePath
+from mjcompose.build.plan.plan import Drawn, DropElements, EditOutcome, ElementDraws, Plan
 from mjcompose.build.plan.steps import DrawValues, EditElements
 from mjcompose.build.verbs.remove import listed_kind, remove
 from mjcompose.build.verbs.values import Entry
 from mjcompose.language.used_model import Drop
 from mjcompose.link.key_layout import element_of
 from mjcompose.link.keyframes import keyframes, lay_out_replaced
-from mjcompose.link.linking import Linking, Measure, Request
+from mjcompose.link.linking import Linking, Request
 from mjcompose.link.subtree import DroppedElement
-from mjcompose.link.unit_keys import KeyNotes, keys_of, layouts, remove_keys
+from mjcompose.link.unit_keys import keys_of, layouts, remove_keys
 from mjcompose.model.select import section_of
 from mjcompose.model.selector import paths_of
-from mjcompose.model.unit import Key, PartKeys, Unit, Watch
-from mjcompose.sources.context import Context
-from mjcompose.text.node import Mapping as Located
+from mjcompose.model.unit import Key, PartKeys, Unit
 from mjcompose.text.node import locate, texts
 
 if TYPE_CHECKING:
+    from mjcompose.build.compose.compose import Composer
     from mjcompose.build.compose.mesh_jobs import MeshWorkshop
 
 _SETTINGS = ("option", "size", "visual", "statistic")
 
 
 def drop_elements(entries: Iterable[Drop], editing: Editing, at: Path) -> list[DroppedElement]:
-    """Remove the elements that the entries select. Return all removed elements in the order of the entries."""
+    """Remove the elements that the entries select, and return them in the order of the entries."""
     gone: list[DroppedElement] = []
     for entry in entries:
         path = (*at, entry.index)
@@ -75,10 +74,7 @@ def _elements_of_section(editing: Editing, tag: str, path: Path) -> list[Node]:
 
 
 def edit_elements(step: EditElements, editing: Editing, workshop: MeshWorkshop) -> EditOutcome | None:
-    """Apply an entry to every element that it selects. Report at most one error per entry.
-
-    Return what was changed, or None after an error.
-    """
+    """Apply an entry to every element that it selects. Return the outcome, or None after its first error."""
     entry = step.edit
     count = Count(entry.expect, entry.optional, at=(*entry.at, "expect"))
     values = count_values(entry.verbs)
@@ -110,87 +106,79 @@ class PartEdits:
     plan: Plan
     wanted: PartRequest
     unit: Unit
-    context: Context
-    measure: Measure | None
-    watch: Watch
-    cost: EditCost
-    outcomes: dict[RecipePath, EditOutcome]
-    workshop: MeshWorkshop
-    keys: KeyNotes
+    composer: Composer
 
     def carry_out(self) -> tuple[DroppedElement, ...] | None:
         """Carry out the drops and edits. Return what was dropped, or None after a reported error."""
-        before = self.context.sink.error_count
-        if self.wanted.keyframes == "none":
-            remove_keys(self.unit)
-        linking = Linking(self.unit, [], self.context.sink, request=Request(self.plan.separator), measure=self.measure)
-        # First of all: the numbers of the keys belong to joints and actuators as the source has them.
+        plan, wanted, unit, composer = self.plan, self.wanted, self.unit, self.composer
+        sink, before = composer.context.sink, composer.context.sink.error_count
+        if wanted.keyframes == "none":
+            remove_keys(unit)
+        linking = Linking(unit, [], sink, request=Request(plan.separator), measure=composer.measure)
+        # This comes first: the numbers of the keys belong to joints and actuators as the source has them.
         layouts(linking)
         editing = self._editing(linking)
-        gone = self._dropped(editing) if self.wanted.drops_elements else []
-        steps = [EditElements(each, locate(self.plan.document, each.at)) for each in self.wanted.edit]
-        self._edited([step for step in steps if not is_of_keys(step)], editing)
-        if self.context.sink.error_count == before:
-            inner = _without_void_numbers(self.unit.part_keys, linking.keys.void_keys)
+        gone: list[DroppedElement] = []
+        if wanted.drops_elements:
+            at, entries = (*wanted.at, "drop"), tuple(each for each in wanted.drop if not each.leaves_keys)
+            gone = drop_elements(entries, editing, at)
+            composer.watch([unit], DropElements(entries, locate(plan.document, at)))
+        steps = [EditElements(each, locate(plan.document, each.at)) for each in wanted.edit]
+        self._edit([step for step in steps if not is_of_keys(step)], editing)
+        if sink.error_count == before:
+            inner = _without_void_numbers(unit.part_keys, linking.keys.void_keys)
             keyframes(linking)
-            self.watch([self.unit], keyframes)
-            self.unit.part_keys = inner
-            self._edited([step for step in steps if is_of_keys(step)], self._editing(linking))
-        self.keys.note_written(linking)
-        self.unit.forget_classes()
-        return tuple(gone) if self.context.sink.error_count == before else None
+            composer.watch([unit], keyframes)
+            unit.part_keys = inner
+            self._edit([step for step in steps if is_of_keys(step)], self._editing(linking))
+        composer.keys.note_written(linking)
+        unit.forget_classes()
+        return tuple(gone) if sink.error_count == before else None
 
     def _editing(self, linking: Linking) -> Editing:
-        plan, unit = self.plan, self.unit
-        making = ElementBuilder.of(plan, unit, self.context, model_angle=unit.settings.angle)
-        return Editing(linking, making, plan.scope, own=True, cost=self.cost, datasheets=plan.datasheets)
+        plan, unit, composer = self.plan, self.unit, self.composer
+        making = ElementBuilder.of(plan, unit, composer.context, model_angle=unit.settings.angle)
+        return Editing(linking, making, plan.scope, own=True, cost=composer.cost, datasheets=plan.datasheets)
 
-    def _dropped(self, editing: Editing) -> list[DroppedElement]:
-        at = (*self.wanted.at, "drop")
-        entries = tuple(each for each in self.wanted.drop if not each.leaves_keys)
-        gone = drop_elements(entries, editing, at)
-        self.watch([self.unit], DropElements(entries, locate(self.plan.document, at)))
-        return gone
-
-    def _edited(self, steps: list[EditElements], editing: Editing) -> None:
+    def _edit(self, steps: list[EditElements], editing: Editing) -> None:
         for step in steps:
-            outcome = edit_elements(step, editing, self.workshop)
-            if outcome is not None:
-                self.outcomes[self.plan.place_of(step.edit.at)] = outcome
-            self.watch([self.unit], step)
+            _carry_out(step, editing, self.plan, self.composer)
+            self.composer.watch([self.unit], step)
         check_intervals(editing.making)
+
+
+def _carry_out(step: EditElements, editing: Editing, plan: Plan, composer: Composer) -> None:
+    outcome = edit_elements(step, editing, composer.mesh_workshop())
+    if outcome is not None:
+        composer.edits[plan.place_of(step.edit.at)] = outcome
 
 
 def _without_void_numbers(keys: Mapping[str, PartKeys], emptied: Set[Node]) -> dict[str, PartKeys]:
     """Return the keys of the parts of a nested recipe without the numbers that lost their meaning."""
 
     def kept(key: Key) -> Key:
-        values = {
-            vector: {holder: row for holder, row in columns.items() if element_of(holder) not in emptied}
-            for vector, columns in key.values.items()
-        }
+        values: dict[str, Any] = {}
+        for vector, columns in key.values.items():
+            values[vector] = {holder: row for holder, row in columns.items() if element_of(holder) not in emptied}
         return replace(key, values=values)
 
     return {path: PartKeys(depth, tuple(map(kept, found))) for path, (depth, found) in keys.items()}
 
 
-# Errors that do not depend on what is missing: a name, an attribute or a selector that is wrong in any model.
+# Errors of a name, an attribute or a selector that is wrong in any model.
 _CERTAIN = ("selector", "unknown-name", "unknown-attribute")
-_UNNAMING = {"remove", "rename"}  # after which an element does not have its name any more
+_UNNAMING = {"remove", "rename"}  # an element loses its name
 _SECTIONS_WITHOUT_NAMES = ("edit", "randomize", "check", "keyframe")
 
 
 @dataclass(frozen=True, slots=True)
 class ModelEdits:
-    """The edits and draws of a recipe on its model. Draws are appended to `drawn` and `tabled`."""
+    """The edits and draws of a recipe on its model; `drawn` and `tabled` are the draws."""
 
     plan: Plan
     linking: Linking
     making: ElementBuilder
-    parts: Mapping[Node, str]
-    cost: EditCost
-    outcomes: dict[RecipePath, EditOutcome]
-    workshop: MeshWorkshop
+    composer: Composer
     drawn: list[Drawn] = field(default_factory=list)
     tabled: list[ElementDraws] = field(default_factory=list)
 
@@ -200,14 +188,15 @@ class ModelEdits:
         self._draw(of_keys=False)
 
     def in_doubt(self) -> bool:
-        """Carry out edits on a model that lacks what has errors elsewhere, to find more errors.
+        """Carry out the edits that select one name on a model which lacks elements, to find more errors.
 
-        Only edits that select one name are carried out, and only errors that do not depend on what is missing are
-        reported. Return whether the elements have the names to which keys refer.
+        Report only errors that do not depend on the missing elements. Return whether keys can refer to the names.
         """
         making, own = self.making, self.making.sink
         making.sink = self.linking.sink = aside = own.fork()
-        aside.suppress_about(_declared(self.plan.document))
+        sections = [v for name, (_, v) in self.plan.document.entries.items() if name not in _SECTIONS_WITHOUT_NAMES]
+        # Any text may be the name of an element that does not exist because of another error.
+        aside.suppress_about(text for section in sections for text in texts(section))
         try:
             return self._edit_by_name(aside)
         finally:
@@ -222,7 +211,7 @@ class ModelEdits:
             before, selector = sink.error_count, step.edit.select
             is_certain = selector.is_one_name and not sink.suppresses(selector.pattern)
             if is_certain and not is_of_keys(step):
-                self._carry_out(step, editing)
+                _carry_out(step, editing, self.plan, self.composer)
             if "rename" in step.edit.verbs and (not is_certain or sink.error_count > before):
                 return False
         return True
@@ -244,13 +233,8 @@ class ModelEdits:
                 stand_ins = replaced if _UNNAMING & step.edit.verbs.keys() else []
                 replaced = self._edited_beside(step, editing, stand_ins) if stand_ins else replaced
                 if not stand_ins:
-                    self._carry_out(step, editing)
+                    _carry_out(step, editing, self.plan, self.composer)
                 self.linking.watch(self.linking.units, step)
-
-    def _carry_out(self, step: EditElements, editing: Editing) -> None:
-        outcome = edit_elements(step, editing, self.workshop)
-        if outcome is not None:
-            self.outcomes[self.plan.place_of(step.edit.at)] = outcome
 
     def _draw(self, of_keys: bool) -> None:
         """Write draws into the model after all edits."""
@@ -263,9 +247,9 @@ class ModelEdits:
                 self.linking.watch(self.linking.units, step)
 
     def _editing(self) -> Editing:
-        plan = self.plan
+        plan, composer = self.plan, self.composer
         return Editing(
-            self.linking, self.making, plan.scope, parts=self.parts, cost=self.cost, datasheets=plan.datasheets
+            self.linking, self.making, plan.scope, parts=composer.parts, cost=composer.cost, datasheets=plan.datasheets
         )
 
     def _edited_beside(self, step: EditElements, editing: Editing, keys: list[Node]) -> list[Node]:
@@ -277,25 +261,24 @@ class ModelEdits:
         self.linking.base.section("keyframe").extend(keys)
         for key in keys:
             editing.note(key)
-        self._carry_out(step, editing)
-        left = [
-            key
-            for key, name in zip(keys, names, strict=True)
-            if key.getparent() is not None and key.get("name") == name
-        ]
-        for key in left:
-            editing.forget(key)
-            _section_of_key(key).remove(key)
+        _carry_out(step, editing, self.plan, self.composer)
+        left = []
+        for key, name in zip(keys, names, strict=True):
+            section = key.getparent()
+            if section is not None and key.get("name") == name:
+                editing.forget(key)
+                section.remove(key)
+                left.append(key)
         return left
 
     def _taken_out(self) -> list[tuple[Node, Node]]:
-        """Take the recipe's own keys out of the model. Return each with the comment that marks its place."""
+        """Replace each of the recipe's own keys by a comment that marks its place. Return both."""
         names = {key.name for key in self.linking.keys.written}
         places: list[tuple[Node, Node]] = []
         for key in keys_of(self.linking.base):
-            if key.get("name") in names:
+            if key.get("name") in names and (section := key.getparent()) is not None:
                 place = etree.Comment("")
-                _section_of_key(key).replace(key, place)
+                section.replace(key, place)
                 places.append((key, place))
         return places
 
@@ -316,16 +299,3 @@ class ModelEdits:
                 self.making.sink.error(
                     "name-clash", message, span, notes=notes, help=help, subjects=(str(key.get("name")),)
                 )
-
-
-def _section_of_key(key: Node) -> Node:
-    section = key.getparent()
-    assert section is not None
-    return section
-
-
-def _declared(document: Located) -> Iterator[str]:
-    """Yield every text that may be the name of something that does not exist because of another error."""
-    for section, (_, value) in document.entries.items():
-        if section not in _SECTIONS_WITHOUT_NAMES:
-            yield from texts(value)

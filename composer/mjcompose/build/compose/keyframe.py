@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import field, replace
-from functools import partial
 from typing import Any
 
 from lxml import etree
@@ -49,38 +48,23 @@ def write_keyframes(plan: Plan, linking: Linking, making: ElementBuilder) -> Non
     layout = final_layout(linking)
     if layout is None:
         return
+    own = [node for node in layout.actuators if not isinstance(node, Copy) and node.tag != "attach"]
+    mocaps = [node for node in layout.mocaps if not isinstance(node, Copy) and node.tag == "body"]
     holders: dict[str, dict[str, _Holder]] = {
         "joint": _joints(layout),
-        "actuator": {
-            _name(node): (node, slot)
-            for node, slot in layout.actuators.items()
-            if not isinstance(node, Copy) and node.tag != "attach" and _name(node)
-        },
-        "mocap body": {
-            _name(node): (node, None)
-            for node in layout.mocaps
-            if not isinstance(node, Copy) and node.tag == "body" and _name(node)
-        },
+        "actuator": {_name(node): (node, layout.actuators[node]) for node in own if _name(node)},
+        "mocap body": {_name(node): (node, None) for node in mocaps if _name(node)},
     }
-    unnamed = [
-        node for node in layout.actuators if not isinstance(node, Copy) and node.tag != "attach" and not _name(node)
-    ]
+    unnamed = [node for node in own if not _name(node)]
     parts = frozenset(plan.part_names)
     types = {name: slot.kind for name, (_, slot) in holders["joint"].items() if slot is not None}
     units = ControlUnits(linking, making.sink, types, in_doubt=making.sink.has_errors)
     for step in plan.keyframes:
-        linking.keys.written.append(
-            _KeyWriter(
-                step,
-                linking,
-                making,
-                holders=holders,
-                parts=parts,
-                units=units,
-                unnamed=unnamed,
-                actuators=layout.actuators,
-            ).key()
-        )
+        writer = _KeyWriter(
+            step, linking, making, holders=holders, parts=parts, units=units, unnamed=unnamed,
+            actuators=layout.actuators,
+        )  # fmt: skip
+        linking.keys.written.append(writer.key())
 
 
 def _joints(layout: Layout) -> dict[str, _Holder]:
@@ -114,6 +98,10 @@ def _name(node: Node) -> str:
     return str(node.get("name") or "")
 
 
+def _joint_of(actuator: Node) -> str | None:
+    return actuator.get("joint") or actuator.get("jointinparent")
+
+
 @dataclass(slots=True)
 class _KeyWriter:
     """One key that is being written."""
@@ -130,89 +118,82 @@ class _KeyWriter:
     noted: WrittenKey = field(init=False)
 
     def key(self) -> Key:
-        asked, making, linking = self.step.key, self.making, self.linking
+        recipe_key, making, linking = self.step.key, self.making, self.linking
         element = etree.Element("key")
-        making.origins.own(element, partial(self._written, element))
+        making.origins.own(element, self._written)
         time = None
-        if asked.time is not None:
-            time = Number(numbers.text([asked.time]), KeySource("entry", TIME, span=self._at(TIME)))
-        key = Key(asked.name, time, element, file=making.file, origins=making.origins, values=self.values)
+        if recipe_key.time is not None:
+            time = Number(numbers.text([recipe_key.time]), KeySource("entry", TIME, span=self._at(TIME)))
+        key = Key(recipe_key.name, time, element, file=making.file, origins=making.origins, values=self.values)
         sources = self._sources()
-        self.noted = linking.keys.noted[element] = WrittenKey(
-            tuple(source.element for source in sources),
-            frozenset(linking.keys.void_keys),
-            asked.controls.hold == "forces",
-        )
+        elements, void = tuple(source.element for source in sources), frozenset(linking.keys.void_keys)
+        self.noted = linking.keys.noted[element] = WrittenKey(elements, void, recipe_key.controls.hold == "forces")
         for source in sources:
             for vector, columns in source.values.items():
                 self.values.setdefault(vector, {}).update(columns)
-            if asked.time is None and source.time is not None:
+            if recipe_key.time is None and source.time is not None:
                 self._take_time(key, source)
         self._hold()
-        for vector, entries in asked.values.items():
+        for vector, entries in recipe_key.values.items():
             for name, entry in entries.items():
-                self._set(vector, name, entry, path=(name,))
-        for joint, entry in asked.controls.joints.items():
-            found = self._of_joint(joint)
-            if found is not None:
-                self._place("ctrl", joint, found, entry=entry, path=(JOINT, joint))
+                holder = self.holders[VECTORS[vector]].get(name)
+                if holder is None:
+                    self._unknown(vector, name)
+                else:
+                    self._place(vector, name, holder, entry=entry, path=(name,))
+        for joint, entry in recipe_key.controls.joints.items():
+            actuator = self._of_joint(joint)
+            if actuator is not None:
+                self._place("ctrl", joint, actuator, entry=entry, path=(JOINT, joint))
         return key
 
     def _hold(self) -> None:
         """Reserve the controls that hold the pose. Their values are known when the key is laid out."""
         controls = self.step.key.controls
+        held: list[tuple[_Holder, tuple[str, ...]]] = []
         if controls.hold is not None:
-            for actuator, slot in self.actuators.items():
-                self._to_hold(actuator, slot, ("hold",))
+            held += (((actuator, slot), ("hold",)) for actuator, slot in self.actuators.items())
         for path in controls.held:
             if path[0] == JOINT and len(path) > 1:
-                found = self._of_joint(path[1])
+                holder = self._of_joint(path[1])
             else:
-                found = self.holders["actuator"].get(path[0])
-                if found is None:
+                holder = self.holders["actuator"].get(path[0])
+                if holder is None:
                     self._unknown("ctrl", path[0])
-            if found is not None:
-                self._to_hold(found[0], found[1], path)
-
-    def _to_hold(self, actuator: Node, slot: Slot | None, path: tuple[str, ...]) -> None:
-        width = 1 if slot is None else slot.widths[0]
-        source = KeySource("entry", "ctrl", span=self._at("ctrl", *path))
-        self.values.setdefault("ctrl", {})[actuator] = [Number("0", source, at) for at in range(width)]
-        self.noted.held[element_of(actuator)] = self._at("ctrl", *path)
+            if holder is not None:
+                held.append((holder, path))
+        for (actuator, slot), path in held:
+            span, width = self._at("ctrl", *path), 1 if slot is None else slot.widths[0]
+            source = KeySource("entry", "ctrl", span=span)
+            self.values.setdefault("ctrl", {})[actuator] = [Number("0", source, at) for at in range(width)]
+            self.noted.held[element_of(actuator)] = span
 
     def _of_joint(self, joint: str) -> _Holder | None:
         """Return the actuator that a joint name selects: the only one of the joint, or its only position servo."""
-        found = [
-            (node, slot)
-            for node, slot in self.actuators.items()
-            if not isinstance(node, Copy) and joint in (node.get("joint"), node.get("jointinparent"))
-        ]
-        if len(found) > 1:
-            servos = [each for each in found if self.units.is_position(each[0])]
-            found = servos if len(servos) == 1 else found
-        if len(found) == 1:
-            return found[0]
+        own = [(node, slot) for node, slot in self.actuators.items() if not isinstance(node, Copy)]
+        acting = [each for each in own if joint in (each[0].get("joint"), each[0].get("jointinparent"))]
+        if len(acting) > 1:
+            servos = [each for each in acting if self.units.is_position(each[0])]
+            acting = servos if len(servos) == 1 else acting
+        if len(acting) == 1:
+            return acting[0]
+        help: str | None
+        if acting:
+            named = [f"`{_name(node)}`" for node, _ in acting if _name(node)]
+            message = f"{len(acting)} actuators act on the joint `{joint}`"
+            notes = [Note(f"those with a name: {', '.join(named)}")] if named else []
+            help = "write the name of the actuator: `ctrl: {ACTUATOR: …}`"
+        else:
+            driven = [str(end) for node, _ in own if (end := _joint_of(node))]
+            exists = self.linking.names.find("joint", joint) is not None
+            message = f"the joint `{joint}` has no actuator" if exists else f"the joint `{joint}` does not exist"
+            notes = [Note(f"joints with an actuator: {', '.join(dict.fromkeys(driven)) or 'none'}")]
+            help = did_you_mean(joint, driven) if not exists else "write the actuator by its name"
         span = self._at("ctrl", JOINT, joint, key=True)
-        if found:
-            named = [f"`{_name(node)}`" for node, _ in found if _name(node)]
-            message = f"{len(found)} actuators act on the joint `{joint}`: which one is meant?"
-            notes = (Note(f"those with a name: {', '.join(named)}"),) if named else ()
-            help = "write it by the name of the actuator: `ctrl: {ACTUATOR: …}`"
-            self.making.sink.error("unknown-name", message, span, notes=notes, help=help, subjects=(joint,))
-            return None
-        driven = [
-            str(end)
-            for node in self.actuators
-            if not isinstance(node, Copy) and (end := node.get("joint") or node.get("jointinparent"))
-        ]
-        exists = self.linking.names.find("joint", joint) is not None
-        message = f"the joint `{joint}` has no actuator" if exists else f"the joint `{joint}` does not exist"
-        notes = (Note(f"joints with an actuator: {', '.join(dict.fromkeys(driven)) or 'none'}"),)
-        help = did_you_mean(joint, driven) if not exists else "write the actuator by its name"
         self.making.sink.error("unknown-name", message, span, notes=notes, help=help, subjects=(joint,))
         return None
 
-    def _written(self, element: Node, attribute: str | None) -> Span:
+    def _written(self, attribute: str | None) -> Span:
         path = (*self.step.key.at, attribute or "")
         if attribute is None or find(self.making.document, path) is None:
             return self.step.span
@@ -222,23 +203,21 @@ class _KeyWriter:
         return locate(self.making.document, (*self.step.key.at, *path), key=key)
 
     def _sources(self) -> list[Key]:
-        """Return the keys that `from` names. Keys of a part come after those of what contains it."""
+        """Return the keys that `from` names. Keys of a part follow the keys of the part that contains it."""
         known = part_keys(self.linking)
-        found: list[tuple[int, Key]] = []
+        sources: list[tuple[int, Key]] = []
         for part, name in self.step.key.sources.items():
-            there = known.get(part)
-            key = there.named(name) if there is not None else None
-            if there is not None and key is not None:
-                found.append((there.depth, _passed_on(key, self._at(FROM, part), self.linking.keys.void_keys)))
-                continue
-            if part not in self.parts:
-                continue  # the plan reports it
-            names = there.names if there is not None else []
-            span, message = self._at(FROM, part), f"`{part}` has no key `{name}`"
-            self.making.sink.add(
-                unknown_name("key", name, names, span=span, message=message, written=f"{part}: {{}}", about=(part,))
-            )
-        return [key for _, key in sorted(found, key=lambda each: each[0])]
+            keys, span = known.get(part), self._at(FROM, part)
+            key = keys.named(name) if keys is not None else None
+            if keys is not None and key is not None:
+                sources.append((keys.depth, _passed_on(key, span, self.linking.keys.void_keys)))
+            elif part in self.parts:  # the plan reports other names
+                names = keys.names if keys is not None else []
+                message, written = f"`{part}` has no key `{name}`", f"{part}: {{}}"
+                self.making.sink.add(
+                    unknown_name("key", name, names, span=span, message=message, written=written, about=(part,))
+                )
+        return [key for _, key in sorted(sources, key=lambda each: each[0])]
 
     def _take_time(self, key: Key, source: Key) -> None:
         assert source.time is not None
@@ -254,16 +233,9 @@ class _KeyWriter:
                 subjects=(key.name,),
             )
 
-    def _set(self, vector: str, name: str, entry: Entry, path: tuple[str, ...]) -> None:
-        known = self.holders[VECTORS[vector]].get(name)
-        if known is None:
-            self._unknown(vector, name)
-        else:
-            self._place(vector, name, known, entry=entry, path=path)
-
-    def _place(self, vector: str, name: str, known: _Holder, entry: Entry, path: tuple[str, ...]) -> None:
+    def _place(self, vector: str, name: str, holder: _Holder, entry: Entry, path: tuple[str, ...]) -> None:
         """Write the numbers of an entry. `path` is the place of the entry below its vector."""
-        node, slot = known
+        node, slot = holder
         if slot is not None:
             width = slot.widths[vector in ("qvel", "act")]
             if len(entry) != width:
@@ -274,14 +246,14 @@ class _KeyWriter:
             pose_number(value) if words is None else self._angle(vector, value, words, path=path)
             for value, words in zip(entry, meant, strict=True)
         ]
-        source = KeySource("entry", vector, span=self._at(vector, *path))
-        self.noted.entries.setdefault(vector, {})[node] = (values, self._at(vector, *path))
-        self.values.setdefault(vector, {})[node] = [
-            Number(text, source, at) for at, text in enumerate(numbers.text(values).split())
-        ]
+        span = self._at(vector, *path)
+        source = KeySource("entry", vector, span=span)
+        self.noted.entries.setdefault(vector, {})[node] = (values, span)
+        row = [Number(text, source, at) for at, text in enumerate(numbers.text(values).split())]
+        self.values.setdefault(vector, {})[node] = row
 
     def _meant(self, vector: str, name: str, node: Node, slot: Slot | None, width: int) -> Sequence[str | None]:
-        """Return in words what each number of an entry is if it is an angle, else None."""
+        """Return words for each number of an entry that is an angle, else None."""
         if slot is not None and slot.kind == "hinge":
             return [f"`{vector}` of the hinge `{name}` is an angle"]
         if vector not in ("ctrl", "act"):
@@ -290,8 +262,7 @@ class _KeyWriter:
         words = meant.controls if vector == "ctrl" else [meant.activation]
         if len(words) != width:
             return [None] * width
-        joint = node.get("joint") or node.get("jointinparent")
-        moves = f"`{vector}` of `{name}`, which moves the hinge `{joint}`, is"
+        moves = f"`{vector}` of `{name}`, which moves the hinge `{_joint_of(node)}`, is"
         return [each and f"{moves} {each}" for each in words]
 
     def _angle(self, vector: str, value: Single, words: str, path: tuple[str, ...]) -> float:
@@ -300,8 +271,8 @@ class _KeyWriter:
             message = f"{words} and {shown(value)} has no unit"
             help = f"write `{shown(value)}deg` or `{shown(value)}rad`, or `angle: degree` at the top of the recipe"
             self.making.sink.error("bare-angle", message, self._at(vector, *path), help=help)
-        # Keys are in radians in any model: `<key qpos="90"/>` of a hinge is 90 in MuJoCo 4.0 under `angle="degree"`,
-        # too.
+        # Keys are in radians in any model: MuJoCo 4.0 takes `<key qpos="90"/>` of a hinge as 90 even with
+        # `angle="degree"`.
         return in_radians(value, settings, numbers.joint_radians)
 
     def _wrong_width(self, vector: str, name: str, slot: Slot, entry: Entry, width: int, path: tuple[str, ...]) -> None:
@@ -342,20 +313,18 @@ class _KeyWriter:
                 verb = "is the" if len(drives) == 1 else "are"
                 help = f"{named} {verb} {kind}{'s' * (len(drives) > 1)} of that {others[0]}"
         if kind == "actuator" and self.unnamed:
-            notes.append(Note(f"{_count(len(self.unnamed))} no name, and a key goes by names"))
+            count = len(self.unnamed)
+            have = "one actuator has" if count == 1 else f"{count} actuators have"
+            notes.append(Note(f"{have} no name, and a key goes by names"))
             driven = [each for each in self.unnamed if name in (each.get("joint"), each.get("jointinparent"))]
             if driven and vector == "ctrl":
-                # What has a name may be another actuator than the one that is meant.
+                # An actuator with a name may not be the right one.
                 also = f"; {help}" if help else ""
                 help = f"write it by its joint: `{vector}: {{joint: {{{name}: …}}}}`{also}"
             help = help or _naming(self.unnamed, name)
         message = f"the {kind} `{name}` to set `{vector}` of does not exist"
         fix = None if others else renaming(name, names)
         sink.error("unknown-name", message, span, notes=notes, help=help, subjects=(name,), fix=fix)
-
-
-def _count(actuators: int) -> str:
-    return "one actuator has" if actuators == 1 else f"{actuators} actuators have"
 
 
 def _naming(actuators: Sequence[Node], name: str) -> str:

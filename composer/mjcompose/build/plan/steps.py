@@ -98,13 +98,15 @@ class StepInput:
 
 
 class Step(ABC):
-    """One thing that a recipe writes. A type of step is a frozen dataclass with a `span`, and a row in `table.py`.
+    """An entry that a recipe writes. A type of step is a frozen dataclass with a `span`, and a row in `step_table.py`.
 
-    `sections` are the top-level keys of a recipe that steps of this type carry out.
+    `sections` are the top-level keys of a recipe that steps of this type carry out. Steps that have `waits` are carried
+    out when all of the others have been.
     """
 
     __slots__ = ()
     sections: ClassVar[tuple[str, ...]]
+    waits: ClassVar[bool] = False
     span: Span
 
     @classmethod
@@ -118,9 +120,9 @@ class Step(ABC):
         """The line that `plan` prints for the step."""
 
     @property
-    @abstractmethod
     def reason(self) -> str:
         """The reason that `explain` gives for an element or attribute written by the step."""
+        return self.words
 
 
 def words_of_element(element: Element) -> str:
@@ -240,6 +242,7 @@ class AppendElement(Step):
 class DrawValues(Step):
     """Draw the values of a field for a sample; for sample 0, which has no draws, check those of all other samples."""
 
+    waits: ClassVar[bool] = True
     sections: ClassVar[tuple[str, ...]] = ("randomize",)
     field: DrawField
     seed: int
@@ -271,6 +274,7 @@ class DrawValues(Step):
 class EditElements(Step):
     """Change the selected elements, in the whole model or in one part."""
 
+    waits: ClassVar[bool] = True
     sections: ClassVar[tuple[str, ...]] = ("edit",)
     edit: Edit
     span: Span
@@ -284,15 +288,12 @@ class EditElements(Step):
     def words(self) -> str:
         return self.edit.words
 
-    @property
-    def reason(self) -> str:
-        return self.words
-
 
 @dataclass(frozen=True, slots=True)
 class SetCollisions(Step):
     """Exclude contacts between bodies, or make geoms collide."""
 
+    waits: ClassVar[bool] = True
     sections: ClassVar[tuple[str, ...]] = ()
     collisions: Collisions
     span: Span
@@ -314,10 +315,6 @@ class SetCollisions(Step):
         if self.collisions.what == "exclude":
             return f"exclude contacts between {one} and {other}"
         return f"let {one} and {other} collide"
-
-    @property
-    def reason(self) -> str:
-        return self.words
 
 
 @dataclass(frozen=True, slots=True)
@@ -390,6 +387,7 @@ def _paths(element: Element, path: str) -> Iterator[str]:
 class WriteKeyframe(Step):
     """Write a key by the names of joints, actuators and mocap bodies, replacing an existing key of that name."""
 
+    waits: ClassVar[bool] = True
     sections: ClassVar[tuple[str, ...]] = ("keyframe",)
     key: Keyframe
     span: Span
@@ -402,7 +400,3 @@ class WriteKeyframe(Step):
     @property
     def words(self) -> str:
         return f"write the keyframe {self.key.name}"
-
-    @property
-    def reason(self) -> str:
-        return self.words
