@@ -350,3 +350,16 @@ def test_a_missing_file_is_told_at_the_line_that_asked(tmp_path: Path) -> None:
         mjcf.from_path(tmp_path / "arm.xml")
     span = caught.value.diagnostics[0].span
     assert span is not None and span.file == __file__
+
+
+def test_an_export_replaces_no_file_that_the_model_was_read_from(arm: mjcf.RootElement, tmp_path: Path) -> None:
+    mjcf.export_with_assets(arm, tmp_path)
+    mjcf.export_with_assets_as_zip(arm, tmp_path / "arm.zip")
+    before = {path: path.read_bytes() for path in tmp_path.rglob("*.*")}
+    read = mjcf.from_path(tmp_path / "model.xml")
+    for name in ("model.xml", "other.xml"):  # `other.xml` has the meshes of `model.xml`
+        with pytest.raises(mjcf.MjcfError, match="is one of the files that this model is built from"):
+            mjcf.export_with_assets(read, tmp_path, name)
+    with pytest.raises(mjcf.MjcfError, match="is one of the files that this model is built from"):
+        mjcf.export_with_assets_as_zip(mjcf.from_zip(tmp_path / "arm.zip"), tmp_path / "arm.zip")
+    assert {path: path.read_bytes() for path in tmp_path.rglob("*.*")} == before

@@ -1,18 +1,18 @@
-"""Diagnostics for people and programs: terminal, JSON lines, GitHub, JUnit."""
+"""Diagnostics for people and programs: terminal, JSON lines, GitHub, Markdown, JUnit."""
 
 from __future__ import annotations
 
 import json
 import re
 import unicodedata
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, replace
 from functools import lru_cache, wraps
 from typing import Any, ParamSpec, TypeVar
 from xml.etree import ElementTree as Xml
 
 from mjcompose.base.dataclass import dataclass
-from mjcompose.base.diagnostic import CellName, Diagnostic, Note, Severity, Span, listed, masked
+from mjcompose.base.diagnostic import CellName, Diagnostic, Severity, Span, listed, masked
 from mjcompose.base.limits import Advice
 
 _COLOR = {
@@ -238,42 +238,23 @@ def render_json_format(diagnostic: Diagnostic) -> str:
             "severity": diagnostic.severity.value,
             "code": diagnostic.code,
             "message": diagnostic.message,
-            "span": _span(diagnostic.span),
-            "notes": [_note(note) for note in diagnostic.notes],
+            "span": diagnostic.span and asdict(diagnostic.span),
+            "notes": [asdict(note) for note in diagnostic.notes],
             "help": diagnostic.help,
             "fix": _fix(diagnostic),
-            "others": [_note(each) for each in diagnostic.others],
+            "others": [asdict(each) for each in diagnostic.others],
             "cells": [asdict(cell) for cell in diagnostic.cells],
             "recipes": list(diagnostic.recipes),
         }
     )
 
 
-def _note(note: Note) -> dict[str, Any]:
-    return {"message": note.message, "span": _span(note.span)}
-
-
 def _fix(diagnostic: Diagnostic) -> dict[str, Any] | None:
-    """Return a fix as replacement text for a span.
-
-    A fix of a name gets its quotes once its file is known: see `mjcompose.tools.fix.exact`.
-    """
     fix = diagnostic.fix
-    if fix is None or fix.replaces is not None:
+    if fix is None or fix.replaces is not None:  # `tools.fix.exact` gives a name its quotes
         return None
-    return {"replacement": fix.replacement, "span": _span(fix.span or diagnostic.span)}
-
-
-def _span(span: Span | None) -> dict[str, Any] | None:
-    if span is None:
-        return None
-    return {
-        "file": span.file,
-        "line": span.line,
-        "column": span.column,
-        "end_line": span.end_line,
-        "end_column": span.end_column,
-    }
+    span = fix.span or diagnostic.span
+    return {"replacement": fix.replacement, "span": span and asdict(span)}
 
 
 _COMMAND = {Severity.ERROR: "error", Severity.WARNING: "warning", Severity.NOTE: "notice"}
@@ -297,16 +278,33 @@ def render_github(diagnostic: Diagnostic) -> str:
     cells = diagnostic.cells
     properties["title"] = diagnostic.code if not cells else f"{diagnostic.code} in {_counted(cells)}"
 
-    lines = [diagnostic.message]
-    for note in diagnostic.listed():
-        lines.append(f"note: {note.span}: {note.message}" if note.span else f"note: {note.message}")
-    if len(cells) > 1:
-        lines.append(f"cells: {listed(cells)}")
-    if diagnostic.recipes:
-        lines.append(f"recipes: {', '.join(diagnostic.recipes)}")
-    if diagnostic.help is not None:
-        lines.append(f"help: {diagnostic.help}")
+    lines = [diagnostic.message, *remarks(diagnostic)]
     return command(_COMMAND[diagnostic.severity], "\n".join(lines), properties)
+
+
+def remarks(diagnostic: Diagnostic) -> Iterator[str]:
+    """Yield the notes, the cells, the recipes and the help of a diagnostic as text."""
+    for note in diagnostic.listed():
+        yield f"note: {note.span}: {note.message}" if note.span else f"note: {note.message}"
+    if len(diagnostic.cells) > 1:
+        yield f"cells: {listed(diagnostic.cells)}"
+    if diagnostic.recipes:
+        yield f"recipes: {', '.join(diagnostic.recipes)}"
+    if diagnostic.help is not None:
+        yield f"help: {diagnostic.help}"
+
+
+def render_markdown(diagnostic: Diagnostic) -> str:
+    """Return an item of a list in Markdown, with the remarks below it.
+
+    >>> print(render_markdown(Diagnostic("bad-name", "no", Span("a.yaml", 2, 1), help="rename it")))
+    - `a.yaml:2:1`: **error** `bad-name`: no
+      - help: rename it
+    """
+    place = f"`{diagnostic.span}`: " if diagnostic.span else ""
+    head = f"- {place}**{diagnostic.severity.value}** `{diagnostic.code}`: {diagnostic.message}"
+    items = [head, *(f"  - {each}" for each in remarks(diagnostic))]
+    return "\n".join(printable(each).replace("\n", "\n    ") for each in items)
 
 
 def command(kind: str, message: str, properties: Mapping[str, str | int]) -> str:

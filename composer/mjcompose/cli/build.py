@@ -14,23 +14,11 @@ import click
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import hide
 from mjcompose.build.bundle.bundle import is_address
-from mjcompose.cli.cells import CellsOptions, WorkerOptions, check_several
-from mjcompose.cli.options import (
-    NO_CACHE,
-    RECIPE,
-    STRICT,
-    VERBOSE,
-    WATCH,
-    Choices,
-    FetchOptions,
-    ReportOptions,
-    TimeOptions,
-    caching,
-    output,
-)
+from mjcompose.cli.cells import BuildingOptions, check_several
+from mjcompose.cli.options import RECIPE, caching, output
 from mjcompose.cli.output import OutputSpec, Picturing, Task, kind_of_output
 from mjcompose.cli.reporting import USAGE
-from mjcompose.cli.run import PATH, Run, Stop, command, flag, group, option
+from mjcompose.cli.run import PATH, Run, Stop, command, flag, option
 from mjcompose.targets.names import MUJOCO
 from mjcompose.targets.names import NAMES as TARGETS_NAMES
 
@@ -55,7 +43,7 @@ class _Target(click.Choice):  # type: ignore[type-arg]  # before click 8.2 it is
 
 
 @dataclass(frozen=True, slots=True)
-class Options:
+class Options(BuildingOptions):
     recipe: Path = RECIPE
     out: str | None = output(
         "Where to write the model: DIR/, FILE.zip, FILE.mjz, FILE.xml (text without assets; '-' is standard output),"
@@ -63,9 +51,6 @@ class Options:
         " digits of its hash, which spreads many models over folders. In the name of an MJB, {mujoco} is replaced by"
         " the version of MuJoCo; no other version can read the file. Default: build/{name}.zip."
     )
-    choices: Choices = group(Choices)
-    cells: CellsOptions = group(CellsOptions)
-    workers: WorkerOptions = group(WorkerOptions)
     samples: str | None = option(
         "--sample-table", metavar="FILE",
         help="Write drawn values to this table, *.csv or *.parquet. Default with --all: samples.csv next to the"
@@ -97,14 +82,7 @@ class Options:
         help="The program to write the model for. Features that it lacks are reported. Default: mujoco.",
     )  # fmt: skip
     licenses: bool = flag("--licenses", help="Print the license of every part.")
-    limits: TimeOptions = group(TimeOptions)
-    no_cache: bool = NO_CACHE
     why: bool = flag("--why", help="Print why a model was built, or why it was taken from the cache.")
-    fetching: FetchOptions = group(FetchOptions)
-    strict: bool = STRICT
-    verbose: bool = VERBOSE
-    reporting: ReportOptions = group(ReportOptions)
-    watch: bool = WATCH
 
     @property
     def one(self) -> bool:

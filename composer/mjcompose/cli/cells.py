@@ -18,8 +18,19 @@ from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import CellName, Diagnostic, DiagnosticError, listed
 from mjcompose.base.sink import Sink
 from mjcompose.cli import completion
+from mjcompose.cli.options import (
+    NO_CACHE,
+    STRICT,
+    VERBOSE,
+    WATCH,
+    Choices,
+    FetchOptions,
+    LimitOptions,
+    ReportOptions,
+    TimeOptions,
+)
 from mjcompose.cli.reporting import USAGE, exit_code, is_quiet, on_terminal, say
-from mjcompose.cli.run import Run, flag, option
+from mjcompose.cli.run import Run, flag, group, option
 
 if TYPE_CHECKING:
     from mjcompose.build.bundle.bundle import Location
@@ -193,6 +204,33 @@ class WorkerOptions:
             yield crew
 
 
+@dataclass(frozen=True, slots=True)
+class ModelOptions:
+    """The groups of a command about one model of a recipe, which its class of options inherits."""
+
+    choices: Choices = group(Choices)
+    cell: CellOptions = group(CellOptions)
+    fetching: FetchOptions = group(FetchOptions)
+    limits: LimitOptions = group(LimitOptions)
+    reporting: ReportOptions = group(ReportOptions)
+
+
+@dataclass(frozen=True, slots=True)
+class BuildingOptions:
+    """The options of `build` and `check`, which make the models of a recipe."""
+
+    choices: Choices = group(Choices)
+    cells: CellsOptions = group(CellsOptions)
+    workers: WorkerOptions = group(WorkerOptions)
+    limits: TimeOptions = group(TimeOptions)
+    no_cache: bool = NO_CACHE
+    fetching: FetchOptions = group(FetchOptions)
+    strict: bool = STRICT
+    verbose: bool = VERBOSE
+    reporting: ReportOptions = group(ReportOptions)
+    watch: bool = WATCH
+
+
 def check_several(one: bool, *, jobs: int | None, shard: Shard | None = None, cluster: str | None = None) -> None:
     """Raise a usage error if options for several models are given for one, which cannot be split."""
     for name, given in (("--shard", shard), ("--jobs", jobs), ("--cluster", cluster)):
@@ -298,4 +336,4 @@ class Tally:
         if not self.failed:
             return None
         words = f"{len(self.failed)} of {self.total} cells failed: {listed(self.failed)}"
-        return words if form == "text" else text.command("error", words, {"title": str(self.recipe)})
+        return text.command("error", words, {"title": str(self.recipe)}) if form == "github" else words

@@ -15,20 +15,10 @@ from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import CellName, Diagnostic, Severity, Span
 from mjcompose.base.report import Case, Suite
 from mjcompose.base.sink import Sink
-from mjcompose.cli.cells import CellsOptions, Tally, WorkerOptions, check_several, counting, stopped
-from mjcompose.cli.options import (
-    NO_CACHE,
-    STRICT,
-    VERBOSE,
-    WATCH,
-    Choices,
-    FetchOptions,
-    ReportOptions,
-    TimeOptions,
-    caching,
-)
+from mjcompose.cli.cells import BuildingOptions, Tally, check_several, counting, stopped
+from mjcompose.cli.options import caching
 from mjcompose.cli.reporting import FINDINGS, exit_code, note_files, progress, say, say_details
-from mjcompose.cli.run import PATH, Run, argument, command, flag, group, option
+from mjcompose.cli.run import PATH, Run, argument, command, flag, option
 
 if TYPE_CHECKING:
     from mjcompose.build.cache.builder import Maker
@@ -40,21 +30,11 @@ _MODEL = "model"
 
 
 @dataclass(frozen=True, slots=True)
-class Options:
+class Options(BuildingOptions):
     recipes: tuple[Path, ...] = argument(type=PATH, nargs=-1, required=True)
-    choices: Choices = group(Choices)
-    cells: CellsOptions = group(CellsOptions)
-    workers: WorkerOptions = group(WorkerOptions)
     no_compile: bool = flag("--no-compile", help="Do not compile the models in MuJoCo, and do not run their checks.")
-    limits: TimeOptions = group(TimeOptions)
     junit: str | None = option("--junit", metavar="FILE", help="Write the result of each check as JUnit XML ('-' is"
                                " standard output).")  # fmt: skip
-    no_cache: bool = NO_CACHE
-    fetching: FetchOptions = group(FetchOptions)
-    strict: bool = STRICT
-    verbose: bool = VERBOSE
-    reporting: ReportOptions = group(ReportOptions)
-    watch: bool = WATCH
 
 
 @command(Options)
@@ -176,7 +156,7 @@ class _Checking:
                 click.echo(json.dumps({"recipe": str(result.recipe), "ok": not result.code}), err=err)
             elif not result.code and not err:
                 words, title = f"{result.recipe}: ok{result.counted}", {"title": str(result.recipe)}
-                say(words if run.form == "text" else github.command("notice", words, title))
+                say(github.command("notice", words, title) if run.form == "github" else words)
         if failed and run.form == "text":
             click.echo(f"{len(failed)} of {len(self.results)} recipes failed: {', '.join(failed)}", err=True)
         return max(result.code for result in self.results)
@@ -237,7 +217,7 @@ class _Checking:
                 note_files(each.files)
                 label = each.cell.label
                 tally.take(label, each.diagnostics, context.sink, failed=each.failed)
-                if run.junit is not None:  # suites grow with the cells
+                if run.junit is not None or run.form == "junit":  # suites grow with the cells
                     run.suites.append(_suite(recipe, each.outcomes, each.diagnostics, context=context, cell=label))
                 checks += len(each.outcomes)
         code = FINDINGS if tally.failed or ended else 0

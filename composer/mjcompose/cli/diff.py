@@ -9,7 +9,7 @@ import click
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.cli.cells import CellOptions
-from mjcompose.cli.options import QUIET, Amount, Choices, TimeOptions, formats
+from mjcompose.cli.options import Amount, Choices, ReportOptions, TimeOptions
 from mjcompose.cli.reporting import USAGE, progress
 from mjcompose.cli.run import Answer, Run, Stop, argument, command, flag, group, option
 
@@ -53,8 +53,7 @@ class Options:
                                help="Write an HTML page that shows both models, with the differences in"
                                " color.")  # fmt: skip
     limits: TimeOptions = group(TimeOptions)
-    form: str = formats("text", "json", "markdown")
-    quiet: bool = QUIET
+    reporting: ReportOptions = group(ReportOptions)
 
 
 @command(Options)
@@ -87,12 +86,10 @@ def diff(options: Options, run: Run) -> Answer:
     if found is None:
         raise Stop(USAGE)
 
-    def words() -> str:
-        return render_markdown(found).removesuffix("\n") if run.form == "markdown" else render(found)
-
     return Answer(
-        words,
+        lambda: render(found),
         lambda: as_data(found),
+        markdown=lambda: render_markdown(found).removesuffix("\n"),
         code=0 if found.same else _DIFFERENT,
         reports=False,
         aside=None if options.html is None else f"wrote {options.html}: open it in a browser",

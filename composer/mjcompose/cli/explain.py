@@ -12,25 +12,19 @@ from mjcompose.base.codes import CODES, address, code_of, in_terminal, page
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.suggest import closest
 from mjcompose.cli import completion
-from mjcompose.cli.cells import CellOptions
-from mjcompose.cli.options import Choices, FetchOptions, LimitOptions, ReportOptions
+from mjcompose.cli.cells import ModelOptions
 from mjcompose.cli.reporting import USAGE, source_reader, use_color
-from mjcompose.cli.run import PATH, Answer, Run, Stop, argument, command, flag, group
+from mjcompose.cli.run import PATH, Answer, Run, Stop, argument, command, flag
 
 
 @dataclass(frozen=True, slots=True)
-class Options:
+class Options(ModelOptions):
     model: Path | None = argument(
         metavar="MODEL|CODE", type=PATH, required=False, shell_complete=completion.models_and_codes
     )
     query: str | None = argument(required=False, shell_complete=completion.elements)
     attribute: str | None = argument(required=False, shell_complete=completion.attributes)
     codes: bool = flag("--codes", help="List all error codes.")
-    choices: Choices = group(Choices)
-    cell: CellOptions = group(CellOptions)
-    fetching: FetchOptions = group(FetchOptions)
-    limits: LimitOptions = group(LimitOptions)
-    reporting: ReportOptions = group(ReportOptions)
 
 
 @command(Options)

@@ -12,9 +12,9 @@ import click
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.report import Paint, printable
 from mjcompose.cli.fmt import difference, rewrite
-from mjcompose.cli.options import RECIPE, Choices, FetchOptions, LimitOptions, ReportOptions
+from mjcompose.cli.options import RECIPE, RecipeOptions
 from mjcompose.cli.reporting import FINDINGS, on_terminal, say, use_color
-from mjcompose.cli.run import Run, command, flag, group, option
+from mjcompose.cli.run import Run, command, flag, option
 
 if TYPE_CHECKING:
     from mjcompose.sources.context import Context
@@ -22,16 +22,12 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, slots=True)
-class Options:
+class Options(RecipeOptions):
     recipe: Path = RECIPE
     write: bool | None = option(
         "--write/--diff", default=None, help="Write the changes without asking, or only show them."
     )
     yes: bool = flag("-y", "--yes", help="The same as --write.")
-    choices: Choices = group(Choices)
-    fetching: FetchOptions = group(FetchOptions)
-    limits: LimitOptions = group(LimitOptions)
-    reporting: ReportOptions = group(ReportOptions)
 
 
 @command(Options)

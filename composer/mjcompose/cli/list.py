@@ -12,9 +12,9 @@ import click
 from mjcompose.base.dataclass import dataclass
 from mjcompose.build.bundle.bundle import is_address
 from mjcompose.build.bundle.listing import COLUMNS
-from mjcompose.cli.options import QUIET, formats
+from mjcompose.cli.options import ReportOptions
 from mjcompose.cli.reporting import FINDINGS, USAGE, say
-from mjcompose.cli.run import Run, argument, command, option
+from mjcompose.cli.run import Run, argument, command, group, option
 from mjcompose.text.expression_values import Value, shown
 
 
@@ -26,8 +26,7 @@ class Options:
         help="List only the models for which this is true: an expression of the columns of models.csv, such as"
         " `payload > 2 and nv == 15`.",
     )  # fmt: skip
-    quiet: bool = QUIET
-    form: str = formats("text", "json")
+    reporting: ReportOptions = group(ReportOptions)
 
 
 @command(Options)

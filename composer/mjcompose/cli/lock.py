@@ -5,13 +5,13 @@ from __future__ import annotations
 from pathlib import Path
 
 from mjcompose.base.dataclass import dataclass
-from mjcompose.cli.options import RECIPE, Choices, FetchOptions, LimitOptions, ReportOptions
+from mjcompose.cli.options import RECIPE, RecipeOptions
 from mjcompose.cli.reporting import USAGE
-from mjcompose.cli.run import Answer, Run, Stop, command, flag, group, option
+from mjcompose.cli.run import Answer, Run, Stop, command, flag, option
 
 
 @dataclass(frozen=True, slots=True)
-class Options:
+class Options(RecipeOptions):
     recipe: Path = RECIPE
     upgrade: bool = flag("--upgrade", help="Lock all sources as they are now: the newest commits of branches, and"
                          " archives as served now.")  # fmt: skip
@@ -19,10 +19,6 @@ class Options:
         "--upgrade-source", multiple=True, metavar="NAME",
         help="Lock this source as it is now: the prefix of a part, `base`, or a source as named in the lock.",
     )  # fmt: skip
-    choices: Choices = group(Choices)
-    fetching: FetchOptions = group(FetchOptions)
-    limits: LimitOptions = group(LimitOptions)
-    reporting: ReportOptions = group(ReportOptions)
 
 
 @command(Options)

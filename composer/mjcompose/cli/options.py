@@ -35,8 +35,9 @@ class Amount(click.FloatRange):
 
 def formats(*names: str) -> Any:
     """Declare `--output-format` with these values."""
-    return option("--output-format", type=click.Choice(names), default="text", show_default=True,
-                  help="How the output is printed.")  # fmt: skip
+    return option(
+        "--output-format", type=click.Choice(names), default="text", show_default=True, help="The format of the output."
+    )
 
 
 def output(help: str) -> Any:
@@ -52,18 +53,21 @@ WATCH = flag("--watch", help="Run again whenever a file that was read changes. S
 RECIPE = argument(type=PATH)
 
 
+FORMATS = ("text", "json", "github", "junit", "sarif", "markdown")
+
+
 @dataclass(frozen=True, slots=True)
 class ReportOptions:
-    """How the output is printed; `Run.form` has the format, and `reporting.is_quiet` the last."""
+    """The format and amount of output: `Run.form`, and `reporting.is_quiet`."""
 
     heading: ClassVar[str] = "Output"
-    form: str = formats("text", "json", "github")
+    form: str = formats(*FORMATS)
     quiet: bool = QUIET
 
 
 @dataclass(frozen=True, slots=True)
 class FetchOptions:
-    """How models are fetched; `Run.context` has it."""
+    """The rules for fetching; `Run.context` has them."""
 
     heading: ClassVar[str] = "Sources"
     locked: bool = flag("--locked", help="Fail if the lock file is missing or outdated.")
@@ -225,3 +229,13 @@ class TimeOptions:
     timeout: None = option("--timeout", type=Amount(min=0, min_open=True), callback=_time, metavar="SECONDS",
                            help="The most time that MuJoCo may take for a model; the same as --limit time=SECONDS."
                                 "  [default: 300]")  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class RecipeOptions:
+    """The groups of a command about a recipe. A class of options inherits them, and its own options come first."""
+
+    choices: Choices = group(Choices)
+    fetching: FetchOptions = group(FetchOptions)
+    limits: LimitOptions = group(LimitOptions)
+    reporting: ReportOptions = group(ReportOptions)

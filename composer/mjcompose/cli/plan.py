@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from mjcompose.base.dataclass import dataclass
-from mjcompose.cli.cells import CellOptions
-from mjcompose.cli.options import RECIPE, Choices, FetchOptions, LimitOptions, ReportOptions
-from mjcompose.cli.run import Answer, Run, command, flag, group
+from mjcompose.cli.cells import ModelOptions
+from mjcompose.cli.options import RECIPE
+from mjcompose.cli.run import Answer, Run, command, flag
 
 if TYPE_CHECKING:
     from mjcompose.build.plan.matrix import FilledValues
@@ -20,15 +20,10 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, slots=True)
-class Options:
+class Options(ModelOptions):
     recipe: Path = RECIPE
-    choices: Choices = group(Choices)
-    cell: CellOptions = group(CellOptions)
     expanded: bool = flag("--expanded", help="Print the concrete recipe, with the file and line of every value.")
     licenses: bool = flag("--licenses", help="Print only the license of every part.")
-    fetching: FetchOptions = group(FetchOptions)
-    limits: LimitOptions = group(LimitOptions)
-    reporting: ReportOptions = group(ReportOptions)
 
 
 @command(Options)

@@ -13,8 +13,8 @@ from typing import Any
 import click
 
 from mjcompose.base import report as text
-from mjcompose.base.diagnostic import Diagnostic
-from mjcompose.base.report import Suite, printable
+from mjcompose.base.diagnostic import Diagnostic, Severity
+from mjcompose.base.report import Case, Suite, printable
 from mjcompose.base.report import report as junit_text
 from mjcompose.sources.context import Context
 
@@ -68,18 +68,22 @@ def is_quiet() -> bool:
     return _given("quiet")
 
 
-def report(context: Context, form: str, *, err: bool = False, texts: Mapping[str, bytes] | None = None) -> None:
-    """Print all diagnostics: text to standard error, JSON and GitHub commands to standard output.
+DOCUMENTS = ("junit", "sarif")
+"""The formats that are one document, which is printed even without diagnostics."""
 
-    With `err` these go to standard error too, for a command that prints a model. `texts` are new contents of files,
-    by their names in messages.
+
+def report(context: Context, form: str, *, err: bool = False, texts: Mapping[str, bytes] | None = None) -> None:
+    """Print all diagnostics: text to standard error, other formats to standard output.
+
+    With `err` all go to standard error, for a command that prints a model. `texts` are new contents of files, by their
+    names in messages.
     """
     clear_progress()
     if _given("watch"):
         from mjcompose.tools.view.builder import hopes
 
         note_files(hopes(context))
-    if shown := _report_text(context, form, texts or {}):
+    if shown := rendered(context.sink.sorted(), form, source_reader(context.folder, texts)):
         click.echo(shown, nl=False, err=err or form == "text", color=use_color())
 
 
@@ -94,16 +98,23 @@ def words_of(context: Context) -> str:
     return "".join(f"{text.render(each, read, False)}\n\n" for each in found) + text.summary(found)
 
 
-def _report_text(context: Context, form: str, texts: Mapping[str, bytes]) -> str:
-    found = context.sink.sorted()
+def rendered(found: Sequence[Diagnostic], form: str, read: text.ReadSource, suites: Sequence[Suite] = ()) -> str:
+    """Return diagnostics in a format. JUnit has the `suites`, or one case for the whole command."""
+    if form == "junit":
+        verb = click.get_current_context().info_name or "mjcompose"
+        errors = [each for each in found if each.severity is Severity.ERROR]
+        return junit_text(suites or [Suite(verb, [Case(verb, "command", errors)])], read)
+    if form == "sarif":
+        from mjcompose.base.sarif import render_sarif
+
+        return f"{render_sarif([_exact(each, read) for each in found])}\n"
     if not found:
         return ""
-    read = source_reader(context.folder, texts)
     if form == "json":
-        found = [_exact(each, read) for each in found]
-        return "".join(f"{text.render_json_format(each)}\n" for each in found)
-    if form == "github":
-        return "".join(f"{text.render_github(each)}\n" for each in found)
+        return "".join(f"{text.render_json_format(_exact(each, read))}\n" for each in found)
+    if form in ("github", "markdown"):
+        render = text.render_github if form == "github" else text.render_markdown
+        return "".join(f"{render(each)}\n" for each in found)
     color = use_color()
     shown = "".join(f"{text.render(each, read, color)}\n\n" for each in found)
     return f"{shown}{text.summary(found)}\n{_more_about(found) if on_terminal() else ''}"

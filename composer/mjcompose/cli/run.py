@@ -8,7 +8,7 @@ from __future__ import annotations
 import json
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, nullcontext, redirect_stdout
 from pathlib import Path
 from threading import Event
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -18,6 +18,7 @@ import click
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.report import printable
 from mjcompose.cli.reporting import (
+    DOCUMENTS,
     FINDINGS,
     FORM,
     USAGE,
@@ -27,14 +28,17 @@ from mjcompose.cli.reporting import (
     note_files,
     noted_files,
     progress_of_command,
+    rendered,
     report,
     say,
+    source_reader,
     use_color,
     write_junit,
 )
 from mjcompose.sources.context import Context
 
 if TYPE_CHECKING:
+    from mjcompose.base.diagnostic import Diagnostic
     from mjcompose.base.files import Mark
     from mjcompose.base.report import Suite
     from mjcompose.mujoco.engine import Session
@@ -136,9 +140,11 @@ def _object(options: type[Options], given: Mapping[str, Any]) -> Options:
 
 
 def _declarations(options: Any) -> Iterator[tuple[str, _Declared]]:
-    for name, field in options.__dataclass_fields__.items():
-        if isinstance(field.default, _Declared):
-            yield name, field.default
+    """Yield the fields of a class, its own before those that it inherits, with their declarations."""
+    fields = options.__dataclass_fields__
+    for name in sorted(fields, key=lambda name: name not in options.__annotations__):
+        if isinstance(fields[name].default, _Declared):
+            yield name, fields[name].default
 
 
 class Stop(Exception):
@@ -151,12 +157,12 @@ class Stop(Exception):
 
 @dataclass(frozen=True, slots=True)
 class Answer:
-    """What a command prints after its report: `data` with `--output-format json`, otherwise `text`.
+    """The output of a command after its report: `data` with `--output-format json`, otherwise `text`.
 
-    A function in place of either is called only if its result is printed. The text of an outcome, such as what was
-    written where, is omitted with `--quiet`. `reports` is False if diagnostics are not shown on success. Without a
-    `code`, the process exits with 1 if there are errors. `aside` is an outcome for standard error. JSON
-    has other letters than those of ASCII as they are unless `is_ascii`.
+    A function instead of any of them is called only if its result is printed. `markdown` replaces the text in that
+    format. `--quiet` omits the text of an outcome, such as the path of a written file. `reports` is False if
+    diagnostics are not shown on success. Without a `code`, the process exits with 1 if there are errors. `aside` is an
+    outcome for standard error. Unless `is_ascii`, JSON contains letters outside ASCII.
     """
 
     text: str | Callable[[], str]
@@ -166,13 +172,15 @@ class Answer:
     reports: bool = True
     is_ascii: bool = True
     aside: str | None = None
+    markdown: Callable[[], str] | None = None
 
     def show(self, form: str) -> None:
         if form == "json" and self.data is not None:
             data = self.data() if callable(self.data) else self.data
             click.echo(json.dumps(data, indent=None if self.is_outcome else 2, ensure_ascii=self.is_ascii))
             return
-        text = self.text() if callable(self.text) else self.text
+        source = self.markdown if form == "markdown" and self.markdown is not None else self.text
+        text = source() if callable(source) else source
         if self.is_outcome:
             say(text, form=form)
         else:
@@ -182,9 +190,9 @@ class Answer:
 class Run:
     """One run of a command: its context with the sink, the format of its output, and how it ends.
 
-    `to_stderr` is set by a command whose standard output is a model. `texts` are new contents of files that messages
-    show, by their names. `suites` are the results for `--junit`. Once a command `is_reported`, its end prints no
-    diagnostics.
+    A command whose standard output is a model sets `to_stderr`. `texts` are new contents of files that messages show,
+    by their names. `suites` are the results for JUnit. After `is_reported`, the end of the command prints no
+    diagnostics. The formats in `DOCUMENTS` are printed once, at the end, and other output goes to standard error.
     """
 
     def __init__(self, command: click.Context) -> None:
@@ -193,6 +201,10 @@ class Run:
         command.meta[FORM] = self.form
         self.is_strict = bool(given.get("strict"))
         self.junit: str | None = given.get("junit")
+        has_output = "-" in (given.get("out"), self.junit, *_listed(given.get("recipes")))
+        self.is_document = self.form in DOCUMENTS
+        self.sets_apart = self.is_document and not has_output
+        self.kept: list[Diagnostic] = []
         self.suites: list[Suite] = []
         self.texts: Mapping[str, bytes] = {}
         self.to_stderr = False
@@ -214,8 +226,10 @@ class Run:
     def report(self, context: Context | None = None) -> None:
         """Print all diagnostics now, of another context if one is given."""
         self.is_reported |= context is None
-        form = "text" if self.form == "markdown" else self.form
-        report(context or self.context, form, err=self.to_stderr, texts=self.texts)
+        if self.is_document:
+            self.kept += (context or self.context).sink.sorted()
+        else:
+            report(context or self.context, self.form, err=self.to_stderr, texts=self.texts)
 
     def check(self, code: int = USAGE) -> None:
         """End the command with this code if there are errors."""
@@ -249,9 +263,15 @@ class Run:
         if self.junit is not None:
             writing = Context()
             write_junit(self.suites, self.junit, writing)
-            report(writing, self.form)
+            self.report(writing)
             code = max(code, FINDINGS if writing.sink.has_errors else 0)
         return code
+
+    def print_document(self) -> None:
+        """Print all diagnostics that were reported, in a format that is one document."""
+        read = source_reader(self.context.folder, self.texts)
+        shown = rendered(self.kept, self.form, read, suites=self.suites)
+        click.echo(shown, nl=False, err=self.to_stderr or not self.sets_apart)
 
     @contextmanager
     def session(self, *, remembers: bool) -> Iterator[Session]:
@@ -273,11 +293,15 @@ _SESSIONS = "mjcompose.sessions"
 
 
 def _ended(function: Callable[[Options, Run], Answer | int | None], options: Options, run: Run) -> int:
-    try:
-        answer = function(options, run)
-    except Stop as stop:
-        answer, run.junit = stop.code, None
-    return run.end(answer)
+    with redirect_stdout(sys.stderr) if run.sets_apart else nullcontext():
+        try:
+            answer = function(options, run)
+        except Stop as stop:
+            answer, run.junit = stop.code, None
+        code = run.end(answer)
+    if run.is_document:
+        run.print_document()
+    return code
 
 
 def _recipes(given: Mapping[str, Any]) -> list[Path]:

@@ -8,22 +8,16 @@ import click
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.cli import completion
-from mjcompose.cli.cells import CellOptions
-from mjcompose.cli.options import Choices, FetchOptions, LimitOptions, ReportOptions
+from mjcompose.cli.cells import ModelOptions
 from mjcompose.cli.reporting import use_color
-from mjcompose.cli.run import Answer, Run, argument, command, flag, group, option
+from mjcompose.cli.run import Answer, Run, argument, command, flag, option
 
 
 @dataclass(frozen=True, slots=True)
-class Options:
+class Options(ModelOptions):
     model: str = argument(shell_complete=completion.files)
     places: bool = flag("--places", help="List the places where a part can be attached, as written in a recipe.")
     depth: int | None = option("--depth", type=click.IntRange(min=1), metavar="N", help="Show only N levels of bodies.")
-    choices: Choices = group(Choices)
-    cell: CellOptions = group(CellOptions)
-    fetching: FetchOptions = group(FetchOptions)
-    limits: LimitOptions = group(LimitOptions)
-    reporting: ReportOptions = group(ReportOptions)
 
 
 @command(Options)

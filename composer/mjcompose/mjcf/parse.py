@@ -16,7 +16,7 @@ from mjcompose.base.sink import Sink
 from mjcompose.build.bundle.bundle import MODEL, Bundle, BundleError, OutputError, check_paths
 from mjcompose.build.bundle.collect import collect
 from mjcompose.build.bundle.read import ReadError, read
-from mjcompose.build.bundle.staging import move, resolved_output, staged_folder
+from mjcompose.build.bundle.staging import check_is_no_source, move, resolved_output, staged_folder
 from mjcompose.build.bundle.write import write_archive
 from mjcompose.link.linking import Policy
 from mjcompose.mjcf.asset import Files, Folders, as_files, as_path, door_of
@@ -205,8 +205,8 @@ def export_with_assets(
     model always gives the same bytes. Other files in `out_dir` stay. Everything is first written to a temporary place
     and moved to `out_dir` when it is complete, the model last.
 
-    `conflict` is described in `RootElement.to_xml_string`. Raises `MjcfError` for faults of the model, and for files
-    that are missing or cannot be written.
+    `conflict` is described in `RootElement.to_xml_string`. Raises `MjcfError` for faults of the model, for files that
+    are missing or cannot be written, and if a file would replace one that the model was read from.
 
     >>> import tempfile
     >>> from mjcompose import mjcf
@@ -217,13 +217,13 @@ def export_with_assets(
     <BLANKLINE>
     """
     out = as_path("out_dir", out_dir)
-    files = _files(model, model_filename, conflict)
+    files, sources = _files(model, model_filename, conflict)
     try:
         with staged_folder(out, into=True) as stage:
             stage.mkdir()
             _write(files, stage)
             # The model last: until then an older model still finds all of its files.
-            move(stage, resolved_output(out), sorted(files, key=lambda path: "/" not in path))
+            move(stage, resolved_output(out), sorted(files, key=lambda path: "/" not in path), inputs=sources)
     except OutputError as error:
         raise _output_failure(error) from error
 
@@ -250,15 +250,17 @@ def export_with_assets_as_zip(
     'arm'
     """
     out = as_path("zip_path", zip_path)
-    files = _files(model, model_filename, conflict)
+    files, sources = _files(model, model_filename, conflict)
     try:
+        if not os.path.isdir(out):  # the writer says so itself
+            check_is_no_source(out, inputs=sources)
         write_archive(Bundle(files, model_filename), out, os.environ)
     except OutputError as error:
         raise _output_failure(error) from error
 
 
-def _files(model: RootElement, model_filename: str, conflict: Policy) -> dict[str, bytes]:
-    """Return the bytes of all files to write, by path."""
+def _files(model: RootElement, model_filename: str, conflict: Policy) -> tuple[dict[str, bytes], list[str]]:
+    """Return the bytes of all files to write, by path, and the files that the model was read from."""
     _check_is_model(model)
     if (
         not isinstance(model_filename, str)
@@ -281,7 +283,7 @@ def _files(model: RootElement, model_filename: str, conflict: Policy) -> dict[st
     except BundleError as error:
         raise failure("file-unreadable", f"a file of the model cannot be exported: {error}", call_site()) from None
     issue_warnings(flat)
-    return files
+    return files, [*flat.unit.origins.texts, *(use.source for use in flat.files)]
 
 
 def _check_is_model(model: object) -> None:

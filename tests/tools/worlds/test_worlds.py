@@ -212,6 +212,8 @@ def test_models_are_gathered(matrix: Path, tmp_path: Path) -> None:
             wanted, model = each.load().model, study.model(world)
             assert {name for name in differing(model, wanted) if not name.startswith("name")} == set()
             assert model.opt.timestep == wanted.opt.timestep == study.values("opt.timestep")[world]
+    with pytest.raises(MjcomposeError, match="is one of the files that this model is built from"):
+        worlds.load(listed[0].path, tmp_path / "study.npz").take([0]).save(tmp_path / "study.npz")
     if find_spec("mujoco.batch"):
         batch = worlds.mujoco(found, nthread=1)
         assert (batch.expand("opt.timestep").reshape(-1) == found.values("opt.timestep")).all()

@@ -38,7 +38,7 @@ def sibling(target: Path, purpose: str) -> Path:
 
 @contextlib.contextmanager
 def staged_file(
-    out: Path, option: str | None = None, *, inputs: Iterable[Path] = (), rewrites: bool = False
+    out: Path, option: str | None = None, *, inputs: Iterable[str | Path] = (), rewrites: bool = False
 ) -> Iterator[Path]:
     """Yield a path to write to; when the block succeeds, the file moves to `out` in one step.
 
@@ -86,11 +86,11 @@ def staged_folder(
         raise unwritable_error(out, error) from error
 
 
-def move(stage: Path, target: Path, paths: Iterable[str]) -> None:
+def move(stage: Path, target: Path, paths: Iterable[str], inputs: Iterable[str | Path] = ()) -> None:
     """Move files of a stage into the folder `target`, in this order; all of it at once if there is none."""
-    paths = tuple(paths)
+    paths, inputs = tuple(paths), tuple(inputs)
     for path in paths:
-        check_is_no_source(target / path)
+        check_is_no_source(target / path, inputs=inputs)
     if not os.path.exists(target):
         stage.replace(target)
         return
@@ -100,7 +100,7 @@ def move(stage: Path, target: Path, paths: Iterable[str]) -> None:
         sources.current().wrote(str(target / path))
 
 
-def check_is_no_source(out: Path, option: str | None = None, inputs: Iterable[Path] = ()) -> None:
+def check_is_no_source(out: Path, option: str | None = None, inputs: Iterable[str | Path] = ()) -> None:
     """Refuse an output that is a source of this run, or a folder with one in it. Raises OutputError.
 
     If that cannot be found out, for whatever reason, the output is refused.

@@ -166,11 +166,13 @@ def read_parquet(content: bytes) -> Table:
 _TABLE_FILE_ABOUT = "about.json"
 
 
-def write(path: str | PathLike[str], model: Model, table: Table, option: str | None = None) -> None:
+def write(
+    path: str | PathLike[str], model: Model, table: Table, option: str | None = None, *, inputs: tuple[Path, ...] = ()
+) -> None:
     """Write a table completely or not at all: as Parquet if the name says so, else as `.npz`. Raises OutputError."""
     path = Path(path)
     check_name(path)
-    with staged_file(path, option) as stage:
+    with staged_file(path, option, inputs=inputs) as stage:
         if path.suffix.lower() == ".parquet":
             write_parquet(stage, model, table)
             return
@@ -224,6 +226,7 @@ class Worlds:
     manifest: Manifest
     index: Index
     table: Table
+    sources: tuple[Path, ...] = ()
 
     @property
     def arrays(self) -> Mapping[str, Varying]:
@@ -288,10 +291,10 @@ class Worlds:
     def save(self, path: str | PathLike[str]) -> None:
         """Write the numbers to an `.npz` or a `.parquet` for `load(bundle, path)`, completely or not at all.
 
-        Raises MjcomposeError.
+        Raises MjcomposeError, even if `path` is a file that the worlds were loaded from.
         """
         try:
-            write(path, self.nominal, self.table)
+            write(path, self.nominal, self.table, inputs=self.sources)
         except OutputError as error:
             raise MjcomposeError([error.diagnostic]) from error
 
@@ -329,7 +332,8 @@ def load(bundle: str | PathLike[str], file: str | PathLike[str] | None = None) -
         )
     for name, varying in table.arrays.items():
         _check(loaded.model, name, varying, count=table.count, shown=shown)
-    return Worlds(loaded.model, loaded.manifest, loaded.index, table=table)
+    sources = (Path(bundle), *([] if file is None else [Path(file)]))
+    return Worlds(loaded.model, loaded.manifest, loaded.index, table=table, sources=sources)
 
 
 def _check(model: LoadModel, name: str, varying: Varying, count: int, shown: str) -> None:
