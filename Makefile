@@ -134,7 +134,6 @@ schemas: $(STAMP)
 	@$(BIN)/python -m mjcompose.language.reference_page docs/reference
 	@$(BIN)/python -m mjcompose.mjcf.stub
 	@$(BIN)/python -m mjcompose.targets.table
-	@$(BIN)/python -m mjcompose.tools.migrate.changes
 	@$(BIN)/python -m mjcompose.language.datasheets
 	@$(BIN)/python -m mjcompose.language.reference_page > build/key_order.json && mv build/key_order.json composer/mjcompose/text/
 

@@ -18,21 +18,21 @@ Function = ast.FunctionDef | ast.AsyncFunctionDef
 
 FUNCTIONS_LEFT = Counter(
     """
-    Comparison Correspondence Workshop _flag _give _given _of_use _take between check_fragment compare compile
+    Comparison Correspondence Workshop _give _given _of_use _take between check_fragment compare compile
     convert_urdf diff element error load load_cell parse_text render render_sheet unknown unknown_attribute
     unknown_name unresolved warning
     """.split()
 )
 # fmt: off
 CALLS_LEFT = Counter(
-    ActuatorModel=1, Change=41, Converter=1, Cursor=4, Diagnostic=1, Document=1, Item=6, Key=1, Known=1,
+    ActuatorModel=1, Converter=1, Cursor=4, Diagnostic=1, Document=1, Item=6, Key=1, Known=1,
     Lens=2, Model=1, Names=1, Question=2, Selection=1, Selector=1, Settable=2, Span=11, Symbol=2,
     Traced=1, Use=2, _Download=1, _Frame=1, _about=1, _added=2, _all=6, _analysed=1, _angles=1, _apart=1,
-    _composed=1, _count=1, _error=4, _fits=1, _flag=6, _in_recipe=2, _insert=4, _is_excepted=1, _is_sound=2,
+    _composed=1, _count=1, _error=4, _fits=1, _in_recipe=2, _insert=4, _is_excepted=1, _is_sound=2,
     _line=1, _of_use=1, _pattern=1, _rename_parameter=1, _rename_part=1, _selected=1,
-    _span=1, _text=1, _up_to_the_next=1, _walk=6, _where=1, add=2, advise=6, carried=1, check=1,
-    drop=4, element=11, failed=11, fetch=2, finish=1, in_brackets=2, items=1, keep_default=3, listed=1,
-    names_of=1, open=1, pack=4, packed=1, read_selector=2, refuse=4, rename=3, renamed=2,
+    _span=1, _text=1, _up_to_the_next=1, _walk=6, _where=1, add=2, carried=1, check=1,
+    drop=4, element=11, failed=11, fetch=2, finish=1, in_brackets=2, items=1, listed=1,
+    names_of=1, open=1, pack=4, packed=1, read_selector=2, rename=1, renamed=2,
     row=1, run=4, same=1, step=1, syscall=3, unknown=2, unknown_attribute=1, unmet=4, unread_in=1,
     with_item=1, with_key=2, word=3, write_facts=2, write_whole=1,
     values_of=1,

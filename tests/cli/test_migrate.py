@@ -158,7 +158,7 @@ def test_a_file_that_would_be_two(folder: Path) -> None:
     (folder / "parts/hand.xml").write_text(HAND.replace("<asset>", turned + "<asset>"))
     (folder / "parts/tip.xml").write_text(TIP.replace("<option", '<include file="shared.xml"/><option'))
     result = run("migrate", "all.xml", "--from", "3.2.2", "--mujoco", "4.0", "-o", "new")
-    assert result.exit_code == 1 and "`parts/shared.xml` is included by two of these models" in result.stderr
+    assert result.exit_code == 1 and "two of these models include `parts/shared.xml`" in result.stderr
 
 
 def test_to_an_older_one(folder: Path) -> None:
@@ -175,12 +175,12 @@ def test_the_version_has_to_be_said(folder: Path) -> None:
     result = run("migrate", "old.xml")
     assert result.exit_code == 1
     assert (
-        "error[migrate-version]: it is not known which MuJoCo `old.xml` is written for: those from 3.0.0 to 3.2.2"
+        "error[migrate-version]: `old.xml` does not say which MuJoCo it is written for: the versions from 3.0.0 to 3.2.2"
         in (result.stderr)
     )
     assert "`--from 3.2.2`" in result.stderr
     wrong = run("migrate", "old.xml", "--from", "2.3")
-    assert wrong.exit_code == 1 and "`--from 2.3` is not a MuJoCo that models can be migrated from" in wrong.stderr
+    assert wrong.exit_code == 1 and "mjcompose cannot migrate from or to `--from 2.3`" in wrong.stderr
 
 
 @pytest.mark.slow

@@ -1,8 +1,8 @@
-"""Whether two versions of MuJoCo made the same model, array by array."""
+"""Compare the models that two versions of MuJoCo made, array by array."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import field
 from typing import Any
 
@@ -16,8 +16,7 @@ from mjcompose.tools.migrate.environments import Compiled
 
 FLAGS = {"nativeccd": False, "multiccd": False, "island": False, "autoreset": True, "sleep": False, "diagexact": False,
          "ipc": False, "speculative": False, "sensornoise": False, "spring": True, "damper": True}  # fmt: skip
-"""What a version does that does not have the flag."""
-
+"""The behavior of a version without the flag."""
 
 Array = np.ndarray[Any, Any]
 
@@ -41,7 +40,7 @@ _ALIASES = {
 
 @dataclass(frozen=True, slots=True)
 class Difference:
-    """`element` is what it belongs to, in words; `count` of how many elements the array differs."""
+    """A difference in one array; `element` is the first element that differs, `count` the number of such elements."""
 
     array: str
     element: str
@@ -56,7 +55,7 @@ class Difference:
 
 @dataclass(slots=True)
 class Outcome:
-    """`equal` arrays are the same bit for bit, `rounded` ones up to rounding; `apart` cannot be compared."""
+    """`equal` arrays agree bit for bit, `rounded` arrays up to rounding; `apart` cannot be compared."""
 
     differences: list[Difference] = field(default_factory=list)
     equal: list[str] = field(default_factory=list)
@@ -75,7 +74,7 @@ class Outcome:
 
 
 def compare(before: Compiled, after: Compiled) -> Outcome:
-    """What is not the same in two compiled models; both have been compiled."""
+    """Compare two models, both compiled without error."""
     outcome = Outcome()
     one, two = _Side.of(before), _Side.of(after)
     _combine_margins(one, two, outcome)
@@ -85,7 +84,13 @@ def compare(before: Compiled, after: Compiled) -> Outcome:
     for array in sorted(one.arrays.keys() | two.arrays.keys()):
         if not about(array).version and not _is_count(array):
             _compare(array, one, two, pairs=pairs, outcome=outcome)
-    _compare_flags(one, two, outcome)
+    flags = [_flags(side) for side in (one, two)]
+    for flag in sorted(flags[0].keys() | flags[1].keys()):
+        words = ["enabled" if each.get(flag, FLAGS.get(flag, False)) else "disabled" for each in flags]
+        if words[0] == words[1]:
+            outcome.equal.append(f"flags.{flag}")
+        else:
+            outcome.differences.append(Difference(f"flags.{flag}", "the model", words[0], after=words[1], count=1))
     return outcome
 
 
@@ -101,7 +106,7 @@ class _Side:
     words: Mapping[str, Any]
     version: str = ""
     scale: Array = field(default_factory=lambda: np.zeros(0))
-    """How large the mesh of each triangle is."""
+    """The size of the mesh of each triangle."""
 
     @classmethod
     def of(cls, compiled: Compiled) -> _Side:
@@ -109,11 +114,11 @@ class _Side:
         with np.load(compiled.arrays, allow_pickle=False) as stored:
             arrays = {_ALIASES.get(name, name): stored[name] for name in stored.files}
         side = cls(arrays, compiled.names, compiled.words, compiled.version)
-        side.settle()
+        side.normalize()
         return side
 
-    def settle(self) -> None:
-        """Bring what versions store in different forms into one."""
+    def normalize(self) -> None:
+        """Bring arrays that versions store in different forms into one form."""
         arrays = self.arrays
         for array, words in self.words.items():
             if array != "flags" and array in arrays:
@@ -132,22 +137,18 @@ class _Side:
                 arrays[name] = arrays[name].ravel() if arrays[name].any() else np.zeros(0)
         policy = arrays.pop("tree_sleep_policy", None)
         if policy is not None:
-            arrays["tree_sleep"] = np.where(policy >= 3, policy, 0)  # smaller ones nobody wrote
-        self._begin_forces_at_the_margin()
-        self._take_meshes_out()
+            arrays["tree_sleep"] = np.where(policy >= 3, policy, 0)  # the compiler chooses smaller policies
+        if later(_GAPS, self.version):  # the force of a contact began at the margin less the gap
+            for kind in ("geom", "pair"):
+                arrays[f"{kind}_margin"] = arrays[f"{kind}_margin"] - arrays[f"{kind}_gap"]
+        self._unrotate_meshes()
         rotations = _matrices(arrays["body_iquat"])
         tensors = np.einsum("nij,nj,nkj->nik", rotations, arrays["body_inertia"], rotations)
         arrays["body_inertia"] = tensors.reshape(len(tensors), 9)
         del arrays["body_iquat"]
 
-    def _begin_forces_at_the_margin(self) -> None:
-        """Before 3.9 the force of a contact began at the margin less the gap: all as if it were so since."""
-        if later(_GAPS, self.version):
-            for kind in ("geom", "pair"):
-                self.arrays[f"{kind}_margin"] = self.arrays[f"{kind}_margin"] - self.arrays[f"{kind}_gap"]
-
-    def _take_meshes_out(self) -> None:
-        """Meshes and their geoms as the file has them: MuJoCo turns a mesh by its inertia, whose axes may be any."""
+    def _unrotate_meshes(self) -> None:
+        """Put meshes and their geoms in the frame of the file: MuJoCo turns a mesh by its inertia, whose axes vary."""
         arrays = self.arrays
         poses = _matrices(arrays["mesh_quat"]), arrays["mesh_pos"]
         vertices = arrays["mesh_vert"].astype(float)
@@ -187,10 +188,9 @@ def _matrices(quats: Array) -> Array:
 
 
 def _combine_margins(one: _Side, two: _Side, outcome: Outcome) -> None:
-    """Where a contact has the larger margin of its geoms in one version and the sum in the other: those of contacts."""
-    if later(_SUMS, one.version) == later(_SUMS, two.version):
-        return
-    if len(one.arrays["geom_margin"]) != len(two.arrays["geom_margin"]):
+    """Compare margins of contacts if only one version has the sum of both geoms, and the other the larger."""
+    is_same_rule = later(_SUMS, one.version) == later(_SUMS, two.version)
+    if is_same_rule or len(one.arrays["geom_margin"]) != len(two.arrays["geom_margin"]):
         return
     collide = (one.arrays["geom_contype"] | one.arrays["geom_conaffinity"]) != 0
     if collide.sum() > _MOST:
@@ -204,7 +204,7 @@ def _combine_margins(one: _Side, two: _Side, outcome: Outcome) -> None:
 
 
 def _settle_surfaces(one: _Side, two: _Side, outcome: Outcome) -> None:
-    """Meshes that are cut into triangles in another way, or in another order, are the same if their surface is."""
+    """Treat meshes with other triangles as equal if their surface is equal."""
     x, y = one.arrays["mesh_face"], two.arrays["mesh_face"]
     starts, others = one.arrays["mesh_faceadr"], two.arrays["mesh_faceadr"]
     if len(starts) != len(others):
@@ -217,7 +217,7 @@ def _settle_surfaces(one: _Side, two: _Side, outcome: Outcome) -> None:
         a, b = x[start : start + counts[mesh]], y[other : other + lengths[mesh]]
         scale = one.scale[start : start + counts[mesh]]
         if mesh not in used and a.shape == b.shape:
-            b = a  # no geom shows it: where it stands means nothing, and is not the same in all versions
+            b = a  # no geom shows it, and versions place such a mesh differently
         elif a.shape != b.shape or not _close(a, b, scale).all():
             if _same_surface(a, b):
                 b = a
@@ -233,7 +233,7 @@ def _settle_surfaces(one: _Side, two: _Side, outcome: Outcome) -> None:
 
 
 def _settle_marks(one: _Side, two: _Side) -> None:
-    """Random marks of a texture are the same in all places, if there are as many and the rest is the same.
+    """Treat random marks of a texture as equal if their number and the other pixels agree.
 
     MuJoCo 3.2 draws them with another generator than 3.1.
     """
@@ -256,7 +256,7 @@ def _settle_marks(one: _Side, two: _Side) -> None:
 
 
 def _stand_alike(x: Array, y: Array, mesh: int, one: _Side, two: _Side) -> bool:
-    """Whether all geoms with a mesh stand alike in their bodies: a mesh may be moved, and its geoms against it."""
+    """Return whether all geoms with a mesh look alike in their bodies: a mesh may move, and its geoms against it."""
     geoms = np.flatnonzero(one.arrays["geom_dataid"] == mesh)
     if not np.array_equal(geoms, np.flatnonzero(two.arrays["geom_dataid"] == mesh)):
         return False
@@ -273,7 +273,7 @@ def _stand_alike(x: Array, y: Array, mesh: int, one: _Side, two: _Side) -> bool:
 
 
 def _same_surface(x: Array, y: Array) -> bool:
-    """Whether two surfaces have the same box, area, volume and centre."""
+    """Return whether two surfaces have the same box, area, volume and center."""
     if not x.size or not y.size:
         return False
     one, two = (_measures(each.reshape(-1, 3, 3)) for each in (x, y))
@@ -281,38 +281,38 @@ def _same_surface(x: Array, y: Array) -> bool:
 
 
 def _measures(triangles: Array) -> Array:
-    """All in the unit of length: the box, the root of the area, that of the volume, and the centre of the surface."""
+    """Return lengths: the box, the center of the surface, and the roots of the area and the volume."""
     a, b, c = triangles[:, 0], triangles[:, 1], triangles[:, 2]
     areas = np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2
     volume = np.einsum("ij,ij->i", a, np.cross(b, c)).sum() / 6
-    centre = (areas[:, None] * triangles.mean(axis=1)).sum(axis=0) / max(areas.sum(), 1e-300)
+    center = (areas[:, None] * triangles.mean(axis=1)).sum(axis=0) / max(areas.sum(), 1e-300)
     corners = triangles.reshape(-1, 3)
     sizes = [np.sqrt(areas.sum()), np.cbrt(volume)]
-    return np.concatenate([corners.min(axis=0), corners.max(axis=0), centre, sizes])
+    return np.concatenate([corners.min(axis=0), corners.max(axis=0), center, sizes])
 
 
 def _pairs(one: _Side, two: _Side, outcome: Outcome) -> dict[str, Array]:
-    """For each kind whose elements stand in another order: where those of the first are in the second."""
+    """Return the places in the second model of the elements of the first, for kinds whose order differs."""
     found: dict[str, Array] = {}
     for kind, names in one.names.items():
         other = list(two.names.get(kind, ()))
         if list(names) == other:
             continue
         keys, others = _keys(list(names)), _keys(other)
-        lost = [each for each in keys if each not in others]
-        new = [each for each in others if each not in keys]
-        for what, several in (("is missing", lost), ("is new", new)):
+        lost = [key for key in keys if key not in others]
+        new = [key for key in others if key not in keys]
+        for several, words in ((lost, ("present", "missing")), (new, ("missing", "present"))):
             if several:
-                shown = f"{kind} `{several[0][0]}`" if several[0][0] is not None else f"a {kind} without a name"
-                pair = ("there", "not there") if what == "is missing" else ("not there", "there")
-                outcome.differences.append(Difference(f"{kind} names", shown, *pair, len(several)))
+                name = several[0][0]
+                element = f"a {kind} without a name" if name is None else f"{kind} `{name}`"
+                outcome.differences.append(Difference(f"{kind} names", element, *words, len(several)))
         if not lost and not new:
             found[kind] = np.array([others.index(each) for each in keys])
     return found
 
 
 def _keys(names: list[str | None]) -> list[tuple[str | None, int]]:
-    """Names, with how many of the same came before: several elements may have none."""
+    """Return names with the number of earlier elements of that name: several may have none."""
     seen: dict[str | None, int] = {}
     found = []
     for name in names:
@@ -324,15 +324,15 @@ def _keys(names: list[str | None]) -> list[tuple[str | None, int]]:
 def _compare(array: str, one: _Side, two: _Side, pairs: Mapping[str, Array], outcome: Outcome) -> None:
     x, y = one.arrays.get(array), two.arrays.get(array)
     if x is None or y is None or (x.size != y.size and not (x.size and y.size)):
-        here = y if x is None or not x.size else x
-        if here is not None and here.size:
-            is_new = x is None or not x.size
-            _alone(array, here, is_new, side=one if y is None or not y.size else two, outcome=outcome)
+        is_new = x is None or not x.size
+        values = y if is_new else x
+        if values is not None and values.size:
+            _compare_with_neutral(array, values, is_new, side=two if is_new else one, outcome=outcome)
         return
     kind = _PREFIXES.get(array.partition("_")[0], "")
     if x.shape != y.shape:
         if len(x) != len(y) and kind in one.names and len(one.names[kind]) != len(two.names.get(kind, ())):
-            return  # other elements are there, which is told
+            return  # `_pairs` reports other elements
         outcome.apart.append(array)
         return
     if kind in pairs and len(pairs[kind]) == len(y):
@@ -345,14 +345,14 @@ def _compare(array: str, one: _Side, two: _Side, pairs: Mapping[str, Array], out
             outcome.equal.append(array)
             return
         if array == "vis.headlight.active":
-            # `auto` of 4.0 is always on in earlier versions, and in the renderer that they have.
+            # `auto` of 4.0 is always on in earlier versions and their renderer.
             y = np.where(x == _AUTO, _AUTO, y)
         if UNSAID in about(array).traits:
             said = about(array).neutral
             x, y = np.where(np.isin(x, said), said[0], x), np.where(np.isin(y, said), said[0], y)
         if "." in array and x.ndim == 1:
             x, y = x[None], y[None]  # of the whole model
-        wrong = ~_close(x, y, one.scale if array == "mesh_face" else _scale(array, x))
+        wrong = ~_close(x, y, _scale(array, x, one))
     if not wrong.any():
         outcome.rounded.append(array)
         return
@@ -369,9 +369,11 @@ def _first(array: str, wrong: Array, side: _Side) -> tuple[int, str, int]:
     return int(rows[0]), _label(array, int(rows[0]), side), len(rows)
 
 
-def _scale(array: str, x: Array) -> Array | None:
-    """Statistics of the model are made of boxes along the axes of meshes, which are any."""
-    return np.full_like(x, _LOOSE * np.abs(x).max(initial=1.0)) if array in _STATISTICS else None
+def _scale(array: str, x: Array, one: _Side) -> Array | None:
+    """Return the sizes that differences are relative to; None for the values themselves."""
+    if array in _STATISTICS:  # of boxes along the axes of meshes, which vary
+        return np.full_like(x, _LOOSE * np.abs(x).max(initial=1.0))
+    return one.scale if array == "mesh_face" else None
 
 
 def _close(x: Array, y: Array, scale: Array | None = None) -> Array:
@@ -384,8 +386,8 @@ def _close(x: Array, y: Array, scale: Array | None = None) -> Array:
     return same | near
 
 
-def _alone(array: str, values: Array, is_new: bool, side: _Side, outcome: Outcome) -> None:
-    """A field that one version has: nothing is said by what it holds where nobody wrote anything."""
+def _compare_with_neutral(array: str, values: Array, is_new: bool, side: _Side, outcome: Outcome) -> None:
+    """Compare an array that only one version has with the values that it has if nobody writes it."""
     if array in ("light_type", "light_directional"):
         return
     known = about(array).neutral
@@ -397,31 +399,16 @@ def _alone(array: str, values: Array, is_new: bool, side: _Side, outcome: Outcom
         outcome.equal.append(array)
         return
     row, element, count = _first(array, wrong, side)
-    shown = _shown(values[row] if values.ndim else values)
-    pair = ("not in that version", shown) if is_new else (shown, "not in this version")
-    outcome.differences.append(Difference(array, element, *pair, count))
+    words = ["absent", _shown(values[row] if values.ndim else values)]
+    before, after = words if is_new else reversed(words)
+    outcome.differences.append(Difference(array, element, before, after=after, count=count))
 
 
-def _compare_flags(one: _Side, two: _Side, outcome: Outcome) -> None:
-    sides = []
-    for side in (one, two):
-        flags = dict(side.words["flags"])
-        passive = flags.pop("passive", None)
-        if passive is not None:
-            flags |= {"spring": passive, "damper": passive}
-        sides.append(flags)
-    wrong = list(_other_flags(*sides))
-    outcome.differences.extend(wrong)
-    several = {f"flags.{flag}" for side in sides for flag in side}
-    outcome.equal.extend(sorted(several - {each.array for each in wrong}))
-
-
-def _other_flags(one: Mapping[str, bool], two: Mapping[str, bool]) -> Iterator[Difference]:
-    for flag in sorted(one.keys() | two.keys()):
-        before, after = (each.get(flag, FLAGS.get(flag, False)) for each in (one, two))
-        if before != after:
-            words = [("enabled" if each else "disabled") for each in (before, after)]
-            yield Difference(f"flags.{flag}", "the model", words[0], after=words[1], count=1)
+def _flags(side: _Side) -> dict[str, bool]:
+    flags = dict(side.words["flags"])
+    if "passive" in flags:
+        flags["spring"] = flags["damper"] = flags.pop("passive")
+    return flags
 
 
 def _label(array: str, row: int, side: _Side) -> str:

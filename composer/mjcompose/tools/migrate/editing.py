@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import field
 from html import unescape
 from pathlib import Path
-from typing import Protocol
+from typing import TypeAlias
 from xml.sax.saxutils import quoteattr
 
 from lxml import etree
@@ -55,8 +55,6 @@ _PIECE = re.compile(
     re.DOTALL,
 )
 _ATTRIBUTE = re.compile(r"""(\s*)([^\s=<>/"']+)\s*=\s*("[^"]*"|'[^']*')""")
-_INDENT = re.compile(r"[ \t]*\Z")
-_STEP = "  "
 
 
 class MarkupError(Exception):
@@ -125,29 +123,24 @@ class Source:
     markup: Markup
     nodes: Sequence[Node | None]
 
-    def rewritten(self, root: Node | None, renamed: Mapping[Node, Mapping[str, str]]) -> str:
-        """The text with all that the nodes are now otherwise than they are written.
+    def rewritten(self, renamed: Mapping[Node, Mapping[str, str]]) -> str:
+        """Return the text with the attributes, tags and new children that the nodes have now.
 
-        `root` is the root of the whole tree where this is its file: what is new in it is written here. `renamed` has
-        the attributes of a node that have another name now, by the new one.
+        `renamed` maps new names of attributes to old names, by node.
         """
         edits: list[tuple[int, int, str]] = []
         text = self.markup.text
         place = {node: each for node, each in zip(self.nodes, self.markup.elements, strict=True) if node is not None}
-        gone: list[tuple[int, int]] = []
         for node, written in place.items():
-            if any(start <= written.start < end for start, end in gone):
-                continue
-            if root is not None and not (node is root or any(above is root for above in node.iterancestors())):
-                start, end = _whole_lines(text, written.start, written.end)
-                gone.append((start, end))
-                edits.append((start, end, ""))
-                continue
             edits.extend(_changes(node, written, renamed.get(node, {})))
             edits.extend(_additions(node, written, place, text=text))
-        if "\r\n" in text:
-            edits = [(start, end, new.replace("\n", "\r\n")) for start, end, new in edits]
-        return _applied(text, edits)
+        result, done = [], 0
+        for start, end, new in sorted(edits, key=lambda edit: edit[:2]):
+            if start < done:
+                raise MarkupError(text[start:end])
+            result += [text[done:start], new.replace("\n", "\r\n") if "\r\n" in text else new]
+            done = end
+        return "".join((*result, text[done:]))
 
 
 def _changes(node: Node, written: _Written, renamed: Mapping[str, str]) -> Iterator[tuple[int, int, str]]:
@@ -192,7 +185,7 @@ def _additions(
     known = [
         place[child].start for child in node.iterchildren("*") if child in place and _inside(place[child], written)
     ]
-    step = "\t" if "\n\t" in text else _STEP
+    step = "\t" if "\n\t" in text else "  "
     inner = _indent(text, known[0]) if known and _begins_line(text, known[0]) else indent + step
     for child in fresh:
         following = next((place[each].start for each in child.itersiblings("*") if each in place
@@ -238,32 +231,9 @@ def _begins_line(text: str, at: int) -> bool:
     return not text[text.rfind("\n", 0, at) + 1 : at].strip()
 
 
-def _whole_lines(text: str, start: int, end: int) -> tuple[int, int]:
-    """With the indentation and the line break where nothing else stands on these lines."""
-    found = _INDENT.search(text, text.rfind("\n", 0, start) + 1, start)
-    after = re.compile(r"[ \t]*\r?\n").match(text, end)
-    if found is not None and _begins_line(text, start) and after is not None:
-        return found.start(), after.end()
-    return start, end
-
-
-def _applied(text: str, edits: list[tuple[int, int, str]]) -> str:
-    result, done = [], 0
-    for start, end, new in sorted(edits, key=lambda each: (each[0], each[1])):
-        if start < done:
-            raise MarkupError(text[start:end])
-        result += [text[done:start], new]
-        done = end
-    return "".join((*result, text[done:]))
-
-
 def is_made(node: Node) -> bool:
-    """Whether an element was made by a migration and is in no file yet."""
+    """Return whether the migration made an element, which no file has yet."""
     return line_of(node) is None
-
-
-def made(tag: str, attributes: Mapping[str, str]) -> Node:
-    return etree.Element(tag, dict(attributes))
 
 
 @dataclass(frozen=True, slots=True)
@@ -286,15 +256,22 @@ class Meaning:
     arrays: tuple[str, ...] = ()
 
 
-class ChangeInProgress(Protocol):
-    """What an `Editing` needs of the change that is being carried out."""
+Act: TypeAlias = "Callable[[Editing], None]"
 
-    @property
-    def name(self) -> str: ...
-    @property
-    def version(self) -> str: ...
-    @property
-    def arrays(self) -> tuple[str, ...]: ...
+
+@dataclass(frozen=True, slots=True)
+class Change:
+    """`version` is the first version with the new behavior, `since` the first version with the old behavior.
+
+    `acts` edit a model to mean the same: forward from an earlier version, and backward to an earlier version.
+    `arrays` are the fields of `mjModel` that show the change; without any, only a simulation shows it.
+    """
+
+    name: str
+    version: str
+    acts: tuple[Act | None, Act | None]
+    arrays: tuple[str, ...] = ()
+    since: str = "3.0.0"
 
 
 @dataclass(slots=True)
@@ -308,7 +285,7 @@ class Editing:
     sink: Sink
     before: str
     after: str
-    change: ChangeInProgress | None = None
+    change: Change | None = None
     steps: list[Step] = field(default_factory=list)
     meanings: list[Meaning] = field(default_factory=list)
     renamed: dict[Node, dict[str, str]] = field(default_factory=dict)
@@ -382,33 +359,30 @@ class Editing:
             return None if parent is None or parent is self.root else self.span(parent)
         return origins.span(node, file, attribute, key=key)
 
+    def note(self, node: Node, words: str, attribute: str | None = None) -> None:
+        self.steps.append(Step(self.name, self.span(node, attribute), words))
+
     def set(self, node: Node, attribute: str, value: str) -> None:
         """Write an attribute."""
         had = node.get(attribute)
-        if had == value:
-            return
-        words = f'`{attribute}="{value}"`' + ("" if had is None else f' instead of `"{had}"`')
-        self.steps.append(Step(self.name, self.span(node), f"wrote {words} at {called(node)}"))
-        node.set(attribute, value)
+        if had != value:
+            words = f'`{attribute}="{value}"`' + ("" if had is None else f' instead of `"{had}"`')
+            self.note(node, f"wrote {words} at {called(node)}")
+            node.set(attribute, value)
 
     def unset(self, node: Node, attribute: str) -> None:
-        """Take an attribute away."""
+        """Remove an attribute."""
         had = node.get(attribute)
-        if had is None:
-            return
-        self.steps.append(
-            Step(self.name, self.span(node, attribute), f'took `{attribute}="{had}"` from {called(node)}')
-        )
-        del node.attrib[attribute]
-        self.renamed.get(node, {}).pop(attribute, None)
+        if had is not None:
+            self.note(node, f'removed `{attribute}="{had}"` from {called(node)}', attribute)
+            del node.attrib[attribute]
+            self.renamed.get(node, {}).pop(attribute, None)
 
     def rename(self, node: Node, attribute: str, new: str, value: str | None = None) -> None:
-        """Give an attribute another name, in its place, and perhaps another value."""
+        """Rename an attribute in its place, perhaps with another value."""
         old = str(node.get(attribute))
         value = old if value is None else value
-        self.steps.append(
-            Step(self.name, self.span(node, attribute), f'`{attribute}="{old}"` is `{new}="{value}"` at {called(node)}')
-        )
+        self.note(node, f'replaced `{attribute}="{old}"` with `{new}="{value}"` at {called(node)}', attribute)
         original = self.renamed.setdefault(node, {}).pop(attribute, attribute)
         pairs = [(new, value) if name == attribute else (str(name), str(was)) for name, was in node.items()]
         node.attrib.clear()
@@ -417,43 +391,28 @@ class Editing:
             self.renamed[node][new] = original
 
     def retag(self, node: Node, tag: str) -> None:
-        """Make an element one of another tag."""
-        self.steps.append(Step(self.name, self.span(node), f"`<{node.tag}>` is `<{tag}>`"))
+        """Change the tag of an element."""
+        self.note(node, f"replaced `<{node.tag}>` with `<{tag}>`")
         node.tag = tag
 
-    def remove(self, node: Node) -> None:
-        """Take an element away."""
-        self.steps.append(Step(self.name, self.span(node), f"took {called(node)} away"))
-        parent = node.getparent()
-        if parent is not None:
-            parent.remove(node)
-
-    def insert(self, parent: Node, tag: str, attributes: dict[str, str], index: int | None = None) -> Node:
-        """A new element in another one, last if nothing is said."""
-        node = made(tag, attributes)
-        parent.insert(len(parent) if index is None else index, node)
+    def insert(self, parent: Node, tag: str, attributes: dict[str, str]) -> None:
+        """Append a new element."""
+        etree.SubElement(parent, tag, attributes)
         written = "".join(f' {name}="{value}"' for name, value in attributes.items())
-        self.steps.append(Step(self.name, self.span(parent), f"wrote `<{tag}{written}/>`"))
-        return node
+        self.note(parent, f"wrote `<{tag}{written}/>`")
 
     def within(self, path: str) -> Node:
-        """The element of a section that is there once, made where there is none: `option/flag`, `visual/headlight`."""
+        """Return the only element of a section, made if it is missing: `option/flag`, `visual/headlight`."""
         section, _, tag = path.partition("/")
-        found = self.at(path)
-        if found:
+        if found := self.at(path):
             return found[-1]
-        holder = self.at(section)
-        if holder:
-            above = holder[-1]
+        if holders := self.at(section):
+            holder = holders[-1]
         else:
-            above = made(section, {})
+            holder = etree.Element(section)
             first = list(self.root.iterchildren("compiler", "include"))
-            self.root.insert(self.root.index(first[-1]) + 1 if first else len(self.unit.header), above)
-        if not tag:
-            return above
-        node = made(tag, {})
-        above.append(node)
-        return node
+            self.root.insert(self.root.index(first[-1]) + 1 if first else len(self.unit.header), holder)
+        return etree.SubElement(holder, tag) if tag else holder
 
     def warn(
         self, node: Node | None, message: str, help: str | None = None, attribute: str | None = None,

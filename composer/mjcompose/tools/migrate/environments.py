@@ -1,4 +1,4 @@
-"""The MuJoCo of other versions: in a Python that the user names, or in one that is made for it and kept."""
+"""MuJoCo in other versions: in a Python that the user names, or in an environment that mjcompose makes and keeps."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ from mjcompose.tools.migrate.editing import release
 
 _DUMP = Path(__file__).with_name("dump.py")
 _INSTALLING = 900.0
-_SAID = 300
+_LONGEST = 300
 
 
 class OtherError(Exception):
-    """That MuJoCo cannot be run, in words, and what to do."""
+    """A MuJoCo cannot run."""
 
     def __init__(self, message: str, help: str | None = None) -> None:
         super().__init__(message)
@@ -36,7 +36,7 @@ class OtherError(Exception):
 
 @dataclass(frozen=True, slots=True)
 class Compiled:
-    """What a MuJoCo made of a model: the file with its arrays and its names, or why it refuses the model."""
+    """A compiled model: the file with its arrays, and its names; or the error of MuJoCo."""
 
     version: str
     arrays: Path | None = None
@@ -53,11 +53,11 @@ class Other:
     version: str
 
     def compile(self, model: Path, out: Path) -> Compiled:
-        """Compile a model and write its arrays to a file. Raises OtherError where there is no answer."""
-        said = _run(self.python, [str(model), str(out)])
-        if said.get("error") is not None:
-            return Compiled(self.version, error=str(said["error"]))
-        return Compiled(self.version, out, said["names"], words=said["words"])
+        """Compile a model and write its arrays to a file. Raises OtherError if MuJoCo does not answer."""
+        answer = _run(self.python, [str(model), str(out)])
+        if answer.get("error") is not None:
+            return Compiled(self.version, error=str(answer["error"]))
+        return Compiled(self.version, out, answer["names"], words=answer["words"])
 
 
 def this_python() -> Path:
@@ -65,7 +65,7 @@ def this_python() -> Path:
 
 
 def open_python(python: Path) -> Other:
-    """The MuJoCo of a Python. Raises OtherError."""
+    """Return the MuJoCo of a Python. Raises OtherError."""
     if not os.path.exists(python):
         raise OtherError(f"the Python `{python}` does not exist", "name an interpreter: `VENV/bin/python`")
     if os.path.isdir(python):
@@ -77,7 +77,7 @@ def open_python(python: Path) -> Other:
 
 
 def make(version: str, environment: Mapping[str, str], progress: Callable[[str], None]) -> Other:
-    """The MuJoCo of a version in an environment of its own, made if it is not there yet. Raises OtherError."""
+    """Return the MuJoCo of a version in an environment of its own, made if needed. Raises OtherError."""
     try:
         store = Store.of(environment)
         folder = store.folder / FOLDER / version
@@ -100,7 +100,7 @@ def _install(folder: Path, version: str) -> None:
     folder.parent.mkdir(parents=True, exist_ok=True)
     try:
         for command in _commands(folder, version):
-            _installed(command, version)
+            _install_with(command, version)
         complete(folder)
     except BaseException:
         shutil.rmtree(folder, ignore_errors=True)
@@ -108,7 +108,7 @@ def _install(folder: Path, version: str) -> None:
 
 
 def _commands(folder: Path, version: str) -> list[list[str]]:
-    """How it is installed: with uv where that is, which has Pythons of its own, else with this Python and pip."""
+    """Return the commands that install it: with uv if it exists, else with this Python and pip."""
     wanted = [f"mujoco=={version}", "numpy"]
     uv = shutil.which("uv")
     if uv is not None:
@@ -124,20 +124,20 @@ def _commands(folder: Path, version: str) -> list[list[str]]:
     ]
 
 
-def _installed(command: list[str], version: str) -> None:
+def _install_with(command: list[str], version: str) -> None:
     process = Process(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
     try:
         _, said = process.communicate(timeout=_INSTALLING)
     except subprocess.TimeoutExpired:
         process.end()
-        raise OtherError(f"MuJoCo {version} could not be installed in {_INSTALLING:g} seconds") from None
+        raise OtherError(f"installing MuJoCo {version} took longer than {_INSTALLING:g} seconds") from None
     finally:
         process.release()
     if process.returncode:
         lines = [line for line in said.decode("utf-8", "replace").splitlines() if line.strip()]
         errors = [line for line in lines if "error" in line.lower()] or lines
         raise OtherError(
-            f"MuJoCo {version} cannot be installed: {errors[-1].strip()[:_SAID] if errors else 'it does not say why'}",
+            f"MuJoCo {version} cannot be installed: {errors[-1].strip()[:_LONGEST] if errors else 'without a reason'}",
             "install it into an environment yourself, and name its Python with `--with-python`",
         )
 
@@ -147,7 +147,7 @@ def _python_of(folder: Path) -> Path:
 
 
 def _run(python: Path, arguments: list[str]) -> dict[str, Any]:
-    """What `dump.py` says in that Python. Raises OtherError."""
+    """Return the answer of `dump.py` in that Python. Raises OtherError."""
     clean = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
     try:
         process = Process([str(python), "-B", str(_DUMP), *arguments], env=clean, cwd=_DUMP.parent,
@@ -168,7 +168,7 @@ def _run(python: Path, arguments: list[str]) -> dict[str, Any]:
         found["version"] = release(str(found["version"])) or str(found["version"])
     except (ValueError, TypeError, KeyError):
         lines = said.decode("utf-8", "replace").strip().splitlines()
-        why = lines[-1][:_SAID] if lines else f"it ended with {process.returncode}"
+        why = lines[-1][:_LONGEST] if lines else f"it ended with {process.returncode}"
         raise OtherError(f"the MuJoCo of `{python}` gave no answer: {why}", None) from None
     assert isinstance(found, dict)
     return found

@@ -1,9 +1,10 @@
-"""A model of one version of MuJoCo becomes one of another, with the proof."""
+"""Migrate a model from one version of MuJoCo to another, and prove that it stays the same."""
 
 from __future__ import annotations
 
 import os
 import shutil
+from collections import defaultdict
 from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import ExitStack
 from dataclasses import field
@@ -14,6 +15,7 @@ from lxml.etree import _Element as Node
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Cause, Note
+from mjcompose.base.report import counted
 from mjcompose.base.scratch import scratch
 from mjcompose.model.files import file_attributes, join, written_path
 from mjcompose.model.grammar import number_text, version_key
@@ -56,56 +58,53 @@ def installed() -> str:
 
 
 def check_installed(context: Context) -> None:
-    """A warning where a MuJoCo is installed that is newer than the table."""
+    """Warn if the installed MuJoCo is newer than the table."""
     own = _own()
     if own is not None and version_key(own) > version_key(RELEASED[-1]):
-        context.sink.warning(
-            "migrate-version",
-            f"MuJoCo {own} is installed, and what changed after {RELEASED[-1]} is not known",
-            help="update mjcompose",
-        )
+        message = f"MuJoCo {own} is installed, but mjcompose knows the changes only up to {RELEASED[-1]}"
+        context.sink.warning("migrate-version", message, help="update mjcompose")
 
 
 def known(text: str, option: str, context: Context) -> str | None:
-    """The release of a version that the user names; None where there is none, which is reported."""
+    """Return the release that the user names, or None if there is no such release, which is reported."""
     found = release(text)
     if found is None:
         context.sink.error(
             "migrate-version",
-            f"`{option} {text}` is not a MuJoCo that models can be migrated from or to",
-            help=f"there are {RELEASED[0]} to {RELEASED[-1]}; of `{option} 3.1` the last one is taken",
+            f"mjcompose cannot migrate from or to `{option} {text}`",
+            help=f"name a version from {RELEASED[0]} to {RELEASED[-1]}; `{option} 3.1` is the last 3.1",
         )
     return found
 
 
 def written_for(unit: Unit, after: str, others: Collection[str], context: Context) -> str | None:
-    """The version that a model is written for, where nobody says it; None where it is not known, which is reported.
+    """Return the version that a model is written for, or None if it is unknown, which is reported.
 
-    `others` are the versions of the Pythons that the user names.
+    `others` are the versions in the Pythons that the user names.
     """
-    beside = [each for each in others if each != after]
-    if len(beside) == 1:
-        return known(beside[0], "--with-python", context)
+    different = [version for version in others if version != after]
+    if len(different) == 1:
+        return known(different[0], "--with-python", context)
     if later(installed(), after):
         return installed()
     first, last = bounds(unit.root)
     if first is None or last is None:
-        says = "no MuJoCo since 3.0 reads all that is in it"
+        readers = "no version since 3.0 reads all of it"
     elif last == RELEASED[-1]:
-        says = f"all since {first} read it"
+        readers = f"all versions since {first} read it"
     else:
-        says = f"those from {first} to {last} read it"
+        readers = f"the versions from {first} to {last} read it"
     context.sink.error(
         "migrate-version",
-        f"it is not known which MuJoCo `{unit.file}` is written for: {says}",
-        help=f"say it with `--from`, as in `--from {last if last and last != after else '3.3'}`;"
-        " its README or the date of its last change tell",
+        f"`{unit.file}` does not say which MuJoCo it is written for: {readers}",
+        help=f"add `--from`, as in `--from {last if last and last != after else '3.3'}`;"
+        " look in its README or at the date of its last change",
     )
     return None
 
 
 def bounds(root: Node) -> tuple[str | None, str | None]:
-    """From which version to which one there is all that a tree has, as far as it shows."""
+    """Return the first and the last version that read everything in a tree."""
     fitting = [version for version in RELEASED if next(unread(root, version), None) is None]
     return (fitting[0], fitting[-1]) if fitting else (None, None)
 
@@ -115,9 +114,9 @@ _MARK = b"\xef\xbb\xbf"
 
 @dataclass(slots=True)
 class Migrated:
-    """`files` are the texts before and after of all XML of the model, by path; `assets` what else it reads.
+    """`files` maps all XML files of the model to their texts before and after; `assets` are its other files.
 
-    `adopted` are the changes that were left out because the new behaviour is wanted.
+    `adopted` are the changes whose new behavior the user wants.
     """
 
     before: str
@@ -134,7 +133,7 @@ class Migrated:
 
 
 def read(model: Path, context: Context) -> Unit | None:
-    """The tree of a model that the user names; None where there is none, which is reported."""
+    """Return the tree of a model that the user names, or None if it cannot be read, which is reported."""
     return parse_file(context.folder / model, context.sink, file=context.shown(model))
 
 
@@ -142,9 +141,9 @@ def migrate(
     unit: Unit, before: str, after: str, context: Context, adopt: Collection[str] = (),
     values: Mapping[str, object] | None = None,
 ) -> Migrated | None:  # fmt: skip
-    """The model for another version, with the models that it attaches; None where it cannot be one, which is reported.
+    """Return the model and the models that it attaches for another version, or None if that fails, which is reported.
 
-    The unit is changed. `values` has what the MuJoCo of `before` measured of the model, where that is known.
+    The unit is changed. `values` is what the MuJoCo of `before` measured, if known.
     """
     pieces = Pieces.of(unit, context)
     whole = [
@@ -152,18 +151,17 @@ def migrate(
         for each in pieces.every
     ]
     sources = [_sources(editing.unit, context) for editing in whole]
-    if context.sink.has_errors:
+    if context.sink.errors:
         return None
     assets = tuple(dict.fromkeys(path for editing in whole for path in _assets(editing.unit)))
     adopted = _carried_out(whole, adopt)
-    if adopted is None:
+    if context.sink.has_errors:
         return None
     result = Migrated(before, after, assets=assets, adopted=tuple(adopted))
     for editing, files in zip(whole, sources, strict=True):
-        assert files is not None
         for path, (source, data) in files.items():
             try:
-                text = source.rewritten(editing.root, editing.renamed)
+                text = source.rewritten(editing.renamed)
             except MarkupError:
                 _cannot_edit(path, context)
                 return None
@@ -172,9 +170,8 @@ def migrate(
             if result.files.setdefault(path, (data, new))[1] != new:
                 context.sink.error(
                     "migrate-cannot",
-                    f"`{context.shown(path)}` is included by two of these models, and would have to be another text"
-                    " for each",
-                    help="make a copy of it for one of them",
+                    f"two of these models include `{context.shown(path)}`, and each needs another text of it",
+                    help="make a copy for one of the models",
                 )
                 return None
     result.steps = tuple(step for editing in whole for step in editing.steps)
@@ -182,8 +179,8 @@ def migrate(
     return result
 
 
-def _carried_out(whole: list[Editing], adopt: Collection[str]) -> list[str] | None:
-    """Change all models, one change after the other; the changes that were left out, or None after errors."""
+def _carried_out(whole: list[Editing], adopt: Collection[str]) -> list[str]:
+    """Change all models, one change after the other; return the changes that the user adopts."""
     adopted = []
     for change, act in between(whole[0].before, whole[0].after):
         if act is None:
@@ -200,18 +197,18 @@ def _carried_out(whole: list[Editing], adopt: Collection[str]) -> list[str] | No
     for editing in whole:
         editing.change = None
         _leave_out(editing)
-    return None if whole[0].sink.has_errors else adopted
+    return adopted
 
 
 def _leave_out(editing: Editing) -> None:
-    """What the other version has not: taken away where it says what it would do anyhow, else an error."""
+    """Remove attributes that the other version lacks if they change nothing there; report the others as errors."""
     for found in list(unread(editing.root, editing.after)):
         node, name = found.node, found.attribute
         if node in editing.refused:
             continue
         unread_before = unread(editing.root, editing.before)
         if any(each.node is node and (each.attribute, each.value) == (name, found.value) for each in unread_before):
-            continue  # the version it was written for does not read it either
+            continue  # its own version does not read it either
         lacks = f"MuJoCo {editing.after} has no {found.called}: {found.when()}"
         if name is None:
             is_new = found.since and later(found.since, editing.after)
@@ -233,29 +230,25 @@ _HARMLESS = {
     "default/light@softness": None, "asset/texture@colorspace": "linear", "compiler@savecompiled": None,
     "compiler@savecanonical": None, "compiler@saveinertial": None,
 }  # fmt: skip
-"""What an attribute says that means the same as to have none; None: whatever it says."""
-
+"""Values that mean the same as no attribute; None: any value does."""
 
 _OF_THE_ENGINE = frozenset(
     f"option/flag@{name}" for name in ("nativeccd", "autoreset", "diagexact", "ipc", "speculative", "sleep")
 )
-"""Ways to simulate that an earlier version has not: the model is the same without."""
+"""Ways to simulate that earlier versions lack; the model is the same without them."""
 
 
 def _says_nothing(node: Node, name: str) -> bool:
     path = place(node)
-    key = f"{path}@{name}"
-    if key in _HARMLESS:
-        return _HARMLESS[key] is None or node.get(name) == _HARMLESS[key]
-    return node.get(name) == default_of(path, name)
+    neutral = _HARMLESS.get(f"{path}@{name}", default_of(path, name))
+    return neutral == node.get(name) or (neutral is None and f"{path}@{name}" in _HARMLESS)
 
 
-def _sources(unit: Unit, context: Context) -> dict[Path, tuple[Source, bytes]] | None:
-    """The files of a unit with the nodes that stand in each; None where their text has another form."""
-    nodes: dict[str, list[Node]] = {}
+def _sources(unit: Unit, context: Context) -> dict[Path, tuple[Source, bytes]]:
+    """Return the files of a unit with their nodes; report a text with another form than the tree."""
+    nodes: dict[str, list[Node]] = defaultdict(list)
     for node in unit.root.iter("*"):
-        owner = unit.origins.owner(node, unit.file)
-        nodes.setdefault(str(owner), []).append(node)
+        nodes[str(unit.origins.owner(node, unit.file))].append(node)
     result: dict[Path, tuple[Source, bytes]] = {}
     for file in dict.fromkeys((unit.file, *unit.origins.texts)):
         inside = os.path.relpath(file, os.path.dirname(unit.file) or ".")
@@ -263,41 +256,38 @@ def _sources(unit: Unit, context: Context) -> dict[Path, tuple[Source, bytes]] |
         data = unit.door.read(path)
         try:
             markup = Markup.read(data.removeprefix(_MARK).decode("utf-8", "surrogateescape"))
-            result[path] = Source(markup, _matched(markup, nodes.get(file, []), file != unit.file)), data
+            result[path] = Source(markup, _matched(markup, nodes[file], file != unit.file)), data
         except MarkupError:
             _cannot_edit(path, context)
-            return None
     return result
 
 
 def _matched(markup: Markup, nodes: list[Node], is_included: bool) -> list[Node | None]:
-    """For each element of a text its node: `<include>` and the root of an included file have none."""
+    """Return the node of each element of a text; `<include>` and the root of an included file have none."""
     waiting = iter(nodes)
-    found: list[Node | None] = []
+    matched: list[Node | None] = []
     for index, element in enumerate(markup.elements):
-        if element.tag == "include" or (is_included and not index):
-            found.append(None)
-            continue
-        node = next(waiting, None)
-        if node is None or node.tag != element.tag:
+        has_none = element.tag == "include" or (is_included and not index)
+        node = None if has_none else next(waiting, None)
+        if not has_none and (node is None or node.tag != element.tag):
             raise MarkupError(element.tag)
-        found.append(node)
+        matched.append(node)
     if next(waiting, None) is not None:
         raise MarkupError("")
-    return found
+    return matched
 
 
 def _cannot_edit(path: Path, context: Context) -> None:
     context.sink.error(
         "migrate-cannot",
-        f"`{context.shown(path)}` is written in a form that cannot be edited in place",
-        help="`mjcompose build` of a recipe with this model as its `base` writes it anew; migrate that",
+        f"mjcompose cannot edit the text of `{context.shown(path)}`",
+        help="build a recipe with this model as its `base`, and migrate the result",
         cause=Cause("form", str(path)),
     )
 
 
 def _assets(unit: Unit) -> Iterator[Path]:
-    """The files that the model reads beside its XML."""
+    """Yield the files that the model reads in addition to its XML."""
     for element, _, name in file_attributes(unit.root):
         yield Path(join(str(unit.directory), written_path(unit.settings, element, name)))
     for element in unit.root.iterfind("asset/model"):
@@ -306,7 +296,7 @@ def _assets(unit: Unit) -> Iterator[Path]:
 
 
 def report(migrated: Migrated, context: Context, settled: Collection[str] = ()) -> None:
-    """The warnings of what is not the same; those about arrays that a proof has found to be equal are left out."""
+    """Warn about changed meanings, except those that show only in arrays that a proof found equal."""
     for each in migrated.meanings:
         if each.arrays and set(each.arrays) <= set(settled):
             continue
@@ -316,7 +306,7 @@ def report(migrated: Migrated, context: Context, settled: Collection[str] = ()) 
 
 @dataclass(slots=True)
 class Proof:
-    """`before` and `after` are what each MuJoCo made of the model, None for one that is not there."""
+    """`before` and `after` are the compiled models, None without that MuJoCo."""
 
     before: Compiled | None = None
     after: Compiled | None = None
@@ -325,7 +315,7 @@ class Proof:
 
 @dataclass(slots=True)
 class Prover:
-    """Compiles in a folder of its own. `others` are the MuJoCos that there are, by version."""
+    """Compiles in `folder`. `others` are the available MuJoCos by version."""
 
     folder: Path
     others: Mapping[str, Other]
@@ -333,37 +323,32 @@ class Prover:
     known: dict[str, Compiled] = field(default_factory=dict)
 
     def original(self, migrated_from: str, model: Path) -> Compiled | None:
-        """What the MuJoCo of the model's own version makes of it where it stands. Raises OtherError."""
-        other = self.others.get(migrated_from)
-        if other is None:
-            return None
-        if migrated_from not in self.known:
+        """Compile the model in its place with the MuJoCo of its own version. Raises OtherError."""
+        if migrated_from in self.others and migrated_from not in self.known:
             self.progress(f"compiling {model.name} with MuJoCo {migrated_from}")
-            self.known[migrated_from] = other.compile(model, self.folder / "before.npz")
-        return self.known[migrated_from]
+            self.known[migrated_from] = self.others[migrated_from].compile(model, self.folder / "before.npz")
+        return self.known.get(migrated_from)
 
     def result(self, migrated: Migrated, model: Path) -> Compiled | None:
-        """What the other MuJoCo makes of the migrated model. Raises OtherError, and OSError."""
+        """Compile the migrated model with the other MuJoCo. Raises OtherError, and OSError."""
         other = self.others.get(migrated.after)
         if other is None:
             return None
         self.progress(f"compiling the migrated {model.name} with MuJoCo {migrated.after}")
         stage = self.folder / "stage"
         stage.mkdir()
-        inside = lay_out(migrated, stage, link=True)
-        return other.compile(inside[model], self.folder / "after.npz")
+        return other.compile(lay_out(migrated, stage, link=True)[model], self.folder / "after.npz")
 
     def prove(self, migrated: Migrated, model: Path) -> Proof:
         """Raises OtherError, and OSError."""
         proof = Proof(self.original(migrated.before, model), self.result(migrated, model))
-        one, two = proof.before, proof.after
-        if one is not None and two is not None and one.error is None and two.error is None:
-            proof.outcome = compare(one, two)
+        if proof.before and proof.after and proof.before.error is None and proof.after.error is None:
+            proof.outcome = compare(proof.before, proof.after)
         return proof
 
 
 def measured(compiled: Compiled | None) -> dict[str, object]:
-    """What a change needs to know of the model as it was: the damping of each actuator."""
+    """Return the damping of each actuator of the original model, which a change needs."""
     if compiled is None or compiled.arrays is None:
         return {}
     import numpy as np
@@ -375,9 +360,9 @@ def measured(compiled: Compiled | None) -> dict[str, object]:
 
 
 def lay_out(migrated: Migrated, folder: Path, *, link: bool = False) -> dict[Path, Path]:
-    """Write the migrated files and what they read into a folder, as they stand to one another; where each is.
+    """Write the migrated files and all other files of the model into a folder; return the place of each.
 
-    With `link` what is not changed is only linked to. Raises OSError.
+    `link` makes links to unchanged files. Raises OSError.
     """
     every = [*migrated.files, *migrated.assets]
     top = os.path.commonpath([os.path.abspath(each.parent) for each in every])
@@ -404,12 +389,12 @@ _FOLLOW = with_trait("tree inertia", "output inertia", "subtree").union(
     "cam_poscom0 light_poscom0 geom_rbound".split(),
     "stat.meaninertia stat.meanmass stat.meansize stat.center stat.extent".split(),
 )
-"""What MuJoCo computes from masses and places, and is not the same where these are not."""
+"""Values that MuJoCo computes from masses and places."""
 
 
 @dataclass(frozen=True, slots=True)
 class Wish:
-    """What is asked for. `pythons` have other MuJoCos; with `proves` those that lack are installed."""
+    """The request. `pythons` have other MuJoCos; `proves` installs the missing ones."""
 
     model: str
     before: str | None = None
@@ -421,7 +406,7 @@ class Wish:
 
 @dataclass(slots=True)
 class Result:
-    """`missing` are the versions that would be needed for a proof; `unexplained` the differences no change tells of."""
+    """`missing` are the versions that a proof needs; `unexplained` are differences that no change explains."""
 
     model: Path
     migrated: Migrated
@@ -436,7 +421,7 @@ class Result:
 
 
 def run(wish: Wish, context: Context, progress: Callable[[str], None]) -> Result | None:
-    """The model as it is to be; None where it cannot be, which is reported. Nothing is written."""
+    """Migrate without writing; return None if it fails, which is reported."""
     path = _found(wish.model, context)
     unit = None if path is None else parse_file(path, context.sink, file=context.shown(path))
     if path is None or unit is None or not all_admitted(unit, context.sink, context.shown):
@@ -444,14 +429,19 @@ def run(wish: Wish, context: Context, progress: Callable[[str], None]) -> Result
     check_installed(context)
     after = installed() if wish.after is None else known(wish.after, "--mujoco", context)
     before = None if wish.before is None else known(wish.before, "--from", context)
-    others = _opened(wish.pythons, context)
-    if context.sink.has_errors or after is None or others is None:
-        return None
-    before = before or written_for(unit, after, others, context=context)
-    if before is None:
-        return None
-    others.setdefault(installed(), Other(this_python(), installed()))
-    if wish.proves and not _installed(others, (before, after), context, progress=progress):
+    try:
+        others = {other.version: other for other in (open_python(context.folder / each) for each in wish.pythons)}
+        if context.sink.has_errors or after is None:
+            return None
+        before = before or written_for(unit, after, others, context=context)
+        if before is None:
+            return None
+        others.setdefault(installed(), Other(this_python(), installed()))
+        for version in (before, after) if wish.proves else ():
+            if version not in others:
+                others[version] = make(version, context.environment, progress)
+    except (OtherError, OSError) as error:
+        context.sink.error("migrate-python", str(error), help=getattr(error, "help", None))
         return None
     with ExitStack() as opened:
         prover = Prover(opened.enter_context(scratch("migrate")), others, progress)
@@ -471,7 +461,7 @@ def run(wish: Wish, context: Context, progress: Callable[[str], None]) -> Result
 
 
 def _found(model: str, context: Context) -> Path | None:
-    """The file that a path or a reference leads to."""
+    """Return the file of a path or a reference."""
     path = context.folder / model
     if os.path.exists(path):
         return path
@@ -484,46 +474,19 @@ def _found(model: str, context: Context) -> Path | None:
         return None
 
 
-def _opened(pythons: Collection[Path], context: Context) -> dict[str, Other] | None:
-    found: dict[str, Other] = {}
-    for python in pythons:
-        try:
-            other = open_python(context.folder / python)
-        except OtherError as error:
-            context.sink.error("migrate-python", str(error), help=error.help)
-            return None
-        found[other.version] = other
-    return found
-
-
-def _installed(
-    others: dict[str, Other], wanted: Collection[str], context: Context, progress: Callable[[str], None]
-) -> bool:
-    for each in wanted:
-        if each in others:
-            continue
-        try:
-            others[each] = make(each, context.environment, progress)
-        except (OtherError, OSError) as error:
-            context.sink.error("migrate-python", str(error), help=getattr(error, "help", None))
-            return False
-    return True
-
-
 def _judge(result: Result, context: Context) -> None:
     migrated, proof = result.migrated, result.proof
-    for compiled, whose in ((proof.before, "as it is"), (proof.after, "as it would be migrated")):
+    for compiled, whose in ((proof.before, "as it is"), (proof.after, "after the migration")):
         if compiled is not None and compiled.error is not None:
             fault = parse(compiled.error)
-            said = " ".join(fault.message.split())
             line = "" if fault.line is None else f" (line {fault.line})"
-            named = f" (`{fault.name}`)" if fault.name else ""
+            name = f" (`{fault.name}`)" if fault.name else ""
+            fault_words = f"{' '.join(fault.message.split())}{name}{line}"
+            other = f"it is not written for {migrated.before}: name another version with `--from`"
             context.sink.error(
                 "mujoco-rejects",
-                f"MuJoCo {compiled.version} rejects `{context.shown(result.model)}` {whose}: {said}{named}{line}",
-                help=f"it is not written for {migrated.before}: say another version with `--from`"
-                if compiled is proof.before
-                else None,
+                f"MuJoCo {compiled.version} rejects `{context.shown(result.model)}` {whose}: {fault_words}",
+                help=other if compiled is proof.before else None,
             )
     outcome = proof.outcome
     report(migrated, context, () if outcome is None else outcome.settled)
@@ -535,14 +498,10 @@ def _judge(result: Result, context: Context) -> None:
         known_arrays |= _FOLLOW
     for each in outcome.differences:
         (result.explained if each.array in known_arrays else result.unexplained).append(each.words())
-    if result.unexplained:
-        several = result.unexplained
-        notes = [Note(words) for words in several[:_SHOWN]]
-        if len(several) > _SHOWN:
-            notes.append(Note(f"and {len(several) - _SHOWN} more"))
-        context.sink.warning(
-            "migrate-differs",
-            f"MuJoCo {migrated.after} does not compile the model that {migrated.before} did:"
-            f" {len(several)} array{'s' * (len(several) != 1)} differ{'s' * (len(several) == 1)}",
-            notes=notes,
-        )
+    if count := len(result.unexplained):
+        notes = [Note(words) for words in result.unexplained[:_SHOWN]]
+        if count > _SHOWN:
+            notes.append(Note(f"and {count - _SHOWN} more"))
+        differ = f"{counted(count, 'array')} differ{'s' if count == 1 else ''}"
+        message = f"MuJoCo {migrated.after} compiles another model than {migrated.before}: {differ}"
+        context.sink.warning("migrate-differs", message, notes=notes)
