@@ -14,7 +14,8 @@ from lxml.etree import _Element as Node
 
 from mjcompose.base.diagnostic import Cause, Note
 from mjcompose.link.inertia import has_mass, settle_inertia
-from mjcompose.link.linking import Linking, Part
+from mjcompose.link.key_layout import JOINTS
+from mjcompose.link.linking import Linking, Part, detach
 from mjcompose.link.measure import BODIES, NAMED, KeptSettings, Survey
 from mjcompose.model.classes import childclass_of, own, through_frames, walk_bodies
 from mjcompose.model.files import stem
@@ -22,39 +23,27 @@ from mjcompose.model.grammar import GRAMMAR
 from mjcompose.model.names import LISTS, REFERS, naming_table
 from mjcompose.model.unit import Unit
 
-_REDUCING = ("fusestatic", "discardvisual")
-
 
 def body_reduction(linking: Linking) -> None:
-    """Reduce each unit that asks for it; a model of one unit leaves it to MuJoCo."""
-    if not linking.composed:
-        return
-    _reduce(linking, linking.base, None)
-    for part in linking.parts:
-        _reduce(linking, part.unit, part)
-
-
-def _reduce(linking: Linking, unit: Unit, part: Part | None) -> None:
-    wanted = [name for name in _REDUCING if getattr(unit.settings, name) == "true"]
-    if not wanted:
-        return
-    # On a joint of the recipe stands what would be part of a world alone: it keeps its mass.
-    pinned = static_bodies(unit) if part is not None and part.has_body else ()
-    found = KeptSettings(linking, unit, wanted).survey((*BODIES, *NAMED), pinned=pinned)
-    if found is None:
-        return
-    changed = discard(unit, found) if "discardvisual" in wanted else set()
-    changed |= fuse(linking, unit, part, found=found) if "fusestatic" in wanted else set()
-    unit.forget_settings(*wanted)
-    settle_inertia(linking, unit, changed, found=found)
+    """Reduce each unit that asks for it; MuJoCo itself reduces a model of one unit."""
+    for part in (None, *linking.parts) if linking.composed else ():
+        unit = linking.base if part is None else part.unit
+        wanted = [name for name in ("fusestatic", "discardvisual") if getattr(unit.settings, name) == "true"]
+        # Below a joint of the recipe, bodies that would be part of the world alone keep their mass.
+        pinned = static_bodies(unit) if wanted and part is not None and part.has_body else ()
+        found = KeptSettings(linking, unit, wanted).survey((*BODIES, *NAMED), pinned=pinned) if wanted else None
+        if found is not None:
+            changed = discard(unit, found) if "discardvisual" in wanted else set()
+            changed |= fuse(linking, unit, part, found=found) if "fusestatic" in wanted else set()
+            unit.forget_settings(*wanted)
+            settle_inertia(linking, unit, changed, found=found)
 
 
 _ASSETS = ("mesh", "material", "texture")
-_COLORS = ("material", "texture")
 
 
 def discard(unit: Unit, found: Survey) -> set[Node]:
-    """Remove from the unit what MuJoCo has discarded. Return the bodies that have lost geoms."""
+    """Remove the elements that MuJoCo has discarded from the unit. Return the bodies that have lost geoms."""
     changed: set[Node] = set()
     for geom, _ in list(walk_bodies(unit.root)):
         if geom.tag == "geom" and found.is_gone(geom):
@@ -63,50 +52,38 @@ def discard(unit: Unit, found: Survey) -> set[Node]:
             body = next((each for each in geom.iterancestors("body") if not found.is_gone(each)), None)
             if body is not None:
                 changed.add(body)
-            _remove(geom)
+            detach(geom)
     # With `discardvisual` MuJoCo 4.0 leaves out every material, also those of geoms that stay: `nmat` is 0 for
     # `<material name="m"/>` and `<geom size=".1" material="m"/>`.
     for section in unit.root.iterchildren("*"):
-        _leave_uncolored(section)
+        _remove_colors(section)
     left = {tag: found.names(tag) for tag in _ASSETS}
     for section in unit.root.iterchildren("asset"):
         for asset in list(section.iterchildren(*_ASSETS)):
             if (asset.get("name") or stem(str(asset.get("file") or ""))) not in left[str(asset.tag)]:
-                _remove(asset)
+                detach(asset)
     return changed
 
 
-def _leave_uncolored(section: Node) -> None:
+def _remove_colors(section: Node) -> None:
     """Remove every reference to a material or texture, except those that keep it in the model."""
     table = naming_table(str(section.tag))
     for element in list(section.iter("*")):
         for name, (kind, namespace) in table.get(str(element.tag), {}).items():
-            if kind in (REFERS, LISTS) and namespace in _COLORS and name in element.attrib:
+            if kind in (REFERS, LISTS) and namespace in ("material", "texture") and name in element.attrib:
                 del element.attrib[name]
                 if section.tag == "default" and not element.attrib:
-                    _remove(element)
+                    detach(element)
     for layer in list(section.iter("layer")):
-        _remove(layer)
-
-
-def _remove(element: Node) -> None:
-    holder = element.getparent()
-    assert holder is not None
-    holder.remove(element)
-
-
-_JOINTS = ("joint", "freejoint")
-_HOLDERS = ("frame", "replicate")
-_WITH_BODIES = ("body", "flexcomp")
-_OF_BODIES_ONLY = ("inertial", "plugin")
+        detach(layer)
 
 
 def static_bodies(unit: Unit) -> list[Node]:
     """Return the bodies that no joint moves, neither their own nor one above them."""
     found: list[Node] = []
     for element, _ in walk_bodies(unit.root):
-        if element.tag == "body" and element.get("mocap") != "true" and not own(element, *_JOINTS):
-            above = _body_above(element)
+        if element.tag == "body" and element.get("mocap") != "true" and not own(element, *JOINTS):
+            above = next(element.iterancestors("body"), None)
             if above is None or above in found:
                 found.append(element)
     return found
@@ -115,7 +92,10 @@ def static_bodies(unit: Unit) -> list[Node]:
 def fuse(linking: Linking, unit: Unit, part: Part | None, found: Survey) -> set[Node]:
     """Turn the bodies that MuJoCo has fused into frames. Return the bodies that they became part of."""
     fused = [element for element, _ in walk_bodies(unit.root) if element.tag == "body" and found.is_gone(element)]
-    hosts = {body: _body_fused_with(body, found) for body in fused}
+    # A fused body becomes part of the next body above that stays, or of the world (None).
+    hosts = {
+        body: next((above for above in body.iterancestors("body") if not found.is_gone(above)), None) for body in fused
+    }
     if any(_report_flexcomp(linking, unit, body, host=host) for body, host in hosts.items()):
         return set()
     if part is not None and part.place.kind != "world":
@@ -125,29 +105,15 @@ def fuse(linking: Linking, unit: Unit, part: Part | None, found: Survey) -> set[
         _make_frame(body, frames)
     for host in dict.fromkeys(hosts.values()):
         for parent in (host,) if host is not None else unit.root.iterchildren("worldbody"):
-            _own_things_first(unit, parent, hosts)
-    # The host weighs what both did.
+            _own_elements_first(unit, parent, hosts)
+    # The host has the mass of both.
     return {host for host in hosts.values() if host is not None}
-
-
-def _body_above(element: Node) -> Node | None:
-    return next(element.iterancestors("body"), None)
-
-
-def _body_fused_with(body: Node, found: Survey) -> Node | None:
-    """Return the body that a fused body becomes part of, or None for the world."""
-    host = _body_above(body)
-    while host is not None and found.is_gone(host):
-        host = _body_above(host)
-    return host
 
 
 def _make_frame(body: Node, frames: set[str]) -> None:
     """Turn a body into a frame, which keeps its name if it is free, so that parts can still be attached there."""
-    for child in own(body, *_OF_BODIES_ONLY):
-        holder = child.getparent()
-        assert holder is not None
-        holder.remove(child)
+    for child in own(body, "inertial", "plugin"):
+        detach(child)
     body.tag = "frame"
     known = GRAMMAR.element("frame").attributes
     for name in list(body.attrib):
@@ -161,42 +127,38 @@ def _make_frame(body: Node, frames: set[str]) -> None:
         frames.add(name)
 
 
-def _own_things_first(unit: Unit, parent: Node, fused: Collection[Node]) -> list[Node]:
-    """Put a body's own elements before those of fused bodies, as MuJoCo numbers them. Return the last ones: bodies."""
+def _own_elements_first(unit: Unit, parent: Node, fused: Collection[Node]) -> list[Node]:
+    """Put a body's own elements before those of fused bodies, as MuJoCo numbers them. Return the bodies, at the end."""
     # Under `fusestatic` MuJoCo 4.0 counts the geom of `<body><joint/><body><geom/></body><geom/></body>` first that is
     # written last.
-    own_things: list[Node] = []
+    first: list[Node] = []
     inner: list[Node] = []
     for child in list(parent):
         if child in fused:
-            _own_things_first(unit, child, fused)
+            _own_elements_first(unit, child, fused)
         if not _is_inner(child, fused):
-            own_things.append(child)
+            first.append(child)
             continue
         inner.append(child)
         if child.tag == "frame" and child not in fused:
-            behind = _own_things_first(unit, child, fused)
+            behind = _own_elements_first(unit, child, fused)
             if len(behind) < len(child):
-                own_things.append(_split(unit, child, behind))
-    parent.extend([*own_things, *inner])
+                # The elements except the bodies get a frame of their own with the same pose.
+                attributes = {str(name): str(value) for name, value in child.items() if name != "name"}
+                other = child.makeelement("frame", attributes)
+                other.extend([each for each in child if each not in behind])
+                if child in unit.origins.owners:
+                    unit.origins.own(other, unit.origins.owners[child])
+                first.append(other)
+    parent.extend([*first, *inner])
     return inner
 
 
 def _is_inner(element: Node, fused: Collection[Node]) -> bool:
     """Return whether an element is a body or contains bodies."""
-    if element in fused or element.tag in _WITH_BODIES:
+    if element in fused or element.tag in ("body", "flexcomp"):
         return True
-    return element.tag in _HOLDERS and any(_is_inner(child, fused) for child in element)
-
-
-def _split(unit: Unit, frame: Node, behind: list[Node]) -> Node:
-    """Return a second frame with the same pose, with all elements except those `behind`."""
-    attributes = {str(name): str(value) for name, value in frame.items() if name != "name"}
-    other = frame.makeelement("frame", attributes)
-    other.extend([child for child in frame if child not in behind])
-    if frame in unit.origins.owners:
-        unit.origins.own(other, unit.origins.owners[frame])
-    return other
+    return element.tag in ("frame", "replicate") and any(_is_inner(child, fused) for child in element)
 
 
 def _report_flexcomp(linking: Linking, unit: Unit, body: Node, host: Node | None) -> bool:
@@ -208,8 +170,9 @@ def _report_flexcomp(linking: Linking, unit: Unit, body: Node, host: Node | None
     after = unit.classes.get(None if host is None else host.get("childclass") or childclass_of(host))
     if before is after or not (before.sets("joint") or after.sets("joint")):
         return False
-    kept = KeptSettings(linking, unit, ("fusestatic",))
-    kept.refuse("the joints of a `<flexcomp>` would have another class", flexcomp)
+    KeptSettings(linking, unit, ("fusestatic",)).refuse(
+        "the joints of a `<flexcomp>` would have another class", flexcomp
+    )
     return True
 
 
@@ -229,9 +192,9 @@ def _remove_mass(linking: Linking, unit: Unit, part: Part, bodies: list[Node]) -
         linking.sink.warning(
             "compiler-setting",
             f"`fusestatic` makes bodies of `{part.called}` part of the world, which has no mass: "
-            "theirs is not in the composition",
+            "the composition loses their mass",
             linking.span(unit, compiler, "fusestatic"),
-            notes=[Note("such a body", linking.span(unit, body)) for body in heavy[:1]],
-            help='take `fusestatic="true"` out of a copy of the file, and they stay bodies',
+            notes=[Note("such a body", linking.span(unit, heavy[0]))],
+            help='remove `fusestatic="true"` from a copy of the file, and they stay bodies',
             cause=Cause(unit.file, f"`{part.called}`"),
         )

@@ -295,6 +295,11 @@ def detach(element: Node) -> None:
         parent.remove(element)
 
 
+def shown_name(element: Node) -> str:
+    """Return the name of an element as it follows the tag in messages."""
+    return f"`{element.get('name')}`" if element.get("name") else "without a name"
+
+
 _path = lru_cache(maxsize=4096)(Path)  # a model has the same files in each of its samples
 
 

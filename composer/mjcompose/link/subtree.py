@@ -1,12 +1,11 @@
-"""Reduce a unit to one body and exactly what that needs; everything else is left behind and listed.
+"""Reduce a unit to one body and the elements that it needs, and list the elements that are dropped.
 
-This is done to a unit by itself, before it is linked to anything.
+It runs on a unit alone, before the unit is linked.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from enum import Enum
 from typing import NamedTuple
 
 from lxml.etree import _Element as Node
@@ -18,12 +17,13 @@ from mjcompose.base.suggest import unknown_name
 from mjcompose.link.inertia import MEASURED, write_inertias
 from mjcompose.link.key_layout import Holder, element_of
 from mjcompose.link.keyframes import cut_row
-from mjcompose.link.linking import KeyPolicy, Linking, Measure
+from mjcompose.link.linking import KeyPolicy, Linking, Measure, detach
 from mjcompose.link.unit_keys import VECTORS, keys_of, layout_of, remove_keys
 from mjcompose.model.classes import childclass_of
 from mjcompose.model.edit import attached_notes, bones, is_rod, twisted_by
 from mjcompose.model.files import written_path
 from mjcompose.model.names import GENERATORS, WORLD, declaration, references, word
+from mjcompose.model.select import section_of
 from mjcompose.model.unit import KeyRecord, Number, Unit, texts
 
 _SUPPORT = ("default", "asset", "extension")
@@ -33,28 +33,24 @@ Name = tuple[str, str]
 def drop_unneeded(unit: Unit) -> list[Name]:
     """Remove assets, default classes and plugins that the model does not need. Return namespace and name of each.
 
-    What a class that is needed refers to is needed as well, whether or not an element takes it from there.
+    An element that a needed class refers to is needed, whether or not another element takes it from the class.
     """
     supporting = list(_supporting(unit))
     needed = _needed(unit, dict(reversed(supporting)))
-    dropped: list[Name] = []
-    for (namespace, name), node in supporting:
-        if node in needed:
-            continue
-        dropped.append((namespace, name))
-        parent = node.getparent()
-        if parent is not None:  # it may have gone with the class that it stands in
-            parent.remove(node)
-    for plugin in list(unit.root.iterfind("extension/plugin")):
-        if plugin not in needed:
-            dropped.append(("plugin", str(plugin.get("plugin") or "")))
-            section = plugin.getparent()
-            assert section is not None
-            section.remove(plugin)
-    for section in list(unit.root.iterchildren(*_SUPPORT)):
+    supporting += [
+        (("plugin", str(plugin.get("plugin") or "")), plugin) for plugin in unit.root.iterfind("extension/plugin")
+    ]
+    dropped = [(name, node) for name, node in supporting if node not in needed]
+    for _, node in dropped:
+        detach(node)
+    _remove_empty_sections(unit, _SUPPORT)
+    return [name for name, _ in dropped]
+
+
+def _remove_empty_sections(unit: Unit, tags: Iterable[str]) -> None:
+    for section in list(unit.root.iterchildren(*tags)):
         if next(section.iterchildren("*"), None) is None:
             unit.root.remove(section)
-    return dropped
 
 
 def _supporting(unit: Unit) -> Iterator[tuple[Name, Node]]:
@@ -63,7 +59,7 @@ def _supporting(unit: Unit) -> Iterator[tuple[Name, Node]]:
             declared = declaration(element, "asset")
             if declared is not None and declared[0] in SUPPORTING:
                 yield declared, element
-            # Nothing refers to a skin: it is drawn because it stands there.
+            # Nothing refers to a skin: MuJoCo draws every skin.
             elif declared is None and element.tag != "skin":
                 yield (str(element.tag), ""), element
     for section in unit.root.iterchildren("default"):
@@ -98,14 +94,13 @@ def _needed(unit: Unit, supporting: dict[Name, Node]) -> set[Node]:
         if node.tag == "default":
             tops = [child for child in node.iterchildren("*") if child.tag != "default"]
             parent = node.getparent()
-            # A class begins with what its parent sets, so that it needs the parent even where no element names that.
+            # A class begins with the settings of its parent, so it needs the parent even if no element names that.
             if parent is not None and parent.tag == "default":
                 need(parent, "default")
         for top in tops:
             for name in references(top, inside):
-                found = supporting.get(name)
-                if found is not None:
-                    need(found, _section_of(found))
+                if (supporter := supporting.get(name)) is not None:
+                    need(supporter, section_of(supporter))
             plugins.update(str(plugin.get("plugin")) for plugin in top.iter("plugin"))
     for plugin in unit.root.iterfind("extension/plugin"):
         if plugin.get("plugin") in plugins or any(instance in needed for instance in plugin):
@@ -113,30 +108,19 @@ def _needed(unit: Unit, supporting: dict[Name, Node]) -> set[Node]:
     return needed
 
 
-def _section_of(node: Node) -> str:
-    while (parent := node.getparent()) is not None and parent.getparent() is not None:
-        node = parent
-    return str(node.tag)
-
-
-# Whoever needs one of these takes it along: they concern no side.
+# These have no side: an element that needs one takes it.
 SUPPORTING = frozenset({"default", "mesh", "material", "texture", "hfield", "model", "instance", "key"})
 _SECTIONS = ("contact", "deformable", "tendon", "equality", "actuator", "sensor", "custom", "asset")
 
 
-class Side(Enum):
-    """The side to which an element refers: the inside of the subtree, the outside, both, or neither."""
+class Side(NamedTuple):
+    """Whether an element refers inside the subtree, outside, to both or neither.
 
-    INSIDE = "inside"
-    OUTSIDE = "outside"
-    BOTH = "both"
-    NEITHER = "neither"
+    `lacks` is the first element outside that it refers to, as messages name it.
+    """
 
-
-class Verdict(NamedTuple):
-    """The side of an element, and the first thing outside that it refers to, as messages name it."""
-
-    side: Side
+    inside: bool = False
+    outside: bool = False
     lacks: str = ""
 
 
@@ -160,7 +144,7 @@ class SideFinder:
         self._unit, self._in_world = unit, in_world
         self._inside = _Names(inside)
         self._outside = _Names(outside)
-        self._verdicts: dict[Node, Verdict] = {}
+        self._sides: dict[Node, Side] = {}
         self._others: dict[tuple[str, str], tuple[Node, str]] = {}
         for section in unit.root.iterchildren(*_SECTIONS):
             tag = str(section.tag)
@@ -169,33 +153,30 @@ class SideFinder:
                 if declared is not None and declared[0] not in SUPPORTING:
                     self._others.setdefault(declared, (element, tag))
 
-    def of(self, element: Node, section: str) -> Verdict:
+    def of(self, element: Node, section: str) -> Side:
         """Return the side that an element of that section belongs to."""
-        known = self._verdicts.get(element)
+        known = self._sides.get(element)
         if known is not None:
             return known
-        self._verdicts[element] = Verdict(Side.NEITHER)  # for elements that refer to one another in a ring
+        self._sides[element] = Side()  # for elements that refer to one another in a ring
         within, without, lacks = False, False, ""
-        bones: list[str] | None = []
-        if element.tag == "skin" and element.get("file"):
-            bones = self._bones(element)
-            within = bones is None  # it is reported when its file is read
-        others = [("body", bone) for bone in bones or ()]
+        others = []
+        if element.tag == "skin" and (file := element.get("file")):
+            named = bones(self._unit.source_of(written_path(self._unit.settings, element, str(file))))
+            within = named is None  # it is reported when its file is read
+            others = [("body", bone) for bone in named or ()]
         if is_rod(element):
             twists = self._inside.names | self._outside.names
             rod = str(element.get("name") or "")
             others += sorted(each for each in twists if each[0] == "joint" and rod and twisted_by(each[1]) == rod)
         for namespace, name in (*references(element, section), *others):
-            verdict = self._of_name(namespace, name)
-            within = within or verdict.side in (Side.INSIDE, Side.BOTH)
-            without = without or verdict.side in (Side.OUTSIDE, Side.BOTH)
-            lacks = lacks or verdict.lacks
-        # Another body becomes the world of what is taken, which an equality with the world does not follow.
+            side = self._of_name(namespace, name)
+            within, without, lacks = within or side.inside, without or side.outside, lacks or side.lacks
+        # Another body becomes the world of the subtree, which an equality with the world does not follow.
         if not self._in_world and section == "equality" and side_of_world(element) is not None:
             without, lacks = True, lacks or "the world"
-        side = (Side.BOTH if without else Side.INSIDE) if within else (Side.OUTSIDE if without else Side.NEITHER)
-        verdict = self._verdicts[element] = Verdict(side, lacks)
-        return verdict
+        side = self._sides[element] = Side(within, without, lacks)
+        return side
 
     def needed_by(self, elements: Iterable[tuple[Node, str]]) -> set[Node]:
         """Return elements of no side that the given elements refer to, such as the numbers in a tuple."""
@@ -204,7 +185,7 @@ class SideFinder:
         while waiting:
             for name in references(*waiting.pop()):
                 other = self._others.get(name)
-                if other is not None and other[0] not in needed and self.of(*other).side is Side.NEITHER:
+                if other is not None and other[0] not in needed and self.of(*other)[:2] == (False, False):
                     needed.add(other[0])
                     waiting.append(other)
         return needed
@@ -216,30 +197,20 @@ class SideFinder:
             self._inside.names.discard(declared)
             self._outside.names.add(declared)
 
-    def _of_name(self, namespace: str, name: str) -> Verdict:
+    def _of_name(self, namespace: str, name: str) -> Side:
         if namespace in SUPPORTING or (namespace == "body" and name == WORLD):
-            return Verdict(Side.NEITHER)
+            return Side()
         key = namespace, name
         if key in self._inside.names:
-            return Verdict(Side.INSIDE)
+            return Side(inside=True)
         if key in self._outside.names:
-            return Verdict(Side.OUTSIDE, f"the {word(namespace)} `{name}`")
-        other = self._others.get(key)
-        if other is not None:
-            verdict = self.of(*other)
-            if verdict.side in (Side.OUTSIDE, Side.BOTH):
-                return verdict._replace(lacks=f"the {word(namespace)} `{name}`")
-            return verdict
-        inside, outside = self._inside.makes(name), self._outside.makes(name)
-        if outside > inside:
-            return Verdict(Side.OUTSIDE, f"the {word(namespace)} `{name}`")
-        return Verdict(Side.INSIDE if inside else Side.NEITHER)
-
-    def _bones(self, skin: Node) -> list[str] | None:
-        """Return the bodies that a skin file names, or None if it cannot be read."""
-        unit = self._unit
-        path = written_path(unit.settings, skin, str(skin.get("file")))
-        return bones(unit.source_of(path))
+            side = Side(outside=True)
+        elif (other := self._others.get(key)) is not None:
+            side = self.of(*other)
+        else:
+            inside, outside = self._inside.makes(name), self._outside.makes(name)
+            side = Side(0 < inside >= outside, outside > inside)
+        return side._replace(lacks=f"the {word(namespace)} `{name}`") if side.outside else side
 
 
 class _Names:
@@ -265,14 +236,14 @@ class _Names:
         return max((len(start) + 1 for start in starts), default=0)
 
 
-# What holds for a model as a whole and not for a body of it. `option` and `size` say how the body is to be read.
+# Settings of a whole model and not of a body. `option` and `size` determine how to read the body.
 _OF_THE_WHOLE = ("statistic", "visual")
 _ALSO_SETTLED = ("inertiafromgeom", "inertiagrouprange")
 
 
 @dataclass(frozen=True, slots=True)
 class DroppedElement:
-    """One thing that is left behind: its kind, its name and, if it reaches into the subtree, what it lacks."""
+    """A dropped element: its kind, its name and, if it refers into the subtree, the element that it lacks."""
 
     what: str
     name: str
@@ -286,9 +257,9 @@ class DroppedElement:
 
 @dataclass(frozen=True, slots=True)
 class Subtree:
-    """One body is taken from the model, with exactly what it needs.
+    """One body of a model, with the elements that it needs.
 
-    `body` is its name, None if all of the unit is taken; `dropped` lists the elements that it drops.
+    `body` is its name, or None for the whole unit; `dropped` lists the other elements.
     """
 
     body: str | None
@@ -296,7 +267,7 @@ class Subtree:
 
     @property
     def cut(self) -> tuple[DroppedElement, ...]:
-        """The elements that belong to both the subtree and the rest, and would have been cut in two."""
+        """The elements that belong to both the subtree and the rest, which a cut would divide."""
         return tuple(each for each in self.dropped if each.lacks is not None)
 
 
@@ -309,10 +280,10 @@ def take_subtree(
     keyframes: KeyPolicy = "merge",
     measure: Measure | None = None,
 ) -> Subtree | None:
-    """Keep only the body `name` of `unit` and what it needs. Return None if that is impossible, with errors in `sink`.
+    """Keep the body `name` of `unit` and the elements that it needs. Return None after errors in `sink`.
 
-    The body keeps its pose relative to its parent, which becomes the world. What concerns also something outside of
-    it is left behind as a whole. `measure` is asked for what only MuJoCo knows of the whole unit.
+    The body keeps its pose relative to its parent, which becomes the world. Elements that also refer outside of the
+    body are dropped. `measure` gets the values of the whole unit that only MuJoCo knows.
     """
     before = sink.error_count
     body = _find(unit, name, sink, span=span)
@@ -327,14 +298,14 @@ def take_subtree(
     kept = set(inside)
     outside = [each for top in unit.root.iterchildren("worldbody") for each in top.iter("*") if each not in kept]
     in_world = next(body.iterancestors("body"), None) is None
-    concern = SideFinder(unit, inside, outside, in_world=in_world)
-    left = [*_named(outside), *_cut_in_the_tree(concern, unit, inside)]
+    sides = SideFinder(unit, inside, outside, in_world=in_world)
+    dropped = [*_named(outside), *_cut_in_the_tree(sides, unit, inside)]
     _make_root(unit, body)
-    left += _leave_sections(unit, concern)
-    left += _leave_keys(unit, rows)
-    left += (DroppedElement(word(namespace), each) for namespace, each in drop_unneeded(unit))
+    dropped += _drop_from_sections(unit, sides)
+    dropped += _drop_from_keys(unit, rows)
+    dropped += (DroppedElement(word(namespace), each) for namespace, each in drop_unneeded(unit))
     unit.forget_classes()
-    return Subtree(name, tuple(left))
+    return Subtree(name, tuple(dropped))
 
 
 def _find(unit: Unit, name: str, sink: Sink, span: Span | None) -> Node | None:
@@ -350,7 +321,7 @@ def _find(unit: Unit, name: str, sink: Sink, span: Span | None) -> Node | None:
     if copies is not None:
         sink.error(
             "not-supported",
-            f"the body `{name}` cannot be taken alone: it stands in a `<replicate>`, which makes several of it",
+            f"the body `{name}` cannot be taken alone: it is in a `<replicate>`, which makes several of it",
             span,
             notes=(Note("the `<replicate>`", unit.origins.span(copies, unit.file)),),
             help="take a body around the `<replicate>`",
@@ -361,7 +332,7 @@ def _find(unit: Unit, name: str, sink: Sink, span: Span | None) -> Node | None:
 
 
 def _settle_mass(linking: Linking) -> None:
-    """Write out the masses that `settotalmass` gives the bodies of the whole unit, before bodies are left out."""
+    """Write out the masses that `settotalmass` gives the bodies of the whole unit, before bodies are dropped."""
     unit = linking.base
     if float(unit.settings.settotalmass) <= 0:
         return
@@ -373,11 +344,8 @@ def _settle_mass(linking: Linking) -> None:
     unit.forget_settings()
 
 
-# -- the body tree ----------------------------------------------------------------------------------------------
-
-
 def _named(elements: Iterable[Node]) -> Iterator[DroppedElement]:
-    """Yield the elements of the body tree that are left out, without frames and elements that only shape others."""
+    """Yield dropped elements of the body tree, without frames and elements that only shape others."""
     for element in elements:
         if element.tag in ("worldbody", "frame", "replicate"):
             continue
@@ -387,40 +355,32 @@ def _named(elements: Iterable[Node]) -> Iterator[DroppedElement]:
             yield DroppedElement("joint" if tag == "freejoint" else tag, declared[1] if declared else "")
 
 
-def _cut_in_the_tree(concern: SideFinder, unit: Unit, inside: list[Node]) -> Iterator[DroppedElement]:
-    """Yield the cameras and lights of the subtree that look at a body outside of it."""
+def _cut_in_the_tree(sides: SideFinder, unit: Unit, inside: list[Node]) -> Iterator[DroppedElement]:
+    """Remove and yield the cameras and lights of the subtree that look at a body outside of it."""
     for element in inside:
-        if element.tag not in ("camera", "light"):
-            continue
-        side, lacks = concern.of(element, "worldbody")
-        if side is Side.OUTSIDE:
-            yield _cut_element(element, "worldbody", lacks, unit=unit)
-            concern.leave(element)
-            parent = element.getparent()
-            assert parent is not None
-            parent.remove(element)
+        if element.tag in ("camera", "light"):
+            side = sides.of(element, "worldbody")
+            if side.outside and not side.inside:
+                yield _dropped(unit, element, "worldbody", side.lacks)
+                sides.leave(element)
+                detach(element)
 
 
-def _cut_element(element: Node, section: str, lacks: str, unit: Unit) -> DroppedElement:
+def _dropped(unit: Unit, element: Node, section: str, lacks: str | None) -> DroppedElement:
+    """Return the record of an element. Its kind is its namespace if its tag is ambiguous (`joint` of an equality)."""
     declared = declaration(element, section)
-    return DroppedElement(
-        _kind_word(element, section), declared[1] if declared else "", lacks, span=unit.origins.span(element, unit.file)
-    )
-
-
-def _kind_word(element: Node, section: str) -> str:
-    """Return the word for an element: its namespace if its tag is ambiguous (`joint` of an equality), else its tag."""
-    declared = declaration(element, section)
-    if section in ("contact", "worldbody"):
-        return str(element.tag)
+    kind = str(element.tag)
     if section in ("tendon", "equality", "actuator", "sensor"):
-        return section
-    return word(declared[0]) if declared else str(element.tag)
+        kind = section
+    elif declared and section not in ("contact", "worldbody"):
+        kind = word(declared[0])
+    span = None if lacks is None else unit.origins.span(element, unit.file)
+    return DroppedElement(kind, declared[1] if declared else "", lacks, span=span)
 
 
 def _make_root(unit: Unit, body: Node) -> None:
     """Make the body the only one in the world, inside the frames between it and its parent."""
-    # The bodies and frames around it go, and with them the class in force.
+    # With the bodies and frames around it, the class in force goes.
     inherited = childclass_of(body)
     if inherited and not body.get("childclass"):
         body.set("childclass", inherited)
@@ -432,23 +392,18 @@ def _make_root(unit: Unit, body: Node) -> None:
                 frame.remove(other)
         top = frame
     worldbodies = list(unit.root.iterchildren("worldbody"))
-    world = next(each for each in top.iterancestors("worldbody"))
+    world = next(top.iterancestors("worldbody"))
     for other in worldbodies:
         if other is not world:
             unit.root.remove(other)
-    parent = top.getparent()
-    assert parent is not None
-    parent.remove(top)
+    detach(top)
     for other in list(world):
         world.remove(other)
     world.append(top)
     unit.origins.own(top, owner)
 
 
-# -- what stands outside of it ----------------------------------------------------------------------------------
-
-
-def _leave_sections(unit: Unit, concern: SideFinder) -> Iterator[DroppedElement]:
+def _drop_from_sections(unit: Unit, sides: SideFinder) -> Iterator[DroppedElement]:
     """Remove and yield every element of the other sections that does not belong to the subtree alone."""
     going: list[tuple[Node, DroppedElement]] = []
     staying: list[tuple[Node, str]] = []
@@ -460,29 +415,21 @@ def _leave_sections(unit: Unit, concern: SideFinder) -> Iterator[DroppedElement]
         for element in section.iterchildren("*") if tag in _SECTIONS else ():
             if tag == "asset" and element.tag != "skin":
                 continue
-            side, lacks = concern.of(element, tag)
-            if side is Side.BOTH:
-                going.append((element, _cut_element(element, tag, lacks, unit=unit)))
-            elif side is Side.INSIDE:
+            side = sides.of(element, tag)
+            if side.inside and not side.outside:
                 staying.append((element, tag))
             else:
-                declared = declaration(element, tag)
-                going.append((element, DroppedElement(_kind_word(element, tag), declared[1] if declared else "")))
-    needed = concern.needed_by(staying)
-    for element, left in going:  # only now: what an element concerns is found by way of others
-        if element in needed:
-            continue
-        parent = element.getparent()
-        assert parent is not None
-        parent.remove(element)
-        yield left
-    for section in list(unit.root.iterchildren(*_SECTIONS)):
-        if next(section.iterchildren("*"), None) is None:
-            unit.root.remove(section)
+                going.append((element, _dropped(unit, element, tag, side.lacks if side.inside else None)))
+    needed = sides.needed_by(staying)
+    for element, dropped in going:  # only now: the side of an element may depend on others
+        if element not in needed:
+            detach(element)
+            yield dropped
+    _remove_empty_sections(unit, _SECTIONS)
 
 
 def _strip_section(section: Node, looks: bool) -> Iterator[DroppedElement]:
-    """Remove from a section of the whole model what no body needs. A camera needs `znear` for its intrinsics."""
+    """Remove a section of the whole model, except `znear` for a camera, which needs it for its intrinsics."""
     root, tag = section.getparent(), str(section.tag)
     assert root is not None
     if section.attrib:
@@ -500,8 +447,6 @@ def _strip_section(section: Node, looks: bool) -> Iterator[DroppedElement]:
     if not len(section):
         root.remove(section)
 
-
-# -- keyframes --------------------------------------------------------------------------------------------------
 
 _Rows = Mapping[Node, Mapping[str, Mapping[Holder, list[Number]]]]
 
@@ -529,26 +474,20 @@ def _rows(linking: Linking, policy: KeyPolicy) -> _Rows:
     }
 
 
-def _leave_keys(unit: Unit, rows: _Rows) -> Iterator[DroppedElement]:
+def _drop_from_keys(unit: Unit, rows: _Rows) -> Iterator[DroppedElement]:
     """Keep the numbers of each key that belong to the subtree. Remove and yield the keys without such numbers."""
     staying = set(unit.root.iter("*"))
     for key, vectors in rows.items():
-        said = False
         record = KeyRecord()
         for vector, columns in vectors.items():
             row = [number for holder, numbers in columns.items() if element_of(holder) in staying for number in numbers]
-            said = said or bool(row)
             if row:
                 key.set(vector, " ".join(texts(row)))
                 record.numbers[vector] = row
             else:
                 del key.attrib[vector]
         unit.origins.keys[key] = record
-        if not said:
-            section = key.getparent()
-            assert section is not None
-            section.remove(key)
+        if not record.numbers:
+            detach(key)
             yield DroppedElement("key", str(key.get("name") or ""))
-    for section in list(unit.root.iterchildren("keyframe")):
-        if next(section.iterchildren("*"), None) is None:
-            unit.root.remove(section)
+    _remove_empty_sections(unit, ("keyframe",))
