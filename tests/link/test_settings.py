@@ -276,7 +276,7 @@ def test_nor_two_that_say_it_both(workshop: Workshop) -> None:
     linked = workshop.link(moving('<size memory="1M"/>'), moving('<size memory="2M"/>', 30))
     assert linked.model().narena > 2 * MEGABYTE
     (warning,) = linked.sink.diagnostics
-    assert [note.message for note in warning.notes] == ["`part/` asks for `memory` 2M"]
+    assert [note.message for note in warning.notes] == ["`part/` requests `memory` 2M"]
 
 
 @pytest.mark.parametrize("older", ["njmax", "nstack"])

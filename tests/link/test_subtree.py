@@ -277,7 +277,7 @@ def test_a_mass_that_is_shared_out_with_fused_bodies_is_told(take) -> None:  # t
     taken = take(model(ARM.replace('<joint name="arm"/>', ""), head=head), "tip")
     assert taken.found is None
     (fault,) = taken.sink.errors
-    assert fault.message.endswith("cannot be kept in a composition: `fusestatic` makes this body one with another")
+    assert fault.message.endswith("cannot be kept in a composition: `fusestatic` joins this body with another")
 
 
 def test_what_holds_for_the_whole_model_is_left(take) -> None:  # type: ignore[no-untyped-def]

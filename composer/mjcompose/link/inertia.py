@@ -1,13 +1,11 @@
 """Passes: masses, fitted sizes and length ranges become explicit.
 
-Pass: the mass of each body becomes explicit if the unit's rule for it is not MuJoCo's default.
+The mass of each body becomes explicit if the unit's rule for it is not MuJoCo's default. The model always has
+MuJoCo's defaults, `inertiafromgeom="auto"` and `inertiagrouprange="0 5"`.
 
-The model always has `inertiafromgeom="auto"` and `inertiagrouprange="0 5"`, MuJoCo's defaults.
-
-Pass: the length ranges of muscles, which MuJoCo finds by moving the model, become explicit.
-
-Each unit keeps the ranges that MuJoCo finds in it alone. This is needed if a `<lengthrange>` changes how MuJoCo
-finds them, or if a part is attached to something that moves, because then MuJoCo would move the part as well.
+Each unit keeps the length ranges of muscles that MuJoCo finds in the unit alone, by moving it. They become explicit
+if a `<lengthrange>` changes how MuJoCo finds them, or if a part is attached to an element that moves, because MuJoCo
+would then move the part too.
 """
 
 from __future__ import annotations
@@ -19,9 +17,9 @@ from lxml.etree import _Element as Node
 from mjcompose.base.diagnostic import Note
 from mjcompose.base.rotation import Pose
 from mjcompose.link import numbers
-from mjcompose.link.linking import Linking
+from mjcompose.link.linking import Linking, detach
 from mjcompose.link.measure import BODIES, GEOMS, KeptSettings, Survey
-from mjcompose.link.numbers import read_pose
+from mjcompose.link.numbers import pose_below
 from mjcompose.model.classes import ORIENTATIONS, Classes, childclass_of, own, walk_bodies
 from mjcompose.model.files import Settings
 from mjcompose.model.unit import Unit
@@ -39,45 +37,39 @@ def inertia(linking: Linking) -> None:
     if not linking.composed:
         return
     for unit in linking.units:
-        settings = unit.settings
+        settings, classes = unit.settings, unit.classes
         if any(getattr(settings, name) != getattr(_DEFAULT, name) for name in MEASURED):
             write_inertias(linking, unit)
             continue
         if settings.inertiagrouprange.split() != ["0", "5"]:
-            _leave_out_groups(unit, *(int(bound) for bound in settings.inertiagrouprange.split()))
-        if settings.inertiafromgeom == "true":
-            _from_geoms(unit)
-        elif settings.inertiafromgeom == "false":
-            _never_from_geoms(linking, unit)
+            _exclude_groups(unit, *(int(bound) for bound in settings.inertiagrouprange.split()))
+        # With the rule `true`, geoms override a written inertial; a body without geoms keeps it. A body whose geoms all
+        # have no mass counts as a body without geoms: in MuJoCo 4.0 `<body><inertial mass="7" pos="0 0 0"
+        # diaginertia="1 1 1"/></body>` keeps its mass of 7 under `inertiafromgeom="true"`. With the rule `false`, a
+        # body without a written inertial has no mass, whatever its geoms are.
+        for body in _bodies(unit) if settings.inertiafromgeom in ("true", "false") else ():
+            inertials = own(body, "inertial")
+            if settings.inertiafromgeom == "false":
+                if not inertials:
+                    _write_no_mass(linking, unit, body)
+            elif inertials and any(has_mass(geom, classes) for geom in own(body, "geom")):
+                for inertial in inertials:
+                    detach(inertial)
 
 
 def _bodies(unit: Unit) -> list[Node]:
     return [element for element, _ in walk_bodies(unit.root) if element.tag == "body"]
 
 
-def _leave_out_groups(unit: Unit, low: int, high: int) -> None:
+def _exclude_groups(unit: Unit, low: int, high: int) -> None:
     classes = unit.classes
     for element, childclass in walk_bodies(unit.root):
         if element.tag == "geom":
             group = int(classes.effective(element, childclass, "group") or 0)
-            # The geom keeps its collisions and its looks: only a mass of 0 takes it out of the inertia. In MuJoCo 4.0
+            # The geom keeps its collisions and its looks: only a mass of 0 excludes it from the inertia. In MuJoCo 4.0
             # `inertiagrouprange="1 2"` leaves of two unit spheres in groups 0 and 1 the mass of one, 4188.79.
             if not low <= group <= high:
                 element.set("mass", "0")
-
-
-def _from_geoms(unit: Unit) -> None:
-    """Apply the rule `true`: geoms override a written inertial; a body without geoms keeps it."""
-    # A body whose geoms all have no mass counts as one without geoms: in MuJoCo 4.0 `<body><inertial mass="7" pos="0 0
-    # 0" diaginertia="1 1 1"/></body>` keeps its mass of 7 under `inertiafromgeom="true"`.
-    classes = unit.classes
-    for body in _bodies(unit):
-        inertials = own(body, "inertial")
-        if inertials and any(has_mass(geom, classes) for geom in own(body, "geom")):
-            for inertial in inertials:
-                holder = inertial.getparent()
-                assert holder is not None
-                holder.remove(inertial)
 
 
 def has_mass(geom: Node, classes: Classes) -> bool:
@@ -90,24 +82,15 @@ def has_mass(geom: Node, classes: Classes) -> bool:
     return density is None or numbers.read(density)[0] != 0
 
 
-def _never_from_geoms(linking: Linking, unit: Unit) -> None:
-    """Apply the rule `false`: a body without a written inertial has no mass, whatever its geoms are."""
-    classes = unit.classes
-    for body in _bodies(unit):
-        if not own(body, "inertial"):
-            for geom in own(body, "geom"):
-                if has_mass(geom, classes):
-                    geom.set("mass", "0")
-            body.insert(0, body.makeelement("inertial", {**_pose(body), "mass": "0", "diaginertia": "0 0 0"}))
-            linking.notes.inertia_written.add(body)
-
-
-def _pose(body: Node) -> dict[str, str]:
-    """Return the frame that MuJoCo uses for an inertia that is not set: the body's own pose, as written."""
-    # MuJoCo 4.0 copies the frame of the body in its parent: with `<compiler inertiafromgeom="false"/>` the
-    # `<body pos="1 2 3"><geom size=".1"/></body>` has `body_ipos` 1 2 3.
-    written = {name: str(body.get(name)) for name in ("pos", *ORIENTATIONS) if body.get(name)}
-    return {"pos": "0 0 0", **written}
+def _write_no_mass(linking: Linking, unit: Unit, body: Node) -> None:
+    for geom in own(body, "geom"):
+        if has_mass(geom, unit.classes):
+            geom.set("mass", "0")
+    # For an inertia that is not set MuJoCo 4.0 copies the frame of the body in its parent: with `<compiler
+    # inertiafromgeom="false"/>` the `<body pos="1 2 3"><geom size=".1"/></body>` has `body_ipos` 1 2 3.
+    pose = {name: str(body.get(name)) for name in ("pos", *ORIENTATIONS) if body.get(name)}
+    body.insert(0, body.makeelement("inertial", {"pos": "0 0 0", **pose, "mass": "0", "diaginertia": "0 0 0"}))
+    linking.notes.inertia_written.add(body)
 
 
 def write_inertias(linking: Linking, unit: Unit) -> None:
@@ -122,7 +105,7 @@ def write_inertias(linking: Linking, unit: Unit) -> None:
 def settle_inertia(linking: Linking, unit: Unit, changed: Collection[Node], found: Survey) -> None:
     """Write the surveyed inertia of the changed bodies, or of all bodies if a rule of the unit requires it.
 
-    Afterwards the unit has MuJoCo's own rules, in the place of those that the survey has applied.
+    Afterwards the unit has MuJoCo's own rules instead of those that the survey has applied.
     """
     ruled = [name for name in _RULES if getattr(unit.settings, name).split() != getattr(_DEFAULT, name).split()]
     bodies = [body for body in _bodies(unit) if (ruled or body in changed) and not found.is_gone(body)]
@@ -141,17 +124,15 @@ def _write_measured(kept: KeptSettings, bodies: Iterable[Node], found: Survey) -
         mass, pos, quat, moments = rows
         if mass is None or pos is None or quat is None or moments is None:
             gone = found.is_gone(body)
-            why = "`fusestatic` makes this body one with another" if gone else "the copies of a body differ"
+            why = "`fusestatic` joins this body with another" if gone else "the copies of a body differ"
             kept.refuse(why, body)
             return False
         written = own(body, "inertial")
         for inertial in written:
-            holder = inertial.getparent()
-            assert holder is not None
-            holder.remove(inertial)
+            detach(inertial)
         if not written:
             kept.linking.notes.inertia_written.add(body)
-        # What has no mass and no geoms needs no inertial. Where there are geoms, the inertial takes their place, as it
+        # A body without mass and geoms needs no inertial. In a body with geoms, the inertial replaces theirs, as it
         # does under `auto`: `<body><inertial mass="1" …/><geom size="1"/></body>` weighs 1 in MuJoCo 4.0.
         if any(mass) or any(moments) or written or own(body, "geom"):
             values = {"pos": pos, "quat": quat, "mass": mass, "diaginertia": moments}
@@ -169,21 +150,17 @@ def fitted_sizes(linking: Linking) -> None:
             continue
         classes = unit.classes
         fitted = {
-            geom: kind
+            geom: str(kind)
             for geom, childclass in walk_bodies(unit.root)
-            if geom.tag == "geom" and (kind := _fitted_kind(geom, childclass, classes)) is not None
+            if geom.tag == "geom"
+            and (kind := classes.effective(geom, childclass, "type")) in _SIZES
+            and classes.effective(geom, childclass, "mesh")
         }
         kept = KeptSettings(linking, unit, ("fitaabb",))
         found = kept.survey(GEOMS) if fitted else None
         if found is not None:
             for geom, kind in fitted.items():
                 _write_fitted(kept, geom, _SIZES[kind], found=found)
-
-
-def _fitted_kind(geom: Node, childclass: str | None, classes: Classes) -> str | None:
-    """Return the primitive that a geom fits to a mesh, or None if it fits none."""
-    kind = classes.effective(geom, childclass, "type")
-    return kind if kind in _SIZES and classes.effective(geom, childclass, "mesh") else None
 
 
 def _write_fitted(kept: KeptSettings, geom: Node, sizes: int, found: Survey) -> None:
@@ -195,15 +172,16 @@ def _write_fitted(kept: KeptSettings, geom: Node, sizes: int, found: Survey) -> 
         return
     x, y, z = pos
     w, a, b, c = quat
-    frame = _frames_above(geom, unit)
     pose = Pose((x, y, z), (w, a, b, c))
     # MuJoCo dissolves frames: `<frame euler="0 0 90"><geom size="1" pos="1 0 0"/></frame>` has `geom_pos` 0 1 0.
+    holder = geom.getparent()
+    assert holder is not None
+    frame, *_ = pose_below(holder, unit.settings.angle == "degree", unit.settings.eulerseq)
     if not frame.is_identity:
         pose = frame.inverse() @ pose
     for name in ("mesh", "fitscale", "fromto", *ORIENTATIONS):
-        if name in geom.attrib:
-            del geom.attrib[name]
-    # An empty text takes back what the class says: with `<default><geom mesh="m" type="mesh"/></default>` MuJoCo 4.0
+        geom.attrib.pop(name, "")
+    # An empty text reverts the class: with `<default><geom mesh="m" type="mesh"/></default>` MuJoCo 4.0
     # compiles `<geom mesh="" type="sphere" size="1"/>` to a sphere without a mesh.
     if unit.classes.effective(geom, childclass_of(geom), "mesh"):
         geom.set("mesh", "")
@@ -212,52 +190,46 @@ def _write_fitted(kept: KeptSettings, geom: Node, sizes: int, found: Survey) -> 
     geom.set("quat", numbers.text(pose.quat))
 
 
-def _frames_above(geom: Node, unit: Unit) -> Pose:
-    """Return the pose of the frames between a geom and its body, since MuJoCo reports the geom's pose in the body."""
-    pose = Pose()
-    node = geom.getparent()
-    while node is not None and node.tag in ("frame", "replicate"):
-        if node.tag == "frame":
-            pose = read_pose(node, unit.settings.angle == "degree", unit.settings.eulerseq) @ pose
-        node = node.getparent()
-    return pose
-
-
-_ARRAYS = ("actuator_lengthrange",)
-
-
 def lengthranges(linking: Linking) -> None:
     """Measure the actuators of each unit that has rules of its own; the model keeps MuJoCo's rules."""
-    # What hangs on a unit would be moved with it, and may stop it earlier.
+    name = "actuator_lengthrange"
+    # MuJoCo would move a part with the unit that it is attached to, and it may stop that earlier.
     hanging = any(part.joints or part.place.kind != "world" for part in linking.parts)
     for unit in linking.units if linking.parts else ():
         rules = list(unit.root.iter("lengthrange"))
+        actuators = unit.root.findall("actuator/*")
+        measured: list[float] = []
         if not rules:
             if hanging and linking.measure is not None and _has_muscles(unit):
-                _write_found(unit, linking.measure(unit, _ARRAYS).get(_ARRAYS[0], []))
-            continue
-        actuators = unit.root.findall("actuator/*")
-        if actuators:
+                measured = linking.measure(unit, (name,)).get(name, [])
+            if len(measured) != 2 * len(actuators):
+                continue  # MuJoCo made copies of actuators, whose ranges it computes anew
+        elif actuators:
             kept = KeptSettings(linking, unit, ("lengthrange",))
-            found = kept.survey(_ARRAYS)
+            found = kept.survey((name,))
             if found is None:
                 continue
-            measured = found.arrays["actuator_lengthrange"]
+            measured = found.arrays[name]
             if len(measured) != 2 * len(actuators):
                 kept.refuse("MuJoCo makes copies of actuators")
                 continue
-            for at, actuator in enumerate(actuators):
-                low, high = measured[2 * at : 2 * at + 2]
-                # `0 0` is to MuJoCo a range that is not written: of `<muscle lengthrange="0 0"/>` it computes one.
-                if (low, high) != (0.0, 0.0):
-                    actuator.set("lengthrange", numbers.text([low, high]))
-                elif _is_muscle(actuator):
-                    _report_no_range(linking, unit, rules[-1], actuator=actuator)
-                    break
+        for at, actuator in enumerate(actuators):
+            limits = measured[2 * at : 2 * at + 2]
+            # MuJoCo reads `0 0` as not written: for `<muscle lengthrange="0 0"/>` it computes a range.
+            if any(limits):
+                actuator.set("lengthrange", numbers.text(limits))
+            elif rules and _is_muscle(actuator):
+                linking.sink.error(
+                    "compiler-setting",
+                    f"`lengthrange` of `{unit.label}` cannot be kept in a composition: it leaves a muscle without a "
+                    "range",
+                    linking.span(unit, rules[-1]),
+                    notes=(Note("the muscle", linking.span(unit, actuator)),),
+                    help="write the `lengthrange` of the muscle",
+                )
+                break
         for rule in rules:
-            compiler = rule.getparent()
-            assert compiler is not None
-            compiler.remove(rule)
+            detach(rule)
 
 
 def _has_muscles(unit: Unit) -> bool:
@@ -265,27 +237,5 @@ def _has_muscles(unit: Unit) -> bool:
     return any(_is_muscle(each) for section in sections for each in section.iter("muscle", "general"))
 
 
-def _write_found(unit: Unit, measured: list[float]) -> None:
-    """Write the ranges that MuJoCo computed, unless it made copies of actuators."""
-    actuators = unit.root.findall("actuator/*")
-    if len(measured) != 2 * len(actuators):
-        return
-    for at, actuator in enumerate(actuators):
-        found = measured[2 * at : 2 * at + 2]
-        if any(found):
-            actuator.set("lengthrange", numbers.text(found))
-
-
 def _is_muscle(actuator: Node) -> bool:
     return actuator.tag == "muscle" or "muscle" in (actuator.get("gaintype"), actuator.get("biastype"))
-
-
-def _report_no_range(linking: Linking, unit: Unit, rule: Node, actuator: Node) -> None:
-    """Report a range that MuJoCo would read as not written, and would compute by the model's rules."""
-    linking.sink.error(
-        "compiler-setting",
-        f"`lengthrange` of `{unit.label}` cannot be kept in a composition: it leaves a muscle without a range",
-        linking.span(unit, rule),
-        notes=(Note("the muscle", linking.span(unit, actuator)),),
-        help="write the `lengthrange` of the muscle",
-    )

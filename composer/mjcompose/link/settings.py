@@ -21,7 +21,7 @@ from lxml.etree import _Element as Node
 
 from mjcompose.base.diagnostic import Note
 from mjcompose.link.inertia import MEASURED
-from mjcompose.link.linking import Linking, MemoryRequest
+from mjcompose.link.linking import Linking, MemoryRequest, detach
 from mjcompose.model.classes import through_frames, walk_bodies
 from mjcompose.model.unit import Unit, line_of, set_line
 from mjcompose.model.values import parse_int
@@ -31,7 +31,7 @@ _INSIDE_BODIES = ("body", "flexcomp", "composite", "attach")
 
 
 def alignment(linking: Linking) -> None:
-    """Settle what the model says, and make what differs from it explicit; a base alone keeps what it says."""
+    """Decide the model's value, and make each that differs from it explicit; a base alone keeps its own."""
     if not linking.composed:
         return
     stubborn = [
@@ -53,10 +53,13 @@ def alignment(linking: Linking) -> None:
             # MuJoCo 4.0 knows `align` on `<freejoint>` only: `<joint type="free" align="true"/>` violates the schema.
             # But a `<freejoint/>` takes no joint defaults: its armature is 0 whatever they say.
             if plain:
-                _make_freejoint(joint, wanted)
+                joint.tag = "freejoint"
+                for name in set(joint.keys()) - {"name", "group"}:
+                    del joint.attrib[name]
+                joint.set("align", str(wanted).lower())
             else:
                 _cannot_differ(linking, unit, joint, *stubborn[0])
-    # The joints of attachments hang in no tree yet, so that the walk above has not met them.
+    # The joints of attachments are in no tree yet.
     for part in linking.parts if linking.notes.aligned else ():
         part.joints = tuple(
             replace(joint, attributes={"align": "false", **joint.attributes}) if joint.tag == "freejoint" else joint
@@ -87,58 +90,43 @@ def is_leaf(body: Node) -> bool:
     )
 
 
-def _make_freejoint(joint: Node, aligned: bool) -> None:
-    joint.tag = "freejoint"
-    for name in list(joint.attrib):
-        if name not in ("name", "group"):
-            del joint.attrib[name]
-    joint.set("align", str(aligned).lower())
-
-
 def _cannot_differ(linking: Linking, unit: Unit, joint: Node, other: Unit, of_other: Node) -> None:
     linking.sink.error(
         "compiler-setting",
         f"`alignfree` of `{other.label}` cannot be kept in a composition with `{unit.label}`: "
         "each has a free joint with settings of its own",
         linking.span(other, of_other),
-        notes=(Note("it does not hold for this one", linking.span(unit, joint)),),
+        notes=(Note("it does not apply to this one", linking.span(unit, joint)),),
         help='make one of them a `<freejoint align="…"/>`',
     )
 
 
 FOLDERS = ("meshdir", "texturedir", "assetdir", "strippath")
-_MADE_EXPLICIT = ("inertiafromgeom", "inertiagrouprange", *MEASURED)
-_WHOLE_MODEL = ("fusestatic", "discardvisual")
-_NO_EFFECT = ("coordinate", "usethread", "conflict")
+# Settings that other passes make explicit, that concern a whole model, or that have no effect.
+_NOT_KEPT = ("inertiafromgeom", "inertiagrouprange", *MEASURED, "fusestatic", "discardvisual", "alignfree", "fitaabb",
+             "coordinate", "usethread", "conflict")  # fmt: skip
 
 
 def compiler(linking: Linking) -> None:
     """Write the base's settings once, as they now hold for every part."""
     root = linking.base.root
-    written: dict[str, str] = {}
-    settings: list[Node] = []
-    children = []
     first = next(root.iterchildren("*"), None)
     at = root.index(first) if first is not None and first.tag == "compiler" else None
     # Of several `<compiler>` the last one counts, for elements above it, too: in MuJoCo 4.0 `<joint ref="90"/>` between
     # `<compiler angle="radian"/>` and `<compiler angle="degree"/>` has a reference of 1.5708.
-    for element in list(root.iterchildren("compiler")):
-        written.update({str(name): str(value) for name, value in element.items()})
-        children.extend(list(element))
-        settings.append(element)
+    settings = list(root.iterchildren("compiler"))
+    written = {str(name): str(value) for element in settings for name, value in element.items()}
+    children = [child for element in settings for child in element]
     line = next(map(line_of, settings), None)
     owner = linking.base.origins.owner(settings[0], linking.base.file) if settings else None
     for element in settings:
         root.remove(element)
-    # All files stand below `assets/` with their whole path. MuJoCo 4.0 would put `meshdir` before that of
-    # every mesh; where it is missing, `assetdir`, in whatever order the two stand.
-    for name in FOLDERS:
+    # All files have their whole path below `assets/`. MuJoCo 4.0 would put `meshdir`, or without it `assetdir`, before
+    # the path of every mesh, in whatever order the two are written.
+    for name in (*FOLDERS, *(_NOT_KEPT if linking.composed else ())):
         written.pop(name, None)
-    if linking.composed:
-        for name in (*_MADE_EXPLICIT, *_NO_EFFECT, *_WHOLE_MODEL, "alignfree", "fitaabb"):
-            written.pop(name, None)
-        if linking.notes.aligned:
-            written["alignfree"] = "true"
+    if linking.composed and linking.notes.aligned:
+        written["alignfree"] = "true"
     if linking.parts:
         written["angle"] = linking.angle
         if model_autolimits(linking) == "true":
@@ -164,14 +152,14 @@ def compiler(linking: Linking) -> None:
 def model_autolimits(linking: Linking) -> str:
     """Return the model's value of `autolimits`.
 
-    MuJoCo refuses a range without an explicit `limited` under `false`, so that a unit which compiles with `false`
-    means the same under `true`.
+    Under `false` MuJoCo refuses a range without an explicit `limited`, so a unit that compiles with `false` means the
+    same under `true`.
     """
     return "false" if all(unit.settings.autolimits == "false" for unit in linking.units) else "true"
 
 
 _LARGEST = ("njmax", "nconmax", "nstack", "nuserdata")
-# Older ways to say how much memory there is. MuJoCo 4.0 refuses `<size memory="1M" njmax="5"/>`: "at most one of".
+# Older settings of memory. MuJoCo 4.0 refuses `<size memory="1M" njmax="5"/>`: "at most one of".
 INSTEAD_OF_MEMORY = ("njmax", "nstack")
 
 
@@ -182,27 +170,27 @@ def merge_sizes(linking: Linking) -> None:
         for section in part.unit.root.iterchildren("size"):
             for name, value in section.items():
                 _enlarge(linking, str(name), str(value))
-    _user_widths(linking)
-    _merge_memory(linking)
-
-
-def _merge_memory(linking: Linking) -> None:
     sizes = list(linking.base.root.iterchildren("size"))
-    memory = any(size.get("memory") for size in sizes)
-    for size in sizes if memory else ():
+    # MuJoCo 4.0 refuses `<size nuser_geom="1"/>` beside `<geom user="1 2"/>` ("more values than nuser_geom"); without
+    # a written width it takes the widest.
+    for size in sizes:
+        for name, value in size.items():
+            if str(name).startswith("nuser_") and _count(str(value)) >= 0:
+                data = (str(each.get("user") or "") for unit in linking.units for each in _with_user(unit, str(name)))
+                size.set(name, str(max(_count(str(value)), *(len(text.split()) for text in data))))
+    has_memory = any(size.get("memory") for size in sizes)
+    for size in sizes if has_memory else ():
         for name in INSTEAD_OF_MEMORY:
             span = linking.span(linking.base, size, name)
-            value = size.get(name)
-            if value is None:
+            if (value := size.attrib.pop(name, None)) is None:
                 continue
-            del size.attrib[name]
             for part in linking.parts:
                 for section in part.unit.root.iterchildren("size"):
                     if section.get(name) == value:
                         span = linking.span(part.unit, section, name)
             linking.sink.warning(
                 "option-conflict",
-                f"`size.{name}` = {value} gives way to `size.memory` of another part: only one may be written",
+                f"`size.{name}` = {value!s} gives way to `size.memory` of another part: only one may be written",
                 span,
             )
 
@@ -219,7 +207,7 @@ def _enlarge(linking: Linking, name: str, value: str) -> None:
 
 
 def _count(value: str) -> int:
-    """What MuJoCo reads; what it refuses is reported with the source, or by MuJoCo."""
+    """Return the number, or -1 for a text that MuJoCo refuses, which is reported elsewhere."""
     number = parse_int(value.strip())
     return -1 if number is None else number
 
@@ -234,28 +222,10 @@ _USERS = {
 _USER_SECTIONS = {"nuser_tendon": "tendon", "nuser_actuator": "actuator", "nuser_sensor": "sensor"}
 
 
-def _user_widths(linking: Linking) -> None:
-    """Make every written `nuser_*` wide enough for the user data of all units."""
-    # MuJoCo 4.0 refuses `<size nuser_geom="1"/>` beside `<geom user="1 2"/>` ("more values than nuser_geom"); without
-    # a written width it takes the widest.
-    for size in linking.base.root.iterchildren("size"):
-        for name, value in size.items():
-            if not str(name).startswith("nuser_") or _count(str(value)) < 0:
-                continue
-            widest = _count(str(value))
-            for unit in linking.units:
-                for element in _with_user(unit.root, str(name)):
-                    widest = max(widest, len(str(element.get("user") or "").split()))
-            size.set(name, str(widest))
-
-
-def _with_user(root: Node, name: str) -> Iterator[Node]:
-    if name in _USER_SECTIONS:
-        for section in root.iterchildren(_USER_SECTIONS[name], "default"):
-            yield from section.iter()
-    else:
-        for section in root.iterchildren("worldbody", "default"):
-            yield from section.iter(*_USERS.get(name, ()))
+def _with_user(unit: Unit, name: str) -> Iterator[Node]:
+    """Yield the elements whose user data a `nuser_*` counts."""
+    for section in unit.root.iterchildren(_USER_SECTIONS.get(name, "worldbody"), "default"):
+        yield from section.iter(*_USERS.get(name, ()))
 
 
 ROOM = ("memory", "njmax", "nconmax", "nstack")
@@ -264,24 +234,22 @@ _SCALE = {"k": 2**10, "m": 2**20, "g": 2**30, "t": 2**40, "p": 2**50, "e": 2**60
 
 
 def memory_requests(linking: Linking) -> tuple[MemoryRequest, ...]:
-    """Return the memory that the units ask for if several of them move, when MuJoCo must check whether it is enough."""
-    calls = ["the base", *(part.called for part in linking.parts)]
-    moving = [next(unit.root.iter(*_MOVING), None) is not None for unit in linking.units]
-    for number, part in enumerate(linking.parts, 1):
-        moving[number] |= bool(part.joints)
-    if sum(moving) < 2 or any(f"size/{name}" in linking.request.overridden_options for name in ROOM):
+    """Return the memory that the units request if several of them move, which MuJoCo must then check."""
+    moving = sum(
+        bool(part and part.joints) or next(unit.root.iter(*_MOVING), None) is not None
+        for unit, part in zip(linking.units, (None, *linking.parts), strict=True)
+    )
+    if moving < 2 or any(f"size/{name}" in linking.request.overridden_options for name in ROOM):
         return ()
-    return tuple(each for unit, called in zip(linking.units, calls, strict=True)
-                 for each in _written_requests(linking, unit, called))  # fmt: skip
-
-
-def _written_requests(linking: Linking, unit: Unit, called: str) -> Iterator[MemoryRequest]:
-    for size in unit.root.iterchildren("size"):
-        for name in ROOM:
-            value = str(size.get(name) or "").strip()
-            # `memory="-1"` leaves it to MuJoCo, as if it were not written.
-            if value and value != "-1":
-                yield MemoryRequest(name, value, called, span=linking.span(unit, size, name))
+    calls = ["the base", *(part.called for part in linking.parts)]
+    # `memory="-1"` leaves it to MuJoCo, as if it were not written.
+    return tuple(
+        MemoryRequest(name, value, called, span=linking.span(unit, size, name))
+        for unit, called in zip(linking.units, calls, strict=True)
+        for size in unit.root.iterchildren("size")
+        for name in ROOM
+        if (value := str(size.get(name) or "").strip()) not in ("", "-1")
+    )
 
 
 def memory_size(linking: Linking) -> None:
@@ -302,14 +270,15 @@ def memory_size(linking: Linking) -> None:
             size.attrib.update(attributes)
         return
     for size in sizes:
-        _leave_out_empty(size)
+        if not size.attrib and not len(size):
+            detach(size)
     first, *others = linking.notes.memory
     linking.sink.warning(
         "option-conflict",
         f"`size.{first.name}` of {_quoted(first.called)} is {first.value}, which is too little for the whole model:"
         f" MuJoCo's own choice, {_megabytes(own)}, is used",
         first.span,
-        notes=[Note(f"{_quoted(each.called)} asks for `{each.name}` {each.value}", each.span) for each in others],
+        notes=[Note(f"{_quoted(each.called)} requests `{each.name}` {each.value}", each.span) for each in others],
         help=f"to set it yourself, write in the recipe `size: {{memory: {_megabytes(own)}}}`, or another amount",
     )
 
@@ -317,14 +286,8 @@ def memory_size(linking: Linking) -> None:
 def _measured(linking: Linking, unit: Unit) -> float | None:
     """Return MuJoCo's memory size for the current model, or None if it refuses the model, which is reported later."""
     assert linking.measure is not None
-    found = linking.measure(unit, ("narena",), attempt=True)
-    return found["narena"][0] if found else None
-
-
-def _leave_out_empty(size: Node) -> None:
-    parent = size.getparent()
-    if parent is not None and not size.attrib and not len(size):
-        parent.remove(size)
+    arrays = linking.measure(unit, ("narena",), attempt=True)
+    return arrays["narena"][0] if arrays else None
 
 
 def bytes_of(text: str) -> float:

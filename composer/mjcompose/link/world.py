@@ -12,7 +12,7 @@ from mjcompose.base.diagnostic import Note
 from mjcompose.base.rotation import Pose, Quat, multiply, normalise, rotate
 from mjcompose.link import numbers
 from mjcompose.link.key_layout import joint_type
-from mjcompose.link.linking import Floating, Linking, Part
+from mjcompose.link.linking import Floating, Linking, Part, detach
 from mjcompose.link.numbers import pose_below, pose_in_world
 from mjcompose.link.subtree import side_of_world
 from mjcompose.model.classes import childclass_of, text_in_effect, through_frames
@@ -28,44 +28,40 @@ def roots(linking: Linking) -> None:
     for part in linking.parts:
         if part.by_itself:
             continue
-        bodies = list(_bodies_at_the_root(part.unit.root))
+        bodies = [body for body in _top_level(part.unit.root) if body.tag == "body"]
         for body in bodies:
+            called = f"body `{body.get('name')}`" if body.get("name") else "body, which has no name"
             for joint in list(_own_joints(body)):
-                if joint.tag != "freejoint" and joint_type(joint, part.unit.classes) != "free":
+                if joint_type(joint, part.unit.classes) != "free":
                     continue
                 if part.weld:
-                    holder = joint.getparent()
-                    assert holder is not None
-                    holder.remove(joint)
+                    detach(joint)
                 else:
                     alone = len(bodies) == 1 and floats_by_itself(part.unit)
-                    linking.notes.floating.append(Floating(part, body, joint, called=_called(body), alone=alone))
+                    linking.notes.floating.append(Floating(part, body, joint, called=called, alone=alone))
             if body.get("mocap") == "true":
                 alone = len(bodies) == 1 and floats_by_itself(part.unit, mocap=True)
-                linking.notes.floating.append(Floating(part, body, None, called=_called(body), alone=alone))
+                linking.notes.floating.append(Floating(part, body, None, called=called, alone=alone))
         if part.place.kind != "world" or part.has_body:
-            _planes(linking, part)
+            _note_planes(linking, part)
 
 
 def check_roots(linking: Linking) -> None:
     """Refuse free joints, mocap bodies and planes below a body. Frames of the world are not bodies."""
     # MuJoCo 4.0: "free joint can only be used on top level". A frame of the world is no body:
     # `<frame><body><freejoint/>…` is right, and so is a mocap body there.
-    for part, body, joint, called, alone in linking.notes.floating:
-        if next(body.iterancestors("body"), None) is not None:
-            if joint is not None:
-                _free_joint(linking, part, joint, called=called, alone=alone)
-            else:
-                _mocap(linking, part, body, called=called, alone=alone)
+    for floating in linking.notes.floating:
+        if next(floating.body.iterancestors("body"), None) is not None:
+            _report_floating(linking, floating)
     for part, geom in linking.notes.planes:
         if _moves(geom):
             linking.sink.error(
                 "plane-on-body",
                 f"`{part.called}` brings a plane and is attached {_place_words(part)}, which moves: "
-                "MuJoCo allows planes only on what is static",
+                "MuJoCo allows planes only on static bodies",
                 part.place.span or part.span or linking.span(part.unit, geom),
                 notes=(Note("the plane", linking.span(linking.base, geom)),),
-                help="attach the part to the world or to what does not move, or take the plane out of its file",
+                help="attach the part to the world or to a static body, or remove the plane from its file",
                 subjects=(part.called,),
             )
 
@@ -75,7 +71,7 @@ def floats_by_itself(unit: Unit, *, mocap: bool = False) -> bool:
 
     Such a part needs no other body around it to stand freely in the world.
     """
-    top = [child for worldbody in unit.root.iterchildren("worldbody") for child in through_frames(worldbody)]
+    top = list(_top_level(unit.root))
     if len(top) != 1 or top[0].tag != "body":
         return False
     if mocap:
@@ -83,9 +79,9 @@ def floats_by_itself(unit: Unit, *, mocap: bool = False) -> bool:
     return any(joint_type(joint, unit.classes) == "free" for joint in _own_joints(top[0]))
 
 
-def _bodies_at_the_root(root: Node) -> Iterator[Node]:
+def _top_level(root: Node) -> Iterator[Node]:
     for worldbody in root.iterchildren("worldbody"):
-        yield from (child for child in through_frames(worldbody) if child.tag == "body")
+        yield from through_frames(worldbody)
 
 
 def _own_joints(body: Node) -> Iterator[Node]:
@@ -102,53 +98,39 @@ def _added_by(part: Part) -> str:
     return "joint" if part.joints or part.mocap else "sense"
 
 
-def _called(body: Node) -> str:
-    return f"body `{body.get('name')}`" if body.get("name") else "body, which has no name"
-
-
-def _free_joint(linking: Linking, part: Part, joint: Node, called: str, alone: bool) -> None:
-    if part.place.kind == "world":
-        help = f"leave `{_added_by(part)}` out: the part floats in the world by its own free joint"
+def _report_floating(linking: Linking, floating: Floating) -> None:
+    part, body, joint, called, alone = floating
+    omit = f"omit `{_added_by(part) if part.place.kind == 'world' else part.place.kind}`"
+    if joint is None:
+        code, what, note = "mocap-on-body", "mocap body", f"the mocap {called}"
+        if part.place.kind != "world" and alone:
+            help = "write `joint: mocap` to put it into the world at the pose of that place"
+        else:
+            help = f"{omit}: then it is attached to the world"
     else:
-        away = (
-            "`joint: free` to let it float in the world from there"
-            if alone
-            else f"leave `{part.place.kind}` out to let it float in the world"
-        )
-        help = f"write `joint: none` to fix it there, or {away}"
-    if part.joints or part.mocap:
-        drop = "drop: [freejoint]" if joint.tag == "freejoint" else "drop: [{joint: NAME}]"
-        help = f"write `{drop}` so that it moves by the `joint` that is added alone, or {help.removeprefix('write ')}"
+        code, what, note = "freejoint-on-body", "free joint", f"the free joint of {called}"
+        if part.place.kind == "world":
+            help = f"{omit}: the part floats in the world by its own free joint"
+        else:
+            away = "`joint: free`" if alone else omit
+            there = " from there" if alone else ""
+            help = f"write `joint: none` to fix it there, or {away} to let it float in the world{there}"
+        if part.joints or part.mocap:
+            drop = "drop: [freejoint]" if joint.tag == "freejoint" else "drop: [{joint: NAME}]"
+            help = f"write `{drop}` so it moves only by the added `joint`, or {help.removeprefix('write ')}"
+    span = linking.span(part.unit, body if joint is None else joint)
     linking.sink.error(
-        "freejoint-on-body",
-        f"`{part.called}` has a free joint at its root and cannot be attached {_place_words(part)}: "
-        "MuJoCo allows free joints only in the world",
-        part.place.span or part.span or linking.span(part.unit, joint),
-        notes=(Note(f"the free joint of {called}", linking.span(part.unit, joint)),),
+        code,
+        f"`{part.called}` has a {what} at its root and cannot be attached {_place_words(part)}: "
+        f"MuJoCo allows {'mocap bodies' if joint is None else 'free joints'} only in the world",
+        part.place.span or part.span or span,
+        notes=(Note(note, span),),
         help=help,
         subjects=(part.called,),
     )
 
 
-def _mocap(linking: Linking, part: Part, body: Node, called: str, alone: bool) -> None:
-    linking.sink.error(
-        "mocap-on-body",
-        f"`{part.called}` has a mocap body at its root and cannot be attached {_place_words(part)}: "
-        "MuJoCo allows mocap bodies only in the world",
-        part.place.span or part.span or linking.span(part.unit, body),
-        notes=(Note(f"the mocap {called}", linking.span(part.unit, body)),),
-        help=(
-            f"leave `{_added_by(part)}` out: then it is attached to the world"
-            if part.place.kind == "world"
-            else "write `joint: mocap` to put it into the world at the pose of that place"
-            if alone
-            else f"leave `{part.place.kind}` out: then it is attached to the world"
-        ),
-        subjects=(part.called,),
-    )
-
-
-def _planes(linking: Linking, part: Part) -> None:
+def _note_planes(linking: Linking, part: Part) -> None:
     """Record every plane of the part that does not move in the part alone."""
     # MuJoCo 4.0 refuses `<body><joint/><geom type="plane" size="1 1 1"/></body>`: planes are "only allowed in static
     # bodies".
@@ -164,12 +146,9 @@ def _planes(linking: Linking, part: Part) -> None:
 
 
 def _moves(geom: Node) -> bool:
-    node = geom.getparent()
-    while node is not None:
-        if node.tag == "body" and (node.get("mocap") == "true" or next(_own_joints(node), None) is not None):
-            return True
-        node = node.getparent()
-    return False
+    return any(
+        body.get("mocap") == "true" or next(_own_joints(body), None) is not None for body in geom.iterancestors("body")
+    )
 
 
 _SAME = 1e-9
@@ -179,10 +158,10 @@ _SETTLED = ("compiler", "option", "size", "statistic", "visual", "default", "wor
 
 
 def worlds(linking: Linking) -> None:
-    """Let each part name what its world became: the body that it hangs on, and carry what is measured in its world.
+    """Replace references to the world of each part by the body that carries it, and move poses in its world.
 
-    MuJoCo's own attach leaves all of this as it is: in 4.0 a `<weld body1="b"/>` pulls an attached part back to where
-    it is in its file, and on a moving body it nails the part to the world.
+    MuJoCo's own attach changes none of this: in 4.0 a `<weld body1="b"/>` pulls an attached part back to its pose in
+    its file, and on a moving body it fixes the part to the world.
     """
     degrees, sequence = linking.angle == "degree", linking.base.settings.eulerseq
     for part in linking.parts:
@@ -239,14 +218,15 @@ def _refuse(linking: Linking, hung: _MovedWorld, found: list[Node]) -> None:
     named = f" `{first.get('name')}`" if first.get("name") else ""
     more = f" ({len(found) - 1} more such elements)" if len(found) > 1 else ""
     if hung.copied is not None and hung.name:
-        why, note = ("a `<replicate>` makes several of it", Note("here", linking.span(linking.base, hung.copied)))
-        help = "leave it out (`drop`), or attach the part in the model with the `<replicate>`"
+        why, note = "a `<replicate>` makes several of it", Note("here", linking.span(linking.base, hung.copied))
+        help = "omit it (`drop`), or attach the part in the model with the `<replicate>`"
     else:
         why, note = "that body has no name", Note("the body", linking.span(linking.base, hung.holder))
-        help = 'give it one, in its part: `edit: [{select: {body: "**", where: {name: ""}}, rename: "b${index}"}]`'
+        help = 'name it, in its part: `edit: [{select: {body: "**", where: {name: ""}}, rename: "b${index}"}]`'
     linking.sink.error(
         "attach-place",
-        f"{first.tag}{named} of `{part.called}` is about the world, which is what the part hangs on: {why}{more}",
+        f"{first.tag}{named} of `{part.called}` refers to the world, which becomes the body that carries the part: "
+        f"{why}{more}",
         linking.span(part.unit, first),
         notes=(note,),
         help=help,
