@@ -1,24 +1,19 @@
-"""The layout of a key's numbers, also of actuators that `<replicate>` multiplies.
+"""The layout of a key's numbers: joints depth first, actuators and mocap bodies in order.
 
-The order of actuators that `<replicate>` multiplies, together with the tendons and joints that they refer to.
+MuJoCo lays out `qpos` body by body, depth first in document order, a body's joints before its children; frames do
+not count. A `<replicate>` is laid out copy by copy. An element that only MuJoCo expands (`flexcomp`, `attach`) is one
+block; the joints in which a rod is twisted are another. `test_key_layout.py` compares all of this with MuJoCo.
 
 MuJoCo carries out the replicates one after another, inner ones first. Each replicate removes from their lists the
 tendons and actuators that refer to something inside it, and appends a copy of each for its first copy, then for its
 second, and so on. Elements that also refer to something outside the replicate are not copied and are lost.
-
-The layout of the numbers of a keyframe: joints depth first, actuators and mocap bodies in order.
-
-MuJoCo lays out `qpos` body by body, depth first in document order, a body's joints before its children; frames do
-not count. A `<replicate>` is laid out copy by copy. What only MuJoCo expands (`flexcomp`, `attach`) is one block, as
-nothing can stand in it; the joints in which a rod is twisted are a block of their own. `test_layout.py` compares all
-of this with MuJoCo.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import field, replace
-from functools import cache, cached_property
+from functools import cached_property
 from itertools import product
 from typing import NamedTuple
 
@@ -41,8 +36,8 @@ Within = tuple[tuple[Node, int], ...]
 class Copy(NamedTuple):
     """One of the joints, actuators or mocap bodies that MuJoCo makes of an element.
 
-    `twists` stands for the joints in which a rod, a `<flexcomp>` of one dimension, is twisted: they are elsewhere
-    than its vertices.
+    `twists` marks the joints in which a rod, a `<flexcomp>` of one dimension, is twisted: they are elsewhere than its
+    vertices.
     """
 
     element: Node
@@ -64,8 +59,19 @@ class _Multiplied:
     name: str
     refers: frozenset[Name]
 
+    @classmethod
+    def of(cls, element: Node, section: str) -> _Multiplied:
+        table = naming_table(section)
+        refers = {
+            (namespace, str(each.get(name)))
+            for each in element.iter("*")
+            for name, (action, namespace) in table.get(str(each.tag), {}).items()
+            if action == REFERS and each.get(name) and namespace != "default"
+        }
+        return cls(element, (), str(element.get("name") or ""), refers=frozenset(refers))
+
     def copied(self, replicate: Node, number: int, suffix: str, lost: frozenset[Name]) -> _Multiplied:
-        """Return a copy that refers to the copies of what is `lost`."""
+        """Return a copy that refers to the copies of the `lost` names."""
         refers = frozenset((kind, name + suffix if (kind, name) in lost else name) for kind, name in self.refers)
         name = self.name + suffix if self.name else ""
         return replace(self, within=(*self.within, (replicate, number)), name=name, refers=refers)
@@ -76,42 +82,49 @@ def actuators_in_order(root: Node) -> list[Node | Copy]:
     actuators = root.findall("actuator/*")
     if not actuators or next(root.iter("replicate"), None) is None:
         return list(actuators)
-    replicates = [each for world in root.iterchildren("worldbody") for each in inner_first(world)]
-    hanging = [_thing(each, "tendon") for each in root.iterfind("tendon/*")]
-    driving = [_thing(each, "actuator") for each in actuators]
+    tendons = [_Multiplied.of(each, "tendon") for each in root.iterfind("tendon/*")]
+    multiplied = [_Multiplied.of(each, "actuator") for each in actuators]
     made: dict[Node, list[Name]] = {}
-    for replicate in replicates:
-        inside = list(_declared(replicate, made))
-        made[replicate] = [(kind, name + end) for end in suffixes(replicate) for kind, name in inside]
+    for replicate, inside in _names_inside(root, made):
         lost = frozenset(inside)
-        hanging, gone = _multiply(hanging, lost, replicate)
-        driving, _ = _multiply(driving, lost | gone, replicate)
-    return [Copy(each.element, each.within) if each.within else each.element for each in driving]
+        tendons, gone = _multiply(tendons, lost, replicate)
+        multiplied, _ = _multiply(multiplied, lost | gone, replicate)
+    return [Copy(each.element, each.within) if each.within else each.element for each in multiplied]
 
 
 def copied_names(root: Node) -> set[Name]:
     """Return every name in the body tree that a replicate makes."""
     made: dict[Node, list[Name]] = {}
+    for _ in _names_inside(root, made):
+        pass
+    return {name for names in made.values() for name in names}
+
+
+def _names_inside(root: Node, made: dict[Node, list[Name]]) -> Iterator[tuple[Node, list[Name]]]:
+    """Yield each replicate, inner ones first, with the names in it, and note the names that it makes in `made`."""
     for world in root.iterchildren("worldbody"):
         for replicate in inner_first(world):
             inside = list(_declared(replicate, made))
             made[replicate] = [(kind, name + end) for end in suffixes(replicate) for kind, name in inside]
-    return {name for names in made.values() for name in names}
+            yield replicate, inside
 
 
 def _multiply(
-    things: list[_Multiplied], lost: frozenset[Name], replicate: Node
+    elements: list[_Multiplied], lost: frozenset[Name], replicate: Node
 ) -> tuple[list[_Multiplied], frozenset[Name]]:
-    """Multiply the things that refer to `lost` names, as a replicate does. Return all things, and the old names."""
-    # MuJoCo 4.0 multiplies what refers to something inside, too: `<motor joint="j"/>` on the joint of a body in
-    # `<replicate count="2">` gives two controls. They stand behind the actuators that are not multiplied.
+    """Multiply the elements that refer to `lost` names, as a replicate does. Return all elements, and the old names."""
+    # MuJoCo 4.0 also multiplies elements that refer to something inside: `<motor joint="j"/>` on the joint of a body
+    # in `<replicate count="2">` gives two controls. They come after the actuators that are not multiplied.
     # With `<motor name="z" …/>` behind `a` on a joint outside, the order is z, a0, a1.
-    kept = [thing for thing in things if thing.refers.isdisjoint(lost)]
-    taken = [thing for thing in things if not thing.refers.isdisjoint(lost)]
-    whole = [thing for thing in taken if thing.refers <= lost]
-    ends = suffixes(replicate)
-    copies = [thing.copied(replicate, number, end, lost=lost) for number, end in enumerate(ends) for thing in whole]
-    return kept + copies, frozenset(("tendon", thing.name) for thing in taken if thing.name)
+    kept = [each for each in elements if each.refers.isdisjoint(lost)]
+    removed = [each for each in elements if not each.refers.isdisjoint(lost)]
+    copies = [
+        each.copied(replicate, number, end, lost=lost)
+        for number, end in enumerate(suffixes(replicate))
+        for each in removed
+        if each.refers <= lost
+    ]
+    return kept + copies, frozenset(("tendon", each.name) for each in removed if each.name)
 
 
 def inner_first(top: Node) -> Iterator[Node]:
@@ -130,21 +143,10 @@ def _declared(replicate: Node, made: dict[Node, list[Name]]) -> Iterator[Name]:
         if child.tag == "replicate":
             yield from made[child]
             continue
-        name, kind = child.get("name"), _kinds().get(str(child.tag))
-        if name and kind:
-            yield kind, name
+        action, namespace = naming_table("worldbody").get(str(child.tag), {}).get("name", (None, ""))
+        if action == DECLARES and (name := child.get("name")):
+            yield namespace, name
         yield from _declared(child, made)
-
-
-@cache
-def _kinds() -> dict[str, str]:
-    """Return, by tag of the body tree, the namespace in which it declares names."""
-    return {
-        tag: namespace
-        for tag, actions in naming_table("worldbody").items()
-        for name, (action, namespace) in actions.items()
-        if action == DECLARES and name == "name"
-    }
 
 
 def ends_of_copies(around: Sequence[Node]) -> dict[str, Within]:
@@ -167,26 +169,18 @@ def names_of_copies(element: Node) -> list[str]:
 
 def suffixes(replicate: Node) -> list[str]:
     """Return the suffixes of the names in each copy. All have as many digits as the count: ten begin at `00`."""
-    count = int(str(replicate.get("count") or 1))
+    count = copies_of(replicate)
     # `<replicate count="12"><body name="r"/></replicate>` makes r00 to r11 in MuJoCo 4.0, and `count="9"` r0 to r8.
     width = len(str(count))
     return [f"{replicate.get('sep') or ''}{number:0{width}}" for number in range(count)]
 
 
-def _thing(element: Node, section: str) -> _Multiplied:
-    table = naming_table(section)
-    refers = {
-        (namespace, str(each.get(name)))
-        for each in element.iter("*")
-        for name, (action, namespace) in table.get(str(each.tag), {}).items()
-        if action == REFERS and each.get(name) and namespace != "default"
-    }
-    return _Multiplied(element, (), str(element.get("name") or ""), refers=frozenset(refers))
+def copies_of(replicate: Node) -> int:
+    return int(str(replicate.get("count") or 1))
 
 
 JOINTS = ("joint", "freejoint")
-_BLOCKS = ("flexcomp", "composite", "attach")
-_INNER = ("body", "replicate", *_BLOCKS)
+BLOCKS = ("flexcomp", "composite", "attach")
 # Actuators with one control and, by tag, this many activations; the others only MuJoCo knows.
 _ACTIVATIONS = {"motor": 0, "velocity": 0, "damper": 0, "adhesion": 0, "intvelocity": 1, "cylinder": 1, "muscle": 1}
 
@@ -207,9 +201,8 @@ class Slot(NamedTuple):
     """The widths of a joint, an actuator or a block: how many numbers it has in each vector of a key.
 
     `free` has the offsets in `qpos` and `qvel` of each free joint. `twists` is the number of joints in which a rod is
-    twisted; `widths` does not count them. `controls` and the fields after it are for a
-    model that MuJoCo attaches: the total widths of its actuators, and its numbers of actuators, mocap bodies and
-    keys.
+    twisted; `widths` does not count them. `controls` and the fields after it are for a model that MuJoCo attaches: the
+    total widths of its actuators, and its numbers of actuators, mocap bodies and keys.
     """
 
     kind: str
@@ -251,15 +244,19 @@ class Layout:
 
     @property
     def in_world_coordinates(self) -> bool:
-        """Return whether a key holds poses in the world, those of free joints or mocap bodies."""
+        """Whether a key has poses in the world, which are those of free joints and mocap bodies."""
         return bool(self.mocaps) or any(slot.free for slot in self.joints.values())
 
-    def total(self, vector: str) -> int:
+    def holders(self, vector: str) -> list[tuple[Holder, int]]:
+        """Return the owners of the numbers in a vector, in order, each with its count of numbers."""
         if vector in ("qpos", "qvel"):
-            return sum(slot.widths[vector == "qvel"] for slot in self.joints.values())
+            return [(joint, slot.widths[vector == "qvel"]) for joint, slot in self.joints.items()]
         if vector in ("ctrl", "act"):
-            return sum(slot.widths[vector == "act"] for slot in self.actuators.values())
-        return sum(self.mocaps.values()) * (3 if vector == "mpos" else 4)
+            return [(actuator, slot.widths[vector == "act"]) for actuator, slot in self.actuators.items()]
+        return [(body, count * (3 if vector == "mpos" else 4)) for body, count in self.mocaps.items()]
+
+    def total(self, vector: str) -> int:
+        return sum([width for _, width in self.holders(vector)])
 
     def free(self) -> Iterator[tuple[int, int]]:
         """Yield the indices in `qpos` and `qvel` at which the numbers of each free joint begin."""
@@ -294,12 +291,12 @@ def lay_out(unit: Unit, known: Mapping[Node, Slot]) -> Layout:
         holder: known.get(each := element_of(holder)) or reader.actuator(each)
         for holder in actuators_in_order(unit.root)
     }
-    # MuJoCo attaches models when everything is read.
-    attached = [(block, slot) for block, slot in layout.joints.items() if slot.controls != (0, 0)]
-    for block, _ in attached:
-        if isinstance(block, Copy):  # in which order MuJoCo multiplies its actuators is not known
-            raise Unknown(block.element)
-    layout.actuators |= {block: Slot("actuator", slot.controls) for block, slot in attached}
+    # MuJoCo attaches models after it has read everything.
+    for block, slot in layout.joints.items():
+        if slot.controls != (0, 0):
+            if isinstance(block, Copy):  # the order in which MuJoCo multiplies its actuators is not known
+                raise Unknown(block.element)
+            layout.actuators[block] = Slot("actuator", slot.controls)
     return layout
 
 
@@ -309,7 +306,7 @@ def _plain_joints(worldbody: Node) -> list[Node] | None:
     # `<body><body><joint name="in"/>…</body><joint name="out"/></body>` has `out` first.
     joints: list[Node] = []
     body = worldbody
-    for element in worldbody.iter("body", *JOINTS, "replicate", *_BLOCKS):
+    for element in worldbody.iter("body", *JOINTS, "replicate", *BLOCKS):
         tag = element.tag
         if tag == "body":
             body = element
@@ -364,9 +361,9 @@ class _Reader:
         for child in through_frames(body):
             if child.tag in JOINTS:
                 layout.joints[_copy(child, within)] = self.known.get(child) or self.joint(child)
-            elif child.tag in _INNER:
+            elif child.tag in ("body", "replicate", *BLOCKS):
                 inner.append(child)
-        # A body's own joints come before those of its children, also if they are written later: in MuJoCo 4.0
+        # A body's own joints come before those of its children, even if they are written later: in MuJoCo 4.0
         # `<body><body><joint name="inner"/></body><joint name="outer"/></body>` has `outer` at qpos 0.
         for child in inner:
             self._inner(child, within, layout, twists=twists)
@@ -375,9 +372,9 @@ class _Reader:
         if child.tag == "body":
             self.visit(child, within, layout, twists=twists)
         elif child.tag == "replicate":
-            for number in range(_count(child)):
+            for number in range(copies_of(child)):
                 self.visit(child, ((child, number), *within), layout, twists=twists)
-        elif child.tag in _BLOCKS:
+        elif child.tag in BLOCKS:
             slot = self.known.get(child)
             if slot is None:
                 raise Unknown(child)
@@ -394,7 +391,7 @@ class _Reader:
         """Yield the mocap bodies directly in the world, or in a replicate there, and what brings some."""
         for child in through_frames(holder):
             if child.tag == "replicate":
-                for number in range(_count(child)):
+                for number in range(copies_of(child)):
                     yield from self.mocaps(child, ((child, number), *within))
             elif child.tag == "attach" and (count := self.known[child].mocaps):
                 yield _copy(child, within), count
@@ -409,10 +406,8 @@ class _Reader:
         if tag == "position":
             if actuator.get("timeconst") is None and not (self.influence[1] and self._inherits_state(actuator)):
                 return _STATELESS
-        elif tag == "general":
-            slot = self._general(actuator)
-            if slot is not None:
-                return slot
+        elif tag == "general" and (slot := self._general(actuator)) is not None:
+            return slot
         raise Unknown(actuator)
 
     def _inherits_state(self, position: Node) -> bool:
@@ -451,10 +446,6 @@ class _Reader:
 
 def _copy(element: Node, within: Within) -> Holder:
     return Copy(element, within) if within else element
-
-
-def _count(replicate: Node) -> int:
-    return int(str(replicate.get("count") or 1))
 
 
 def joint_type(joint: Node, classes: Classes) -> str:

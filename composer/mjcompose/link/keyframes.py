@@ -16,7 +16,7 @@ from mjcompose.link import numbers
 from mjcompose.link.key_layout import BLOCK, Copy, Holder, Layout, Slot
 from mjcompose.link.linking import Linking, Part
 from mjcompose.link.measure import Reference
-from mjcompose.link.unit_keys import VECTORS, final_layout, holders, keys_of, measure_references_again, reshaped_flexes
+from mjcompose.link.unit_keys import VECTORS, final_layout, keys_of, measure_references_again, reshaped_flexes
 from mjcompose.model.classes import ORIENTATIONS
 from mjcompose.model.unit import Key, KeyRecord, Number, PartKeys, Unit, line_of, moved, numbers_of, set_line, texts
 
@@ -85,7 +85,7 @@ def cut_row(
 ) -> dict[Holder, list[Number]] | None:
     """Split one vector of a key by joint, actuator or body. Short rows give fewer numbers; wrong ones are reported."""
     text = numbers_of(unit.origins.keys.get(element), element, vector)
-    owners = holders(layout, vector)
+    owners = layout.holders(vector)
     total = sum([width for _, width in owners])
     # MuJoCo fills a short row up, and refuses a long one: "invalid qpos size, expected 1, got 2" in 4.0.
     if len(text) > total:

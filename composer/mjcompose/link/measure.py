@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import math
 import os
 import shutil
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
@@ -29,6 +30,7 @@ from mjcompose.link.key_layout import (
     Within,
     actuator_slot,
     actuators_in_order,
+    copies_of,
     element_of,
     lay_out,
 )
@@ -416,7 +418,7 @@ def compile_unaligned(
         for row, mark in _first_rows(found[marks], len(found[counted])):
             rows[marked[mark - 1]].append(row)
     for element, places in rows.items():
-        if places and len(places) != _copies(element):
+        if places and len(places) != math.prod(map(copies_of, element.iterancestors("replicate"))):
             return Unmeasurable(f"it leaves out some copies of `<{element.tag}>` only", element)
     return Survey(found, {element: tuple(places) for element, places in rows.items()})
 
@@ -447,13 +449,6 @@ def _first_rows(marks: list[float], count: int) -> Iterator[tuple[int, int]]:
     for row in range(count if width else 0):
         if mark := int(marks[row * width]):
             yield row, mark
-
-
-def _copies(element: Node) -> int:
-    count = 1
-    for replicate in element.iterancestors("replicate"):
-        count *= int(str(replicate.get("count") or 1))
-    return count
 
 
 _IDENTITY = "1 0 0 0".split()

@@ -1,23 +1,18 @@
-"""Pass: `<replicate>` and the poses of its copies.
-
-Pass: find elements of one unit that the `<replicate>` of another would multiply, because of a bug in MuJoCo.
+"""Passes: note the unit of each `<replicate>`, write out those that cannot stay, and refuse the others.
 
 MuJoCo (3.12 to 4.0) treats an element as replicated if all names in it still resolve with the copy's number
 appended. That includes a sensor without an object, a tuple of assets, and an element that refers to `j1` if there
 is a `j10` before the replicate, either written or made by another replicate.
 
-Pass: note the unit of each replicate while the units are separate, and write out those that cannot stay.
-
-A replicate cannot stay beside another unit if MuJoCo would also multiply elements of that unit (see
-`replicate_capture.py`). It cannot stay either if the model has another Euler sequence, or if the model is in
-radians and the multiples of its angles round differently. A replicate is written out only if nothing outside refers
-to its contents: MuJoCo multiplies such references, so those are left to it.
+A replicate cannot stay next to another unit if MuJoCo would also multiply elements of that unit, if the model has
+another Euler sequence, or if the model is in radians and the multiples of its angles round differently. A replicate
+is written out only if nothing outside refers to its contents: MuJoCo multiplies such references itself.
 """
 
 from __future__ import annotations
 
 import copy
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence, Set
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Set
 from functools import cache, lru_cache
 
 from lxml.etree import _Element as Node
@@ -25,8 +20,8 @@ from lxml.etree import _Element as Node
 from mjcompose.base.diagnostic import Cause, Note
 from mjcompose.base.rotation import ORIGIN, Pose, Vec3, quat_from_euler, rotate
 from mjcompose.link import numbers
-from mjcompose.link.key_layout import Name, copied_names, inner_first, suffixes
-from mjcompose.link.linking import Linking
+from mjcompose.link.key_layout import BLOCKS, Name, copied_names, inner_first, suffixes
+from mjcompose.link.linking import Linking, shown_name
 from mjcompose.link.numbers import orientation_radians
 from mjcompose.model.cost import scaled_above
 from mjcompose.model.files import read_settings
@@ -34,7 +29,7 @@ from mjcompose.model.names import DECLARES, REFERS, REFERS_BY, WORLD, NameIndex,
 from mjcompose.model.unit import Unit
 
 
-@lru_cache(maxsize=16)  # every copy of a part asks for the same rows
+@lru_cache(maxsize=16)  # every copy of a part needs the same rows
 def copy_poses(
     count: int, offset: Vec3, angles: tuple[float, ...], sequence: str, *, degrees: bool = False
 ) -> tuple[Pose, ...]:
@@ -53,7 +48,7 @@ def copy_poses(
 
 _SECTIONS = ("contact", "tendon", "equality", "actuator", "sensor", "custom")
 _OF_NOTHING = ("numeric", "text")
-# What a replicate copies; assets, numbers and texts keep their names, so that they always resolve.
+# Kinds that a replicate copies; assets, numbers and texts keep their names, so they always resolve.
 _COPIED = frozenset("body joint geom site camera light tendon equality actuator sensor pair exclude flex skin".split())
 
 
@@ -66,20 +61,12 @@ def check_replicates(linking: Linking) -> None:
     made = copied_names(linking.base.root)
     reported: set[tuple[Unit, Unit]] = set()
     for unit, replicate in linking.notes.replicates:
-        for other in linking.units:
-            if other is unit or (unit, other) in reported:
-                continue
-            thing = next(
-                (
-                    each
-                    for each in waiting[other]
-                    if resolves_in_copies(linking, each, replicate, places=places, made=made)
-                ),
-                None,
-            )
-            if thing is not None:
-                reported.add((unit, other))
-                _refuse(linking, unit, replicate, other=other, thing=thing)
+        for other, elements in waiting.items():
+            for element in elements if other is not unit and (unit, other) not in reported else ():
+                if resolves_in_copies(linking, element, replicate, places=places, made=made):
+                    reported.add((unit, other))
+                    _refuse(linking, unit, replicate, other=other, thing=element)
+                    break
 
 
 def multiplied_elements(unit: Unit) -> Iterator[Node]:
@@ -92,14 +79,16 @@ def resolves_in_copies(
     linking: Linking, thing: Node, replicate: Node, places: Mapping[Node, int], made: Set[Name]
 ) -> bool:
     """Return whether MuJoCo also finds the thing's reference with a number appended when it reads the replicate."""
-    names = list(references_of(thing))
-    found = (linking.names.find(kind, name + end) for kind, name in names for end in suffixes(replicate))
-    here = places.get(replicate, 0)
-    if is_made_by(names, suffixes(replicate), linking.names.find, made=made):
+    names, ends, here = list(references_of(thing)), suffixes(replicate), places.get(replicate, 0)
+    if not names or is_made_by(names, ends, linking.names.find, made=made):
         return True
-    return not names or any(
-        element is not None and (_is_listed(element) or places.get(element, here) < here) for element in found
-    )
+    for element in (linking.names.find(kind, name + end) for kind, name in names for end in ends):
+        # MuJoCo reads some sections before the bodies.
+        section = None if element is None else element.getparent()
+        is_listed = section is not None and section.tag in _SECTIONS
+        if element is not None and (is_listed or places.get(element, here) < here):
+            return True
+    return False
 
 
 def is_made_by(
@@ -113,12 +102,6 @@ def is_made_by(
         for kind, name in names
         for end in ends
     )
-
-
-def _is_listed(element: Node) -> bool:
-    """Return whether an element is in a section that MuJoCo reads before the bodies."""
-    section = element.getparent()
-    return section is not None and section.tag in _SECTIONS
 
 
 def references_of(thing: Node) -> Iterator[tuple[str, str]]:
@@ -137,12 +120,12 @@ def references_of(thing: Node) -> Iterator[tuple[str, str]]:
 
 
 def _refuse(linking: Linking, unit: Unit, replicate: Node, other: Unit, thing: Node) -> None:
-    called = f"`{thing.get('name')}`" if thing.get("name") else "without a name"
     linking.sink.error(
         "not-supported",
-        f"the `<replicate>` of `{unit.file}` would multiply the `<{thing.tag}>` {called} of `{other.file}`, too",
+        f"the `<replicate>` of `{unit.file}` would multiply the `<{thing.tag}>` {shown_name(thing)} of "
+        f"`{other.file}`, too",
         linking.span(unit, replicate),
-        notes=(Note("MuJoCo would take this for one of what it replicates", linking.span(other, thing)),),
+        notes=(Note("MuJoCo would replicate this element", linking.span(other, thing)),),
         help="write the copies out instead of `<replicate>`",
     )
 
@@ -181,30 +164,24 @@ def spare_added(linking: Linking) -> None:
             for each in added
             if any(resolves_in_copies(linking, each, replicate, places=places, made=made) for replicate in inside)
         ]
-        if multiplied and _stands_alone(base, index_of, nest, inside=inside, spared=multiplied):
+        if multiplied and _is_separate(base, index_of, nest, inside=inside, spared=multiplied):
             for each in inside:
                 _write_out(linking, base, each)
             linking.names.declared = NameIndex.of(base.root).declared
-        elif multiplied:
-            _refuse_added(linking, nest, sorted(multiplied, key=places.__getitem__))
+            continue
+        for element in sorted(multiplied, key=places.__getitem__):
+            linking.sink.error(
+                "not-supported",
+                f"MuJoCo would multiply the `<{element.tag}>` {shown_name(element)} with the contents of a "
+                "`<replicate>`",
+                linking.span(base, element),
+                notes=(Note("the `<replicate>`", linking.span(base, nest)),),
+                help="write the copies out instead of `<replicate>`",
+                cause=Cause(f"multiplied by line {linking.span(base, nest)}", shown_name(element)),
+                subjects=(str(element.get("name") or ""),),
+            )
 
 
-def _refuse_added(linking: Linking, replicate: Node, multiplied: Sequence[Node]) -> None:
-    for thing in multiplied:
-        called = f"`{thing.get('name')}`" if thing.get("name") else "without a name"
-        linking.sink.error(
-            "not-supported",
-            f"MuJoCo would multiply the `<{thing.tag}>` {called} with what is in a `<replicate>`",
-            linking.span(linking.base, thing),
-            notes=(Note("the `<replicate>`", linking.span(linking.base, replicate)),),
-            help="write the copies out instead of `<replicate>`",
-            cause=Cause(f"multiplied by line {linking.span(linking.base, replicate)}", called),
-            subjects=(str(thing.get("name") or ""),),
-        )
-
-
-_EXPANDED = ("flexcomp", "composite", "attach")
-_IN_TREE = "worldbody"
 _IndexOf = Callable[[Unit], NameIndex]
 
 
@@ -215,12 +192,10 @@ def _write_out_foreign(linking: Linking, holding: list[Unit]) -> None:
     for unit in holding:
         for nest in list(_outermost(unit)):
             inside = list(inner_first(nest))
-            turns = any(
-                _reads_otherwise(linking, unit, each) or _rounds_otherwise(linking, unit, each) for each in inside
+            changes = any(_turns_otherwise(linking, unit, each) for each in inside) or any(
+                _multiplies(other, index_of, inside) for other in units if other is not unit
             )
-            if (
-                turns or any(_multiplies(other, index_of, inside) for other in units if other is not unit)
-            ) and _stands_alone(unit, index_of, nest, inside=inside):
+            if changes and _is_separate(unit, index_of, nest, inside=inside):
                 for other in units:  # as they are before anything is written out
                     index_of(other)
                 for each in inside:
@@ -234,23 +209,22 @@ def _outermost(unit: Unit) -> Iterator[Node]:
                 yield replicate
 
 
-def _reads_otherwise(linking: Linking, unit: Unit, replicate: Node) -> bool:
-    """Return whether a replicate turns about several axes in another sequence than the model's."""
-    turning = [each for each in numbers.read(str(replicate.get("euler") or "")) if each]
-    return len(turning) > 1 and unit.settings.eulerseq != linking.base.settings.eulerseq
+def _turns_otherwise(linking: Linking, unit: Unit, replicate: Node) -> bool:
+    """Return whether a replicate turns about several axes in another sequence than the model's, or rounds otherwise.
 
-
-def _rounds_otherwise(linking: Linking, unit: Unit, replicate: Node) -> bool:
-    """Return whether a multiple of its angles in radians differs in any bit from that of its angles in degrees."""
+    It rounds otherwise if a multiple of its angles in radians differs in any bit from that of its angles in degrees.
+    """
+    turning = [angle for angle in numbers.read(str(replicate.get("euler") or "")) if angle]
+    if len(turning) > 1 and unit.settings.eulerseq != linking.base.settings.eulerseq:
+        return True
     if unit.settings.angle != "degree" or linking.angle != "radian":
         return False
     # MuJoCo multiplies first and converts then: the fourth copy of `euler="1 0 0"` is turned by 3 degrees, which are
     # 0.05235987755982988 radians. Three times one degree in radians ends in 9.
-    radians = numbers.orientation_radians
     return any(
-        radians(number * angle) != number * radians(angle)
-        for angle in numbers.read(str(replicate.get("euler") or ""))
-        for number in range(len(suffixes(replicate)) if angle else 0)
+        orientation_radians(number * angle) != number * orientation_radians(angle)
+        for angle in turning
+        for number in range(len(suffixes(replicate)))
     )
 
 
@@ -264,8 +238,8 @@ def _multiplies(unit: Unit, index_of: _IndexOf, replicates: list[Node], spared: 
     made = copied_names(unit.root)
     for thing in found:
         names = list(references_of(thing))
-        # What refers to nothing is multiplied, too, and so is what refers to something that a replicate makes. MuJoCo
-        # 3.12 and 4.0 make four clocks of this one:
+        # MuJoCo also multiplies elements that refer to nothing, or to an element that a replicate makes. MuJoCo 3.12
+        # and 4.0 make four clocks of this one:
         #   <worldbody><replicate count="2"><geom name="g" size=".1"/></replicate></worldbody><sensor><clock/></sensor>
         if not names or is_made_by(names, ends, index.find, made=made):
             return True
@@ -274,11 +248,9 @@ def _multiplies(unit: Unit, index_of: _IndexOf, replicates: list[Node], spared: 
     return False
 
 
-def _stands_alone(
-    unit: Unit, index_of: _IndexOf, nest: Node, inside: list[Node], spared: Collection[Node] = ()
-) -> bool:
-    """Return whether only its own content is multiplied, so that the copies can be written in the tree."""
-    if next(nest.iter(*_EXPANDED), None) is not None or scaled_above(nest) is not None:
+def _is_separate(unit: Unit, index_of: _IndexOf, nest: Node, inside: list[Node], spared: Collection[Node] = ()) -> bool:
+    """Return whether only its own content is multiplied, so the copies can be written in the tree."""
+    if next(nest.iter(*BLOCKS), None) is not None or scaled_above(nest) is not None:
         return False
     index = index_of(unit)
     for node in nest.iterdescendants("*"):
@@ -290,7 +262,7 @@ def _stands_alone(
 
 def _names(node: Node) -> Iterator[tuple[str, str]]:
     """Yield the namespace and name that a node of the body tree declares."""
-    for attribute, (kind, namespace) in naming_table(_IN_TREE).get(str(node.tag), {}).items():
+    for attribute, (kind, namespace) in naming_table("worldbody").get(str(node.tag), {}).items():
         name = node.get(attribute)
         if kind == DECLARES and name:
             yield namespace, str(name)
@@ -301,6 +273,7 @@ def _write_out(linking: Linking, unit: Unit, replicate: Node) -> None:
     holder = replicate.getparent()
     assert holder is not None
     settings = read_settings(unit.root)
+    table = naming_table("worldbody")
     x, y, z = [*numbers.read(str(replicate.get("offset") or "")), 0.0, 0.0, 0.0][:3]
     angles = tuple(numbers.read(str(replicate.get("euler") or "0 0 0")))
     ends = suffixes(replicate)
@@ -319,18 +292,13 @@ def _write_out(linking: Linking, unit: Unit, replicate: Node) -> None:
             # As a quaternion, since the model may read `euler` in another sequence, or in radians.
             made.set("pos", numbers.text(pose.pos))
             made.set("quat", numbers.text(pose.quat))
-        # In MuJoCo 4.0 the `childclass` of a `<replicate>` counts for what stands in it, as that of a `<frame>` does.
+        # In MuJoCo 4.0 the `childclass` of a `<replicate>` counts for its contents, as that of a `<frame>` does.
         if replicate.get("childclass"):
             made.set("childclass", str(replicate.get("childclass")))
-        _number(made, declared, end)
+        for node in made.iterdescendants("*"):
+            for attribute, (_, namespace) in table.get(str(node.tag), {}).items():
+                name = node.get(attribute)
+                if name and (namespace, str(name)) in declared:
+                    node.set(attribute, f"{name}{end}")
         holder.insert(at + number, made)
     holder.remove(replicate)
-
-
-def _number(frame: Node, declared: set[tuple[str, str]], end: str) -> None:
-    table = naming_table(_IN_TREE)
-    for node in frame.iterdescendants("*"):
-        for attribute, (_, namespace) in table.get(str(node.tag), {}).items():
-            name = node.get(attribute)
-            if name and (namespace, str(name)) in declared:
-                node.set(attribute, f"{name}{end}")

@@ -177,20 +177,22 @@ def merge_sizes(linking: Linking) -> None:
         for name, value in size.items():
             if str(name).startswith("nuser_") and _count(str(value)) >= 0:
                 data = (str(each.get("user") or "") for unit in linking.units for each in _with_user(unit, str(name)))
-                size.set(name, str(max(_count(str(value)), *(len(text.split()) for text in data))))
+                size.set(name, str(max([_count(str(value)), *(len(text.split()) for text in data)])))
     has_memory = any(size.get("memory") for size in sizes)
     for size in sizes if has_memory else ():
         for name in INSTEAD_OF_MEMORY:
             span = linking.span(linking.base, size, name)
-            if (value := size.attrib.pop(name, None)) is None:
+            own = size.get(name)
+            if own is None:
                 continue
+            del size.attrib[name]
             for part in linking.parts:
                 for section in part.unit.root.iterchildren("size"):
-                    if section.get(name) == value:
+                    if section.get(name) == own:
                         span = linking.span(part.unit, section, name)
             linking.sink.warning(
                 "option-conflict",
-                f"`size.{name}` = {value!s} gives way to `size.memory` of another part: only one may be written",
+                f"`size.{name}` = {own} gives way to `size.memory` of another part: only one may be written",
                 span,
             )
 

@@ -69,7 +69,7 @@ class _Fault:
                 found = unknown_attribute(self.node, self.name, unit.file, version=version)
             sink.add(replace(found.diagnostic, span=span))
             return
-        notes = ()
+        notes: tuple[Note, ...] = ()
         if self.first is not None:
             notes = (Note("the other one is here", unit.origins.span(self.first, unit.file, self.name)),)
         sink.error(self.code, self.message, span, notes=notes, help=self.help)
@@ -123,7 +123,7 @@ def _repeated(root: Node) -> Iterator[_Fault]:
             name = str(node.get(attribute) or "")
             if name and (first := known.setdefault(name, node)) is not node:
                 message, help = f"two {kind} are called `{name}`", "give one of them another name"
-                yield _Fault(node, code, message, help, name=attribute, first=first)
+                yield _Fault(node, code, message, help=help, name=attribute, first=first)
 
 
 def _faults(root: Node) -> Iterator[_Fault]:
@@ -168,7 +168,7 @@ def _malformed(node: Node, attribute: Attribute, refusal: Refusal) -> _Fault:
     name = attribute.name
     code = "wrong-keyword" if attribute.type in ("keyword", "keywords") else "wrong-type"
     message = f"`{name}` of `<{node.tag}>` {refusal.message}"
-    return _Fault(node, code, message, refusal.advice, name=name, repaired={name: _sample(attribute)})
+    return _Fault(node, code, message, help=refusal.advice, name=name, repaired={name: _sample(attribute)})
 
 
 def _is_checked(node: Node) -> bool:
@@ -189,7 +189,7 @@ def _of_constraints(node: Node, kind: ElementType) -> Iterator[_Fault]:
             message = f"`<{node.tag}>` has {', '.join(others)} and {last}, and MuJoCo takes only one of them"
             repaired = dict.fromkeys(names[1:])
             help = f"remove {last} or the other"
-            yield _Fault(node, "wrong-length", message, help, name=names[-1], key=True, repaired=repaired)
+            yield _Fault(node, "wrong-length", message, help=help, name=names[-1], key=True, repaired=repaired)
 
 
 def _of_name(node: Node, kind: ElementType) -> Iterator[_Fault]:
@@ -197,17 +197,17 @@ def _of_name(node: Node, kind: ElementType) -> Iterator[_Fault]:
     if kind.path == "body" and node.get("name") == "world":
         message = "a body cannot be called `world`, which is the name of the world itself"
         repaired = {"name": "another world"}
-        yield _Fault(node, "bad-name", message, "give it another name", name="name", repaired=repaired)
+        yield _Fault(node, "bad-name", message, help="give it another name", name="name", repaired=repaired)
     elif kind.path == "default":
         parent, name = node.getparent(), node.get("class")
         if parent is None or parent.tag == "default":
             if not name:
                 message, help = "a default class inside another has no name", 'write `class="…"`'
-                yield _Fault(node, "bad-name", message, help, name="class", repaired={"class": "another class"})
+                yield _Fault(node, "bad-name", message, help=help, name="class", repaired={"class": "another class"})
         elif name not in (None, "", "main"):
             message = f"a default class at the top must be called `main`, got `{name}`"
             help = f'put it into one: `<default><default class="{name}">`'
-            yield _Fault(node, "bad-name", message, help, name="class", repaired={"class": MAIN})
+            yield _Fault(node, "bad-name", message, help=help, name="class", repaired={"class": MAIN})
 
 
 def _is_newer() -> bool:
@@ -245,7 +245,7 @@ def _too_many(parent: Node, children: list[tuple[Node, ElementType]]) -> Iterato
         if kind.max_count is not None and counts[kind.tag] > kind.max_count:
             most = "one" if kind.max_count == 1 else str(kind.max_count)
             message = f"MuJoCo takes {most} `<{child.tag}>` in `<{parent.tag}>`, and this is another one"
-            yield _Fault(child, "wrong-length", message, "join them, or remove one")
+            yield _Fault(child, "wrong-length", message, help="join them, or remove one")
 
 
 def _sample(attribute: Attribute) -> str:

@@ -238,7 +238,6 @@ class _Names:
 
 # Settings of a whole model and not of a body. `option` and `size` determine how to read the body.
 _OF_THE_WHOLE = ("statistic", "visual")
-_ALSO_SETTLED = ("inertiafromgeom", "inertiagrouprange")
 
 
 @dataclass(frozen=True, slots=True)
@@ -339,7 +338,7 @@ def _settle_mass(linking: Linking) -> None:
     # MuJoCo 4.0 makes 1 and 1 of two equal bodies under `settotalmass="2"`; one of them alone would become 2.
     write_inertias(linking, unit)
     for compiler in unit.root.iterchildren("compiler"):
-        for setting in (*MEASURED, *_ALSO_SETTLED):
+        for setting in (*MEASURED, "inertiafromgeom", "inertiagrouprange"):
             compiler.attrib.pop(setting, "")
     unit.forget_settings()
 
@@ -361,7 +360,7 @@ def _cut_in_the_tree(sides: SideFinder, unit: Unit, inside: list[Node]) -> Itera
         if element.tag in ("camera", "light"):
             side = sides.of(element, "worldbody")
             if side.outside and not side.inside:
-                yield _dropped(unit, element, "worldbody", side.lacks)
+                yield _dropped(unit, element, "worldbody", lacks=side.lacks)
                 sides.leave(element)
                 detach(element)
 
@@ -419,7 +418,7 @@ def _drop_from_sections(unit: Unit, sides: SideFinder) -> Iterator[DroppedElemen
             if side.inside and not side.outside:
                 staying.append((element, tag))
             else:
-                going.append((element, _dropped(unit, element, tag, side.lacks if side.inside else None)))
+                going.append((element, _dropped(unit, element, tag, lacks=side.lacks if side.inside else None)))
     needed = sides.needed_by(staying)
     for element, dropped in going:  # only now: the side of an element may depend on others
         if element not in needed:

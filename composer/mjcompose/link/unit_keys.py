@@ -25,7 +25,6 @@ from mjcompose.base.dataclass import dataclass
 from mjcompose.base.rotation import Pose
 from mjcompose.link import numbers
 from mjcompose.link.key_layout import BLOCK, Copy, Layout, Slot, Unknown, element_of, ends_of_copies, lay_out
-from mjcompose.link.key_layout import Holder as LayoutHolder
 from mjcompose.link.linking import Linking, WrittenKey
 from mjcompose.link.measure import attached_slots, flexible_widths, is_measured
 from mjcompose.model.files import read_settings
@@ -364,7 +363,7 @@ def _complete_rows(linking: Linking, unit: Unit, layout: Layout) -> None:
         rows = [str(key.get(vector) or "").split() for key in keys]
         if not any(rows) or all(len(row) in (0, layout.total(vector)) for row in rows):
             continue
-        ends = list(accumulate(width for _, width in holders(layout, vector)))
+        ends = list(accumulate(width for _, width in layout.holders(vector)))
         short = [at for at, row in enumerate(rows) if ends and 0 < len(row) < ends[-1] and len(row) not in ends]
         array = f"key_{vector}"
         if not short or linking.measure is None or not (found := linking.measure(unit, (array,))):
@@ -493,12 +492,3 @@ def report_not_laid_out(linking: Linking, unit: Unit, unknown: Unknown) -> None:
         linking.span(unit, unknown.element),
         help=leave_out,
     )
-
-
-def holders(layout: Layout, vector: str) -> list[tuple[LayoutHolder, int]]:
-    """Return the owners of the numbers in a vector, in order, each with its count of numbers."""
-    if vector in ("qpos", "qvel"):
-        return [(joint, slot.widths[vector == "qvel"]) for joint, slot in layout.joints.items()]
-    if vector in ("ctrl", "act"):
-        return [(actuator, slot.widths[vector == "act"]) for actuator, slot in layout.actuators.items()]
-    return [(body, count * (3 if vector == "mpos" else 4)) for body, count in layout.mocaps.items()]

@@ -153,8 +153,6 @@ def _moves(geom: Node) -> bool:
 
 _SAME = 1e-9
 _APPENDED = ("asset", "deformable", "contact", "tendon", "equality", "actuator", "sensor", "custom")
-# Read by passes of their own.
-_SETTLED = ("compiler", "option", "size", "statistic", "visual", "default", "worldbody", "keyframe")
 
 
 def worlds(linking: Linking) -> None:

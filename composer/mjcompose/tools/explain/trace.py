@@ -17,7 +17,6 @@ from mjcompose.link import numbers
 from mjcompose.link.key_layout import Layout, Unknown, element_of, lay_out
 from mjcompose.link.linking import Linking, Part
 from mjcompose.link.unit_keys import VECTORS as VECTORS
-from mjcompose.link.unit_keys import holders
 from mjcompose.model.unit import KeySource, Number, Origins, Place, Unit, line_of
 from mjcompose.model.xml_text import as_it_is
 
@@ -291,7 +290,7 @@ def rows(model: Unit, key: Node, vector: str, trace: Trace) -> list[Row]:
     reading = _Reading(model, trace)
     known = reading.settled(key, vector)
     layout = _layout(model, trace.life(key))
-    owners = [] if layout is None else holders(layout, vector)
+    owners = [] if layout is None else layout.holders(vector)
     if not known or sum(width for _, width in owners) != len(known):
         return []
     found, at = [], 0
