@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from typing import Any, TypeAlias
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, NamedTuple, TypeAlias
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.mujoco import controls as units
 from mjcompose.mujoco.addresses import rows_of, span
-from mjcompose.mujoco.arrays import HINGE, JOINT_TYPES, LENGTH, words
+from mjcompose.mujoco.arrays import BY_WORD, HINGE, JOINT_TYPES, LENGTH, words
 from mjcompose.mujoco.attributes import Model, holder, names
 from mjcompose.mujoco.controls import AFFINE, is_by_plugin
 from mjcompose.mujoco.references import ON_JOINTS
@@ -105,6 +106,51 @@ class Index:
             for name, kind in kinds.items()
         }
         return Index(**rows, bodies=tuple(data["bodies"]))
+
+
+class Ranged(NamedTuple):
+    """A number of a keyframe that has a range.
+
+    `kind` and `number` identify its joint or actuator, `vector` is `qpos`, `ctrl` or `act`. `unit` is that of the
+    value and the range. The value of a ball joint is the angle of its rotation, about any axis.
+    """
+
+    kind: str
+    number: int
+    vector: str
+    value: float
+    range: Range
+    unit: str | None
+
+    def is_within(self, margin: float = 0.0) -> bool:
+        """Return whether the value stays `margin` away from both ends, up to rounding: ranges are often rounded."""
+        low, high = self.range
+        least, most = low - _ROUNDING * max(1.0, abs(low)), high + _ROUNDING * max(1.0, abs(high))
+        return least + margin <= self.value <= most - margin
+
+
+_ROUNDING = 1e-6
+
+
+def ranged(index: Index, vectors: Mapping[str, Sequence[float]]) -> Iterator[Ranged]:
+    """Yield the numbers of a keyframe that have a range; a vector may be empty."""
+    qpos, ctrl, act = (vectors[name] for name in ("qpos", "ctrl", "act"))
+    for number, joint in enumerate(index.joints if len(qpos) else ()):
+        if not joint.limited:
+            continue
+        values, bounds = qpos[joint.qpos_address : joint.qpos_address + joint.qpos_size], joint.range
+        value = float(values[0])
+        if joint.type == "ball":
+            value, bounds = 2 * math.atan2(math.hypot(*values[1:]), abs(value)), (0.0, joint.range[1])
+        yield Ranged("joint", number, "qpos", value, bounds, BY_WORD[joint.type].range_unit)
+    for number, actuator in enumerate(index.actuators):
+        unit = actuator.unit if actuator.ctrl_size == 1 else None
+        controls = ctrl[actuator.ctrl_address : actuator.ctrl_address + actuator.ctrl_size]
+        for value, limits in zip(controls, actuator.ctrl_ranges, strict=False):
+            if limits is not None:
+                yield Ranged("actuator", number, "ctrl", float(value), limits, unit)
+        if len(act) and actuator.act_size and actuator.act_range is not None:
+            yield Ranged("actuator", number, "act", float(act[actuator.act_address]), actuator.act_range, unit)
 
 
 def _frozen(value: Any) -> Any:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
@@ -178,6 +178,7 @@ class File(_Part):
 
 
 _ORIGIN = Field(default=None, description="Where it is written, as FILE:LINE; null for what MuJoCo multiplies.")
+_PLACE = Field(default=None, description="Where it is written, as FILE:LINE.")
 Range = tuple[float | None, float | None]
 """Lower and upper end; None for no limit."""
 
@@ -281,7 +282,7 @@ class Check(_Part):
     values: dict[str, float | int | bool | str | tuple[float, ...] | None] = Field(
         default={}, description="What was found; four digits, so that it is the same on other machines."
     )
-    origin: str | None = Field(default=None, description="Where it is written, as FILE:LINE.")
+    origin: str | None = _PLACE
 
 
 class Draw(_Part):
@@ -320,7 +321,7 @@ class GeneratedShape(_Part):
     samples: int = Field(ge=0, description="At how many points the distances were measured.")
     made_with: dict[str, str] = Field(default={}, description="The packages that made it, and their versions.")
     key: str = Field(description="The hash of what it follows from.")
-    origin: str | None = Field(default=None, description="Where it is written, as FILE:LINE.")
+    origin: str | None = _PLACE
 
 
 class UnsupportedFeature(_Part):
@@ -456,73 +457,38 @@ def _range(pair: tuple[float, float] | None) -> Range | None:
     return low, high
 
 
+_NAMES = {"qpos": "qpos_address", "dof": "dof_address", "ctrl": "ctrl_address"}
+"""Fields that have other names in the index of a compiled model."""
+
+
 def index_of(index: CompiledIndex, written: Written | None = None) -> Index:
     """Return the manifest's index of a compiled model; `written` has the places of its elements."""
     known = written or {}
 
-    def origin(kind: str, number: int) -> str | None:
-        return known[kind, number][1] if (kind, number) in known else None
+    def entries(of: type[_Part], kind: str, elements: Sequence[Any], **changed: Callable[[Any], Any]) -> Iterator[Any]:
+        for number, element in enumerate(elements):
+            tag, origin = known.get((kind, number), (None, None))
+            values = {name: getattr(element, _NAMES.get(name, name), tag) for name in of.model_fields}
+            values |= {name: change(element) for name, change in changed.items()}
+            yield of(**{**values, "origin": origin})
 
+    joints = entries(
+        Joint, "joint", index.joints, unit=lambda joint: BY_WORD[joint.type].unit,
+        velocity_unit=lambda joint: BY_WORD[joint.type].velocity_unit,
+        range=lambda joint: _range(joint.range if joint.limited else None),
+    )  # fmt: skip
+    actuators = entries(
+        Actuator, "actuator", index.actuators, act=lambda each: each.act_address if each.act_size else None,
+        ranges=lambda each: tuple(map(_range, each.ctrl_ranges)), act_range=lambda each: _range(each.act_range),
+        force_range=lambda each: _range(each.force_range),
+    )  # fmt: skip
+    cutoff = {"cutoff": lambda sensor: None if sensor.cutoff == math.inf else sensor.cutoff}
     return Index(
-        joints=tuple(
-            Joint(
-                name=joint.name,
-                type=joint.type,  # type: ignore[arg-type]  # pydantic checks the word
-                body=joint.body,
-                qpos=joint.qpos_address,
-                qpos_size=joint.qpos_size,
-                dof=joint.dof_address,
-                dof_size=joint.dof_size,
-                unit=BY_WORD[joint.type].unit,
-                velocity_unit=BY_WORD[joint.type].velocity_unit,
-                range=_range(joint.range if joint.limited else None),
-                origin=origin("joint", number),
-            )
-            for number, joint in enumerate(index.joints)
-        ),
-        actuators=tuple(
-            Actuator(
-                name=actuator.name,
-                type=known["actuator", number][0] if ("actuator", number) in known else None,
-                ctrl=actuator.ctrl_address,
-                ctrl_size=actuator.ctrl_size,
-                act=actuator.act_address if actuator.act_size else None,
-                act_size=actuator.act_size,
-                unit=actuator.unit,
-                ranges=tuple(map(_range, actuator.ctrl_ranges)),
-                act_range=_range(actuator.act_range),
-                force_range=_range(actuator.force_range),
-                origin=origin("actuator", number),
-            )
-            for number, actuator in enumerate(index.actuators)
-        ),
-        sensors=tuple(
-            Sensor(
-                name=sensor.name,
-                type=sensor.type,
-                address=sensor.address,
-                size=sensor.size,
-                unit=sensor.unit,
-                cutoff=None if sensor.cutoff == math.inf else sensor.cutoff,
-                origin=origin("sensor", number),
-            )
-            for number, sensor in enumerate(index.sensors)
-        ),
-        cameras=tuple(
-            Camera(
-                name=camera.name,
-                body=camera.body,
-                fovy=camera.fovy,
-                unit=camera.unit,  # type: ignore[arg-type]
-                resolution=camera.resolution,
-                origin=origin("camera", number),
-            )
-            for number, camera in enumerate(index.cameras)
-        ),
-        keyframes=tuple(
-            Keyframe(name=key.name, time=key.time, origin=origin("key", number))
-            for number, key in enumerate(index.keyframes)
-        ),
+        joints=tuple(joints),
+        actuators=tuple(actuators),
+        sensors=tuple(entries(Sensor, "sensor", index.sensors, **cutoff)),
+        cameras=tuple(entries(Camera, "camera", index.cameras)),
+        keyframes=tuple(entries(Keyframe, "key", index.keyframes)),
     )
 
 

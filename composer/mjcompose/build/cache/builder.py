@@ -12,16 +12,15 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Severity
 from mjcompose.base.log import log
+from mjcompose.build.cache.cache import LOST, Facts, KeptFile, KeptRecipe, Record
 from mjcompose.build.cache.cache_key import BuildOptions, CacheKey, now
-from mjcompose.model.merged_settings import Adopted
 from mjcompose.sources.blobs import key_of
 
 if TYPE_CHECKING:
-    from mjcompose.base.diagnostic import Span
     from mjcompose.build.bundle.bundle import Bundle, Location
     from mjcompose.build.bundle.licenses import Row
     from mjcompose.build.bundle.write import BackgroundPacker, Packed
-    from mjcompose.build.cache.cache import Answer, Cache, KeptFile, Record
+    from mjcompose.build.cache.cache import Answer, Cache
     from mjcompose.build.cache.inputs import Inputs
     from mjcompose.build.compose.load import Library
     from mjcompose.build.plan.plan import Plan
@@ -31,28 +30,19 @@ if TYPE_CHECKING:
     from mjcompose.model.unit import Unit
     from mjcompose.mujoco.engine import Session
     from mjcompose.sources.context import Context
-    from mjcompose.text.expression_values import Value
     from mjcompose.text.node import Node
 
 
-@dataclass(frozen=True, slots=True)
-class BuildResult:
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BuildResult(Facts):
     """A built model.
 
-    `built` is set for a model that was built now, `record` for one from the cache. A model from the cache has only
-    what the form of its output needs: `packed` for archives, `text` for text, `bundle` for folders and MuJoCo's
-    binary form, and nothing if the output `is_written` already. `inputs` are its input files. `why` says why the
-    cache did not have it. `replaced` is what the previous output was made from, as far as that differs. `allowed`
-    are the codes of warnings that the recipe allows at its top. `draws` are the numbers drawn for a sample, by
-    table column; None if it is not a sample. `cells` and `cells_at` are as in a plan, `adopted` are the settings
-    that the model takes from its parts. `excluded` is how many pairs of bodies the recipe's `exclude: auto` or
-    `touching` keeps from colliding.
+    `built` is set for a model that was built now, `record` for a model from the cache, which has only the data that
+    the form of its output needs: `packed` for archives, `text` for text, `bundle` for folders and MuJoCo's binary
+    form, and nothing if the output `is_written` already. `inputs` are its input files. `why` says why the cache did
+    not have it. `replaced` has the origin of the previous output, as far as that differs.
     """
 
-    name: str
-    sha256: str
-    sizes: Mapping[str, int] | None
-    merged: Mapping[str, Mapping[str, str]]
     built: Built | None = None
     record: Record | None = None
     bundle: Bundle | None = None
@@ -60,17 +50,9 @@ class BuildResult:
     text: bytes | None = None
     is_written: bool = False
     why: tuple[str, ...] = ()
-    mujoco: str | None = None
-    licenses: tuple[Row, ...] = ()
     key: CacheKey | None = None
     inputs: tuple[str, ...] = ()
-    draws: Mapping[str, Value] | None = None
-    cells: int = 0
-    cells_at: Span | None = None
     replaced: Mapping[str, Any] = field(default_factory=dict)
-    adopted: tuple[Adopted, ...] = ()
-    allowed: tuple[str, ...] = ()
-    excluded: int = 0
     is_new: bool = False
 
     def summary(self) -> BuildResult:
@@ -82,30 +64,22 @@ def result_of_build(built: Built, licenses: Iterable[Row], why: tuple[str, ...],
     """Return a model that was built now."""
     from mjcompose.build.plan.describe import allowed_everywhere
 
-    sizes = built.compiled.sizes if built.compiled else None
-    mujoco = built.compiled.mujoco_version if built.compiled else None
-    adopted = tuple(each.located() for each in built.composed.model.adopted)
+    plan, composed, compiled = built.plan, built.composed, built.compiled
+    draws = None
+    if plan.randomize is not None and not plan.worlds:
+        draws = dict(column for each in composed.drawn for column in each.columns())
     return BuildResult(
-        built.plan.name, built.bundle.sha256, sizes, merged=built.merged, built=built, bundle=built.bundle, why=why,
-        mujoco=mujoco, licenses=tuple(licenses), key=key, draws=_draws(built),
-        cells=built.plan.cells, cells_at=built.plan.cells_at, adopted=adopted,
-        allowed=allowed_everywhere(built.plan), excluded=len(built.composed.excluded), is_new=True,
+        name=plan.name, sha256=built.bundle.sha256, sizes=compiled.sizes if compiled else None, merged=built.merged,
+        mujoco=compiled.mujoco_version if compiled else None, licenses=tuple(licenses), draws=draws, cells=plan.cells,
+        cells_at=plan.cells_at, adopted=tuple(each.located() for each in composed.model.adopted),
+        allowed=allowed_everywhere(plan), excluded=len(composed.excluded),
+        built=built, bundle=built.bundle, why=why, key=key, is_new=True,
     )  # fmt: skip
-
-
-def _draws(built: Built) -> dict[str, Value] | None:
-    wanted = built.plan.randomize
-    if wanted is None or built.plan.worlds:
-        return None
-    return dict(column for each in built.composed.drawn for column in each.columns())
 
 
 def result_from_cache(record: Record, inputs: tuple[str, ...]) -> BuildResult:
     """Return a model from the cache, without its files."""
-    return BuildResult(record.name, record.sha256, record.sizes, merged=record.merged, record=record, inputs=inputs,
-                mujoco=record.mujoco, licenses=record.licenses, draws=record.draws,
-                cells=record.cells, cells_at=record.cells_at, adopted=record.adopted,
-                allowed=record.allowed, excluded=record.excluded)  # fmt: skip
+    return BuildResult(**record.facts(), record=record, inputs=inputs)
 
 
 def shown_input_files(result: BuildResult | None, context: Context) -> set[str]:
@@ -118,9 +92,9 @@ def input_files(result: BuildResult) -> Iterator[Path]:
     """Yield the files that a model is made from."""
     if result.built is None:
         yield from map(Path, result.inputs)
-        return
-    built = result.built
-    yield from source_files(built.plan, built.composed.model, built.composed.files)
+    else:
+        composed = result.built.composed
+        yield from source_files(result.built.plan, composed.model, composed.files)
 
 
 def source_files(plan: Plan, model: Unit, uses: Iterable[FileUse]) -> Iterator[Path]:
@@ -133,9 +107,13 @@ def source_files(plan: Plan, model: Unit, uses: Iterable[FileUse]) -> Iterator[P
 
 def load_files(record: Record, cache: Cache) -> dict[str, bytes] | None:
     """Return the files of a bundle, or None if one of them is lost or changed."""
-    found = {file.path: cache.raw(file) for file in record.files}
-    whole = {path: content for path, content in found.items() if content is not None}
-    return whole if len(whole) == len(found) else None
+    found: dict[str, bytes] = {}
+    for file in record.files:
+        content = cache.raw(file)
+        if content is None:
+            return None
+        found[file.path] = content
+    return found
 
 
 def load_packed(record: Record, cache: Cache) -> dict[str, Packed] | None:
@@ -204,9 +182,8 @@ class Maker:
         if self.cache is None:
             return None
         if self._key is None:
-            self._key = self.options.key(
-                self.recipe, self.context.folder, self.context.environment, store=self.cache.store.folder
-            )
+            context = self.context
+            self._key = self.options.key(self.recipe, context.folder, context.environment, self.cache.store.folder)
         return self._key if cell is None else self._key.of_cell(cell, values or {})
 
     def recall(
@@ -225,8 +202,6 @@ class Maker:
             return None, ("it has warnings, which are errors now",)
         made = self._with_files(found.record, found.answer)
         if made is None:
-            from mjcompose.build.cache.cache import LOST
-
             return None, (LOST,)
         _report(found.record, context, outcomes)
         log("`%s` is unchanged and comes from the cache", made.name)
@@ -246,17 +221,11 @@ class Maker:
         from mjcompose.build import stages
 
         outcomes = [] if outcomes is None else outcomes
+        options = self.options
         request = stages.Request(
-            self.recipe,
-            choice.given,
-            choice.name,
-            sample=choice.sample,
-            verified=self.options.verified,
-            deduplicated=self.options.deduplicated,
-            pictured=self.options.pictured,
-            target=self.options.target,
-            worlds=self.options.worlds,
-        )
+            self.recipe, choice.given, choice.name, sample=choice.sample, verified=options.verified,
+            deduplicated=options.deduplicated, pictured=options.pictured, target=options.target, worlds=options.worlds,
+        )  # fmt: skip
         plan = stages.planned(request, context)
         if plan is None:
             return None
@@ -327,8 +296,6 @@ class Maker:
         made = result_from_cache(record, tuple(each.path for each in answer.inputs) if answer else ())
         target = self.place(record.name, record.mujoco)
         if record.text is not None:
-            from mjcompose.build.cache.cache import KeptFile
-
             text = self.cache.raw(KeptFile("", record.text, 0, source=None))
             if text is None:
                 return None
@@ -356,22 +323,18 @@ class Maker:
     ) -> BuildResult | None:
         """Return a model that another state of the recipe file gave, with the diagnostics of this state."""
         from mjcompose.build.cache.inputs import hash_of_positions, may_move
-        from mjcompose.build.verify.checks import check_spans as places_of_checks
+        from mjcompose.build.verify.checks import check_spans
 
         assert self.cache is not None
         found = self.cache.find(self._planned(plan, cell))
         record, answer = found.record, found.answer
-        if record is None or (context.strict and _warns(record)):
+        if record is None or answer is None or (context.strict and _warns(record)):
             return None
-        if answer is None or (record.mentions_positions and record.places != hash_of_positions(plan)):
+        if record.mentions_positions and record.places != hash_of_positions(plan):
             return None
-        written = places_of_checks(plan)
-        record = replace(
-            record,
-            checks=tuple(replace(each, span=written[each.name]) for each in record.checks),
-            cells=plan.cells,
-            cells_at=plan.cells_at,
-        )
+        written = check_spans(plan)
+        checks = tuple(replace(each, span=written[each.name]) for each in record.checks)
+        record = replace(record, checks=checks, cells=plan.cells, cells_at=plan.cells_at)
         recipes = [self.cache.files.look(path) for path in self._names().recipes(plan)]
         record = self._of_recipes(record, {each.path: each.state for each in recipes})
         made = None if record is None else self._with_files(record, answer)
@@ -411,7 +374,6 @@ class Maker:
         """Store a model that was built now, unless one of its inputs has changed meanwhile."""
         from mjcompose.build.bundle.assemble import portable
         from mjcompose.build.bundle.bundle import MANIFEST
-        from mjcompose.build.cache.cache import KeptRecipe, Record
         from mjcompose.build.cache.inputs import hash_of_positions, may_move, mentions_positions
 
         cache, built, key = self.cache, result.built, result.key
@@ -431,30 +393,17 @@ class Maker:
             cache.keep_raw(digest, text)
         name = portable(built.plan, built.composed.model, context).name
         record = Record(
-            result.name,
-            built.bundle.model,
-            result.sha256,
-            sizes=result.sizes,
-            merged=result.merged,
+            **result.facts(),
+            model=built.bundle.model,
             files=self._kept(built.bundle, known) if text is None else (),
             text=digest,
-            mujoco=result.mujoco,
-            licenses=result.licenses,
             diagnostics=tuple(context.sink.diagnostics),
             checks=tuple(outcomes),
-            draws=result.draws,
             recipes=tuple(KeptRecipe(each.path, name(Path(each.path)), each.state) for each in recipes),
             places=hash_of_positions(built.plan),
-            mentions_positions=False,
-            cells=built.plan.cells,
-            cells_at=built.plan.cells_at,
-            adopted=result.adopted,
-            allowed=result.allowed,
-            excluded=result.excluded,
         )
-        record = replace(
-            record, mentions_positions=mentions_positions(built.plan, record, built.bundle.files[MANIFEST])
-        )
+        mentions = mentions_positions(built.plan, record, built.bundle.files[MANIFEST])
+        record = replace(record, mentions_positions=mentions)
         packages = list(names.packages(built.plan))
         if not may_move(context):
             cache.keep(key, record, [*recipes, *others], packages=packages)
@@ -463,8 +412,6 @@ class Maker:
 
     def _kept(self, bundle: Bundle, known: Mapping[str, str]) -> tuple[KeptFile, ...]:
         """Return the files of a bundle; those that no input file holds (`known`, by hash) go to the store."""
-        from mjcompose.build.cache.cache import KeptFile
-
         assert self.cache is not None
         found = []
         for path, content in bundle.files.items():

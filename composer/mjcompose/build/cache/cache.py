@@ -1,6 +1,4 @@
-"""The build cache: records of builds, and outputs that are not written again.
-
-The build cache: a model is not built again unless something that it depends on has changed.
+"""The build cache: a model is built again, and an output written again, only if something that it depends on changed.
 
     asked/    by the digest of a key, the files that were read and their hashes → a record; the last key of a
               subject; the last content of an output
@@ -17,7 +15,7 @@ import contextlib
 import json
 import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import asdict, field, replace
+from dataclasses import asdict, field, fields, replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -36,37 +34,9 @@ from mjcompose.sources.store import ENTRY, KINDS, Store
 from mjcompose.text.expression_values import Value
 
 if TYPE_CHECKING:
-    from os import PathLike
-
     from mjcompose.base.sink import Sink
     from mjcompose.build.bundle.bundle import Location
     from mjcompose.build.bundle.write import Packed
-
-
-def is_written(store: str | PathLike[str], out: str, content: str) -> bool:
-    """Return whether an output is unchanged since `note_written` recorded this content."""
-    text = blobs.get(store, "asked", _key(out))
-    try:
-        known: object = None if text is None else json.loads(text)
-    except (ValueError, RecursionError):
-        return False
-    if not isinstance(known, list) or len(known) != 3 or not isinstance(known[1], list):
-        return False
-    noted, beside, stamps = known
-    return bool(noted == content and stamps == (_stamps([out, *beside]) or None))
-
-
-def note_written(
-    store: str | PathLike[str], out: str, content: str, beside: Iterable[str | PathLike[str]] = ()
-) -> None:
-    """Record an output; `beside` are files elsewhere that belong to it. Raises OSError."""
-    more = [os.fspath(path) for path in beside]
-    note = json.dumps([content, more, _stamps([out, *more])], ensure_ascii=True)
-    blobs.put(store, "asked", _key(out), content=note.encode())
-
-
-def _key(out: str) -> str:
-    return blobs.key_of([out])
 
 
 def _stamps(outputs: Iterable[str]) -> list[list[object]]:
@@ -78,9 +48,10 @@ def _stamps(outputs: Iterable[str]) -> list[list[object]]:
             from mjcompose.build.bundle.remote import stamps
 
             found += stamps(out)
-            continue
-        below = os.path.isdir(out)
-        paths += [os.path.join(at, name) for at, _, names in os.walk(out) for name in names] if below else [out]
+        elif os.path.isdir(out):
+            paths += [os.path.join(at, name) for at, _, names in os.walk(out) for name in names]
+        else:
+            paths.append(out)
     for path in sorted(paths):
         try:
             found.append([path, *stamp_of(os.lstat(path))])
@@ -108,37 +79,51 @@ class KeptRecipe:
     sha256: str
 
 
-@dataclass(frozen=True, slots=True)
-class Record:
-    """A record of a successful build.
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Facts:
+    """Facts of a built model that a run reports and the cache keeps.
 
-    `text` is the hash of the model's text, if only that was wanted; `mujoco` is the version that compiled it.
-    `draws` are the numbers drawn for a sample, by table column; None if it is not a sample. `recipes` are the
-    recipe files, the outermost first. `places` is a hash of all positions in them, and `mentions_positions` says that
-    the record contains such positions. `cells` is the number of cells of the recipe's matrix if this model is none of
-    them, and `cells_at` the place of the first. `adopted` are the settings that the model takes from its parts.
+    `mujoco` is the version that compiled it. `draws` are the numbers drawn for a sample, by table column; None if it
+    is not a sample. `cells` is the number of cells of the recipe's matrix if this model is none of them, and
+    `cells_at` the place of the first. `adopted` are the settings that the model takes from its parts. `allowed` are
+    the codes of warnings that the recipe allows at its top. `excluded` is how many pairs of bodies the recipe's
+    `exclude: auto` or `touching` keeps from colliding.
     """
 
     name: str
-    model: str
     sha256: str
     sizes: Mapping[str, int] | None
     merged: Mapping[str, Mapping[str, str]]
-    files: tuple[KeptFile, ...]
-    text: str | None
-    mujoco: str | None
-    licenses: tuple[Row, ...]
-    diagnostics: tuple[Diagnostic, ...]
-    checks: tuple[Outcome, ...]
-    draws: Mapping[str, Value] | None
-    recipes: tuple[KeptRecipe, ...]
-    places: str
-    mentions_positions: bool
-    cells: int
-    cells_at: Span | None
+    mujoco: str | None = None
+    licenses: tuple[Row, ...] = ()
+    draws: Mapping[str, Value] | None = None
+    cells: int = 0
+    cells_at: Span | None = None
     adopted: tuple[Adopted, ...] = ()
     allowed: tuple[str, ...] = ()
     excluded: int = 0
+
+    def facts(self) -> dict[str, Any]:
+        return {each.name: getattr(self, each.name) for each in fields(Facts)}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Record(Facts):
+    """A record of a successful build.
+
+    `text` is the hash of the model's text, if only that was wanted. `recipes` are the recipe files, the outermost
+    first. `places` is a hash of all positions in them, and `mentions_positions` says that the record contains such
+    positions.
+    """
+
+    model: str
+    files: tuple[KeptFile, ...]
+    text: str | None
+    diagnostics: tuple[Diagnostic, ...]
+    checks: tuple[Outcome, ...]
+    recipes: tuple[KeptRecipe, ...]
+    places: str
+    mentions_positions: bool = False
 
 
 def to_json(record: Record) -> bytes:
@@ -156,13 +141,7 @@ def from_json(text: bytes) -> Record:
     data["licenses"] = tuple(Row(**{**each, "files": tuple(each["files"])}) for each in data["licenses"])
     data["diagnostics"] = tuple(map(_diagnostic, data["diagnostics"]))
     data["checks"] = tuple(
-        Outcome(
-            each["name"],
-            each["kind"],
-            Span(**each["span"]),
-            diagnostics=tuple(map(_diagnostic, each["diagnostics"])),
-            values=each["values"],
-        )
+        Outcome(**{**each, "span": Span(**each["span"]), "diagnostics": tuple(map(_diagnostic, each["diagnostics"]))})
         for each in data["checks"]
     )
     data["cells_at"] = _span(data["cells_at"])
@@ -175,24 +154,14 @@ def from_json(text: bytes) -> Record:
 
 
 def _diagnostic(data: dict[str, Any]) -> Diagnostic:
-    notes, others = (
-        tuple(Note(each["message"], _span(each["span"])) for each in data[kind]) for kind in ("notes", "others")
-    )
+    notes: dict[str, Any] = {
+        kind: tuple(Note(each["message"], _span(each["span"])) for each in data[kind]) for kind in ("notes", "others")
+    }
+    fix = None if data["fix"] is None else Fix(**{**data["fix"], "span": _span(data["fix"]["span"])})
     return Diagnostic(
-        data["code"],
-        data["message"],
-        _span(data["span"]),
-        severity=Severity(data["severity"]),
-        notes=notes,
-        help=data["help"],
-        others=others,
-        subjects=frozenset(data["subjects"]),
-        fix=_fix(data["fix"]),
-    )
-
-
-def _fix(data: dict[str, Any] | None) -> Fix | None:
-    return None if data is None else Fix(data["replacement"], data["replaces"], _span(data["span"]))
+        data["code"], data["message"], _span(data["span"]), severity=Severity(data["severity"]), help=data["help"],
+        subjects=frozenset(data["subjects"]), fix=fix, **notes,
+    )  # fmt: skip
 
 
 def _span(data: dict[str, Any] | None) -> Span | None:
@@ -253,7 +222,15 @@ class Cache:
                 self._refresh(key, answer, answers)
             self._mark_used(answer)
             return Lookup(record, answer)
-        return Lookup(why=self._why(key, answers))
+        if answers:
+            return Lookup(why=tuple(self._changes(answers[0])))
+        before = _read(self.store.folder, key.subject_digest)
+        if not isinstance(before, dict):
+            return Lookup(why=("it was not built before, or nothing of that was kept",))
+        with contextlib.suppress(TypeError, AttributeError):
+            if changes := differences(before, key.parts):
+                return Lookup(why=changes)
+        return Lookup(why=("nothing was kept of its last build",))
 
     def _mark_used(self, answer: Answer) -> None:
         """Mark the fetched sources that the answer needs as used."""
@@ -303,11 +280,16 @@ class Cache:
 
     def is_written(self, out: Location, content: str) -> bool:
         """Return whether an output is unchanged since `note_written` recorded this content."""
-        return is_written(self.store.folder, os.fspath(out), content)
+        known = _read(self.store.folder, key_of([os.fspath(out)]))
+        if not isinstance(known, list) or len(known) != 3 or not isinstance(known[1], list):
+            return False
+        noted, beside, stamps = known
+        return bool(noted == content and stamps == (_stamps([os.fspath(out), *beside]) or None))
 
     def note_written(self, out: Location, content: str, beside: Iterable[Path] = ()) -> None:
         """Record an output; `beside` are files elsewhere that belong to it."""
-        self._keep(lambda: note_written(self.store.folder, os.fspath(out), content, beside=beside))
+        outputs = [os.fspath(path) for path in (out, *beside)]
+        self._put("asked", key_of(outputs[:1]), _dump([content, outputs[1:], _stamps(outputs)]))
 
     def close(self) -> None:
         """Keep the store below its limit, if anything was added to it."""
@@ -329,12 +311,9 @@ class Cache:
     def _record(self, answer: Answer) -> Record | None:
         """Return the record that an answer names, or None if it is damaged."""
         text = blobs.get(self.store.folder, "built", answer.record)
-        if text is None:
-            return None
-        try:
-            return from_json(text)
-        except (TypeError, ValueError, KeyError):
-            return None
+        with contextlib.suppress(TypeError, ValueError, KeyError):
+            return None if text is None else from_json(text)
+        return None
 
     def _changes(self, answer: Answer) -> list[str]:
         """Return the changed dependencies, in words."""
@@ -346,17 +325,6 @@ class Cache:
             if not os.path.isfile(file)
         ]
 
-    def _why(self, key: CacheKey, answers: Sequence[Answer]) -> tuple[str, ...]:
-        if answers:
-            return tuple(self._changes(answers[0]))
-        before = _read(self.store.folder, key.subject_digest)
-        if not isinstance(before, dict):
-            return ("it was not built before, or nothing of that was kept",)
-        with contextlib.suppress(TypeError, AttributeError):
-            if found := differences(before, key.parts):
-                return found
-        return ("nothing was kept of its last build",)
-
     def _refresh(self, key: CacheKey, answer: Answer, answers: Sequence[Answer]) -> None:
         """Move the answer to the front, with the current stamps of its files."""
         now = Answer(answer.record, tuple(self.files.look(each.path) for each in answer.inputs), answer.packages)
@@ -364,28 +332,21 @@ class Cache:
             self._write(key, [now, *(each for each in answers if each is not answer)])
 
     def _write(self, key: CacheKey, answers: Sequence[Answer]) -> None:
-        states: set[tuple[str, ...]] = set()
-        kept = []
+        by_state: dict[tuple[str, ...], Answer] = {}
         for each in answers:
-            state = tuple(one.state for one in each.inputs)
-            if state not in states:
-                states.add(state)
-                kept.append(each)
+            by_state.setdefault(tuple(one.state for one in each.inputs), each)
         data = [
             {"record": each.record, "inputs": [one.as_data() for one in each.inputs], "packages": each.packages}
-            for each in kept[:_ANSWERS]
+            for each in [*by_state.values()][:_ANSWERS]
         ]
         self._put("asked", key.digest, _dump(data))
         self._put("asked", key.subject_digest, _dump(dict(key.parts)))
 
     def _put(self, kind: str, key: str, content: bytes) -> None:
-        self._keep(lambda: blobs.put(self.store.folder, kind, key, content=content))
-
-    def _keep(self, put: Callable[[], None]) -> None:
         if self.broken:
             return
         try:
-            put()
+            blobs.put(self.store.folder, kind, key, content=content)
             self.grown = True
         except OSError as error:
             self.broken = True

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
 from itertools import chain
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Note, Span
@@ -15,8 +14,7 @@ from mjcompose.language.keyframe import CTRL, HOLD
 from mjcompose.model.classes import text_in_effect
 from mjcompose.model.select import kind_of
 from mjcompose.model.unit import Unit
-from mjcompose.mujoco.arrays import BY_WORD
-from mjcompose.mujoco.index import Actuator, Index, Joint, Range
+from mjcompose.mujoco.index import Index, Ranged, ranged
 from mjcompose.text.expression_values import Angle
 from mjcompose.text.node import locate
 
@@ -25,24 +23,14 @@ if TYPE_CHECKING:
 
     from mjcompose.language.keyframe import Keyframe
 
-_ROUNDING = 1e-6
-"""How far a value may be out of range, relative to the larger of 1 and the bound: ranges are often rounded."""
 _STIFFEST = 1e6
 """In N·m/rad. A stiff industrial drive has some 1e5; no model of MuJoCo Menagerie has more than that."""
 _SHOWN = 8
 _KINDS = {"qpos": "joint", "ctrl": "actuator", "act": "actuator"}
 
 
-class _Bound(NamedTuple):
-    """A value and its range, and their unit in MuJoCo."""
-
-    value: float
-    range: Range
-    unit: str | None
-
-
 def check_key_ranges(plan: Plan, model: Unit, index: Index, sink: Sink) -> None:
-    """Warn of out-of-range values in the recipe's own keys; keys that come from parts are not looked at."""
+    """Warn of out-of-range values in the recipe's own keys, without the keys of parts."""
     if not plan.keyframes:
         return
     written = {str(key.get("name")): key for key in model.root.iterfind("keyframe/key")}
@@ -51,11 +39,24 @@ def check_key_ranges(plan: Plan, model: Unit, index: Index, sink: Sink) -> None:
         element = written.get(step.key.name)
         if element is None:
             continue
+        rows = {vector: [float(each) for each in str(element.get(vector) or "").split()] for vector in _KINDS}
+        found: dict[tuple[str, str], list[Ranged]] = {}
+        for each in ranged(index, rows):
+            found.setdefault((each.vector, _name(index, each)), []).append(each)
         for vector in _KINDS:
-            row = [float(each) for each in str(element.get(vector) or "").split()]
             for name in _written_names(step.key, vector, index):
-                for bound in _bounds(index, vector, name, row=row):
-                    ranges.check(step.key, (vector, name), bound)
+                for each in found.get((vector, name), ()):
+                    if not each.is_within():
+                        ranges.report(step.key, (vector, name), each)
+
+
+def _name(index: Index, each: Ranged) -> str:
+    """Return the name in keys of a joint or an actuator; an unnamed joint has that of its body."""
+    if each.kind == "actuator":
+        return index.actuators[each.number].name
+    joint = index.joints[each.number]
+    is_taken = any(joint.body == other.name for other in index.joints)
+    return joint.name or ("" if is_taken else joint.body)
 
 
 def check_stiffness(model: Unit, index: Index, at: Span, sink: Sink) -> None:
@@ -93,52 +94,15 @@ def _written_names(key: Keyframe, vector: str, index: Index) -> list[str]:
     return list(dict.fromkeys([*names, *(path[0] for path in key.controls.held if len(path) == 1)]))
 
 
-def _bounds(index: Index, vector: str, name: str, row: Sequence[float]) -> Iterator[_Bound]:
-    """Yield the numbers of an entry that have a range."""
-    if vector == "qpos":
-        joint = _joint(index, name)
-        if joint is None or not joint.limited:
-            return
-        values = row[joint.qpos_address : joint.qpos_address + joint.qpos_size]
-        if joint.type == "ball" and values:  # its range limits the rotation angle about any axis
-            angle = 2 * math.atan2(math.hypot(*values[1:]), abs(values[0]))
-            yield _Bound(angle, (0.0, joint.range[1]), BY_WORD[joint.type].range_unit)
-        elif values:
-            yield _Bound(values[0], joint.range, BY_WORD[joint.type].range_unit)
-        return
-    actuator = next((each for each in index.actuators if each.name == name), None)
-    if actuator is None:
-        return
-    for value, bounds in _of_actuator(actuator, vector, row):
-        if bounds is not None:
-            yield _Bound(value, bounds, actuator.unit if actuator.ctrl_size == 1 else None)
-
-
-def _of_actuator(actuator: Actuator, vector: str, row: Sequence[float]) -> Iterator[tuple[float, Range | None]]:
-    if vector == "ctrl":
-        values = row[actuator.ctrl_address : actuator.ctrl_address + actuator.ctrl_size]
-        yield from zip(values, actuator.ctrl_ranges, strict=False)
-    elif actuator.act_size:
-        yield row[actuator.act_address], actuator.act_range
-
-
-def _joint(index: Index, name: str) -> Joint | None:
-    """Return the joint of that name, else the unnamed joint in the body of that name."""
-    named = (each for each in index.joints if each.name == name)
-    return next(chain(named, (each for each in index.joints if not each.name and each.body == name)), None)
-
-
 @dataclass(frozen=True, slots=True)
 class _RangeCheck:
     plan: Plan
     model: Unit
     sink: Sink
 
-    def check(self, key: Keyframe, entry: tuple[str, str], bound: _Bound) -> None:
+    def report(self, key: Keyframe, entry: tuple[str, str], bound: Ranged) -> None:
         """Warn of a number of a key that is out of its range. `entry` is the vector and the name."""
         low, high = bound.range
-        if _down(low) <= bound.value <= -_down(-high):
-            return
         (vector, name), model = entry, self.model
         kind = _KINDS[vector]
         holder, unit = _element(model.root, kind, name), bound.unit or ""
@@ -159,7 +123,7 @@ class _RangeCheck:
         )
 
 
-def _instead(key: Keyframe, entry: tuple[str, str], bound: _Bound) -> str | None:
+def _instead(key: Keyframe, entry: tuple[str, str], bound: Ranged) -> str | None:
     """Return advice on a control that holds the key's pose, or None if the recipe writes the number itself."""
     vector, name = entry
     if vector != CTRL or key.controls.hold is None or name in key.values.get(CTRL, {}):
@@ -168,11 +132,6 @@ def _instead(key: Keyframe, entry: tuple[str, str], bound: _Bound) -> str | None
     unit = "rad" if bound.unit == "rad" else ""
     way = f"{HOLD}: {key.controls.hold}"
     return f"change the pose, or write the control itself: `{CTRL}: {{{way}, {name}: {nearest:g}{unit}}}`"
-
-
-def _down(bound: float) -> float:
-    """Return a lower bound, lowered a little."""
-    return bound - _ROUNDING * max(1.0, abs(bound))
 
 
 def _in_degrees(plan: Plan, key: Keyframe, entry: tuple[str, str]) -> bool:
