@@ -103,7 +103,7 @@ def looked_at(path: Path, root: Path, session: Session) -> Found:
             found.warnings[each.code] = found.warnings.get(each.code, 0) + 1 + len(each.others)
     if found.model is None or reader.robot is None:
         return found
-    table = reader.reading.table(reader.robot.unit)
+    table = reader.rows
     found.unread = [row.called for row in table if row.why and not row.is_minor]
     try:
         alone = by_mujoco(path, root)

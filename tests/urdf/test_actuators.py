@@ -70,11 +70,9 @@ def test_a_transmission_acts_on_its_joint(reader: Reader, kind: str) -> None:
     )
     read = reader("r.urdf", text)
     assert actuators(read) == [{"tag": "motor", "name": "elbow", "joint": "elbow", "ctrlrange": "-20 20"}]
-    assert "transmission/mechanicalReduction" in {row.what for row in read.reading.rows.values() if row.why}
+    assert "transmission/mechanicalReduction" in {row.what for row in read.rows if row.why}
     plain = reader("r.urdf", text.replace(">50<", ">1.0<"))
-    assert actuators(plain) and "transmission/mechanicalReduction" not in {
-        row.what for row in plain.reading.rows.values()
-    }
+    assert actuators(plain) and "transmission/mechanicalReduction" not in {row.what for row in plain.rows}
 
 
 def test_other_transmissions_are_in_the_table(reader: Reader) -> None:
@@ -83,8 +81,8 @@ def test_other_transmissions_are_in_the_table(reader: Reader) -> None:
     )
     read = reader("r.urdf", text)
     assert actuators(read) == []
-    assert [row.what for row in read.reading.rows.values() if row.why][:1] == ["joint/limit"] or any(
-        row.what == "transmission" and row.why for row in read.reading.rows.values()
+    assert [row.what for row in read.rows if row.why][:1] == ["joint/limit"] or any(
+        row.what == "transmission" and row.why for row in read.rows
     )
 
 
@@ -134,7 +132,7 @@ def test_friction_of_gazebo(reader: ExtrasReader) -> None:
     gazebo = '<gazebo reference="upper"><mu1>0.4</mu1><mu2>0.3</mu2><kp>1e6</kp></gazebo>'
     reading = reader("r.urdf", robot(ARM[0], link("upper", INERTIAL + BALL + BALL), *ARM[2:], gazebo))
     assert [geom.get("friction") for geom in read(reading).root.iter("geom")] == ["0.4", "0.4"]
-    rows = {row.what: row for row in reading.reading.rows.values()}
+    rows = {row.what: row for row in reading.rows}
     assert rows["gazebo/mu1"].became == "friction" and rows["gazebo/mu2"].why and rows["gazebo/kp"].why
 
 

@@ -241,7 +241,7 @@ def test_a_texture_of_urdf(reader: Reader, tmp_path: Path) -> None:
     unit = read.unit()
     assert unit is not None
     assert [geom.get("material") for geom in unit.root.iter("geom")] == ["skin"]
-    assert any(row.what == "material/texture" and row.became for row in read.reading.rows.values())
+    assert any(row.what == "material/texture" and row.became for row in read.rows)
 
 
 @pytest.mark.parametrize(("content", "code"), [("<COLLADA", "mesh-unreadable"), (None, "asset-missing")])

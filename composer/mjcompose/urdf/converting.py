@@ -1,6 +1,6 @@
-"""Runs in the child process: meshes that MuJoCo does not read become OBJ, one for each material, with their textures.
+"""Runs in the child process: convert meshes that MuJoCo does not read to OBJ, and measure others.
 
-Also what a mesh measures, for the formats that MuJoCo reads by itself.
+Each material becomes an OBJ of its own, with its texture.
 """
 
 from __future__ import annotations
@@ -18,13 +18,13 @@ from mjcompose.base.files import Refused
 from mjcompose.mujoco.shapes import measures
 
 _Y_UP = ((1, 0, 0, 0), (0, 0, -1, 0), (0, 1, 0, 0), (0, 0, 0, 1))
-"""In glTF 2.0 +Y is up, in every file (section 3.4). Drake 1.51 turns it like this, and RViz 2 since 2025."""
+"""In glTF 2.0 +Y is up (section 3.4). Drake 1.51 and RViz 2 since 2025 turn it like this."""
 _FEWEST = 4
-"""The vertices that MuJoCo wants of a mesh."""
+"""MuJoCo needs at least these vertices in a mesh."""
 
 
 def convert(mujoco: Any, argument: dict[str, Any]) -> list[dict[str, Any]]:
-    """For each file its parts, or why there are none: `missing` (a package), `error`, `refused`."""
+    """Return the parts of each file, or why there are none: `missing` (a package), `error`, `refused`."""
     door = Door(tuple(argument["roots"]), sees_all=argument["sees_all"])
     return [_one(path, door) for path in argument["files"]]
 
@@ -37,7 +37,7 @@ def _one(path: str, door: Door) -> dict[str, Any]:
         import trimesh
     except ImportError:
         return {"missing": "trimesh"}
-    resolver = _resolver(os.path.dirname(path), door)
+    resolver = _Resolver(os.path.dirname(path), door)
     try:
         data = door.read(path)
         with warnings.catch_warnings():
@@ -57,7 +57,7 @@ def _one(path: str, door: Door) -> dict[str, Any]:
         return {"unreadable": (error.strerror or str(error)).lower()}
     except Exception as error:  # whatever a library finds wrong with a file
         return {"error": _first_line(error)}
-    scale = _metres(scene)
+    scale = _meters(scene)
     parts = [part for part in (_part(mesh, scale) for mesh in _meshes(scene, suffix)) if part is not None]
     read = [each for each in resolver.read if os.path.isfile(each)]
     if resolver.refused:
@@ -83,13 +83,13 @@ def _without_textures(data: bytes) -> bytes | None:
 
 
 def _first_line(error: Exception) -> str:
-    """What a library says, without the name of its exception in it."""
-    said = str(error).strip().partition("\n")[0].removeprefix(f"{type(error).__name__}: ")
-    return (said or type(error).__name__)[:160]
+    """Return the message of an error without the name of its exception."""
+    line = str(error).strip().partition("\n")[0].removeprefix(f"{type(error).__name__}: ")
+    return (line or type(error).__name__)[:160]
 
 
 def _own(path: str, door: Door) -> dict[str, Any]:
-    """An STL file that MuJoCo does not read: as text, or with too many faces."""
+    """Read an STL file that MuJoCo does not read: as text, or with too many faces."""
     import numpy
 
     try:
@@ -102,52 +102,37 @@ def _own(path: str, door: Door) -> dict[str, Any]:
         return {"error": str(error)[:200]}
     if not len(faces) or not numpy.isfinite(vertices).all():
         return {"parts": [], "files": [], "lost": []}
-    part = {
-        "obj": _obj(vertices, faces, None), "rgba": None, "texture": None, "measures": measures(vertices, faces),
-    }  # fmt: skip
+    part = {"obj": _obj(vertices, faces, None), "rgba": None, "texture": None, "measures": measures(vertices, faces)}
     return {"parts": [part], "files": [], "lost": []}
 
 
-def _resolver(folder: str, door: Door) -> Any:
-    """What trimesh asks for the files that a mesh names."""
-    from trimesh.resolvers import Resolver
+class _Resolver:
+    """Reads the files that a mesh names, for trimesh."""
 
-    class Through(Resolver):
-        def __init__(self) -> None:
-            self.read: list[str] = []
-            self.refused: list[str] = []
-            self.lost: list[str] = []
+    def __init__(self, folder: str, door: Door) -> None:
+        self.folder, self.door = folder, door
+        self.read: list[str] = []
+        self.refused: list[str] = []
+        self.lost: list[str] = []
 
-        def get(self, name: str) -> bytes:
-            path = os.path.normpath(os.path.join(folder, name.removeprefix("file://").replace("\\", "/")))
-            try:
-                data = door.read(path)
-            except Refused:
-                self.refused.append(path)
-                raise
-            except OSError:
-                self.lost.append(name)
-                raise
-            self.read.append(path)
-            return data
+    def get(self, name: str) -> bytes:
+        path = os.path.normpath(os.path.join(self.folder, name.removeprefix("file://").replace("\\", "/")))
+        try:
+            data = self.door.read(path)
+        except Refused:
+            self.refused.append(path)
+            raise
+        except OSError:
+            self.lost.append(name)
+            raise
+        self.read.append(path)
+        return data
 
-        def __getitem__(self, name: str) -> bytes:
-            return self.get(name)
-
-        def write(self, name: str, data: Any) -> None:
-            raise NotImplementedError
-
-        def namespaced(self, namespace: str) -> Any:
-            return self
-
-        def keys(self) -> list[str]:
-            return []
-
-    return Through()
+    __getitem__ = get
 
 
-def _metres(scene: Any) -> float:
-    """How long one unit of the file is: Collada says it, the other formats are in metres by definition or by custom."""
+def _meters(scene: Any) -> float:
+    """Return the unit of the file in meters: only Collada has another unit."""
     for mesh in scene.geometry.values():
         text = str(mesh.metadata.get("units") or "")
         if text.endswith("* meters"):
@@ -159,7 +144,7 @@ def _metres(scene: Any) -> float:
 
 
 def _meshes(scene: Any, suffix: str) -> Iterator[Any]:
-    """The meshes in the frame of their link, in the scene's order; lines and points are none."""
+    """Yield the meshes in the frame of their link, in the scene's order, without lines and points."""
     import numpy
 
     upright = numpy.array(_Y_UP) if suffix in ("glb", "gltf") else numpy.eye(4)
@@ -194,15 +179,14 @@ def _part(mesh: Any, scale: float) -> dict[str, Any] | None:
 
 
 def _look(visual: Any) -> tuple[list[float] | None, bytes | None]:
-    """The color and the picture (PNG) of a mesh, each None where it has none."""
+    """Return the color and the picture (PNG) of a mesh, if it has them."""
     import numpy
 
     material = getattr(visual, "material", None)
     if material is None:
         if not getattr(visual, "defined", False):
             return None, None
-        main = numpy.asarray(visual.main_color, float) / 255
-        return [round(float(each), 4) for each in main], None
+        return [round(float(each), 4) for each in numpy.asarray(visual.main_color, float) / 255], None
     picture = getattr(material, "image", None) or getattr(material, "baseColorTexture", None)
     color: Any = getattr(material, "baseColorFactor", None)
     if color is None:
@@ -220,11 +204,11 @@ def _look(visual: Any) -> tuple[list[float] | None, bytes | None]:
 
 
 def _obj(vertices: Any, faces: Any, uv: Any) -> str:
-    """The text of a mesh, whose corners of one place and one point of the picture are one."""
+    """Return a mesh as OBJ; corners with the same place and the same point of the picture are merged."""
     import numpy
 
     columns = vertices if uv is None else numpy.hstack([vertices, uv[:, :2]])
-    rows = columns.astype(numpy.float32)  # what MuJoCo keeps
+    rows = columns.astype(numpy.float32)  # the precision of MuJoCo
     _, first, same = numpy.unique(rows, axis=0, return_index=True, return_inverse=True)
     order = numpy.argsort(numpy.argsort(first))
     rows, faces = rows[numpy.sort(first)], order[same.ravel()][faces] + 1
@@ -240,7 +224,7 @@ def _obj(vertices: Any, faces: Any, uv: Any) -> str:
 
 
 def measure(mujoco: Any, argument: dict[str, Any]) -> list[dict[str, Any] | None]:
-    """What each STL or OBJ file measures; None for one that cannot be read here, which MuJoCo says something about."""
+    """Return the measures of each STL or OBJ file, or None if it cannot be read, which MuJoCo reports."""
     door = Door(tuple(argument["roots"]), sees_all=argument["sees_all"])
     found: list[dict[str, Any] | None] = []
     for path in argument["files"]:

@@ -1,8 +1,7 @@
-"""Expressions of templates for xacro, evaluated step by step over their syntax tree.
+"""Expressions of xacro templates, evaluated step by step over their syntax tree.
 
-They are Python in xacro. Here they are what this file lists, and nothing of it is handed to Python to run: operators,
-functions and methods by name, on numbers, texts, lists and mappings. A step that is not listed, a value of another
-kind, and whatever cannot be looked through for any reason is refused. Sizes are bounded before the work is done.
+In xacro they are Python. Here they are only the operators, functions and methods of this file, on numbers, texts, lists
+and mappings; Python runs nothing of them. Every other step or value is refused. Sizes are bounded before the work.
 """
 
 from __future__ import annotations
@@ -17,15 +16,15 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 LONGEST, DEEPEST = 10_000, 100
-"""The characters of an expression, and how deep it nests."""
+"""The most characters of an expression, and its deepest nesting."""
 STEPS, LARGEST, BITS = 500_000, 200_000, 4096
-"""The steps of all expressions of a template, the characters and values in one value, the bits of a whole number."""
+"""The most steps of all expressions of a template, characters and values in one value, bits of an integer."""
 Names = Callable[[str], Any]
-"""What a name stands for. Raises KeyError."""
+"""Return the meaning of a name. Raises KeyError."""
 
 
 class Stopped(Exception):
-    """What a template is not let do: `code` as the parent reports it, `subject` what it is about."""
+    """Something that a template may not do: `code` as the parent reports it, and its `subject`."""
 
     def __init__(self, code: str, message: str, subject: str = "") -> None:
         super().__init__(message)
@@ -33,7 +32,7 @@ class Stopped(Exception):
 
 
 class Function:
-    """A function that expressions may call. As text it means nothing."""
+    """A function that expressions may call. It has no text."""
 
     __slots__ = ("apply", "kind", "name")
 
@@ -45,7 +44,7 @@ class Function:
 
 
 class Space:
-    """Names behind a name, such as `math.`; those that are None exist in xacro and are not offered here."""
+    """Names behind a name, such as `math.`."""
 
     __slots__ = ("entries", "name")
 
@@ -81,25 +80,23 @@ METHODS: Mapping[type, frozenset[str]] = {
     list: frozenset({"count", "index"}), tuple: frozenset({"count", "index"}),
     dict: frozenset({"get", "items", "keys", "values"}), float: frozenset({"is_integer"}),
 }  # fmt: skip
-"""The methods that may be called. None changes its value, and none gives what the value is made of."""
+"""Methods that expressions may call. None changes its value or exposes its parts."""
 _WIDENS = frozenset({"zfill", "center", "ljust", "rjust"})
 _FORMAT = re.compile(r"%(?:\([^()]*\))?[-+ #0]*\d{0,3}(?:\.\d{0,3})?[hlL]?[diouxXeEfFgGcrsa%]")
 _SEPARATORS = re.compile(r"[^\\\[\]^-]+")
 
 
 class Evaluator:
-    """Evaluates the expressions of one template, which have a number of steps together.
+    """Evaluates the expressions of one template, which share a number of steps.
 
-    `kinds` are the classes of mappings and lists that xacro makes of YAML; `is_namespace` says what holds the
-    properties of an included file.
+    `mappings` and `lists` are the classes that xacro makes of YAML; `is_namespace` recognizes the properties of an
+    included file.
     """
 
     def __init__(
-        self,
-        mappings: Sequence[type] = (),
-        lists: Sequence[type] = (),
+        self, mappings: Sequence[type] = (), lists: Sequence[type] = (),
         is_namespace: Callable[[Any], bool] = lambda value: False,
-    ) -> None:
+    ) -> None:  # fmt: skip
         self.steps = STEPS
         self._depth = 0
         self._inner: list[dict[str, Any]] = []
@@ -110,8 +107,8 @@ class Evaluator:
         self._parsed = functools.lru_cache(2048)(self._tree)
 
     def value(self, text: str, names: Names) -> Any:
-        """The value of an expression. Raises Stopped for what it may not do, else what Python would."""
-        before = self._names, self._inner, self._depth  # a property is evaluated where it is first used
+        """Evaluate an expression. Raises Stopped for forbidden steps, else the same as Python."""
+        before = self._names, self._inner, self._depth  # a property is evaluated at its first use
         self._names, self._inner, self._depth = names, [], 0
         try:
             return self._of(self._parsed(text))
@@ -126,7 +123,7 @@ class Evaluator:
         except SyntaxError:
             raise
         except Exception as error:
-            raise Stopped("unsafe", f"the expression cannot be looked through: {type(error).__name__}") from None
+            raise Stopped("unsafe", f"the expression cannot be parsed: {type(error).__name__}") from None
 
     def _of(self, node: ast.expr) -> Any:
         step = _STEPS.get(type(node))
@@ -147,20 +144,20 @@ class Evaluator:
             raise Stopped("costly", f"the expressions of the template take more than {STEPS} steps")
 
     def known(self, value: Any) -> Any:
-        """The value, if it is of a kind that expressions know; what is in it was looked at when it was made."""
+        """Return a value of a known kind; its items were checked when it was made."""
         kind = type(value)
         if kind not in self._kinds and not self._is_namespace(value):
             raise Stopped("unsafe", f"an expression has no values of the kind `{kind.__name__}`")
         return value
 
     def admitted(self, value: Any) -> Any:
-        """The value, if it and all that is in it is of a kind that expressions know, and not too large."""
+        """Return a value that is not too large, and known with all its items."""
         if type(value) not in (Function, Space) and not self._is_namespace(value):
             self.spend(self.weight(value) // 8)
         return value
 
     def weight(self, value: Any) -> int:
-        """How many characters and values are in a value, counted wherever they are."""
+        """Return the number of characters and values in a value, at all depths."""
         count, waiting = 0, [value]
         while waiting:
             each = waiting.pop()
@@ -251,17 +248,15 @@ class Evaluator:
                 given.append(self._of(each))
         named: dict[str, Any] = {}
         for keyword in node.keywords:
-            if keyword.arg is not None:
-                named[_allowed(keyword.arg)] = self._of(keyword.value)
-                continue
-            more = self._of(keyword.value)
-            if type(more) not in self._mappings:
+            value = self._of(keyword.value)
+            if keyword.arg is None and type(value) not in self._mappings:
                 raise TypeError("argument after ** must be a mapping")
-            named |= {_allowed(str(key)): item for key, item in dict.items(more)}
+            more = dict.items(value) if keyword.arg is None else [(keyword.arg, value)]
+            named |= {_allowed(str(key)): item for key, item in more}
         return self.called(function, given, named)
 
     def called(self, function: Any, given: Sequence[Any], named: Mapping[str, Any]) -> Any:
-        """What a function gives. Native ones get values of known kinds alone, and their work is counted."""
+        """Call a function. Native functions get only values of known kinds, and their work counts as steps."""
         if not isinstance(function, Function):
             raise TypeError(f"'{type(function).__name__}' object is not callable")
         for each in (*given, *named.values()):
@@ -269,7 +264,7 @@ class Evaluator:
         return self.admitted(function.apply(*given, **named))
 
     def items(self, value: Any) -> list[Any]:
-        """The items of what can be gone through."""
+        """Return the items of an iterable value."""
         if type(value) not in (str, range, *self._mappings, *self._lists, *_VIEWS):
             raise TypeError(f"'{type(value).__name__}' object is not iterable")
         self.spend(len(value))
@@ -325,7 +320,7 @@ class Evaluator:
         left, value = self._of(node.left), True
         for symbol, operand in zip(node.ops, node.comparators, strict=True):
             right = self._of(operand)
-            self.admitted(left)  # a comparison goes through both
+            self.admitted(left)  # a comparison reads both
             value = _COMPARISONS[type(symbol)](left, right)
             if not value:
                 break
@@ -369,7 +364,7 @@ class Evaluator:
         return self.admitted(found)
 
     def _rounds(self, generators: Sequence[ast.comprehension]) -> Iterator[None]:
-        """Go through what `for` and `if` of a comprehension say, with its names in force."""
+        """Run the loops and conditions of a comprehension, with its names in scope."""
         if not generators:
             yield
             return
@@ -394,12 +389,12 @@ class Evaluator:
             for each, inner in zip(target.elts, values, strict=True):
                 self._assign(each, inner, scope)
         else:
-            raise Stopped("unsafe", "`for` takes names alone")
+            raise Stopped("unsafe", "`for` takes only names")
 
     # The functions of xacro and of Python.
 
     def functions(self) -> dict[str, Any]:
-        """Python's functions by their names, those that are not offered too."""
+        """Return Python's functions by their names."""
         native: dict[str, tuple[Callable[..., Any], type | None]] = {
             "len": (len, None), "str": (self._text, str), "float": (float, float), "int": (int, int),
             "bool": (bool, bool), "round": (self._round, None), "abs": (abs, None), "all": (all, None),
@@ -419,7 +414,7 @@ class Evaluator:
         return {name: Function(name, apply, kind) for name, (apply, kind) in native.items()}
 
     def mathematics(self) -> dict[str, Any]:
-        """The names of `math`."""
+        """Return the names of `math`."""
         special: dict[str, Callable[..., Any]] = {
             "factorial": self._factorial, "prod": self._product, "comb": self._chosen, "perm": self._chosen,
         }  # fmt: skip
@@ -479,7 +474,7 @@ class Evaluator:
         return start
 
     def tokenized(self, text: Any, sep: Any = ",; ", skip_empty: Any = True) -> list[str]:
-        """Xacro's `tokenize`, whose separators become a regular expression there."""
+        """Split as xacro's `tokenize`, which makes a regular expression of the separators."""
         if _SEPARATORS.fullmatch(sep) is None:
             raise Stopped("unsafe", "`tokenize` takes characters without `\\`, `[`, `]`, `^` and `-`")
         found = re.split(f"[{sep}]", text)
@@ -495,7 +490,7 @@ _NOT_OFFERED = _NotOffered()
 
 
 def offered(names: Iterable[str], given: Mapping[str, Any]) -> dict[str, Any]:
-    """What each name stands for; those that xacro has and that are not given are refused where they are used."""
+    """Return the meaning of each name; names of xacro that are not in `given` are refused when used."""
     return {name: given.get(name, _NOT_OFFERED) for name in names}
 
 

@@ -1,8 +1,8 @@
-"""Runs in a confined process of its own: xacro makes the text of a URDF, reads through the door, and evaluates nothing.
+"""Runs in a confined process: xacro makes the text of a URDF, reads files through the door, and evaluates nothing.
 
-xacro evaluates what stands in `${…}` as Python without builtins, which is no sandbox: attributes lead from any value to
-all that Python has. So its evaluation is replaced by our own (`evaluating.py`), in each expansion anew, and each other
-way of it to evaluate something is closed. Nothing of the environment is read.
+xacro evaluates `${…}` as Python without builtins, which is no sandbox: attributes lead from any value to all of Python.
+So each expansion replaces this evaluation by `evaluating.py`, and closes all other ways of xacro to evaluate text. It
+does not read the environment.
 """
 
 from __future__ import annotations
@@ -24,15 +24,15 @@ from mjcompose.base.files import Refused
 from mjcompose.urdf.evaluating import Evaluator, Function, Space, Stopped, offered
 
 BEFORE = ("xacro", "xacro.substitution_args", "yaml")
-"""What the process imports before it is confined: libraries of the system may belong to it."""
+"""Modules that the process imports before it is confined: they may load libraries of the system."""
 _PLACE = "mjcompose"
 _RECURSION = 3000
 _LONGEST = 200_000
-"""The characters of a text with values in it: xacro's way through it takes the square of them."""
+"""The most characters of a text with values: xacro takes quadratic time."""
 
 
 def expand(argument: dict[str, Any]) -> dict[str, Any]:
-    """The text that a template stands for with the place of each element, or what is wrong with it and where."""
+    """Return the text of an expanded template with the place of each element, or its fault."""
     _forget()
     try:
         import xacro
@@ -52,7 +52,7 @@ def expand(argument: dict[str, Any]) -> dict[str, Any]:
 
 
 def _forget() -> None:
-    """Let the next import of xacro be a new one: an expansion finds nothing of another one."""
+    """Let the next import of xacro start anew: expansions share nothing."""
     for name in [each for each in sys.modules if each.partition(".")[0] == "xacro"]:
         del sys.modules[name]
 
@@ -62,7 +62,7 @@ _HOOKS = tuple(
     " abs_filename_spec parse_macro_arg re_macro_arg YamlDictWrapper YamlListWrapper NameSpace".split()
 )
 _SUBSTITUTIONS = ("_eval", "_eval_find", "_eval_env", "_eval_optenv", "convert_value")
-"""What is used of xacro and replaced in it: a version without one of them may evaluate in another way."""
+"""Names that are used or replaced in xacro: a version without one of them may evaluate in another way."""
 
 
 class _Work:
@@ -73,12 +73,12 @@ class _Work:
         self.arguments: dict[str, str] = argument["arguments"]
         self.most: int = argument["elements"]
         self.files: list[str] = []
-        self.asked: set[str] = set()
+        self.known_arguments: set[str] = set()
         self.warnings: list[tuple[str, str]] = []
         self.count = 0
 
     def take_over(self, substitution: Any) -> str | None:
-        """Put this work's functions in the place of xacro's that evaluate or reach outside; the one that it lacks."""
+        """Replace the functions of xacro that evaluate or reach outside; return the name of one that it lacks."""
         xacro = self.xacro
         for module, names in ((xacro, _HOOKS), (substitution, _SUBSTITUTIONS)):
             for name in names:
@@ -111,7 +111,7 @@ class _Work:
         return None
 
     def symbols(self, own: Mapping[str, Any]) -> dict[str, Any]:
-        """What names stand for in expressions: all of xacro's names, each with what is offered for it."""
+        """Return the meaning of names in expressions: all of xacro's names, each with its replacement."""
         xacro, tools = self.xacro, self.evaluator
         functions = tools.functions() | {"True": True, "False": False}
         mathematics = tools.mathematics()
@@ -130,11 +130,11 @@ class _Work:
         return found
 
     def evaluated(self, expression: str, names: Any, _: Any = None) -> Any:
-        """In the place of `safe_eval`."""
+        """Replaces `safe_eval`."""
         return self.evaluator.value(expression, names.__getitem__)
 
     def substituted(self, expression: str, context: Mapping[str, Any]) -> str:
-        """In the place of what evaluates `$(eval …)`, whose names are functions, and then the arguments."""
+        """Replaces the evaluation of `$(eval …)`, whose names are functions, then arguments."""
         known = {
             **self.evaluator.functions(), **self.evaluator.mathematics(), "true": True, "false": False,
             "find": Function("find", self.found), "env": Function("env", self.environment),
@@ -148,13 +148,13 @@ class _Work:
             if name in known:
                 return known[name]
             value = arguments[name]
-            self.asked.add(name)
+            self.known_arguments.add(name)
             return self.substitution.convert_value(value, "auto")
 
         return str(self.evaluator.value(expression, named))
 
     def argument(self, name: str) -> Any:
-        self.asked.add(name)
+        self.known_arguments.add(name)
         known = self.xacro.substitution_args_context["arg"]
         if name not in known:
             raise Stopped("argument", f"the argument `{name}` of the template has no value", name)
@@ -182,25 +182,18 @@ class _Work:
         return text_of
 
     def expanded(self) -> dict[str, Any]:
-        xacro = self.xacro
-        mappings = dict(self.arguments)
-        names = set(mappings)
         try:
-            xacro.init_stacks(self.path)
+            self.xacro.init_stacks(self.path)
             document = self.parse(None, self.path)
-            xacro.process_doc(document, mappings=mappings)
+            self.xacro.process_doc(document, mappings=dict(self.arguments))
         except Exception as error:
             return self.failed(error)
-        unused = sorted(names - self.declared())
         root = document.documentElement
-        places = [each.getUserData(_PLACE) for each in _elements(root)]
+        places = [self.placed(each.getUserData(_PLACE)) for each in _elements(root)]
         return {
-            "text": root.toxml(), "places": [self.placed(place) for place in places], "files": self.files,
-            "warnings": self.warnings, "unused": unused, "arguments": sorted(self.declared()),
+            "text": root.toxml(), "places": places, "files": self.files, "warnings": self.warnings,
+            "unused": sorted(self.arguments.keys() - self.known_arguments), "arguments": sorted(self.known_arguments),
         }  # fmt: skip
-
-    def declared(self) -> set[str]:
-        return self.asked
 
     def placed(self, place: tuple[str, int, int, str] | None) -> list[Any]:
         file, line, column, tag = place or (self.path, 1, 0, "")
@@ -209,7 +202,7 @@ class _Work:
         return [self.files.index(file), line, column, tag]
 
     def failed(self, error: Exception) -> dict[str, Any]:
-        """What went wrong, at the innermost element that was worked on, and the calls of macros that led there."""
+        """Return the fault, at the innermost element in progress, and the macro calls that led there."""
         inner: BaseException = error
         while (cause := getattr(inner, "exc", None)) is not None and isinstance(cause, BaseException):
             inner = cause
@@ -236,33 +229,28 @@ class _Work:
         elif (found := _unknown(inner)) is not None:
             code, subject, known = found
         elif isinstance(inner, RecursionError):
-            message = "macros or properties lead to one another without an end"
+            message = "macros or properties refer to each other without an end"
         elif not isinstance(error, (self.xacro.XacroException, RuntimeError, Stopped)):
             traceback.print_exception(error)
             message = f"{type(error).__name__}: {message}"
-        return {
-            "error": {
-                "code": code,
-                "message": message,
-                "subject": subject,
-                "known": known,
-                "at": None if at is None else self.placed(at),
-                "calls": [self.placed(each) for each in reversed(calls)][:5],
-            },
-            "files": self.files,
-        }
+        fault = {
+            "code": code, "message": message, "subject": subject, "known": known,
+            "at": None if at is None else self.placed(at),
+            "calls": [self.placed(each) for each in reversed(calls)][:5],
+        }  # fmt: skip
+        return {"error": fault, "files": self.files}
 
-    # What stands in for xacro's own functions.
+    # Replacements of xacro's own functions.
 
     def opened(self, name: str, *_: Any, **__: Any) -> io.StringIO:
-        """A file as text, as the door lets it through."""
+        """Open a file as text, through the door."""
         path = os.path.abspath(os.path.join(os.path.dirname(self.path), name))
         return io.StringIO(self.read(path).decode("utf-8-sig"))
 
     def read(self, path: str) -> bytes:
         try:
             data = self.door.read(path)
-        except Refused as refused:  # no OSError for xacro, which passes over an optional file that cannot be read
+        except Refused as refused:  # no OSError, which xacro ignores for an optional file
             raise Stopped("refused", refused.message(), path) from refused
         if path not in self.files:
             self.files.append(path)
@@ -276,12 +264,12 @@ class _Work:
             data = self.read(path)
         except OSError as error:
             if self.xacro.filestack and len(self.xacro.filestack) > 1:
-                self.xacro.filestack.pop()  # so that an include that is optional goes on
+                self.xacro.filestack.pop()  # an optional include continues
             raise self.xacro.XacroException(str(error.strerror), exc=error) from error
         return _parsed(data, path)
 
     def globbed(self, pattern: str) -> list[str]:
-        """The files of a pattern. What the door does not show is an error before anything is searched."""
+        """Return the files of a pattern; a pattern outside of the readable folders is an error."""
         try:
             return self.door.search(os.path.abspath(pattern))
         except Refused as refused:
@@ -300,7 +288,7 @@ class _Work:
                 raise Stopped("limit", f"the template makes more than {self.most} elements")
             for each in node.childNodes:
                 if getattr(each, "tagName", "") == "xacro:arg":
-                    self.asked.add(each.getAttribute("name"))
+                    self.known_arguments.add(each.getAttribute("name"))
             return evaluate(node, macros, symbols)
 
         return counting
@@ -309,7 +297,7 @@ class _Work:
         def extended(text: str) -> Any:
             words = text[2:-1].split()
             if words[:1] == ["cwd"]:
-                raise Stopped("environment", "`$(cwd)` is the folder in which a command happens to run", "cwd")
+                raise Stopped("environment", "`$(cwd)` depends on the folder in which the command runs", "cwd")
             if words[:1] == ["dirname"]:
                 return self.folder()
             if words[:1] == ["arg"] and len(words) == 2:
@@ -329,20 +317,20 @@ class _Work:
 
 
 def _unknown(error: BaseException) -> tuple[str, str, list[str]] | None:
-    """The kind of a name that does not exist, the name, and those that do; None for another error."""
+    """Return the kind of a missing name, the name, and the names that exist; None for another error."""
     frames = list(_frames(error.__traceback__))
     if isinstance(error, NameError) and error.name:
         tables = [frame.f_locals["symbols"] for frame in frames if "symbols" in frame.f_locals]
         return None if not tables else ("property", error.name, _names(tables[-1]))
     last = frames[-1] if frames else None
     if last is None or last.f_code.co_name != "handle_macro_call" or "m" in last.f_locals:
-        return None  # with `m` it has found the macro, and stumbles over a parameter
+        return None  # with `m` it has found the macro, and a parameter is wrong
     name = str(last.f_locals.get("name") or "")
     return None if not name else ("macro", name, _names(last.f_locals["macros"]))
 
 
 def _names(table: Any) -> list[str]:
-    """The names of a table of xacro and of those around it, without those that are everywhere, such as `pi`."""
+    """Return the names of a table of xacro and of the tables around it, without global ones such as `pi`."""
     found: set[str] = set()
     while hasattr(table, "parent"):
         found |= {str(name) for name in table if not str(name).startswith("__")}
@@ -351,11 +339,11 @@ def _names(table: Any) -> list[str]:
 
 
 def _no_way(*_: Any, **__: Any) -> Any:
-    raise Stopped("unsafe", "xacro does something here that is not known")
+    raise Stopped("unsafe", "xacro evaluates something here in an unknown way")
 
 
 def _with_ends(parse: Callable[[str], Any], pattern: str) -> Callable[[str], Any] | None:
-    """Parse `params` as xacro does, which takes for ever where quotes have no ends: it tries all ways to pair them."""
+    """Parse `params` as xacro does, but fail early for quotes without an end: xacro tries all ways to pair them."""
     steady = pattern.replace("'.*?'", "'[^']*'").replace('\\".*?\\"', '\\"[^\\"]*\\"').replace("]+)+", "]++)++")
     if ".*?'" in steady or "]++)++" not in steady:
         return None  # another version of xacro
@@ -369,7 +357,7 @@ def _with_ends(parse: Callable[[str], Any], pattern: str) -> Callable[[str], Any
 
 
 def _is_name(name: str) -> bool:
-    """In the place of a function that parses the name as a program."""
+    """Replaces a function that parses the name as a program."""
     return name.isidentifier() and not keyword.iskeyword(name) and unicodedata.normalize("NFKC", name) == name
 
 

@@ -1,4 +1,4 @@
-"""Inertias that no body can have: found before MuJoCo refuses them, and repaired where the recipe asks for that."""
+"""Impossible inertias: found before MuJoCo refuses them, and repaired if the recipe says so."""
 
 from __future__ import annotations
 
@@ -9,23 +9,22 @@ from lxml import etree
 from lxml.etree import _Element as Node
 
 from mjcompose.base.dataclass import dataclass
-from mjcompose.base.diagnostic import Cause
+from mjcompose.base.diagnostic import Cause, Note, Span
 from mjcompose.base.sink import Sink
 from mjcompose.urdf.robot import Robot
 
 CODE = "urdf-inertia"
 _NAMES = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
 _SMALLEST, _LIGHTEST = 1e-9, 1e-6
-"""What a body gets that has nothing: kg m² and kg, above MuJoCo's own bounds and below what can be felt."""
+"""The moment (kg m²) and mass (kg) for a body without any: above MuJoCo's bounds, and negligible."""
 _LEAST_MOMENT, _LEAST_MASS = 1e-14, 1e-15
-"""Below these MuJoCo refuses the moments of any body, and the mass of one that moves."""
-_FIXED = "fixed"
+"""MuJoCo refuses smaller moments of any body, and smaller masses of moving bodies."""
 Matrix = list[list[float]]
 
 
 @dataclass(frozen=True, slots=True)
 class Bad:
-    """A link whose inertia cannot be, and why; `inertial` is None where the link needs one and has none."""
+    """A link with an impossible inertia, and why; `inertial` is None if the link needs one and has none."""
 
     link: Node
     inertial: Node | None
@@ -33,7 +32,7 @@ class Bad:
 
 
 def bad_inertias(robot: Robot) -> Iterator[Bad]:
-    """The links whose inertia MuJoCo refuses."""
+    """Yield the links whose inertia MuJoCo refuses."""
     weightless = list(_weightless(robot.root))
     for link in robot.root.iterchildren("link"):
         inertial = link.find("inertial")
@@ -47,9 +46,9 @@ def bad_inertias(robot: Robot) -> Iterator[Bad]:
             yield Bad(link, inertial, "mass and inertia are zero")
         elif values[0] < _LEAST_MOMENT:
             wrong = "is not positive" if values[0] <= 0 else f"is below {_LEAST_MOMENT:g}"
-            yield Bad(link, inertial, f"its principal moments are {_shown(values)}, and one of them {wrong}")
+            yield Bad(link, inertial, f"its principal moments are {_shown(values)}: one {wrong}")
         elif values[0] + values[1] < values[2]:
-            why = f"its principal moments are {_shown(values)}, and the two small ones are less than the large one"
+            why = f"its principal moments are {_shown(values)}: the small two add up to less than the third"
             yield Bad(link, inertial, why)
         elif 0 <= mass < _LEAST_MASS and link in weightless:
             yield Bad(link, inertial, f"it moves and weighs {mass:g} kg")
@@ -58,38 +57,39 @@ def bad_inertias(robot: Robot) -> Iterator[Bad]:
             yield Bad(link, None, "it moves and has no mass")
 
 
-def report(robot: Robot, sink: Sink, notes: tuple[object, ...]) -> bool:
-    """Errors for all of them; whether there are any."""
-    found = list(bad_inertias(robot))
-    for each in found:
-        element = each.link if each.inertial is None else _inertia(each.inertial)
-        name = each.link.get("name")
+def report(robot: Robot, sink: Sink, notes: tuple[Note, ...]) -> None:
+    """Report an error for each of them."""
+    for bad in bad_inertias(robot):
         sink.error(
             CODE,
-            f"no body can have the inertia of the link `{name}`: {each.why}",
-            robot.unit.origins.span(element, robot.unit.file),
-            notes=notes,  # type: ignore[arg-type]
-            help="correct it, or write beside `model`: `urdf: {inertia: repair}`",
-            cause=Cause(f"inertia {robot.unit.file}", f"`{name}`: {each.why}"),
+            f"the link `{bad.link.get('name')}` has an impossible inertia: {bad.why}",
+            _span(robot, bad),
+            notes=notes,
+            help="correct it, or add `urdf: {inertia: repair}` next to `model`",
+            cause=Cause(f"inertia {robot.unit.file}", f"`{bad.link.get('name')}`: {bad.why}"),
         )
-    return bool(found)
+
+
+def _span(robot: Robot, bad: Bad) -> Span:
+    inertia = None if bad.inertial is None else bad.inertial.find("inertia")
+    element = next(each for each in (inertia, bad.inertial, bad.link) if each is not None)
+    return robot.unit.origins.span(element, robot.unit.file)
 
 
 def repair(robot: Robot, sink: Sink) -> list[str]:
-    """Change each as little as MuJoCo allows, with a warning; the links whose mass and inertia are zero as written."""
+    """Change each as little as MuJoCo allows, with a warning; return the links whose mass and inertia are zero."""
     massless, weightless = [], list(_weightless(robot.root))
     for each in list(bad_inertias(robot)):
         robot.changed = True
         name = str(each.link.get("name"))
-        element = each.link if each.inertial is None else _inertia(each.inertial)
-        span = robot.unit.origins.span(element, robot.unit.file)
+        span = _span(robot, each)
         if each.inertial is None:
             _write(etree.SubElement(each.link, "inertial"), _LIGHTEST, _diagonal(_SMALLEST))
             became = f"{_LIGHTEST:g} kg and {_SMALLEST:g} kg m²"
         elif (tensor := _tensor(each.inertial)) is None or (not _mass(each.inertial) and not any(map(any, tensor))):
             each.link.remove(each.inertial)
             massless.append(name)
-            became = "left out, and its shapes weigh nothing"
+            became = "omitted, and its shapes weigh nothing"
         else:
             repaired, values = _repaired(tensor)
             _write(each.inertial, None, repaired)
@@ -101,14 +101,14 @@ def repair(robot: Robot, sink: Sink) -> list[str]:
             CODE, f"the inertia of the link `{name}` was repaired: {each.why}; now: {became}", span,
             cause=Cause(f"repaired {robot.unit.file}", f"`{name}`: {each.why}; now: {became}"),
         )  # fmt: skip
-    for link in _weightless(robot.root, massless):  # what was held up by a link whose mass is zero
+    for link in _weightless(robot.root, massless):  # links that were attached to a link without mass
         if link.find("inertial") is None:
             _write(etree.SubElement(link, "inertial"), _LIGHTEST, _diagonal(_SMALLEST))
     return massless
 
 
 def _repaired(tensor: Matrix) -> tuple[Matrix, list[float]]:
-    """The tensor with its axes, and the smallest moments large enough."""
+    """Return the tensor with the same axes and large enough moments, and the moments."""
     values, axes = eigen(tensor)
     floor = max(_SMALLEST, 1e-6 * values[2])
     low, middle, high = (max(each, floor) for each in values)
@@ -121,11 +121,11 @@ def _repaired(tensor: Matrix) -> tuple[Matrix, list[float]]:
 
 
 def _weightless(root: Node, massless: Collection[str] = ()) -> Iterator[Node]:
-    """The links that move by themselves and have, with all that is fixed to them, neither mass nor a shape with one."""
+    """Yield moving links without mass, even counting their shapes and the links fixed to them."""
     joints = list(root.iterchildren("joint"))
     fixed: dict[str, list[str]] = {}
     for joint in joints:
-        if joint.get("type") == _FIXED:
+        if joint.get("type") == "fixed":
             fixed.setdefault(_end(joint, "parent"), []).append(_end(joint, "child"))
     links = {str(link.get("name")): link for link in root.iterchildren("link")}
 
@@ -143,18 +143,13 @@ def _weightless(root: Node, massless: Collection[str] = ()) -> Iterator[Node]:
 
     for joint in joints:
         name = _end(joint, "child")
-        if joint.get("type") != _FIXED and name in links and not heavy(name, set()):
+        if joint.get("type") != "fixed" and name in links and not heavy(name, set()):
             yield links[name]
 
 
 def _end(joint: Node, tag: str) -> str:
     end = joint.find(tag)
     return "" if end is None else str(end.get("link"))
-
-
-def _inertia(inertial: Node) -> Node:
-    found = inertial.find("inertia")
-    return inertial if found is None else found
 
 
 def _mass(inertial: Node) -> float:
@@ -199,7 +194,7 @@ def _shown(values: list[float]) -> str:
 
 
 def eigen(tensor: Matrix) -> tuple[list[float], Matrix]:
-    """The principal moments, smallest first, and the axes as columns, by Jacobi's rotations.
+    """Return the principal moments, smallest first, and the axes as columns, by Jacobi's rotations.
 
     >>> [round(each, 12) for each in eigen([[2.0, 1.0, 0.0], [1.0, 2.0, 0.0], [0.0, 0.0, 5.0]])[0]]
     [1.0, 3.0, 5.0]

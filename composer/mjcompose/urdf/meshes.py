@@ -7,6 +7,7 @@ import os
 import re
 from collections.abc import Iterator
 from dataclasses import field
+from itertools import count
 from math import dist
 from pathlib import Path
 from typing import Any
@@ -27,15 +28,13 @@ from mjcompose.urdf.robot import FLAT_HELP, Look, Robot, locate_as
 CONVERTED = ("dae", "glb", "gltf", "ply", "off", "3mf")
 _FOLDER = "converted"
 _MOST_FACES = 200_000
-"""Of an STL file, in MuJoCo."""
+"""MuJoCo's limit for an STL file."""
 _NO_VOLUME = 1e-12
-_ADDRESS = re.compile(r"https?://|ftp://")
-_OPEN_HELP = "give the link an `<inertial>`, or close the mesh"
 
 
 @dataclass(slots=True)
 class Meshes:
-    """The meshes of one robot; faults go to the sink. `files` are those that nothing in the model names any more."""
+    """The meshes of one robot; faults go to the sink. `files` are converted files, which the model no longer names."""
 
     robot: Robot
     session: Session
@@ -45,19 +44,19 @@ class Meshes:
     taken: set[str] = field(default_factory=set)
     flat: list[tuple[Doubt, str, Span]] = field(default_factory=list)
     shells: set[str] = field(default_factory=set)
-    """The meshes that MuJoCo may weigh as shells, for it needs a volume else: their mass is nowhere used."""
+    """Meshes whose mass is not used: MuJoCo may weigh them as shells, which need no volume."""
 
     def prepare(self) -> None:
-        """Convert what has to be, and look at what there is."""
+        """Convert meshes that MuJoCo does not read, and check all."""
         wanted: dict[str, list[Node]] = {}
         for mesh in self._used():
             written = str(mesh.get("filename") or "")
-            if _ADDRESS.match(written):
-                message = f"`{written}` is an address, and a URDF cannot fetch its meshes"
-                help = "download the file, put it beside the URDF, and name it"
+            if re.match(r"https?://|ftp://", written):
+                message = f"`{written}` is an address, but mjcompose does not fetch the meshes of a URDF"
+                help = "download the file, put it next to the URDF, and name it"
                 self.sink.error("asset-missing", message, self._span(mesh), help=help)
                 continue
-            found = self.robot.file_of(str(mesh.get("filename") or ""))
+            found = self.robot.file_of(written)
             if found is not None and os.path.isfile(found):
                 try:
                     wanted.setdefault(self.robot.unit.door.admit(found), []).append(mesh)
@@ -66,22 +65,23 @@ class Meshes:
         convertible = [path for path, meshes in wanted.items() if self._is_to_convert(path, meshes)]
         plain = [path for path in wanted if path not in convertible and _suffix(path) in ("stl", "obj")]
         if plain:
-            for path, facts in zip(plain, self._ask(measure, plain), strict=True):
-                if facts is not None:
-                    if facts["volume"] < _NO_VOLUME and all(map(_is_weighed_otherwise, wanted[path])):
-                        self.shells.update(str(mesh.get("filename")) for mesh in wanted[path])
-                    for mesh in wanted[path]:
-                        self._judge(mesh, Path(path), facts)
+            for path, facts in zip(plain, self._call(measure, plain), strict=True):
+                if facts is None:
+                    continue
+                if facts["volume"] < _NO_VOLUME and all(map(_is_weighed_otherwise, wanted[path])):
+                    self.shells.update(str(mesh.get("filename")) for mesh in wanted[path])
+                for mesh in wanted[path]:
+                    self._check(mesh, Path(path), facts)
         if convertible:
-            for path, result in zip(convertible, self._ask(convert, convertible), strict=True):
+            for path, result in zip(convertible, self._call(convert, convertible), strict=True):
                 self._replace(Path(path), wanted[path], result)
 
     def report_flat(self) -> None:
-        """Warn of flat meshes that MuJoCo accepts; where it does not, that is the error."""
+        """Warn of flat meshes that MuJoCo accepts; for others, MuJoCo reports an error."""
         for doubt, message, span in self.flat:
             self.sink.warning(doubt.code, message, span, help=FLAT_HELP)
 
-    def _ask(self, function: Any, files: list[str]) -> list[Any]:
+    def _call(self, function: Any, files: list[str]) -> list[Any]:
         door = self.robot.unit.door
         argument = {"roots": list(door.roots), "sees_all": door.sees_all, "files": files}
         answer = call(self.session, function, (), argument=argument)
@@ -101,23 +101,17 @@ class Meshes:
                 yield from shape.iterfind("geometry/mesh")
 
     def _is_to_convert(self, path: str, meshes: list[Node]) -> bool:
-        if _suffix(path) == "obj":
-            if not any(_shape(mesh).tag == "visual" for mesh in meshes):
-                return False
-            try:
-                return b"mtllib" in self.robot.unit.door.read(path)
-            except OSError:
-                return False
-        if _suffix(path) == "stl":
-            return self._is_odd_stl(path)
-        return _suffix(path) in CONVERTED
-
-    def _is_odd_stl(self, path: str) -> bool:
-        """Whether it is text, or has more faces than MuJoCo reads."""
+        suffix = _suffix(path)
+        if suffix == "obj" and not any(_shape(mesh).tag == "visual" for mesh in meshes):
+            return False
+        if suffix not in ("obj", "stl"):
+            return suffix in CONVERTED
         try:
             data = self.robot.unit.door.read(path)
         except OSError:
             return False
+        if suffix == "obj":
+            return b"mtllib" in data
         count = int.from_bytes(data[80:84], "little")
         is_binary = len(data) >= 84 + 50 * count and count > 0
         return count > _MOST_FACES if is_binary else data.lstrip().startswith(b"solid") and b"vertex" in data
@@ -127,31 +121,30 @@ class Meshes:
 
     def _replace(self, path: Path, meshes: list[Node], result: dict[str, Any]) -> None:
         span, called = self._span(meshes[0]), f"`{self.shown(path)}`"
-        if result.get("missing"):
-            if _suffix(path.name) == "obj":  # MuJoCo reads it, without its materials
-                message = f"the materials of {called} are not read: the package `{result['missing']}` is not installed"
-                self.sink.note("mesh-look", message, span, help='run `pip install "mjcompose[mesh]"`')
-                return
-            package = result["missing"]
-            message = f"MuJoCo does not read {called}, and the package `{package}`, which does, is not installed"
-            self.sink.error("not-installed", message, span, help='run `pip install "mjcompose[mesh]"`',
-                            cause=Cause(f"mesh {result['missing']}", called))  # fmt: skip
+        if package := result.get("missing"):
+            help = 'run `pip install "mjcompose[mesh]"`'
+            if _suffix(path.name) == "obj":  # MuJoCo reads it without its materials
+                message = f"mjcompose cannot read the materials of {called} without the package `{package}`"
+                self.sink.note("mesh-look", message, span, help=help)
+            else:
+                message = f"mjcompose cannot read {called} without the package `{package}`, and MuJoCo cannot either"
+                cause = Cause(f"mesh {package}", called)
+                self.sink.error("not-installed", message, span, help=help, cause=cause)
             return
         if (refused := result.get("refused")) is not None:
             self.robot.unit.door.outside(refused).report(self.sink, span, shown=self.shown)
             return
-        if result.get("parts") is None:
-            if (why := result.get("error") or result.get("unreadable")) is not None:
-                message = f"the mesh {called} cannot be read: {why}"
-                self.sink.error("mesh-unreadable", message, span, help="open it in a viewer, and export it anew")
-            return
-        if not result["parts"]:
-            self.sink.error("mesh-unreadable", f"the mesh {called} has no triangles", span,
-                            help="export it with its faces, or take it out")  # fmt: skip
+        if not result.get("parts"):
+            why, help = result.get("error") or result.get("unreadable"), "open it in a viewer, and export it again"
+            message = f"the mesh {called} cannot be read: {why}"
+            if result.get("parts") is not None:
+                message, help = f"the mesh {called} has no triangles", "export it with its faces, or remove it"
+            if why is not None or result.get("parts") is not None:
+                self.sink.error("mesh-unreadable", message, span, help=help)
             return
         for name in result["lost"]:
-            what = f"`{name}`" if "." in name else name
-            message = f"{called} names {what} that is not found: what it gives the mesh is left out"
+            file = f"`{name}`" if "." in name else name
+            message = f"{called} names {file}, which does not exist: the mesh looks plain"
             self.sink.warning("mesh-look", message, span)
         self.files += [path, *(Path(each) for each in result["files"])]
         names = [self._keep(path, part, len(result["parts"])) for part in result["parts"]]
@@ -160,15 +153,15 @@ class Meshes:
             self.shells.update(names)
         for mesh in meshes:
             for part in result["parts"]:
-                self._judge(mesh, path, part["measures"])
+                self._check(mesh, path, part["measures"])
             self._split(mesh, names)
 
     def _keep(self, path: Path, part: dict[str, Any], of: int) -> str:
-        stem = f"{path.stem}" if of == 1 else f"{path.stem}_{{}}"
-        number, name = 0, ""
-        while not name or name in self.taken:
-            called = stem.format(number) if of > 1 else stem if not number else f"{stem}-{number + 1}"
-            name, number = f"{_FOLDER}/{called}.obj", number + 1
+        for number in count():
+            end = f"_{number}" if of > 1 else f"-{number + 1}" if number else ""
+            name = f"{_FOLDER}/{path.stem}{end}.obj"
+            if name not in self.taken:
+                break
         self.taken.add(name)
         self.robot.made[name] = part["obj"].encode()
         texture = None if part["texture"] is None else base64.b64decode(part["texture"])
@@ -177,7 +170,7 @@ class Meshes:
         return name
 
     def _split(self, mesh: Node, names: list[str]) -> None:
-        """A shape for each part of its mesh; what the URDF says of its color comes first."""
+        """Make a shape for each part of a mesh; a color in the URDF takes precedence."""
         shape = _shape(mesh)
         colored = shape.find("material") is not None
         for name in names:
@@ -192,8 +185,8 @@ class Meshes:
                 material = etree.SubElement(one, "material", name="")
                 etree.SubElement(material, "color", rgba=" ".join(f"{each:g}" for each in rgba))
 
-    def _judge(self, mesh: Node, path: Path, facts: dict[str, Any]) -> None:
-        """Warn of what is hardly meant."""
+    def _check(self, mesh: Node, path: Path, facts: dict[str, Any]) -> None:
+        """Warn of doubtful meshes."""
         shape, scale = _shape(mesh), _numbers(mesh.get("scale"), (1.0, 1.0, 1.0))
         link, called = shape.getparent(), f"`{self.shown(path)}`"
         touches, inside = shape.tag == "collision", None
@@ -202,10 +195,11 @@ class Meshes:
         for doubt in doubts(measured(facts, scale), _reach(self.robot.root), touches=touches, inside=inside):
             span, message = self._span(mesh), f"the mesh {called} {doubt.what}"
             match doubt.kind:
-                case "flat":  # MuJoCo may refuse it, and that is told once
+                case "flat":  # MuJoCo may refuse it, which is reported once
                     self.flat.append((doubt, message, span))
                 case "open":
-                    self.sink.warning(doubt.code, message, span, help=_OPEN_HELP)
+                    help = "give the link an `<inertial>`, or close the mesh"
+                    self.sink.warning(doubt.code, message, span, help=help)
                 case _:
                     cause = Cause(f"{doubt.kind} meshes of {self.robot.unit.file}", called)
                     help = doubt.advice(scale, 'scale="{}"')
@@ -220,7 +214,7 @@ def _shape(mesh: Node) -> Node:
 
 
 def _is_weighed_otherwise(mesh: Node) -> bool:
-    """Whether the mass of a mesh does not count: it is a look, or its link has an inertia of its own."""
+    """Return whether the mass of a mesh is unused: it is a visual, or its link has an inertia."""
     shape = _shape(mesh)
     link = shape.getparent()
     return shape.tag == "visual" or (link is not None and link.find("inertial") is not None)
@@ -231,7 +225,7 @@ def _suffix(path: str) -> str:
 
 
 def _reach(root: Node) -> float:
-    """The largest distance of two joints that follow on each other, in metres."""
+    """Return the largest distance of two consecutive joints, in meters."""
     origins = (each.get("xyz") for each in root.iterfind("joint/origin"))
     return max((dist((0, 0, 0), _numbers(each, (0.0, 0.0, 0.0))) for each in origins), default=0.0)
 
@@ -244,13 +238,10 @@ def _numbers(text: str | None, otherwise: tuple[float, ...]) -> tuple[float, ...
     return found if len(found) == len(otherwise) else otherwise
 
 
-_MAGIC = b"\x89PNG"
-
-
 def add_looks(robot: Robot, unit: Unit, pairs: list[tuple[Node, Node]], sink: Sink) -> dict[Node, str]:
-    """Give geoms their materials with textures; the `<texture>` elements that were read, with what they became."""
+    """Give geoms their materials with textures; return the `<texture>` elements that were read."""
     files = {str(mesh.get("name")): str(mesh.get("file")) for mesh in unit.root.iterfind("asset/mesh")}
-    named = {str(each.get("name")): each for each in robot.root.iter("material") if each.find("texture") is not None}
+    named = {str(each.get("name")): each.find("texture") for each in robot.root.iterfind(".//material[texture]")}
     read: dict[Node, str] = {}
     kept: dict[str, str] = {}
     for element, source in pairs:
@@ -260,58 +251,48 @@ def add_looks(robot: Robot, unit: Unit, pairs: list[tuple[Node, Node]], sink: Si
         texture = None
         if material is not None:
             texture = material.find("texture")
-            texture = texture if texture is not None or material.find("color") is not None else _of(named, material)
-        if texture is not None and (look := _picture(robot, texture, sink)) is not None:
+            if texture is None and material.find("color") is None:
+                texture = named.get(str(material.get("name")))
+        if texture is not None and (path := _picture(robot, texture, sink)) is not None:
             read[texture] = "material and texture"
-            path = look.texture
-            assert isinstance(path, Path)
             _give(unit, element, source, robot=robot, name=path.stem, picture=path, kept=kept)
         elif material is None or material.get("name") == "":
             found = robot.looks.get(files.get(str(element.get("mesh")), ""))
-            if found is not None and isinstance(found.texture, bytes):
-                _give(
-                    unit, element, source, robot=robot, name=str(element.get("mesh")), picture=found.texture,
-                    kept=kept,
-                )  # fmt: skip
+            if found is not None and found.texture is not None:
+                name = str(element.get("mesh"))
+                _give(unit, element, source, robot=robot, name=name, picture=found.texture, kept=kept)
     return read
 
 
-def _of(named: dict[str, Node], material: Node) -> Node | None:
-    found = named.get(str(material.get("name")))
-    return None if found is None else found.find("texture")
-
-
-def _picture(robot: Robot, texture: Node, sink: Sink) -> Look | None:
-    """The picture of a `<texture>`, if it is one that MuJoCo reads."""
+def _picture(robot: Robot, texture: Node, sink: Sink) -> Path | None:
+    """Return the picture of a `<texture>` if MuJoCo reads it."""
     written = str(texture.get("filename") or "")
     path = robot.file_of(written) if written else None
     span = robot.unit.origins.span(texture, robot.unit.file, "filename")
     if path is None or not os.path.isfile(path):
-        sink.warning("asset-missing", f"the texture `{written}` does not exist: the material has none", span)
+        sink.warning("asset-missing", f"the texture `{written}` does not exist: the material has no texture", span)
         return None
     try:
         data = robot.unit.door.read(path)
     except Refused as refused:
         refused.report(sink, span)
         return None
-    if not data.startswith(_MAGIC):
-        message = f"MuJoCo reads textures as PNG, and `{written}` is not: the material has none"
+    if not data.startswith(b"\x89PNG"):
+        message = f"MuJoCo reads only PNG, and `{written}` is not: the material has no texture"
         sink.warning("mesh-look", message, span, help="convert the picture to PNG")
         return None
-    return Look(None, path)
+    return path
 
 
 def _give(
     unit: Unit, geom: Node, source: Node, robot: Robot, name: str, picture: bytes | Path, kept: dict[str, str]
 ) -> None:
-    """Let a geom have a material with the picture, which is made once."""
+    """Give a geom a material with the picture, made once."""
     key = str(picture) if isinstance(picture, Path) else f"{hash(picture)} {len(picture)}"
     material = kept.get(key)
     if material is None:
-        material, number = name, 1
-        while material in kept.values():
-            number += 1
-            material = f"{name}-{number}"
+        ends = ("" if number == 1 else f"-{number}" for number in count(1))
+        material = next(f"{name}{end}" for end in ends if f"{name}{end}" not in kept.values())
         kept[key] = material
         asset = unit.section("asset")
         file = f"converted/{material}.png" if isinstance(picture, bytes) else str(picture)
@@ -323,5 +304,4 @@ def _give(
         ):
             locate_as(unit, made, source, written=robot.unit.origins)
     geom.set("material", material)
-    if "rgba" in geom.attrib:
-        del geom.attrib["rgba"]
+    geom.attrib.pop("rgba", "")

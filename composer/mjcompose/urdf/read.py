@@ -1,10 +1,11 @@
-"""A URDF file or a xacro template becomes a unit; whatever is wrong is reported at its place in the file."""
+"""Read a URDF file or a xacro template as a unit; faults are reported at their places in the file."""
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Callable, Collection, Sequence
 from contextlib import ExitStack
-from dataclasses import field, replace
+from dataclasses import replace
 from pathlib import Path
 
 from lxml.etree import _Element as Node
@@ -17,6 +18,7 @@ from mjcompose.base.sink import Sink
 from mjcompose.base.suggest import did_you_mean, exists_note, unknown_attribute
 from mjcompose.model.files import written_path
 from mjcompose.model.grammar import GRAMMAR
+from mjcompose.model.merged_settings import ReadRow
 from mjcompose.model.parse import includes_admitted, parse_text, parse_xml, read_file
 from mjcompose.model.unit import FileText, Unit
 from mjcompose.mujoco.convert import PACKAGE, Converted, convert_urdf
@@ -25,7 +27,7 @@ from mjcompose.mujoco.messages import CRASHES, Topic, parse, read_sentence
 from mjcompose.sources import ros
 from mjcompose.sources.reference import Source
 from mjcompose.urdf import inertia
-from mjcompose.urdf.actuators import Extras, Reading, add_actuators
+from mjcompose.urdf.actuators import Extras, add_actuators, note_unread, read_rows
 from mjcompose.urdf.meshes import Meshes, add_looks
 from mjcompose.urdf.robot import Robot, explain, known_packages, locate_in_urdf, mesh_of, name_fused_links, named_in
 from mjcompose.urdf.xacro import Template, is_template, owned, parsed
@@ -37,10 +39,10 @@ Shown = Callable[[Path], str]
 
 @dataclass(slots=True)
 class UrdfReader:
-    """Reads URDF for one caller: faults go to the sink, with a note of where it was `asked` for.
+    """Reads URDF for one caller: faults go to the sink, with a note at `asked`, where the recipe names the file.
 
-    `missing` reports meshes that do not exist; it gets the robot and what MuJoCo said. `folder_of_package` says how the
-    caller writes a folder beside `model`.
+    `missing` reports missing meshes; it gets the robot and MuJoCo's answer. `relative` returns a folder as the caller
+    writes it.
     """
 
     source: Source
@@ -51,11 +53,11 @@ class UrdfReader:
     is_fixed_in_world: bool = True
     missing: Callable[[Robot, Converted], None] | None = None
     relative: Shown = str
-    reading: Reading = field(default_factory=Reading)
+    rows: tuple[ReadRow, ...] = ()
     robot: Robot | None = None
 
     def unit(self) -> Unit | None:
-        """The unit of the file; None where it has faults."""
+        """Return the unit of the file, or None if it has faults."""
         with ExitStack() as stack:
             if self.session is None:
                 self.session = stack.enter_context(Session())
@@ -71,10 +73,9 @@ class UrdfReader:
             return None
         self._report_unread(robot)
         choices = self.source.urdf
-        if choices.visuals is not None:
-            robot.set("discardvisual", "false" if choices.visuals == "keep" else "true")
-        if choices.fixed is not None:
-            robot.set("fusestatic", "false" if choices.fixed == "keep" else "true")
+        for setting, choice in (("discardvisual", choices.visuals), ("fusestatic", choices.fixed)):
+            if choice is not None:
+                robot.set(setting, "false" if choice == "keep" else "true")
         robot.simplified()
         assert self.session is not None
         meshes = Meshes(robot, self.session, self.sink, shown=self.shown)
@@ -89,7 +90,7 @@ class UrdfReader:
             and choices.inertia == "repair"
             and _is_of_inertia(converted)
         ):
-            # Only now: what MuJoCo accepts is left as it is.
+            # Only now: inertias that MuJoCo accepts stay unchanged.
             converted = self._converted(robot, meshes.shells, stack, massless=inertia.repair(robot, self.sink))
         if converted is None:
             return None
@@ -106,7 +107,7 @@ class UrdfReader:
         return self._completed(robot, converted.text)
 
     def _robot(self) -> Robot | None:
-        """The tree of the URDF, of a template the one that it stands for."""
+        """Return the tree of the URDF, or of the expanded template."""
         source, sink = self.source, self.sink
         shown = self.shown(source.path)
         data = read_file(source.path, sink, source.door, file=shown, span=self.asked)
@@ -116,8 +117,8 @@ class UrdfReader:
         if not is_template(source.path, data):
             if source.urdf.arguments:
                 name = source.urdf.arguments[0][0]
-                message = f"`with` gives `{name}`, and `{shown}` is no template for xacro"
-                sink.error("unknown-name", message, self.asked, help="take `with` out")
+                message = f"`with` gives `{name}`, but `{shown}` is not a xacro template"
+                sink.error("unknown-name", message, self.asked, help="remove `with`")
                 return None
             root = parse_xml(data, shown, sink)
             if root is None:
@@ -147,7 +148,7 @@ class UrdfReader:
     def _converted(
         self, robot: Robot, shells: Collection[str], stack: ExitStack, massless: Sequence[str] = ()
     ) -> Converted | None:
-        """What MuJoCo makes of it; None for a mesh that it may not read."""
+        """Return MuJoCo's conversion, or None if a mesh is outside of the readable folders."""
         text = robot.text()
         try:
             return convert_urdf(
@@ -160,7 +161,7 @@ class UrdfReader:
             return None
 
     def _written(self, robot: Robot, stack: ExitStack) -> dict[str, Path]:
-        """The meshes that were made, as files."""
+        """Write converted meshes into files."""
         if not robot.made:
             return {}
         folder = stack.enter_context(scratch("meshes"))
@@ -171,7 +172,7 @@ class UrdfReader:
         return found
 
     def _completed(self, robot: Robot, text: str) -> Unit:
-        """The unit with what MuJoCo does not read of a URDF, and with the places of everything."""
+        """Return the unit with the elements that MuJoCo does not read, and with all places."""
         written = robot.unit
         unit = parse_text(
             text, self.sink, file=written.file, directory=self.source.path.parent, label=written.label,
@@ -186,43 +187,26 @@ class UrdfReader:
             for mesh in unit.root.iterfind("asset/mesh")
             if mesh.get("file") in robot.made
         }
-        made: dict[Node, list[Node]] = {}
+        made: dict[Node, list[Node]] = defaultdict(list)
         for element, source in pairs:
-            made.setdefault(source, []).append(element)
-        if self.source.urdf.visuals == "keep":
-            self._hide_collisions(pairs)
+            made[source].append(element)
+            link = source.getparent()
+            hides = self.source.urdf.visuals == "keep" and element.tag == "geom" and source.tag == "collision"
+            if hides and link is not None and link.find("visual") is not None:
+                element.set("group", "3")  # viewers show the visual
         known = Extras(written, unit, made).add()
         known |= add_looks(robot, unit, pairs, sink=self.sink)
         known |= add_actuators(written, unit, self.source.urdf.actuators, sink=self.sink)
-        self.reading.ordinary(robot.root, robot.keeps_visuals, known)
-        self.reading.note(written, self.sink)
-        unit.table = self.reading.table(written)
+        self.rows = unit.table = read_rows(written, robot.keeps_visuals, known)
+        note_unread(self.rows, written, self.sink)
         return unit
-
-    def _hide_collisions(self, pairs: list[tuple[Node, Node]]) -> None:
-        """Let viewers show the looks of a link, and not the shapes that stand in for it."""
-        for element, source in pairs:
-            link = source.getparent()
-            if (
-                element.tag == "geom"
-                and source.tag == "collision"
-                and link is not None
-                and link.find("visual") is not None
-            ):
-                element.set("group", "3")
-
-    def _error(self, code: str, message: str, element: Node | None = None, attribute: str | None = None,
-               *, notes: tuple[Note, ...] = (), help: str | None = None) -> None:  # fmt: skip
-        assert self.robot is not None
-        span = self._span(self.robot.root if element is None else element, attribute)
-        self.sink.error(code, message, span, notes=(*notes, *self._asked()), help=help)
 
     def _span(self, element: Node, attribute: str | None = None, *, key: bool = False) -> Span:
         assert self.robot is not None
         return self.robot.unit.origins.span(element, self.robot.unit.file, attribute, key=key)
 
     def _asked(self) -> tuple[Note, ...]:
-        return () if self.asked is None else (Note("the recipe takes it from here", self.asked),)
+        return () if self.asked is None else (Note("the recipe names it here", self.asked),)
 
     def _is_urdf(self, robot: Robot) -> bool:
         root, shown = robot.root, robot.unit.file
@@ -230,11 +214,12 @@ class UrdfReader:
         if root.tag != "robot":
             help = "end its name in `.xml`" if root.tag == "mujoco" else "a URDF file begins with `<robot>`"
             help = SDF.help(shown) if root.tag == "sdf" else help
-            self._error("not-urdf", f"`{shown}` is not a URDF: its root is `<{root.tag}>`, not `<robot>`", help=help)
+            message = f"`{shown}` is not a URDF: its root is `<{root.tag}>`, not `<robot>`"
+            self.sink.error("not-urdf", message, self._span(root), notes=self._asked(), help=help)
         return root.tag == "robot"
 
     def _report_warnings(self, converted: Converted, robot: Robot) -> None:
-        """Report what MuJoCo warns of, and each `<mimic>` of no joint, for which it gives a wrong reason."""
+        """Report MuJoCo's warnings, and each `<mimic>` of a missing joint, for which MuJoCo gives a wrong reason."""
         joints = [str(each.get("name")) for each in robot.root.iterchildren("joint")]
         lost = [each for each in robot.root.iterfind("joint/mimic") if each.get("joint") not in joints]
         for warning in converted.warnings:
@@ -250,32 +235,32 @@ class UrdfReader:
             self.sink.warning("mujoco-warning", message, self._span(mimic, "joint"), notes=(note,), help=help)
 
     def _report_joints(self, robot: Robot) -> None:
-        """Warn of joints with the name of another one, whose names MuJoCo drops."""
+        """Warn of joints with the name of another joint: MuJoCo drops their names."""
         seen: dict[str, Node] = {}
         for joint in robot.root.iterchildren("joint"):
             name = joint.get("name")
             if name is None or joint.get("type") == "fixed" or seen.setdefault(name, joint) is joint:
                 continue
-            message = f"two joints are called `{name}`: this one has no name in the model"
+            message = f"two joints are called `{name}`: this joint has no name in the model"
             note = Note(f"the other `{name}` is written here", self._span(seen[name], "name"))
-            help = "give one of them another name"
+            help = "rename one of them"
             self.sink.warning("name-clash", message, self._span(joint, "name"), notes=(note,), help=help)
 
     def _report_roots(self, robot: Robot) -> None:
-        """Warn of links that were probably to hang on another one: for MuJoCo each stands in the world."""
+        """Warn of several links without a parent: MuJoCo puts each in the world."""
         children = {str(each.get("link")) for each in robot.root.iterfind("joint/child")}
         roots = [link for link in robot.root.iterchildren("link") if str(link.get("name")) not in children]
         if len(roots) > 1:
             names = ", ".join(f"`{link.get('name')}`" for link in roots[:8])
             self.sink.warning(
                 "urdf-roots",
-                f"{len(roots)} links have no parent, and a URDF has one such link: {names}",
+                f"{len(roots)} links have no parent, but a URDF has one such link: {names}",
                 self._span(roots[1], "name"),
-                help="write a `<joint>` to each but one; in MuJoCo all stand in the world",
+                help="write a `<joint>` to all of them except one; MuJoCo puts all in the world",
             )
 
     def _report_unread(self, robot: Robot) -> None:
-        """Warn of what MuJoCo passes over in `<mujoco>`, typing errors included."""
+        """Warn of everything that MuJoCo ignores in `<mujoco>`, including typing errors."""
         for section in robot.root.iterfind("mujoco/*"):
             tag = str(section.tag)
             if tag not in _READ:
@@ -287,12 +272,12 @@ class UrdfReader:
             known = list(GRAMMAR.section(tag).attributes)
             for name in map(str, section.keys()):
                 if name not in known:
-                    span, otherwise = self._span(section, name, key=True), f"take `{name}` out"
+                    span, otherwise = self._span(section, name, key=True), f"remove `{name}`"
                     found = unknown_attribute(name, f"`<{tag}>`", known, span=span, otherwise=otherwise)
                     self.sink.add(replace(found, severity=Severity.WARNING))
 
     def _refused(self, robot: Robot, converted: Converted) -> None:
-        """One fault for each mesh that is not to be had; if all are, what MuJoCo says."""
+        """Report each missing mesh; if none is missing, report MuJoCo's error."""
         if converted.crash is not None:
             code = CRASHES.get(converted.crash, "mujoco-crash")
             message = f"`{robot.unit.file}` by itself: {converted.error or converted.crash}"
@@ -321,10 +306,10 @@ class UrdfReader:
         notes = (note, exists_note("package", known, name)) if known else (note,)
         self.sink.error(
             "asset-missing", f"the package `{name}` is not known", at, notes=(*notes, *self._asked()),
-            help=f"say beside `model` where it is: `packages: {{{name}: {folder}}}`",
+            help=f"add its folder next to `model`: `packages: {{{name}: {folder}}}`",
         )  # fmt: skip
 
 
 def _is_of_inertia(converted: Converted) -> bool:
-    """Whether MuJoCo refuses what it refuses for its masses or inertias: a size of zero is no reason to mend these."""
+    """Return whether MuJoCo refuses the model for its masses or inertias."""
     return read_sentence(parse(converted.error or "").message).topic in (Topic.INERTIA, Topic.MASS)

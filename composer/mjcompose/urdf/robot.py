@@ -6,6 +6,7 @@ import copy
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import field
 from functools import partial
+from itertools import zip_longest
 from pathlib import Path
 
 from lxml import etree
@@ -37,7 +38,6 @@ _VALUES = {
     "mesh": {"file": (".", "filename"), "scale": (".", "scale")},
 }
 """For attributes of MJCF, the element below the URDF's, and the attribute there."""
-_PLANAR = ("_TX", "_TY", "_RZ")
 
 
 def name_fused_links(root: Node) -> None:
@@ -83,22 +83,18 @@ def _place(
 
 def mesh_of(robot: Node, file: str) -> Node:
     """Return the `<mesh>` of a URDF that names a file, whose path may have been shortened or resolved."""
+    steps = _steps(file)
     best, alike = robot, 0
-    for each in robot.iterfind("link/*/geometry/mesh"):
-        same = _steps_in_common(str(each.get("filename")), file)
+    for mesh in robot.iterfind("link/*/geometry/mesh"):
+        pairs = enumerate(zip_longest(steps, _steps(str(mesh.get("filename")))))
+        same = next((number for number, (one, other) in pairs if one != other), len(steps))
         if same > alike:
-            best, alike = each, same
+            best, alike = mesh, same
     return best
 
 
-def _steps_in_common(one: str, other: str) -> int:
-    """Return how many steps at the end of two paths are equal."""
-    count = 0
-    for mine, theirs in zip(*(reversed(each.replace("\\", "/").split("/")) for each in (one, other)), strict=False):
-        if mine != theirs:
-            break
-        count += 1
-    return count
+def _steps(path: str) -> list[str]:
+    return path.replace("\\", "/").split("/")[::-1]
 
 
 @dataclass
@@ -136,15 +132,12 @@ class _Sources:
                 found = link.find("inertial")
                 yield child, link if found is None else found
             elif child.tag == "joint":
-                yield child, self._joint(name, link)
+                planar = name[:-3] if name.endswith(("_TX", "_TY", "_RZ")) else name
+                yield child, self.joints.get(name, self.joints.get(planar, link))
             else:
                 inner = self.links.get(name, link)
                 yield child, inner
                 yield from self._held(child, inner)
-
-    def _joint(self, name: str, link: Node) -> Node:
-        stem = name[:-3] if name.endswith(_PLANAR) else name
-        return self.joints.get(name, self.joints.get(stem, link))
 
     def _mimic(self, equality: Node) -> Node:
         joint = self.joints.get(str(equality.get("joint1")))
@@ -172,18 +165,18 @@ _FILE = "file://"
 
 @dataclass(frozen=True, slots=True)
 class Look:
-    """What a mesh or a material of URDF looks like: a color, and a picture as PNG, each None where it has none."""
+    """The color of a mesh or material of URDF, and its picture as PNG, if it has them."""
 
     rgba: tuple[float, ...] | None
-    texture: bytes | Path | None = None
+    texture: bytes | None = None
 
 
 @dataclass(slots=True)
 class Robot:
-    """`unit` has the tree of the URDF, `packages` where the packages are that it names.
+    """`unit` has the tree of the URDF, `packages` the folders of the packages that it names.
 
-    As long as nothing `changed`, MuJoCo reads the file itself. `made` has the meshes that were made for it, by the name
-    that the tree has for each, and `looks` what these look like.
+    While nothing is `changed`, MuJoCo reads the file itself. `made` has converted meshes by their names in the tree,
+    and `looks` their colors and pictures.
     """
 
     unit: Unit
@@ -198,9 +191,8 @@ class Robot:
         return self.unit.root
 
     def setting(self, name: str) -> str | None:
-        """An attribute of `<mujoco><compiler>`: the last one counts, as for MuJoCo."""
-        found = [each.get(name) for each in self.root.iterfind("mujoco/compiler") if each.get(name) is not None]
-        return None if not found else str(found[-1])
+        """Return an attribute of the last `<mujoco><compiler>` that has it."""
+        return last_setting(self.root, name)
 
     def set(self, name: str, value: str) -> None:
         """Set an attribute of `<mujoco><compiler>`."""
@@ -221,7 +213,7 @@ class Robot:
         return self.setting("discardvisual") == "false"
 
     def file_of(self, written: str) -> Path | None:
-        """The file that a `filename` stands for; None for one in a package that is not known."""
+        """Return the file that a `filename` names, or None if its package is unknown."""
         for scheme in SCHEMES:
             if written.startswith(scheme):
                 name, _, inside = written.removeprefix(scheme).lstrip("/").partition("/")
@@ -234,7 +226,7 @@ class Robot:
         return Path(join(folder, written))
 
     def simplified(self) -> None:
-        """Let the tree name files as MuJoCo does, which knows `package://` alone."""
+        """Rewrite file names as MuJoCo reads them: it knows only `package://`."""
         for mesh in self.root.iterfind("link/*/geometry/mesh"):
             written = str(mesh.get("filename") or "")
             if written.startswith(f"{PACKAGE}/"):
@@ -248,22 +240,22 @@ class Robot:
             self.changed = True
 
     def text(self) -> str | None:
-        """What MuJoCo is to read, None for the file itself; the tree is then that of the text, line by line."""
+        """Return the text for MuJoCo, or None if it reads the file itself; the tree then has the lines of the text."""
         if not self.changed:
             return None
         etree.cleanup_namespaces(self.root)
-        # A line for each element: MuJoCo says where it stumbles by the line alone.
+        # A line for each element: MuJoCo reports only lines.
         text = etree.tostring(self.root, encoding="unicode", pretty_print=True)
         parser = etree.XMLParser(huge_tree=True, resolve_entities=False, no_network=True, remove_blank_text=True)
         new = etree.fromstring(text, parser)
         origins = Origins(texts=self.unit.origins.texts)
         for old, element in zip(self.root.iter("*"), new.iter("*"), strict=True):
-            origins.own(element, partial(_written, self.unit.origins, old, self.unit.file))
+            origins.own(element, partial(self.unit.origins.span, old, self.unit.file))
         self.unit.root, self.unit.origins = new, origins
         return text
 
     def copied(self, element: Node) -> Node:
-        """A copy that stands right before an element, and at its place."""
+        """Insert a copy before an element, with its place."""
         new = copy.deepcopy(element)
         for old, each in zip(element.iter("*"), new.iter("*"), strict=True):
             owner = self.unit.origins.owner(old, self.unit.file)
@@ -273,23 +265,24 @@ class Robot:
         return new
 
 
-def _written(origins: Origins, element: Node, file: str, attribute: str | None) -> Span:
-    return origins.span(element, file, attribute)
+def last_setting(root: Node, name: str) -> str | None:
+    values = [each.get(name) for each in root.iterfind("mujoco/compiler") if each.get(name) is not None]
+    return values[-1] if values else None
 
 
 def known_packages(text: str, path: Path, given: Mapping[str, Path]) -> dict[str, Path]:
-    """The folders of the packages that a text names."""
+    """Return the folders of the packages that a text names."""
     return ros.folders(ros.packages_in(text), path, given)
 
 
 JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar", "spherical")
 _SHAPES = ("box", "cylinder", "sphere", "capsule")
-_SIZES = "sizes are greater than zero"
+_SIZES = "write a size greater than zero"
 FLAT_HELP = "use a box, or a mesh with a thickness"
 _ADVICE = {
-    Topic.INERTIA: "correct it, or write beside `model`: `urdf: {inertia: repair}`",
-    Topic.MASS: "give the link an `<inertial>`, or write beside `model`: `urdf: {inertia: repair}`",
-    Topic.MESH_FORMAT: "convert it to STL, OBJ, MSH, Collada, glTF, PLY, OFF or 3MF, which are read",
+    Topic.INERTIA: "correct it, or add `urdf: {inertia: repair}` next to `model`",
+    Topic.MASS: "give the link an `<inertial>`, or add `urdf: {inertia: repair}` next to `model`",
+    Topic.MESH_FORMAT: "convert it to STL, OBJ, MSH, Collada, glTF, PLY, OFF or 3MF",
     Topic.FLAT: FLAT_HELP, Topic.GEOM_SIZE: _SIZES, Topic.SIZE: _SIZES,
     Topic.URDF_GEOMETRY: "write a `<box>`, `<cylinder>`, `<sphere>`, `<capsule>` or `<mesh>` in `<geometry>`",
 }  # fmt: skip
@@ -302,9 +295,9 @@ Place = Callable[[Node, str | None], Span]
 
 
 def explain(fault: Fault, robot: Node, place: Place) -> Diagnostic:
-    """The error where MuJoCo refuses the URDF whose root is `robot`, in the words of its author."""
-    said = " ".join(fault.message.split())
-    sentence = read_sentence(said)
+    """Return MuJoCo's error about the URDF whose root is `robot`, in the words of URDF."""
+    message = " ".join(fault.message.split())
+    sentence = read_sentence(message)
     element = _element(fault, sentence, robot)
     known = None if sentence.topic is None else _KNOWN.get(sentence.topic)
     if known is not None and (found := known(element, robot, place)) is not None:
@@ -314,20 +307,20 @@ def explain(fault: Fault, robot: Node, place: Place) -> Diagnostic:
         advice = f'write `{sentence.missing_attribute}="…"`'
     elif sentence.missing_element is not None:
         advice = f"write `<{sentence.missing_element}>` in it"
-    help = advice or translate(said, None).diagnostic.help or _ELSE
+    help = advice or translate(message, None).diagnostic.help or _ELSE
     attribute = sentence.attribute
     if element.tag == "mesh" and element.get("filename"):
         attribute = attribute or "filename"
-    return _error(f"MuJoCo rejects the URDF: {said}", place(element, attribute), help)
+    return _error(f"MuJoCo rejects the URDF: {message}", place(element, attribute), help)
 
 
 def _error(message: str, span: Span, help: str, *notes: Note) -> Diagnostic:
     return Diagnostic("mujoco-rejects", message, span, notes=notes, help=help)
 
 
-def named_in(said: str, robot: Node) -> Node:
-    """The link or joint that a message names; the robot where it names none."""
-    for name in read_sentence(said).names:
+def named_in(message: str, robot: Node) -> Node:
+    """Return the link or joint that a message names, or the robot if it names none."""
+    for name in read_sentence(message).names:
         for each in robot.iterchildren("joint", "link"):
             if each.get("name") == name:
                 return each
@@ -335,7 +328,7 @@ def named_in(said: str, robot: Node) -> Node:
 
 
 def _element(fault: Fault, sentence: Sentence, robot: Node) -> Node:
-    """The element that MuJoCo speaks of, by its line or by its name."""
+    """Return the element of a fault, by its line or by its name."""
     for mesh in robot.iter("mesh") if sentence.topic in _OF_MESHES else ():
         file = str(mesh.get("filename") or "").replace("\\", "/").rpartition("/")[2]
         if file and {file, stem(file)} & {*sentence.names, fault.name}:
@@ -359,12 +352,12 @@ def _repeated(element: Node, robot: Node, place: Place) -> Diagnostic | None:
             if name is not None and seen.setdefault(name, each) is not each:
                 note = Note(f"the other `{name}` is written here", place(seen[name], "name"))
                 message = f"two {tag}s are called `{name}`"
-                return _error(message, place(each, "name"), "give one of them another name", note)
+                return _error(message, place(each, "name"), "rename one of them", note)
     return None
 
 
 def _ring(element: Node, robot: Node, place: Place) -> Diagnostic | None:
-    """MuJoCo starts from the links that have no parent, and names one of those that it has reached."""
+    """Find the ring: MuJoCo names only a link that it has reached."""
     joints = {child: joint for joint in robot.iterchildren("joint") if (child := _end(joint, "child")) is not None}
     for start in joints:
         way, above = [start], _end(joints[start], "parent")
@@ -375,8 +368,7 @@ def _ring(element: Node, robot: Node, place: Place) -> Diagnostic | None:
             ring = way[way.index(above) :]
             links = ", whose parent is ".join(f"`{name}`" for name in [*ring, ring[0]])
             closing = ", ".join(f"`{joints[name].get('name')}`" for name in ring)
-            one = f"one of the joints {closing}" if len(ring) > 1 else f"the joint {closing}"
-            help = f"one of them must have no parent: remove {one}"
+            help = f"remove {'one of the joints' if len(ring) > 1 else 'the joint'} {closing}"
             link = next((each for each in robot.iterchildren("link") if each.get("name") == ring[0]), element)
             return _error(f"links are in a ring: {links}", place(link, "name"), help)
     return None
@@ -392,17 +384,17 @@ def _two_parents(element: Node, robot: Node, place: Place) -> Diagnostic | None:
         message = f"the joint {named[-1]} connects the link `{name}` with itself"
     note = Note(f"{named[0]} is written here", place(joints[0], "name"))
     child = next(last.iterchildren("child"))
-    help = f"a link is the child of one joint at most: remove {named[-1]}, or give it another child"
+    help = f"remove {named[-1]}, or give it another child"
     return _error(message, place(child, "link"), help, note)
 
 
 def _mass(element: Node, robot: Node, place: Place) -> Diagnostic | None:
-    """A mass that is written, and that nothing can have."""
+    """Report a written mass that is not positive."""
     mass = element.find("inertial/mass") if element.tag == "link" else None
     if mass is None or not _is_none(str(mass.get("value"))):
         return None
-    message = f"the link `{element.get('name')}` weighs {mass.get('value')} kg, and moves"
-    return _error(message, place(mass, "value"), "write what it weighs")
+    message = f"the moving link `{element.get('name')}` weighs {mass.get('value')} kg"
+    return _error(message, place(mass, "value"), "write its mass")
 
 
 def _no_link(element: Node, robot: Node, place: Place) -> Diagnostic | None:
@@ -410,7 +402,7 @@ def _no_link(element: Node, robot: Node, place: Place) -> Diagnostic | None:
     for end in element.iterchildren("parent", "child"):
         name = str(end.get("link"))
         if name not in links:
-            help = did_you_mean(name, links) or "write the link, or take the joint out"
+            help = did_you_mean(name, links) or "write the link, or remove the joint"
             note = exists_note("link", links, name)
             return _error(f"the link `{name}` does not exist", place(end, "link"), help, note)
     return None
@@ -424,9 +416,8 @@ def _joint_type(element: Node, robot: Node, place: Place) -> Diagnostic | None:
 
 
 def _no_size(element: Node, robot: Node, place: Place) -> Diagnostic | None:
-    """MuJoCo does not say which: geoms have no names there. It reads visuals where the file says so."""
-    kept = [each.get("discardvisual") for each in robot.iterfind("mujoco/compiler")]
-    keeps_visuals = [each for each in kept if each is not None][-1:] == ["false"]
+    """Find the geom, which has no name: MuJoCo does not tell which it is."""
+    keeps_visuals = last_setting(robot, "discardvisual") == "false"
     for each in robot.iterfind("link/*/geometry/*"):
         shape = each.iterancestors("collision", "visual")
         if each.tag not in _SHAPES or (next(shape).tag == "visual" and not keeps_visuals):
@@ -454,4 +445,4 @@ _KNOWN: Mapping[Topic, Callable[[Node, Node, Place], Diagnostic | None]] = {
     Topic.URDF_LINK: _no_link, Topic.URDF_JOINT_TYPE: _joint_type, Topic.MASS: _mass,
     Topic.GEOM_SIZE: _no_size, Topic.SIZE: _no_size,
 }  # fmt: skip
-"""What finds the element that a sentence is about, and says it in the words of URDF."""
+"""Functions that find the element of a sentence, and report it in the words of URDF."""

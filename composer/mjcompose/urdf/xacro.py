@@ -1,4 +1,4 @@
-"""A template for xacro becomes the URDF that it stands for, each of whose elements keeps its place in the template."""
+"""Expand a xacro template into a URDF whose elements keep their places in the template."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import contextlib
 import glob
 import os
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 
@@ -28,7 +28,7 @@ from mjcompose.sources import ros
 
 _EXPAND = "mjcompose.urdf.expanding:expand"
 _SHARE = 0.2
-"""The part of the time of MuJoCo that a template has: it takes seconds at most."""
+"""The share of MuJoCo's time limit for a template, which takes seconds at most."""
 _PREFIX = "xacro:"
 _DECLARED = re.compile(rb"\bxmlns:xacro\s*=")
 _OF_XACRO = re.compile(rb"<xacro:|\$[{(]")
@@ -42,9 +42,9 @@ _DEFINE = {
 
 @dataclass(frozen=True, slots=True)
 class Expanded:
-    """The text, where each of its elements comes from, the files that were read, and what is remarkable.
+    """The text, the places of its elements in the template, the files that were read, and diagnostics.
 
-    Without a text there is an error among the `found`. `package` is one that is not known, and `at` where it is used.
+    Without a text, `found` has an error. `package` is an unknown package, and `at` its place.
     """
 
     text: bytes | None
@@ -56,7 +56,7 @@ class Expanded:
 
 
 def is_template(path: Path, data: bytes) -> bool:
-    """Whether a file is for xacro, by its name or by what it holds: many plain files declare its namespace, too."""
+    """Return whether a file is a xacro template, by its name or its content: many plain files declare the namespace."""
     if path.suffix.lower() == ".xacro":
         return True
     written = _COMMENT.sub(b"", data)
@@ -65,16 +65,16 @@ def is_template(path: Path, data: bytes) -> bool:
 
 @dataclass(frozen=True, slots=True)
 class Template:
-    """A file for xacro, the values of its arguments, and what it may read."""
+    """A xacro template, the values of its arguments, and the files that it may read."""
 
     path: Path
     door: Door
     packages: Mapping[str, Path]
     arguments: Mapping[str, str]
-    shown: object
+    shown: Callable[[Path], str]
 
     def expanded(self) -> Expanded:
-        """What it stands for, by a process that has read nothing else and can do nothing else."""
+        """Expand the template in a confined process of its own."""
         limits = in_force()
         argument = {
             "path": str(self.path.absolute()), "roots": list(self.door.roots), "sees_all": self.door.sees_all,
@@ -84,53 +84,51 @@ class Template:
         readable = (os.sep,) if self.door.sees_all else self.door.roots
         seconds, memory = limits.time * _SHARE, int(limits.memory)
         answer = call_confined(_EXPAND, argument, readable, seconds=seconds, memory=memory)
-        here = Span(self._name(self.path), 1, 1)
         if not answer["ok"]:
-            message = f"the template cannot be expanded: {answer['error']}"
-            return Expanded(None, found=(Diagnostic("xacro", message, here),))
+            return self._fault("xacro", f"the template cannot be expanded: {answer['error']}")
         value = answer["value"]
         if "other" in value:
-            message = f"this version of the package `xacro` is not known here: it has no `{value['other']}`"
-            other = Diagnostic("not-installed", message, here, help='run `pip install --upgrade "mjcompose[xacro]"`')
-            return Expanded(None, found=(other,))
+            message = f"mjcompose does not know this version of the package `xacro`: it has no `{value['other']}`"
+            return self._fault("not-installed", message, help='run `pip install --upgrade "mjcompose[xacro]"`')
         if value.get("missing"):
-            message = "this is a template for xacro, and the package `xacro` is not installed"
-            missing = Diagnostic("not-installed", message, here, help='run `pip install "mjcompose[xacro]"`')
-            return Expanded(None, found=(missing,))
+            message = "this file is a xacro template, but the package `xacro` is not installed"
+            return self._fault("not-installed", message, help='run `pip install "mjcompose[xacro]"`')
         files = [Path(each) for each in value["files"]]
         if refused := next((each for each in files if not self.door.sees(each)), None):
             outside = self.door.outside(str(refused))  # whatever has happened in the process
-            return Expanded(None, found=(Diagnostic("source-outside", outside.message(), here, help=outside.help),))
+            return self._fault("source-outside", outside.message(), help=outside.help)
         if "error" in value:
             return self._failed(value["error"], files)
         places = [self._span(each, files) for each in value["places"]]
         warnings = [
-            Diagnostic("xacro", f"xacro warns: {text}", Span(self._name(Path(file)), 1, 1), severity=Severity.WARNING)
+            Diagnostic("xacro", f"xacro warns: {text}", Span(self.shown(Path(file)), 1, 1), severity=Severity.WARNING)
             for text, file in value["warnings"]
         ]
-        if value["unused"]:
-            return Expanded(None, files=tuple(files), found=(self._unused(value["unused"][0], value["arguments"]),))
+        if unused := value["unused"]:
+            note = exists_note("argument", value["arguments"], unused[0])
+            help = did_you_mean(unused[0], value["arguments"]) or f"remove `{unused[0]}` from `with`"
+            message = f"the template has no argument `{unused[0]}`"
+            return self._fault("unknown-name", message, help=help, notes=(note,), files=files)
         return Expanded(value["text"].encode(), tuple(places), tuple(files), found=tuple(warnings))
 
-    def _name(self, path: Path) -> str:
-        assert callable(self.shown)
-        return str(self.shown(path))
+    def _fault(
+        self, code: str, message: str, span: Span | None = None, *, help: str | None = None,
+        notes: Sequence[Note] = (), files: Sequence[Path] = (),
+    ) -> Expanded:  # fmt: skip
+        span = span or Span(self.shown(self.path), 1, 1)
+        return Expanded(
+            None, files=tuple(files), found=(Diagnostic(code, message, span, notes=tuple(notes), help=help),)
+        )
 
     def _span(self, place: list[object], files: list[Path]) -> Span:
         number, line, column, tag = place
         assert isinstance(number, int) and isinstance(line, int) and isinstance(column, int)
         length = len(str(tag)) + 1 if tag else 1
-        return Span(self._name(files[number]), line, column + 1, end_line=line, end_column=column + 1 + length)
-
-    def _unused(self, name: str, arguments: list[str]) -> Diagnostic:
-        message = f"the template has no argument `{name}`"
-        note = exists_note("argument", arguments, name)
-        help = did_you_mean(name, arguments) or f"take `{name}` out of `with`"
-        return Diagnostic("unknown-name", message, Span(self._name(self.path), 1, 1), notes=(note,), help=help)
+        return Span(self.shown(files[number]), line, column + 1, end_line=line, end_column=column + 1 + length)
 
     def _failed(self, error: dict[str, object], files: list[Path]) -> Expanded:
         at = error["at"]
-        span = self._span(at, files) if isinstance(at, list) else Span(self._name(self.path), 1, 1)
+        span = self._span(at, files) if isinstance(at, list) else Span(self.shown(self.path), 1, 1)
         calls = error["calls"]
         assert isinstance(calls, list)
         notes = [Note("called from here", self._span(each, files)) for each in calls]
@@ -140,10 +138,10 @@ class Template:
             case "package":
                 return Expanded(None, files=tuple(files), package=subject, at=span)
             case "argument":
-                help = f"write beside `model`: `with: {{{subject}: …}}`"
+                help = f"add `with: {{{subject}: …}}` next to `model`"
                 if near := closest(subject, [*self.arguments]):
                     notes.append(Note(f"`with` gives `{near[0]}`"))
-                    help = f"write `{subject}` in place of `{near[0]}`"
+                    help = f"write `{subject}` instead of `{near[0]}`"
             case "property" | "macro" as noun:
                 known = error["known"]
                 assert isinstance(known, list)
@@ -153,35 +151,31 @@ class Template:
             case "environment":
                 help = "make it an argument of the template: `<xacro:arg>`, and `with` in the recipe"
             case "unsafe":
-                help = "templates may calculate, and nothing else: write it without"
+                help = "templates may only calculate: remove it"
             case "limit":
                 code, help = "limit-exceeded", advice("elements")
             case "costly":
-                code, help = "limit-exceeded", "write what it gives, or fewer of it"
+                code, help = "limit-exceeded", "write the result, or less of it"
             case "file":
-                code = "asset-missing" if "no such file" in message else "file-unreadable"
-                message = f"the file `{self._name(Path(subject))}` does not exist"
-                if code == "file-unreadable":
-                    message = f"the file `{self._name(Path(subject))}` cannot be read: {error['message']}"
-                help = "compare the path with what is on the disk"
+                code, message = "asset-missing", f"the file `{self.shown(Path(subject))}` does not exist"
+                if "no such file" not in str(error["message"]):
+                    code = "file-unreadable"
+                    message = f"the file `{self.shown(Path(subject))}` cannot be read: {error['message']}"
+                help = "compare the path with the files on disk"
             case "refused":
                 code = "source-outside"
                 help = None if self.door.sees(subject) else self.door.outside(subject).help
             case "syntax":
                 code = "xml-syntax"
-                if known := self._not_xml(at, files):
-                    return Expanded(None, files=tuple(files), found=known)
-        return Expanded(
-            None, files=tuple(files), found=(Diagnostic(code, message, span, notes=tuple(notes), help=help),)
-        )
+                if isinstance(at, list) and (faults := self._xml_faults(files[at[0]])):
+                    return Expanded(None, files=tuple(files), found=faults)
+        return self._fault(code, message, span, help=help, notes=notes, files=files)
 
-    def _not_xml(self, at: object, files: list[Path]) -> tuple[Diagnostic, ...]:
-        """What is wrong with the XML of a file, in the words that other models have for it."""
-        if not isinstance(at, list):
-            return ()
-        file, sink = files[at[0]], Sink()
+    def _xml_faults(self, file: Path) -> tuple[Diagnostic, ...]:
+        """Return the faults in the XML of a file, in the words for all models."""
+        sink = Sink()
         try:
-            parse_xml(self.door.read(file), self._name(file), sink)
+            parse_xml(self.door.read(file), self.shown(file), sink)
         except OSError:
             return ()
         return tuple(sink.errors)
@@ -196,7 +190,7 @@ def owned(root: Node, owners: tuple[Span, ...], origins: Origins) -> None:
 
 
 def _place(origins: Origins, owner: Span, attributes: dict[str, str], attribute: str | None) -> Span:
-    """The element, or its attribute, if that is written there and not only in what a macro is given."""
+    """Return the place of the element, or of its attribute if the template writes it there."""
     text = origins.text(owner.file) if attribute in attributes else None
     found = text and _attribute_from(text, owner, str(attribute))
     return found or owner
@@ -226,9 +220,9 @@ _VALUE = re.compile(r"\$\{[^}]*\}|\$\([^)]*\)")
 
 
 def files_named(path: Path, data: bytes, door: Door, packages: Mapping[str, Path]) -> Iterator[Path]:
-    """The files that a template names, and those that these name; where a value is in a path, all that fit.
+    """Yield the files that a template names, directly or through others; all that fit a path with a value.
 
-    It is for what must be known before the template is expanded. What is expanded says itself what it has read.
+    Use it only before the template is expanded.
     """
     waiting, seen, looks = [(path, data)], {path}, iter(range(MOST_LOOKS))
     while waiting:
@@ -247,7 +241,7 @@ def files_named(path: Path, data: bytes, door: Door, packages: Mapping[str, Path
 
 
 def _named(written: str, file: Path, packages: Mapping[str, Path], door: Door, looks: Iterator[int]) -> Iterator[Path]:
-    """The paths that are meant. Only below the folder of the template and in packages is anything looked for."""
+    """Yield the paths; patterns search only below the folder of the template and in packages."""
     text = _FIND.sub(lambda found: str(packages.get(found[1], f"/{found[1]}")), written)
     for scheme in ("package://", "model://"):
         if text.startswith(scheme):
@@ -270,5 +264,5 @@ def _named(written: str, file: Path, packages: Mapping[str, Path], door: Door, l
 
 
 def parsed(text: bytes) -> Node:
-    """The tree of a text that was made here."""
+    """Parse a text that xacro wrote."""
     return etree.fromstring(text, etree.XMLParser(huge_tree=True, resolve_entities=False, no_network=True))
