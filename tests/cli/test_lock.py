@@ -239,7 +239,7 @@ def test_a_merge_keeps_what_both_sides_pin(work: Path) -> None:
     (work / "cell.lock").write_text(f"<<<<<<< HEAD\n{ours}=======\n{theirs}>>>>>>> theirs\n")
     (work / "cell.yaml").write_text(one + f"  more: {{model: git+file://{robots}@v2#tool.xml, pos: [1, 0, 0]}}\n")
     commit(robots, **{"tool.xml": TOOL})
-    assert "run `mjcompose lock`, which keeps what both sides pin" in run("build", "cell.yaml").stderr
+    assert "run `mjcompose lock`, which keeps the pins of both sides" in run("build", "cell.yaml").stderr
     assert run("lock", "cell.yaml").exit_code == 0
     assert {id: each.get("commit") for id, each in told(work).items()} == pins
     assert run("build", "--locked", "cell.yaml").exit_code == 0

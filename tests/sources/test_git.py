@@ -142,11 +142,11 @@ def test_what_is_left_out_is_told(robots: Any, refused: Callable[..., SourceErro
     robots.git("update-index", "--add", "--cacheinfo", f"160000,{'1' * 40},other")
     robots.git("commit", "-q", "-m", "a submodule")
     for name, why in {
-        "arm/out.xml": "`arm/out.xml` is a link to what is not in the commit, `/etc/hostname`",
-        "arm/above.xml": "a link to what is not in the commit, `../../../etc/hostname`",
-        "arm/round.xml": "a link to what is not in the commit, `round.xml`",
+        "arm/out.xml": "`arm/out.xml` is a link to `/etc/hostname`, which is not in the commit",
+        "arm/above.xml": "a link to `../../../etc/hostname`, which is not in the commit",
+        "arm/round.xml": "a link to `round.xml`, which is not in the commit",
         "arm/up/LICENSE.xml": "`arm/up` is a link to a folder that it is in",
-        "gone/arm.xml": "`gone` is a link to what is not in the commit, `nowhere`",
+        "gone/arm.xml": "`gone` is a link to `nowhere`, which is not in the commit",
         "other/arm.xml": "`other` is a submodule, which is not fetched",
     }.items():
         error = refused(robots.reference("main", name))

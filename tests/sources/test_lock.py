@@ -62,13 +62,13 @@ def test_a_newer_lock_says_so() -> None:
     [
         ('"commit": "1111', '"commit": "xyz', "`commit` is not a hash"),
         ('"arm.xml": "33', '"arm.xml": "3', "`arm.xml` is not a hash"),
-        ('"kind": "git"', '"kind": "hg"', "`kind` is not what it must be"),
+        ('"kind": "git"', '"kind": "hg"', "`kind` has a wrong value"),
         ('"kind": "git",', '"kind": "git", "color": 1,', "`color` is not a key of a lock"),
         ('"mjcompose": "0.1.0",', "", "`mjcompose` is missing"),
-        ('"lock": 1,', '"lock": true,', "`lock` is not what it must be"),
-        ('"lock": 1,', '"lock": 1.0,', "`lock` is not what it must be"),
+        ('"lock": 1,', '"lock": true,', "`lock` has a wrong value"),
+        ('"lock": 1,', '"lock": 1.0,', "`lock` has a wrong value"),
         ('"lock": 1,', "", "`lock` is missing"),
-        ('"lock": 1,', '"lock": "one",', "`lock` is not what it must be"),
+        ('"lock": 1,', '"lock": "one",', "`lock` has a wrong value"),
         ("}\n", "\n", "is not a lock"),
         ("{", "[", "is not a lock"),
     ],
@@ -92,8 +92,8 @@ def test_the_marks_of_a_merge_are_told_at_their_line() -> None:
     assert from_text('{\n  "lock": 1,\n<<<<<<< HEAD\n  "mujoco": "4"\n=======\n', "a.lock", sink) is None
     (told,) = sink.errors
     assert (told.code, told.span and told.span.line) == ("lock-invalid", 3)
-    assert told.message == "`a.lock` has the marks of a merge in it"
-    assert told.help == "run `mjcompose lock`, which keeps what both sides pin"
+    assert told.message == "`a.lock` contains the marks of a merge"
+    assert told.help == "run `mjcompose lock`, which keeps the pins of both sides"
 
 
 def merged(ours: str, theirs: str) -> str:
@@ -127,7 +127,7 @@ def test_a_merge_of_what_is_no_lock_is_told() -> None:
     sink = Sink()
     assert from_text(merged(to_text(LOCK), "{"), "a.lock", sink, {}) is None
     (told,) = sink.errors
-    assert told.help == "take one side of the merge, and run `mjcompose lock`"
+    assert told.help == "run `mjcompose lock`, after you choose one side of the merge"
 
 
 @pytest.mark.parametrize(

@@ -61,8 +61,8 @@ def test_takes_apart(text: str, expected: tuple[str, str, str, str]) -> None:
         ("https://host/b.zip", "the file inside the archive"),
         ("https://host#x.xml", "the archive"),
         ("http://host/b.zip?token=hush#x.xml", "in `http://host/b.zip?token=…#x.xml`"),
-        ("https://me:secret@host/b.zip#x.xml", "`https://me:…@host/b.zip#x.xml` holds a password"),
-        ("git+https://me:secret@host/repo@v1#x.xml", "holds a password"),
+        ("https://me:secret@host/b.zip#x.xml", "`https://me:…@host/b.zip#x.xml` contains a password"),
+        ("git+https://me:secret@host/repo@v1#x.xml", "contains a password"),
     ],
 )
 def test_what_a_form_lacks(text: str, problem: str) -> None:
@@ -90,7 +90,7 @@ def test_what_a_form_lacks(text: str, problem: str) -> None:
 def test_a_secret_in_a_query_is_refused_and_not_told(address: str, name: str) -> None:
     with pytest.raises(SourceError) as caught:
         parse(address.format(name))
-    assert f"{name}=…" in caught.value.message and "holds a secret" in caught.value.message
+    assert f"{name}=…" in caught.value.message and "contains a secret" in caught.value.message
     assert "hush" not in caught.value.message + str(caught.value.help)
 
 
@@ -101,7 +101,7 @@ def test_any_other_query_is_taken(query: str) -> None:
 
 @pytest.mark.parametrize("token", ["ghp_hush", "github_pat_hush", "glpat-hush"])
 def test_a_token_for_a_name_is_refused(token: str) -> None:
-    with pytest.raises(SourceError, match="`git[+]https://…@host/repo@v1#x.xml` holds a secret"):
+    with pytest.raises(SourceError, match="`git[+]https://…@host/repo@v1#x.xml` contains a secret"):
         parse(f"git+https://{token}@host/repo@v1#x.xml")
 
 

@@ -173,7 +173,6 @@ def _names(folder: str) -> list[str]:
 
 
 def _mode(path: str) -> int:
-    """Return the mode of a path without following a link; 0 if it does not exist."""
     try:
         return os.lstat(path).st_mode
     except (OSError, ValueError):
@@ -192,7 +191,6 @@ def held(path: str | os.PathLike[str]) -> Passed:
 
 
 def _relative(folder: str, start: str) -> str:
-    """Return the folder as a recipe in `start` writes it."""
     try:
         relative = os.path.relpath(folder, os.path.realpath(start)).replace(os.sep, "/")
     except ValueError:  # on another drive
@@ -207,10 +205,7 @@ _HELP = "if it is meant, write in the recipe `trust: {files: [{folder}]}`"
 
 
 def project_of(folder: str | os.PathLike[str]) -> str | None:
-    """Return the nearest folder, this one or one above it, with a project marker, or None.
-
-    Home folders and folders above them do not count: a `.git` there is for somebody's settings.
-    """
+    """Return the nearest folder at or above this one with a project marker, below home folders, or None."""
     at, too_wide = os.path.abspath(folder), _too_wide(_home())
     while at not in too_wide:
         if _is_top(at):
@@ -241,10 +236,7 @@ def folder_of_recipe(path: str | os.PathLike[str]) -> str:
 def own_door(
     model: str | os.PathLike[str], also: Iterable[str | os.PathLike[str]] = (), recipe: str | None = None
 ) -> Door:
-    """Return the door of the user's own model.
-
-    `also` are more folders, `recipe` the folder of the recipe that names the model.
-    """
+    """Return the door of the user's own model; `also` are more folders, `recipe` that of the recipe that names it."""
     folders = folders_of_model(model)
     return Door.of(
         (*folders, *also),

@@ -83,7 +83,6 @@ _TERMS = 13
 
 
 def _split(number: Fraction, bits: int) -> tuple[float, Fraction]:
-    """Return the first bits of a number below 1, and what remains."""
     first = Fraction(int(number * 2**bits), 2**bits)
     return float(first), number - first
 

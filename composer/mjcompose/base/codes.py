@@ -166,15 +166,7 @@ def page(code: str) -> str:
 
 
 def address(code: str, urls: Iterable[str] | None = None) -> str | None:
-    """Return the address of the page on the published site; None if the package names no site.
-
-    `urls` are addresses in the form of a package's metadata, by default those of this package, which `pyproject.toml`
-    has under `[project.urls]`.
-
-    >>> address("bare-angle", ["Documentation, https://example.org/latest/"])
-    'https://example.org/latest/errors/bare-angle.html'
-    >>> address("bare-angle", [])
-    """
+    """Return the address of the page on the published site, by default that of the package's metadata, or None."""
     for each in _urls() if urls is None else urls:
         label, _, url = each.partition(", ")
         if label.lower() == "documentation":
@@ -193,21 +185,12 @@ def _urls() -> tuple[str, ...]:
 
 
 def in_terminal(markdown: str, width: int = 100, color: bool = False) -> str:
-    r"""Return the page formatted for a terminal, without a final line break.
-
-    >>> print(in_terminal("# bare-angle\n\nAn angle\nwithout `deg`, see [here](x.md).\n\n```yaml\nrecipe: 1\n```\n"))
-    bare-angle
-    <BLANKLINE>
-    An angle without `deg`, see here.
-    <BLANKLINE>
-        recipe: 1
-    """
+    r"""Return the page formatted for a terminal, without a final line break."""
     paint = Paint(color)
     return "\n\n".join("\n".join(_shown(block, width, paint)) for block in _blocks(markdown))
 
 
 def _blocks(markdown: str) -> Iterator[list[str]]:
-    """Yield the lines of each paragraph, heading, list or table, and of each code block with its fences."""
     block: list[str] = []
     for line in markdown.splitlines():
         fenced = bool(block) and block[0].startswith("```")
@@ -244,7 +227,6 @@ def _shown(block: list[str], width: int, paint: Paint) -> Iterator[str]:
 
 
 def _paragraphs(block: list[str]) -> Iterator[tuple[str, str]]:
-    """Yield each item of a list, or the one paragraph, with the indentation of its further lines."""
     text, indent = "", ""
     for line in block:
         if (item := _ITEM.match(line)) is not None:

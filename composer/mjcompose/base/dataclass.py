@@ -49,7 +49,6 @@ else:
 
 
 def _own_fields(cls: type, kw_only: bool) -> dict[str, Field[Any]]:
-    """Return the fields that the class itself declares, by name."""
     fields = {}
     for name, annotation in cls.__annotations__.items():
         if "ClassVar" in str(annotation).partition("[")[0]:
@@ -76,7 +75,6 @@ def _with_slots(cls: type, own: dict[str, Field[Any]]) -> type:
 
 
 def _set_defaults(cls: type, own: dict[str, Field[Any]]) -> None:
-    """Replace each `field(…)` in the body of the class by its default."""
     for name, field in own.items():
         if field.default is not MISSING:
             setattr(cls, name, field.default)
@@ -85,7 +83,6 @@ def _set_defaults(cls: type, own: dict[str, Field[Any]]) -> None:
 
 
 def _add_methods(cls: Any, fields: dict[str, Field[Any]], frozen: bool, slots: bool, eq: bool) -> None:
-    """Add the methods that the class does not define itself."""
     defined = frozenset(cls.__dict__)
     cls.__dataclass_fields__ = fields
     positional = (name for name, field in fields.items() if field.init and not field.kw_only)
@@ -180,7 +177,6 @@ def _init(cls: Any, frozen: bool) -> Callable[..., None]:
 
 
 def _comparing(names: tuple[str, ...]) -> tuple[Callable[[Any, Any], Any], Callable[[Any], int]]:
-    """Return `__eq__` and `__hash__` over the fields of these names."""
     values: Callable[[Any], Any] = attrgetter(*names) if names else lambda _: ()
 
     def is_equal(self: Any, other: Any) -> Any:

@@ -151,10 +151,7 @@ class Note:
 
 @dataclass(frozen=True, slots=True)
 class Cause:
-    """Merges findings into one diagnostic: those with the same code, severity and `key`.
-
-    `subject` names in a few words what this finding is about; it is listed if this one is not the first.
-    """
+    """Merges findings with the same code, severity and `key`; `subject` names a later finding in the list."""
 
     key: str
     subject: str

@@ -13,42 +13,24 @@ _compact = json.JSONEncoder(separators=(",", ":")).encode
 
 
 def bits(seed: int, sample: int, field: str, element: str, component: int) -> int:
-    """Return 64 random bits for one number: the first eight bytes, big-endian, of the SHA-256 of a JSON list.
-
-    There is no state, so that other draws, their order and their process do not matter.
-
-    >>> hex(bits(7, 1, "friction", "cube/box", 0))
-    '0x488ac89d436f6e7e'
-    """
+    """Return 64 random bits: the first eight bytes, big-endian, of the SHA-256 of a JSON list. There is no state."""
     before, after = identity(seed, field, element, component=component)
     return int.from_bytes(hashlib.sha256(b"%b%d%b" % (before, sample, after)).digest()[: BITS // 8], "big")
 
 
 def identity(seed: int, field: str, element: str, component: int) -> tuple[bytes, bytes]:
-    """Return the bytes before and after the number of the sample in that JSON list.
-
-    >>> identity(7, "friction", "cube/box", 0)
-    (b'["mjcompose draws 1",7,', b',"friction","cube/box",0]')
-    """
+    """Return the bytes before and after the number of the sample in that JSON list."""
     before, after = (_compact(each).encode("ascii") for each in ([_VERSION, seed], [field, element, component]))
     return before[:-1] + b",", b"," + after[1:]
 
 
 def fraction(bits: int) -> float:
-    """Return the bits as a number strictly between 0 and 1: 52 bits and a half, which is exact.
-
-    >>> fraction(0), fraction(2**64 - 1) < 1
-    (1.1102230246251565e-16, True)
-    """
+    """Return the bits as a number strictly between 0 and 1: 52 bits and a half, which is exact."""
     return ((bits >> 12) + 0.5) * 2.0**-52
 
 
 def below(bits: int, count: int) -> int:
-    """Return the bits as a whole number from 0 to `count` - 1.
-
-    >>> below(0, 6), below(2**64 - 1, 6)
-    (0, 5)
-    """
+    """Return the bits as a whole number from 0 to `count` - 1."""
     return bits * count >> BITS
 
 
@@ -57,11 +39,7 @@ _EXACT_DIGITS = Context(prec=40, Emin=-999_999, Emax=999_999)
 
 
 def exp(x: float) -> float:
-    """Return e to the power of x; infinity if that is too large.
-
-    >>> exp(1.0)
-    2.718281828459045
-    """
+    """Return e to the power of x; infinity if that is too large."""
     if x > 1000:  # far beyond what a double or this context can hold
         return math.inf
     return float(Decimal(x).exp(_EXACT_DIGITS))
@@ -109,11 +87,7 @@ _FAR = (
 
 
 def quantile(p: float) -> float:
-    """Return the number that the normal distribution is below with probability p; infinite at 0 and 1 and beyond.
-
-    >>> quantile(0.5), round(quantile(0.975), 12), quantile(0.0)
-    (0.0, 1.95996398454, -inf)
-    """
+    """Return the number that the normal distribution is below with probability p; infinite at 0 and 1 and beyond."""
     q = p - 0.5
     if abs(q) <= MIDDLE:
         return middle(q)
@@ -152,13 +126,7 @@ def _polynomial(coefficients: tuple[float, ...], x: float) -> float:
 
 
 def probability(x: float) -> float:
-    """Return the probability that a number of the normal distribution is below x.
-
-    For large x only the other side, `probability(-x)`, is exact to the last digit.
-
-    >>> probability(0.0), round(probability(1.959963984540054), 12), probability(-10.0)
-    (0.5, 0.975, 7.619853024160525e-24)
-    """
+    """Return the normal probability below x; for large x only `probability(-x)` is exact to the last digit."""
     if abs(x) > FARTHEST:
         return 0.0 if x < 0 else 1.0
     c = _NORMAL_DIGITS

@@ -56,10 +56,7 @@ def is_registered(group: str, word: str) -> bool:
 
 
 def load(group: str, word: str) -> Any | None:
-    """Import what an installed package registers for a word, or return None if none does.
-
-    Raises DiagnosticError if several packages register it, or if it cannot be imported.
-    """
+    """Import an extension, or return None if there is none. Raises DiagnosticError if it is ambiguous or broken."""
     entries = _installed(group).get(word)
     if entries is None:
         return None
@@ -191,7 +188,6 @@ def _are_there(path: tuple[str, ...]) -> bool:
 
 @cache
 def _entries(group: str, path: tuple[str, ...]) -> dict[str, list[EntryPoint]]:
-    """Return the entry points of a group in the packages on a path, by name."""
     from importlib.metadata import entry_points
 
     found: dict[str, list[EntryPoint]] = {}

@@ -42,10 +42,7 @@ T = TypeVar("T")
 
 
 class Memory(Generic[T]):
-    """Caches what `look_up` returns for paths, until `stat` shows a change, as git does.
-
-    `missing` returns the value for a path without a `stat`.
-    """
+    """Caches `look_up` for paths until `stat` shows a change; `missing` is for paths without a `stat`."""
 
     def __init__(self, look_up: Callable[[str], T], missing: Callable[[str], T]) -> None:
         self._look_up, self._missing = look_up, missing
@@ -355,7 +352,6 @@ class Run:
         return next(inside, None) or next(below, None)
 
     def _resolve(self) -> None:
-        """Resolve what was noted since the last time."""
         for path in list(self._noted)[self._resolved :]:
             self._resolved += 1
             real = real_path(path)
@@ -372,10 +368,7 @@ class Run:
                 self._above[above] = path
 
     def _all_named(self) -> Mapping[Identity, str]:
-        """Return the files that recipes name, and those that recipes and models name that are only named.
-
-        A variant that is not chosen has sources, too.
-        """
+        """Return the files that the recipes and their models name without reading them, such as those of a variant."""
         while self._unscanned:
             path = self._unscanned[-1]  # until it is scanned
             own = _identity(path)
@@ -429,7 +422,6 @@ def _folder(path: str) -> str:
 
 
 def _with_above(path: str) -> Iterator[str]:
-    """Yield a path and the folders above it."""
     while True:
         yield path
         above = os.path.dirname(path)
@@ -472,13 +464,7 @@ def keep_piped(path: str, text: bytes) -> bytes:
 
 @contextmanager
 def unsaved(texts: Mapping[str, bytes]) -> Iterator[None]:
-    """Within the block, read `texts`, by real path, in place of files.
-
-    >>> import tempfile
-    >>> with tempfile.NamedTemporaryFile() as file, unsaved({os.path.realpath(file.name): b"new"}):
-    ...     unsaved_text(file.name)
-    b'new'
-    """
+    """Within the block, read `texts`, by real path, in place of files."""
     token = _TEXTS.set({**(_TEXTS.get() or {}), **texts})
     try:
         yield
@@ -495,11 +481,7 @@ def unsaved_text(path: str | os.PathLike[str]) -> bytes | None:
 
 
 def untrusted(folder: str | os.PathLike[str]) -> str | None:
-    """Return why a private folder is not trusted; None if it is, or if it does not exist.
-
-    >>> untrusted("/no/such/folder") is None
-    True
-    """
+    """Return why a private folder is not trusted; None if it is, or if it does not exist."""
     return _untrusted(folder)
 
 
@@ -540,11 +522,7 @@ class Foreign:
         return f"`{text}` is {self.name}, which mjcompose does not read"
 
     def help(self, text: str) -> str:
-        """Return what to do about a file.
-
-        >>> SDF.help("world/arm.sdf")
-        'convert it with Gazebo: `sdf2mjcf world/arm.sdf world/arm.xml`, of the package `sdformat-mjcf`'
-        """
+        """Return what to do about a file."""
         suffix = PurePath(text).suffix
         return self.advice.format(file=text, stem=text.removesuffix(suffix) + "_mjcf" * (suffix == ".xml"))
 

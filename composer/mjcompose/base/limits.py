@@ -24,11 +24,7 @@ def _limit(default: float, unit: str, bounds: str) -> Any:
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """Every limit of a run. A field is called as in `--limit`, with `_` for `-`.
-
-    >>> Limits().copies, replace(Limits(), copies=20).copies
-    (10000, 20)
-    """
+    """Every limit of a run. A field is called as in `--limit`, with `_` for `-`."""
 
     time: float = _limit(300.0, "seconds", "the work of MuJoCo on one model")
     memory: int = _limit(8 * GIB, "bytes", "the memory of mjcompose, and of MuJoCo's process (POSIX)")

@@ -32,10 +32,7 @@ def log(message: str, *arguments: object, level: int = 20) -> None:
 
 
 def warn(message: str, category: type[Warning]) -> None:
-    """Warn at the innermost line of the call stack outside of this package, as Python's own warnings do.
-
-    A filter for the module of that line applies, and the same warning at the same line is shown once by default.
-    """
+    """Warn at the innermost line of the call stack outside of this package, as Python's own warnings do."""
     frame = caller()
     module = str(frame.f_globals.get("__name__", "<unknown>"))
     registry = frame.f_globals.setdefault("__warningregistry__", {})

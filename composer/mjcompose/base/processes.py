@@ -281,11 +281,7 @@ class Pool(Generic[Task, Result]):
     def results(
         self, opening: Opening[Task, Result], tasks: Iterable[Task], do: Callable[[Task], Result]
     ) -> Iterator[Result | Died]:
-        """Yield the result of each task, in the order of the tasks.
-
-        `do` does a task in this process: if all workers are busy, and if a worker failed, so that exceptions are
-        raised here.
-        """
+        """Yield the results in the order of the tasks; `do` does a task here if all workers are busy, or one failed."""
         if self._workers:
             self._shared.opening = pickle.dumps(opening)
         each, given = iter(tasks), 0
@@ -325,7 +321,6 @@ class Pool(Generic[Task, Result]):
         self._workers = []
 
     def _go_on(self, do: Callable[[Task], Result]) -> None:
-        """Take a result of a worker; if there is none, do a task here."""
         shared = self._shared
         try:
             number, result = shared.done.get_nowait()
@@ -345,8 +340,6 @@ class Pool(Generic[Task, Result]):
 
 
 class _Shared:
-    """The state that the workers of a pool share."""
-
     def __init__(self, modules: tuple[str, ...]) -> None:
         self.modules = modules
         self.opening = b""
@@ -355,8 +348,6 @@ class _Shared:
 
 
 class _Worker:
-    """A process, and the thread that gives it tasks."""
-
     def __init__(self, shared: _Shared) -> None:
         self._shared = shared
         self._helper = Helper(shared.modules)

@@ -93,11 +93,7 @@ def render(diagnostic: Diagnostic, read_source: ReadSource | None = None, color:
 
 
 def counted(number: int, noun: str, plural: str = "") -> str:
-    """Return a number with its noun.
-
-    >>> counted(1, "part"), counted(2, "part"), counted(3, "body", "bodies")
-    ('1 part', '2 parts', '3 bodies')
-    """
+    """Return a number with its noun."""
     return f"{number} {noun if number == 1 else plural or f'{noun}s'}"
 
 
@@ -105,22 +101,13 @@ def printable(text: str, colors: bool = False) -> str:
     r"""Return a text in which no character acts on a terminal, a log or the order of others; lines and tabs stay.
 
     With `colors`, codes of colors stay too, and bytes of file names that are no text in this locale.
-
-    >>> printable("a\x9b2Jb\u202ec")
-    'a\ufffd2Jb\ufffdc'
     """
     unsafe = _UNSAFE_WITH_COLORS if colors else _UNSAFE
     return unsafe.sub(lambda found: _stand_in(found[0]), text.replace("\r\n", "\n"))
 
 
 def summary(diagnostics: Iterable[Diagnostic]) -> str:
-    """Return how many diagnostics of each severity there are.
-
-    >>> summary([Diagnostic("bad-name", "a"), Diagnostic("bad-name", "b", severity=Severity.WARNING)])
-    '1 error, 1 warning'
-    >>> summary([])
-    'no errors'
-    """
+    """Return how many diagnostics of each severity there are."""
     found = [each.severity for each in diagnostics]
     counts = [(severity.value, found.count(severity)) for severity in Severity]
     listed = [f"{count} {name}{'s' * (count != 1)}" for name, count in counts if count]
@@ -129,8 +116,6 @@ def summary(diagnostics: Iterable[Diagnostic]) -> str:
 
 @dataclass(frozen=True, slots=True)
 class _Excerpt:
-    """A source line for display: `offset` and `width` of the underline are in screen columns."""
-
     number: int
     text: str
     offset: int
@@ -183,7 +168,6 @@ def _excerpt(span: Span, read_source: ReadSource | None) -> _Excerpt | None:
 
 
 def _window(widths: list[int], start: int) -> tuple[int, int]:
-    """Return the slice of a line to show: all of it, or about `_WINDOW` columns around the character `start`."""
     if sum(widths) <= _WINDOW:
         return 0, len(widths)
     left, used = start, 0
@@ -201,7 +185,6 @@ def _window(widths: list[int], start: int) -> tuple[int, int]:
 
 
 def _cell(character: str) -> tuple[str, int]:
-    """Return what is shown for a character, and how many screen columns that takes."""
     if " " <= character <= "~":
         return character, 1
     if character == "\t":
@@ -215,7 +198,6 @@ def _cell(character: str) -> tuple[str, int]:
 
 
 def _stand_in(character: str) -> str:
-    """Return a visible character in place of a control character."""
     return chr(0x2400 + ord(character)) if character < " " else "\ufffd"
 
 
@@ -228,11 +210,7 @@ def _printable_lines(text: str) -> list[str]:
 
 
 def render_json_format(diagnostic: Diagnostic) -> str:
-    """Return one JSON object on one line, ASCII only, with the same keys for every diagnostic.
-
-    >>> render_json_format(Diagnostic("bad-name", "no"))[:68]
-    '{"severity": "error", "code": "bad-name", "message": "no", "span": n'
-    """
+    """Return one JSON object on one line, ASCII only, with the same keys for every diagnostic."""
     return json.dumps(
         {
             "severity": diagnostic.severity.value,
@@ -261,11 +239,7 @@ _COMMAND = {Severity.ERROR: "error", Severity.WARNING: "warning", Severity.NOTE:
 
 
 def render_github(diagnostic: Diagnostic) -> str:
-    """Return one workflow command on one line; notes and help follow the message.
-
-    >>> render_github(Diagnostic("bad-name", "100% wrong"))
-    '::error title=bad-name::100%25 wrong'
-    """
+    """Return one workflow command on one line; notes and help follow the message."""
     span = diagnostic.span
     properties: dict[str, str | int] = {}
     if span is not None:
@@ -308,11 +282,7 @@ def render_markdown(diagnostic: Diagnostic) -> str:
 
 
 def command(kind: str, message: str, properties: Mapping[str, str | int]) -> str:
-    r"""Return a workflow command of a kind such as `error`, with everything escaped.
-
-    >>> command("notice", "a%b", {"title": "c, d"})
-    '::notice title=c%2C d::a%25b'
-    """
+    r"""Return a workflow command of a kind such as `error`, with everything escaped."""
     about = ",".join(f"{name}={_property(str(value))}" for name, value in properties.items())
     return f"::{kind} {about}::{_data(message)}"
 
@@ -405,10 +375,7 @@ def short_traceback(function: Callable[Parameters, Result]) -> Callable[Paramete
 
 
 class MjcomposeError(Exception):
-    """Raised to Python callers if the input has errors; carries every diagnostic of the run.
-
-    `str()` renders them without source lines. Can be pickled.
-    """
+    """Raised to Python callers if the input has errors; carries every diagnostic. `str()` has no source lines."""
 
     def __init__(self, diagnostics: Iterable[Diagnostic]) -> None:
         self.diagnostics: tuple[Diagnostic, ...] = tuple(

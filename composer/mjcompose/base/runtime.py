@@ -36,8 +36,6 @@ def _after_the_first(phase: str, info: dict[str, int]) -> None:
 
 
 class _State(threading.local):
-    """State of the main thread, the only one in which handlers run; it has no effect in others."""
-
     def __init__(self) -> None:
         self.defers = [False]
         self.waiting: list[int] = []
@@ -51,10 +49,7 @@ _SECONDS = 0.3
 
 @contextmanager
 def deferring() -> Iterator[None]:
-    """Defer a signal until the block ends or reaches an `interruptible` block; a second signal is not deferred.
-
-    It affects only handlers that call `deferred`.
-    """
+    """Defer a signal to handlers of `deferred` until the block ends or is `interruptible`; a second one is not."""
     try:
         with _set(True):
             yield

@@ -132,10 +132,7 @@ def probe(argument: str) -> dict[str, bool]:
 
 
 def confine(readable: Sequence[str], memory: int = 0, seconds: float = 0) -> list[str]:
-    """Give up all rights of this process but to read files in `readable`; return the ways. Raises Unconfined.
-
-    It is for a process with one thread: the rights are each thread's own.
-    """
+    """Give up all rights of this single-threaded process except reading `readable`; return the ways."""
     ways = []
     if sys.platform == "linux":
         kernel = _Kernel()
@@ -317,7 +314,6 @@ def filter_program(machine: str) -> bytes | None:
 
 
 def _seccomp(kernel: _Kernel) -> str | None:
-    """Let through only the calls of the table."""
     there = kernel.prctl(22, 2, 0)
     if there == -errno.EINVAL:
         return None

@@ -60,10 +60,7 @@ def _is_ours(name: str) -> bool:
 
 @contextmanager
 def locked_folder(folder: Path) -> Iterator[Path]:
-    """Create a folder that is locked for the block, and removed after it. Raises OSError.
-
-    A process that was forked inside the block leaves it alone.
-    """
+    """Create a folder that is locked for the block and removed after it, except by a fork. Raises OSError."""
     owner = os.getpid()
     folder.mkdir(mode=0o700)
     try:
@@ -83,10 +80,7 @@ def locked_folder(folder: Path) -> Iterator[Path]:
 
 
 def sweep_once(parent: Path, is_ours: Callable[[str], bool], save: Callable[[Path], None] | None = None) -> None:
-    """Remove locked folders in `parent` whose process has ended; once in this process for each kind of name.
-
-    `save` rescues from such a folder what must not be lost.
-    """
+    """Remove locked folders whose process has ended, once in this process; `save` rescues what is in them."""
     key = str(parent), getattr(is_ours, "__qualname__", "")
     if key in _swept:
         return
@@ -144,7 +138,6 @@ def _remove_unlocked(folder: Path, made: float) -> bool:
 
 
 def _lock(file: int) -> bool:
-    """Lock an open file until it is closed or its process ends; return whether that succeeded."""
     if sys.platform == "win32":
         return True
     import fcntl

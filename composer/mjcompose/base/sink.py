@@ -17,10 +17,7 @@ _OF_MODELS = (".xml", ".mjcf", ".urdf", ".xacro")
 
 
 class TooManyFaults(Exception):
-    """There are more errors than the limit, because each takes a search for its place.
-
-    `sink` has those found so far.
-    """
+    """There are more errors than the limit; `sink` has those found so far."""
 
     def __init__(self, sink: Sink) -> None:
         super().__init__(f"more than {in_force().faults} errors; the first one is: {sink.errors[0].message}")
@@ -206,7 +203,6 @@ class Sink:
         return [each for each in self.diagnostics if each.severity is Severity.ERROR]
 
     def _whole(self, diagnostic: Diagnostic) -> Diagnostic:
-        """Return the diagnostic with all findings of the same cause, and its cells."""
         others, cells = self._found[diagnostic], self._cells.get(diagnostic)
         if recipes := self._recipes.get(diagnostic):
             diagnostic = replace(diagnostic, recipes=tuple(recipes))

@@ -43,7 +43,6 @@ def clearly_meant(name: str, candidates: Iterable[str]) -> str | None:
 
 
 def _ranked(name: str, candidates: Iterable[str]) -> tuple[tuple[float, int, str], ...]:
-    """Return the distance of each candidate that may be meant, its position among them, and the candidate."""
     return _ranked_once(name, tuple(dict.fromkeys(candidates)))
 
 
@@ -113,7 +112,6 @@ def exists_note(kind: str, candidates: Iterable[str], near: str | None = None) -
 
 
 def _score(name: str, candidate: str) -> float | None:
-    """Return the distance of a candidate from the written name, or None if it is too far."""
     if name == candidate:
         return 0.0
     written, known = _folded(name), _folded(candidate)
@@ -143,7 +141,6 @@ def _score(name: str, candidate: str) -> float | None:
 
 
 def _is_tail(written: str, known: str) -> bool:
-    """Return whether one of the names is the other one with a prefix."""
     longer, shorter = sorted((written, known), key=len, reverse=True)
     return longer.endswith(shorter) and longer[-len(shorter) - 1] in "/:."
 
@@ -175,7 +172,6 @@ def _quoted(name: str) -> str:
 
 
 def _tolerance(word: str) -> int:
-    """Return how many typos a word of this length may have."""
     return 0 if len(word) < 2 else 1 if len(word) < 6 else 2 if len(word) < 9 else 3
 
 
@@ -294,12 +290,7 @@ def unknown_name(
 
 
 def unknown_key(name: str, known: Iterable[str], span: Span, message: str) -> Diagnostic:
-    """Return the diagnostic for a key that a mapping of a recipe does not have; `known` are the keys it may have.
-
-    >>> from mjcompose.base.diagnostic import Span
-    >>> unknown_key("axis", ["axes", "name"], Span("r.yaml", 1, 1), "`matrix` has no key `axis`").help
-    'did you mean `axes`?'
-    """
+    """Return the diagnostic for a key that a mapping of a recipe does not have; `known` are the keys it may have."""
     known = list(known)
     return Diagnostic(
         "unknown-key", message, span, notes=(exists_note("key", known, name),),
@@ -314,9 +305,6 @@ def unknown_attribute(
     """Return the diagnostic for an attribute that a kind of element does not have; `owner` names the kind.
 
     `known` are the attributes that exist, `near` are further suggestions; `help` and `otherwise` are as above.
-
-    >>> unknown_attribute("colour", "`<geom>`", ["rgba", "size"]).help
-    'did you mean `rgba`?'
     """
     known = list(known)
     return Diagnostic(

@@ -49,7 +49,6 @@ def _answer(do: Callable[[Any], Any], task: Any) -> bytes:
 
 
 def _end(signum: int, frame: object) -> None:
-    """Exit in order, so that unfinished work is removed."""
     sys.exit(128 + signum)
 
 

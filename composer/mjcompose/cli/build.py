@@ -135,7 +135,6 @@ def build(options: Options, run: Run) -> int:
 
 
 def _check_usage(options: Options) -> None:
-    """Raise UsageError for options that do not go together."""
     workers, table, samples = options.workers, options.table, options.samples
     check_several(options.one, jobs=workers.jobs, shard=workers.shard, cluster=workers.cluster)
     if table is not None and (left := next((name for name, given in {
@@ -157,7 +156,6 @@ def _check_usage(options: Options) -> None:
 
 
 def _output_spec(options: Options, run: Run) -> OutputSpec:
-    """Return what is written, or end the command if it cannot be."""
     from mjcompose.build.bundle.bundle import OutputError
 
     out = options.out
@@ -191,7 +189,6 @@ _NO_SHARING = {
 
 
 def _for_shared_assets(out: str | None, one: bool) -> tuple[str, OutputForm]:
-    """Return the output of models that share their assets, and its form. Raises OutputError if they cannot."""
     from mjcompose.build.bundle.bundle import OutputError, OutputForm
 
     out = "build/{name}/" if out is None else out
@@ -208,7 +205,6 @@ def _for_shared_assets(out: str | None, one: bool) -> tuple[str, OutputForm]:
 
 
 def _check_has_picture(out: str, kind: OutputForm) -> None:
-    """Raise OutputError for outputs without pictures."""
     from mjcompose.build.bundle.bundle import OutputError
 
     if is_address(out):
@@ -226,7 +222,6 @@ _MORE = {"isaac": ("usd",)}
 
 
 def _check_target(options: Options, kind: str) -> None:
-    """Refuse an output form that a target does not support. Raises OutputError."""
     from mjcompose.build.bundle.bundle import OutputError
 
     target = options.target

@@ -86,7 +86,6 @@ def build_cells(task: Task, options: Options) -> int:
 
 
 def _chosen(task: Task, options: Options) -> list[Cell]:
-    """Return the cells to build, or end the command if the choice is wrong."""
     recipe, worlds = task.maker.recipe, task.maker.options.worlds
     chosen, code = options.cells.chosen(recipe, task.given, context=task.run.context, verb="build", worlds=worlds)
     if code:
@@ -107,17 +106,13 @@ def _check_names(chosen: Sequence[Cell], task: Task) -> None:
             where = " and ".join(f"`{each}`" for each in places)
             if len(places) > 1:
                 where += ", which are one place where the case of letters does not count"
-            task.run.context.sink.error(
-                "name-clash",
-                f"the models `{other.name}` and `{cell.name}` would be written to {where}",
-                cell.span,
-                help="write another `name` into `matrix`, or build them with `--pick` into two folders",
-            )
+            message = f"the models `{other.name}` and `{cell.name}` would be written to {where}"
+            help = "write another `name` into `matrix`, or build them with `--pick` into two folders"
+            task.run.context.sink.error("name-clash", message, cell.span, help=help)
             raise Stop(FINDINGS)
 
 
 def _checked_folder(task: Task, count: int) -> Path | str:
-    """Return the folder of the models, or end the command if they cannot be written there."""
     code, spec, context = USAGE, task.spec, task.run.context
     try:
         kind_of_output(spec.out, count)  # of all shards, which write to one place
@@ -222,7 +217,6 @@ def _folder(out: str) -> str:
 
 
 def _in(folder: str | None, name: str, shard: Shard | None) -> str | None:
-    """Return the path of a table of all models in that folder, or of one shard."""
     if folder is None:
         return None
     path = f"{folder}/{name if shard is None else shard.file(name)}"
@@ -236,7 +230,7 @@ def _how_to_go_on(whole: int, total: int, maker: Maker) -> str:
 
 
 class _Failed(Exception):
-    """A cell failed, which was reported."""
+    pass
 
 
 def build_worlds(task: Task, options: Options, table: Path) -> int:
@@ -274,8 +268,6 @@ def build_worlds(task: Task, options: Options, table: Path) -> int:
 
 
 class _Worlds:
-    """The worlds of one run; `last` is where the recipe defines the last model."""
-
     def __init__(self, task: Task, table: Path) -> None:
         self.task, self.table, self.context = task, table, task.run.context
         self.tally = Tally(task.maker.recipe, 0)
@@ -328,7 +320,6 @@ class _Worlds:
             say(f"wrote {self.table}: {study.count} worlds, {numbers} numbers of {len(study.arrays)} arrays")
 
     def _put_first(self, first: Cell) -> str:
-        """Write the model of the first cell as any build does; return the report."""
         task = self.task
         assert task.session is not None
         putting = partial(put, spec=task.spec)
@@ -340,7 +331,6 @@ class _Worlds:
         return report_of(again.result, self.task.spec)
 
     def _put(self, bundle: Bundle, study: Worlds) -> str:
-        """Write the union of all models; return the report."""
         target = self.task.spec.target(study.manifest.name, study.manifest.mujoco)
         write_bundle(bundle, self.context.folder / target, environment=self.context.environment)
         parts = ", ".join(study.table.parts)

@@ -138,17 +138,13 @@ def verify(options: VerifyOptions, run: Run) -> Answer | None:
             continue
         if options.fix:
             try:
-                store.remove(entry)
+                store.remove_content(entry.content)
             except SourceError as error:
                 raise _failed(error, run) from None
             _say_removed(entry.folder, run.form)
             continue
-        sink.error(
-            "store-unusable",
-            f"`{entry.folder}`, from `{entry.origin}`, is damaged",
-            notes=[Note(line.replace("was locked", "was stored")) for line in damage[:8]],
-            help=_FIX,
-        )
+        notes = [Note(line.replace("was locked", "was stored")) for line in damage[:8]]
+        sink.error("store-unusable", f"`{entry.folder}`, from `{entry.origin}`, is damaged", notes=notes, help=_FIX)
     if sink.has_errors:
         return None
     looked_at = [*entries, *headless, *built]

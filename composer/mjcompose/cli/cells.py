@@ -104,10 +104,7 @@ class CellsOptions:
     def chosen(
         self, recipe: Path, given: dict[str, Node], context: Context, verb: str, *, worlds: bool = False
     ) -> tuple[list[Cell], int]:
-        """Return the selected cells, none if the recipe is one model, and the exit code, 0 without errors.
-
-        Errors go to the context's sink.
-        """
+        """Return the selected cells, none if the recipe is one model, and the exit code, 0 without errors."""
         from mjcompose.build.cache.cells import cells_of, check_axes_are_free, of_samples, select_cells
 
         sink = context.sink
@@ -134,19 +131,11 @@ class Shard:
     count: int
 
     def of(self, items: Sequence[Item]) -> list[Item]:
-        """Return every `count`-th item, because neighbours often take equally long.
-
-        >>> Shard(1, 3).of("abcdefg"), Shard(3, 3).of("abcdefg"), Shard(3, 3).of("a")
-        (['a', 'd', 'g'], ['c', 'f'], [])
-        """
+        """Return every `count`-th item, because neighbours often take equally long."""
         return list(items[self.number - 1 :: self.count])
 
     def file(self, name: str) -> str:
-        """Return the name of a file that each shard has separately.
-
-        >>> Shard(1, 3).file("samples.csv")
-        'samples-1-of-3.csv'
-        """
+        """Return the name of a file that each shard has separately."""
         path = PurePosixPath(name)
         return f"{path.stem}-{self.number}-of-{self.count}{path.suffix}"
 
@@ -186,10 +175,7 @@ class WorkerOptions:
 
     @contextmanager
     def started(self, out: Location | None = None, away: Finish | None = None) -> Iterator[Crew | None]:
-        """Yield the workers that `--cluster` names, which write below `out`, or None without the option.
-
-        `away` writes on a machine with other folders.
-        """
+        """Yield the workers of `--cluster`, which write below `out` or with `away` elsewhere, or None."""
         if self.cluster is None:
             yield None
             return

@@ -137,7 +137,6 @@ class _Checking:
                     self._take(self._of_model(recipe, result, own, notes_cells=True), own)
 
     def _take(self, result: _Result, context: Context) -> None:
-        """Keep what was found of one of several recipes."""
         for each in context.sink.diagnostics:
             self.run.context.sink.add_of_recipe(str(result.recipe), each)
         self.results.append(result)
@@ -162,7 +161,6 @@ class _Checking:
         return max(result.code for result in self.results)
 
     def _checked(self, recipe: Path, context: Context) -> _Result:
-        """Check a recipe, as one model or several."""
         from mjcompose.build.cache.builder import Maker
 
         with caching(context, self.options.no_cache) as cache:
@@ -172,7 +170,6 @@ class _Checking:
             return self._cells(maker) or self._model(maker, notes_cells=False)
 
     def _model(self, maker: Maker, *, notes_cells: bool) -> _Result:
-        """Check the recipe's model without a cell."""
         from mjcompose.build.cache.cell_run import make_recipe
 
         progress(f"checking {maker.recipe}")

@@ -41,10 +41,7 @@ Complete = Callable[[click.Context, click.Parameter, str], list[CompletionItem]]
 
 
 def _completing(offered: Callable[[Path, Context], Iterable[str]], listed: bool = False) -> Complete:
-    """Return a completion with the matches among `offered`, or nothing if the recipe cannot be read.
-
-    With `listed`, the word is a comma-separated list whose last item is completed.
-    """
+    """Return a completion among `offered`; with `listed`, the last item of a comma-separated list is completed."""
 
     def complete(ctx: click.Context, parameter: click.Parameter, incomplete: str) -> list[CompletionItem]:
         from mjcompose.sources.context import Context
@@ -68,7 +65,6 @@ def _completing(offered: Callable[[Path, Context], Iterable[str]], listed: bool 
 
 
 def _recipe(ctx: click.Context) -> Path | None:
-    """Return the recipe on the command line."""
     for name in ("recipe", "recipes", "model", "target", "a"):
         if given := ctx.params.get(name):
             return Path(given[0] if isinstance(given, tuple) else given)
@@ -77,7 +73,6 @@ def _recipe(ctx: click.Context) -> Path | None:
 
 
 def _cells(recipe: Path, context: Context) -> Iterator[str]:
-    """Yield the names of cells and samples, and the values of the axes."""
     from mjcompose.build.cache.cells import cells_of
     from mjcompose.text.node import Scalar
 
@@ -136,8 +131,6 @@ def _elements(recipe: Path, context: Context) -> Iterator[str]:
 
 
 def _named(tag: str) -> Callable[[Path, Context], Iterator[str]]:
-    """Return a function for the names of all elements with a tag."""
-
     def offered(recipe: Path, context: Context) -> Iterator[str]:
         yield from (name for each in _model(recipe, context) if each.tag == tag and (name := each.get("name")))
 

@@ -176,7 +176,6 @@ def _send_again(number: int) -> None:
 
 
 def _imports(frame: FrameType | None) -> bool:
-    """Return whether a frame is inside the import of a module."""
     while frame is not None:
         if frame.f_code.co_filename == "<frozen importlib._bootstrap>":
             return True

@@ -75,7 +75,6 @@ _WIDEST = 100
 
 
 def _page(word: Path) -> Answer:
-    """Return the page of a code. Raises UsageError if it is not a code."""
     code = code_of(str(word))
     if code is None:
         raise click.UsageError(_no_code(word))

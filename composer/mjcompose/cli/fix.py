@@ -78,7 +78,6 @@ def _show(found: Fixed, context: Context) -> None:
 
 
 def _written(found: Fixed, context: Context) -> bool:
-    """Write all files; return whether that succeeded."""
     done = [rewrite(path, after, context) for path, (_, after) in found.files.items()]
     return all(done)
 

@@ -73,7 +73,6 @@ def fmt(options: Options, run: Run) -> int:
 
 
 def _report(file: str, difference: str | None, form: str) -> None:
-    """Report a file that was formatted, or would be, with its difference."""
     if form == "json":
         what = {"formatted": file} if difference is None else {"would_format": file, "diff": difference}
         click.echo(json.dumps(what))
@@ -101,10 +100,7 @@ def _read(recipe: str, context: Context) -> bytes | None:
 
 
 def rewrite(recipe: Path, result: bytes, context: Context, option: str | None = None) -> bool:
-    """Replace the file in one step and keep its permissions; return whether that succeeded.
-
-    With the `option` that names it, the file is another than those that were read.
-    """
+    """Replace the file in one step and keep its permissions; return whether that succeeded."""
     from mjcompose.build.bundle.bundle import OutputError
     from mjcompose.build.bundle.staging import staged_file
 

@@ -90,7 +90,6 @@ def import_(options: Options, run: Run) -> Answer | int:
 
 
 def _answer(found: Recovered, target: Path, shown: str, run: Run) -> Answer | int:
-    """Return what is printed about a recipe that was recovered."""
     from mjcompose.base.report import counted
     from mjcompose.tools.importing.recover import changed, left
 
@@ -125,7 +124,6 @@ def _answer(found: Recovered, target: Path, shown: str, run: Run) -> Answer | in
 
 
 def _refuse_foreign(files: tuple[Path, ...], run: Run) -> None:
-    """End with an error for each file in a format that is not read."""
     for file in files:
         if (found := foreign_format(file)) is not None:
             shown = run.context.shown(file)
@@ -156,7 +154,6 @@ def _is_reference(part: Path) -> bool:
 
 
 def _whole(merged: Path, target: Path, among: str, run: Run) -> Answer:
-    """Write a recipe that starts from the merged model as a whole."""
     from mjcompose.tools.importing.recover import whole_recipe
 
     if not rewrite(target, whole_recipe(merged, target).encode(), run.context):
@@ -171,7 +168,6 @@ def _whole(merged: Path, target: Path, among: str, run: Run) -> Answer:
 
 
 def _say_several(heading: str, lines: list[str]) -> None:
-    """Print lines below a heading, only the first of many."""
     if not lines:
         return
     say(f"{heading}:")

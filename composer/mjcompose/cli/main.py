@@ -201,7 +201,6 @@ def _is_extension(verb: str) -> bool:
 
 
 def _extension(ctx: click.Context, name: str) -> click.Command | None:
-    """Return the command of another package, or None if none has it."""
     if not _is_extension(name):
         return None
     from mjcompose.base.diagnostic import DiagnosticError
@@ -260,7 +259,6 @@ def _print_any_name() -> None:
 
 
 def _bug(error: Exception) -> str:
-    """Return the message for an unexpected exception, as a last resort."""
     trace = error.__traceback__
     while trace is not None and trace.tb_next is not None:
         trace = trace.tb_next

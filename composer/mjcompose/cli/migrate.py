@@ -155,7 +155,6 @@ def _show(result: Result, context: Context) -> None:
 
 
 def _lines(result: Result, written: Path | None, in_place: bool, context: Context) -> Iterator[str]:
-    """Yield what was done, and what is known of it."""
     migrated, proof = result.migrated, result.proof
     shown = context.shown(result.model)
     way = f"from MuJoCo {migrated.before} to {migrated.after}"

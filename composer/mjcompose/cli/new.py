@@ -60,8 +60,6 @@ def new(options: Options, run: Run) -> Answer | None:
 
 @dataclass(frozen=True, slots=True)
 class _Outcome:
-    """The message, and the paths of written files and of existing ones."""
-
     words: str
     wrote: tuple[str, ...]
     kept: tuple[str, ...]
@@ -76,11 +74,8 @@ def _recipe(path: Path, context: Context) -> _Outcome:
         shown = path.with_suffix(".yaml") if path.name else path / "model.yaml"
         raise click.UsageError(f"a recipe's name ends in .yaml: {shown}")
     if os.path.lexists(path):
-        context.sink.error(
-            "output-unwritable",
-            f"`{path}` exists already and is left as it is",
-            help="choose another name, or remove the file",
-        )
+        message = f"`{path}` exists already and is left as it is"
+        context.sink.error("output-unwritable", message, help="choose another name, or remove the file")
         return _Outcome("", (), ())
     with staged_file(path) as stage:
         stage.write_text(starter(as_text(path.stem)), encoding="utf-8")
@@ -137,7 +132,6 @@ def _outcome(words: Iterable[str], folder: Path, written: Iterable[str], kept: I
 
 
 def _kept(path: str, folder: Path, files: Mapping[str, str]) -> str:
-    """Return the message about an existing file."""
     from mjcompose.tools.new import lacking
 
     kept = f"kept {folder / path}"

@@ -153,7 +153,6 @@ class Choices:
         return found
 
     def _text(self, file: Path, context: Context) -> bytes:
-        """Return the bytes of a file, which is read once: it may be a pipe. Raises OSError."""
         if file not in self._read:
             from mjcompose.base.files import read_argument
             from mjcompose.base.limits import in_force
@@ -162,10 +161,7 @@ class Choices:
         return self._read[file]
 
     def named(self, context: Context) -> dict[str, str]:
-        """Return the values as text, by their names for the user, for comparison in the build cache.
-
-        Nothing is validated.
-        """
+        """Return the values as text, not validated, by their names for the user, for the build cache to compare."""
         from mjcompose.build.cache.cache_key import content_of, name_of
 
         found: dict[str, str] = {}

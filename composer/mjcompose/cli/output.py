@@ -42,10 +42,7 @@ class Picturing:
     _session: Session | None = field(default=None)
 
     def put(self, target: str, name: str, *, is_known: bool, context: Context) -> None:
-        """Draw the picture of the output `target`; if the output `is_known`, an existing picture stays.
-
-        Errors go to the sink.
-        """
+        """Draw the picture of the output `target`; if the output `is_known`, an existing picture stays."""
         out = picture_beside(target, name)
         if is_known and os.path.exists(context.folder / out):
             return
@@ -291,8 +288,6 @@ def add_picture(result: BuildResult, spec: OutputSpec, context: Context) -> None
 
 @dataclass(frozen=True, slots=True)
 class _Writer:
-    """Writes models to their outputs."""
-
     maker: Maker
     spec: OutputSpec
     context: Context
@@ -410,7 +405,6 @@ class _Writer:
         return ()
 
     def _deliver(self, result: BuildResult, out: str) -> None:
-        """Write to this machine first, and then to an address."""
         from mjcompose.base.scratch import scratch
         from mjcompose.build.bundle.remote import ASSETS, deliver_assets, deliver_file, deliver_folder
 
@@ -429,7 +423,6 @@ class _Writer:
 
 
 def _check_holds_all(bundle: Bundle, out: str) -> None:
-    """Refuse an output form that cannot hold worlds."""
     from mjcompose.build.bundle.bundle import WORLDS, OutputError
 
     if WORLDS in bundle.files:

@@ -66,7 +66,6 @@ def plan(options: Options, run: Run) -> Answer:
 
 
 def _data(plan: Plan, preview: PlanPreview | None, filled: FilledValues, cells: Sequence[Cell]) -> dict[str, Any]:
-    """Return the plan as data, with the cells that are built separately."""
     from mjcompose.build.plan.describe import as_data
 
     data = as_data(plan, preview)

@@ -111,8 +111,6 @@ def render(options: Options, run: Run) -> Answer:
 
 @dataclass(frozen=True, slots=True)
 class _Rendering:
-    """Writes pictures of an operand to `out`. Its methods return the report, or None if there is none."""
-
     operand: Operand
     out: Path
     wish: Wish

@@ -121,7 +121,6 @@ def rendered(found: Sequence[Diagnostic], form: str, read: text.ReadSource, suit
 
 
 def _exact(diagnostic: Diagnostic, read: text.ReadSource) -> Diagnostic:
-    """Return the diagnostic with the verbatim text of its fix."""
     if diagnostic.fix is None:
         return diagnostic
     from mjcompose.tools.fix import exact, place_of
@@ -139,10 +138,7 @@ def _more_about(found: Sequence[Diagnostic]) -> str:
 
 
 def use_color(*, out: bool = False) -> bool:
-    """Return whether to use colors: only on a terminal that has them, and never if NO_COLOR is set.
-
-    `out` is for standard output, where answers go; messages go to standard error.
-    """
+    """Return whether standard error, or with `out` standard output, shows colors; NO_COLOR and TERM count."""
     terminal = sys.stdout is not None and sys.stdout.isatty() if out else on_terminal()
     return terminal and not os.environ.get("NO_COLOR") and os.environ.get("TERM") != "dumb"
 
@@ -167,13 +163,11 @@ def clear_progress() -> None:
 
 
 def _meta() -> dict[str, Any]:
-    """Return the current command's data; empty outside of a command."""
     context = click.get_current_context(silent=True)
     return {} if context is None else context.meta
 
 
 def _given(name: str) -> bool:
-    """Return whether the current command was given this flag."""
     context = click.get_current_context(silent=True)
     return context is not None and bool(context.params.get(name))
 

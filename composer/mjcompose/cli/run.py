@@ -132,7 +132,6 @@ def _parameters(options: type, heading: str = "Options") -> Iterator[click.Param
 
 
 def _object(options: type[Options], given: Mapping[str, Any]) -> Options:
-    """Return the options as an object, from the values of all parameters by name."""
     return options(**{
         name: given[name] if declared.attributes is not None else _object(declared.of, given)  # type: ignore[arg-type]
         for name, declared in _declarations(options)
@@ -305,7 +304,6 @@ def _ended(function: Callable[[Options, Run], Answer | int | None], options: Opt
 
 
 def _recipes(given: Mapping[str, Any]) -> list[Path]:
-    """Return the recipes given to the command, and their locks."""
     recipes = [path for key in ("recipe", "recipes") for path in _listed(given.get(key))]
     return [path for recipe in recipes for path in (recipe, recipe.with_suffix(".lock"))]
 
@@ -342,10 +340,7 @@ def _again_and_again(once: Callable[[], int], named: list[Path]) -> int:
 
 
 def _wait(before: dict[Path, Mark]) -> None:
-    """Wait until a file has changed.
-
-    In a thread of its own, because a watch swallows the signal that ends a command.
-    """
+    """Wait until a file has changed, in a separate thread because a watch swallows the signal that ends a command."""
     from concurrent.futures import ThreadPoolExecutor
 
     from mjcompose.tools.view.builder import Watch

@@ -88,7 +88,6 @@ def view(options: Options, run: Run) -> Answer | int:
 
 
 def _live(workshop: Workshop, service: Service, run: Run) -> int:
-    """Serve until interrupted; return the exit code."""
     from threading import Event
 
     from mjcompose.tools.view.live import serve, started
@@ -112,7 +111,6 @@ def _live(workshop: Workshop, service: Service, run: Run) -> int:
 
 
 def _page(operand: Operand, out: Path, options: Options, given: dict[str, Node], session: Session) -> str | None:
-    """Write the page; return the report, or None if there is none."""
     from mjcompose.tools.diff.sides import load
     from mjcompose.tools.view.page import write_page
     from mjcompose.tools.view.render import check_given

@@ -5,7 +5,16 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING
 
-from mjcompose.sources.reference import Form, Reference, SourceKind, check_secrets, malformed, never, take_apart
+from mjcompose.sources.reference import (
+    Form,
+    Reference,
+    SourceKind,
+    check_secrets,
+    host_of_url,
+    malformed,
+    never,
+    take_apart,
+)  # fmt: skip
 
 if TYPE_CHECKING:
     from mjcompose.sources.fetching import Lookup
@@ -32,10 +41,6 @@ def _parse(text: str) -> Reference:
     return Reference(text, KIND, f"{scheme}://{host}/{archive}", path=path, revision=sha256)
 
 
-def _host(reference: Reference) -> str | None:
-    return reference.name.partition("://")[2].partition("/")[0]
-
-
 def _resolve(reference: Reference, lookup: Lookup) -> Source:
     from mjcompose.sources.web_archive import resolve  # a model that the cache knows is not fetched
 
@@ -45,5 +50,5 @@ def _resolve(reference: Reference, lookup: Lookup) -> Source:
 KIND = SourceKind(
     name="archive", forms=(_FORM, _PINNED), local_schemes=("http",), separator="#", is_local=False,
     is_fetched=True, runs_code=False, pins=frozenset({"sha256"}), variables=(), libraries=(), parse=_parse,
-    resolve=_resolve, host=_host, is_of_this_machine=never,
+    resolve=_resolve, host=host_of_url, is_of_this_machine=never,
 )  # fmt: skip

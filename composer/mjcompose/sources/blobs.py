@@ -49,10 +49,7 @@ def remembered_sha256(path: Path) -> str:
 
 
 def files_below(folder: Path) -> Iterator[tuple[str, Path]]:
-    """Yield every file below a folder with its relative path.
-
-    Paths have forward slashes and come in no order; links are not followed.
-    """
+    """Yield every file below a folder with its relative POSIX path, in no order; links are not followed."""
     for where, _, names in os.walk(folder):
         for name in names:
             path = Path(where, name)
@@ -60,11 +57,7 @@ def files_below(folder: Path) -> Iterator[tuple[str, Path]]:
 
 
 def differences(before: Mapping[str, str], after: Mapping[str, str]) -> tuple[str, ...]:
-    """Return one line for each file that changed, sorted by name; empty if none has. No I/O.
-
-    >>> differences({"a": "0" * 64, "b": "1" * 64}, {"a": "2" * 64, "c": "3" * 64})
-    ('`a` changed: 000000000000… was locked, 222222222222… is there', '`b` is gone', '`c` is new')
-    """
+    """Return one line for each file that changed, sorted by name; empty if none has. No I/O."""
     return tuple(
         f"`{name}` is gone" if name not in after
         else f"`{name}` is new" if name not in before
@@ -187,10 +180,7 @@ def digest(content: bytes) -> str:
 
 
 def get(store: str | PathLike[str], kind: str, key: str) -> bytes | None:
-    """Return an entry and mark it as used now, or None if it does not exist.
-
-    A damaged entry is removed and gives None.
-    """
+    """Return an entry and mark it as used now, or None if it does not exist or is damaged, and removed."""
     path = os.path.join(store, kind, key)
     try:
         content = read(path)
@@ -210,10 +200,7 @@ def put(store: str | PathLike[str], kind: str, key: str, content: bytes) -> None
 
 
 def write_whole(store: str | PathLike[str], path: str | PathLike[str], *pieces: bytes) -> None:
-    """Write a file of the store completely or not at all. Raises OSError.
-
-    It is locked while it is written: an unlocked one was left behind by a killed process.
-    """
+    """Write a file of the store completely or not at all, locked until then. Raises OSError."""
     stage = os.path.join(store, WRITING, f"{os.path.basename(path)}.{os.urandom(6).hex()}")
     try:
         for file in (stage, path):
@@ -313,11 +300,7 @@ class KeptMujoco:
 
 
 def mujoco_key(version: str) -> str:
-    """Return the name of the lock and of the lease of a version.
-
-    >>> mujoco_key("3.12.0")
-    'mujoco-3-12-0'
-    """
+    """Return the name of the lock and of the lease of a version."""
     return f"{FOLDER}-{version.replace('.', '-')}"
 
 
@@ -352,7 +335,6 @@ def _folders(store: Path) -> list[Path]:
 
 
 def _measured(folder: Path) -> int:
-    """Return the size of the files of an environment, without what it links to."""
     size = 0
     for _, path in files_below(folder):
         with contextlib.suppress(OSError):

@@ -50,11 +50,8 @@ def _resolve(reference: Reference, lookup: Lookup) -> Source:
     """
     roots = folders(_PACKAGE)
     if not roots:
-        raise SourceError(
-            "source-not-found",
-            f"`{reference.text}` needs the Python package `{_PACKAGE}`, which is not installed",
-            help=f"run `pip install {_PACKAGE}`",
-        )
+        message = f"`{reference.text}` needs the Python package `{_PACKAGE}`, which is not installed"
+        raise SourceError("source-not-found", message, help=f"run `pip install {_PACKAGE}`")
     names = sorted(
         file.stem for root in roots for file in root.glob("*_description.py") if not file.name.startswith("_")
     )
@@ -98,7 +95,6 @@ def _load(reference: Reference, fetching: Fetching) -> Any:
 
 @contextmanager
 def _no_transport() -> Iterator[None]:
-    """Prevent git, which the package runs in this process's environment, from contacting any repository."""
     before = os.environ.get(_TRANSPORTS)
     os.environ[_TRANSPORTS] = "none"
     try:
@@ -124,12 +120,9 @@ def _model_file(description: Any, reference: Reference) -> Path:
 def _unknown(name: str, names: list[str]) -> SourceError:
     likely = [each for each in (f"{name}_mj_description", f"{name}_description") if each in names]
     likely += closest(name, names, 3)
-    return SourceError(
-        "source-not-found",
-        f"`{_PACKAGE}` has no description `{name}`",
-        notes=(exists_note("description", [*likely, *names]).message,),
-        help=f"write `descriptions:{likely[0]}`" if likely else None,
-    )
+    notes = (exists_note("description", [*likely, *names]).message,)
+    help = f"write `descriptions:{likely[0]}`" if likely else None
+    return SourceError("source-not-found", f"`{_PACKAGE}` has no description `{name}`", notes=notes, help=help)
 
 
 KIND = SourceKind(

@@ -126,12 +126,9 @@ class _Download:
         )  # fmt: skip
 
     def _untrusted(self, said: str) -> SourceError:
-        return SourceError(
-            "source-fetch",
-            f"`{self.url}` cannot be fetched: its server has no certificate that this machine trusts",
-            notes=(said,),
-            help="name a file with the certificate of its authority in `SSL_CERT_FILE`",
-        )
+        message = f"`{self.url}` cannot be fetched: its server has no certificate that this machine trusts"
+        help = "name a file with the certificate of its authority in `SSL_CERT_FILE`"
+        return SourceError("source-fetch", message, notes=(said,), help=help)
 
     def _pool(self, url: str) -> PoolManager:
         import urllib3
@@ -197,10 +194,8 @@ class _Download:
         """Refuse a server of this machine or its network, also for a name that had no address before."""
         if self.is_confined and is_private(urlsplit(at).netloc):
             leads = "" if at == self.url else f" leads to `{hide(at)}`, which"
-            raise SourceError(
-                "source-outside",
-                f"`{self.url}`, which a fetched recipe names,{leads} is on this machine or in its network",
-            )
+            message = f"`{self.url}`, which a fetched recipe names,{leads} is on this machine or in its network"
+            raise SourceError("source-outside", message)
 
     def _taken(self, response: BaseHTTPResponse, headers: Mapping[str, str], have: int) -> Version | None:
         status = response.status
@@ -236,12 +231,9 @@ class _Download:
             pause = 0.0
         if pause <= _PATIENCE:
             return _Broken(answered, pause)
-        return SourceError(
-            "source-fetch",
-            f"`{self.url}` cannot be fetched now: {answered}",
-            notes=(f"it says `Retry-After: {response.headers.get('Retry-After', '')}`",),
-            help="try again later; with `--offline` what is in the store is used",
-        )
+        notes = (f"it says `Retry-After: {response.headers.get('Retry-After', '')}`",)
+        help = "try again later; with `--offline` what is in the store is used"
+        return SourceError("source-fetch", f"`{self.url}` cannot be fetched now: {answered}", notes=notes, help=help)
 
     def _write(self, response: BaseHTTPResponse, version: Version, size: int) -> None:
         from urllib3.exceptions import HTTPError, TimeoutError
@@ -259,11 +251,8 @@ class _Download:
                     size += len(chunk)
                     if max(size, total) > (most := in_force().source_size):
                         forget(self.partial)
-                        raise SourceError(
-                            "archive-refused",
-                            f"`{self.url}` is larger than {written('source-size', most)}",
-                            help=advice("source-size", total or None),
-                        )
+                        message = f"`{self.url}` is larger than {written('source-size', most)}"
+                        raise SourceError("archive-refused", message, help=advice("source-size", total or None))
                     file.write(chunk)
                     self.silence.broken()
                     now = time.monotonic()
@@ -290,7 +279,6 @@ class _Download:
         return self.partial.with_suffix(".version")
 
     def _begun(self) -> tuple[int, Version]:
-        """Return how many bytes an earlier try left, and of which version."""
         try:
             note = json.loads(read_regular(self._note, is_source=False))
             return self.partial.stat().st_size, Version(str(note["etag"]), str(note["modified"]))
@@ -315,7 +303,6 @@ _OBJECT = re.compile(r"<.*?>: |HTTPS?Connection(Pool)?\(.*?\): ")
 
 
 def _in_short(error: Exception) -> str:
-    """Return the cause without the library's object names."""
     said = [str(each) or type(each).__name__ for each in error.args] or [type(error).__name__]
     text = _OBJECT.sub("", ": ".join(each.rstrip(".") for each in said))
     return "".join(each if each.isprintable() else " " for each in text).strip()

@@ -28,11 +28,7 @@ _SHORTEST, _LONGEST = 0.1, 24 * 3600.0
 
 
 def patience(environment: Mapping[str, str]) -> float:
-    """Return the timeout in seconds from `MJCOMPOSE_TIMEOUT`. Raises SourceError for an invalid value.
-
-    >>> patience({}), patience({"MJCOMPOSE_TIMEOUT": "2.5"})
-    (30.0, 2.5)
-    """
+    """Return the timeout in seconds from `MJCOMPOSE_TIMEOUT`. Raises SourceError for an invalid value."""
     written = environment.get("MJCOMPOSE_TIMEOUT", "")
     if not written:
         return DEFAULT
@@ -41,11 +37,8 @@ def patience(environment: Mapping[str, str]) -> float:
     except ValueError:
         seconds = 0.0
     if not _SHORTEST <= seconds <= _LONGEST:
-        raise SourceError(
-            "source-fetch",
-            f"`MJCOMPOSE_TIMEOUT` is not a number of seconds from {_SHORTEST} to {_LONGEST:.0f}: `{written}`",
-            help="write it as `30`",
-        )
+        message = f"`MJCOMPOSE_TIMEOUT` is not a number of seconds from {_SHORTEST} to {_LONGEST:.0f}: `{written}`"
+        raise SourceError("source-fetch", message, help="write it as `30`")
     return seconds
 
 
@@ -141,11 +134,8 @@ class Fetching:
 
     def forget(self) -> None:
         """Forget what was fetched and read, because it is damaged."""
-        self.origins.clear()
-        self.first.clear()
-        self.digests.clear()
-        self.files.clear()
-        self.doors.clear()
+        for memory in (self.origins, self.first, self.digests, self.files, self.doors):
+            memory.clear()
 
     def around(self, path: Path) -> Origin | None:
         """Return the origin that a file or folder belongs to; the innermost if origins are nested."""
@@ -156,10 +146,7 @@ class Fetching:
         return max(found, key=lambda each: len(real_path(each.root)), default=None)
 
     def door_of_text(self, folder: Path) -> Door:
-        """Return what a recipe in a folder may name by path.
-
-        The user's own recipes may name anything, others only files of their origin.
-        """
+        """Return what a recipe in a folder may name by path: anything, or the files of its origin."""
         origin = self.around(folder)
         return ALL if origin is None else self.door_of_origin(origin)
 
@@ -177,14 +164,10 @@ class Fetching:
         """Return what the model at a path may read: its project, that of the recipe, and folders the recipe trusts."""
         key = path, self.outer, self.trust
         if key not in self.doors:
-            self.doors[key] = self._own_door(path)
+            start = None if self.outer is None else os.path.dirname(os.path.abspath(self.outer))
+            recipe = () if self.outer is None else (folder_of_recipe(self.outer),)
+            self.doors[key] = own_door(path, (*recipe, *self.trust.files), start)
         return self.doors[key]
-
-    def _own_door(self, path: Path) -> Door:
-        if self.outer is None:
-            return own_door(path, self.trust.files)
-        recipe = folder_of_recipe(self.outer)
-        return own_door(path, (recipe, *self.trust.files), os.path.dirname(os.path.abspath(self.outer)))
 
     def pin(self, id: str) -> str | None:
         """Return the commit or sha256 that the lock has for an origin."""
@@ -194,17 +177,12 @@ class Fetching:
 
     def known_files(self, id: str) -> Mapping[str, str]:
         """Return the files of an origin and their sha256 from the lock; empty if the lock does not have it."""
-        if self.lock is None or id not in self.lock.sources:
-            return {}
-        return self.lock.sources[id].files
+        return self.lock.sources[id].files if self.lock is not None and id in self.lock.sources else {}
 
 
 @dataclass(frozen=True, slots=True)
 class Lookup:
-    """The context of a reference: the folder of the file that contains it, the environment, and the run.
-
-    `is_confined` says that the reference is in a fetched recipe, which may not reach this machine or its network.
-    """
+    """The folder of the file with a reference, the environment, and the run; a fetched recipe `is_confined`."""
 
     folder: Path
     environment: Mapping[str, str]
@@ -220,11 +198,9 @@ def source_in(origin: Origin, reference: Reference) -> Source:
     existing = [origin.named(each) for each in model_files(origin.root, depth=6)]
     for left_out, why in origin.without:
         if inside.is_relative_to(left_out):
-            raise SourceError(
-                "source-not-found",
-                f"the model `{reference.text}` does not exist: `{left_out}` is {why}",
-                notes=(exists_note("model file", existing, reference.text).message,),
-            )
+            message = f"the model `{reference.text}` does not exist: `{left_out}` is {why}"
+            notes = (exists_note("model file", existing, reference.text).message,)
+            raise SourceError("source-not-found", message, notes=notes)
     if not has_format(inside):
         raise without_suffix(reference.text, existing)
     path = origin.root / inside
@@ -238,20 +214,14 @@ def source_in(origin: Origin, reference: Reference) -> Source:
 
 def unlocked(reference: Reference, fetching: Fetching) -> SourceError:
     """Return the error for a source that is not in the lock when only locked sources are allowed."""
-    return SourceError(
-        "lock-stale",
-        f"`{reference.text}` is not in the lock",
-        help=f"run `mjcompose lock {fetching.recipe}` and commit the lock",
-    )
+    message = f"`{reference.text}` is not in the lock"
+    return SourceError("lock-stale", message, help=f"run `mjcompose lock {fetching.recipe}` and commit the lock")
 
 
 def not_at_hand(reference: Reference, where: str = "the store") -> SourceError:
     """Return the error for a source that is missing in `where` when nothing may be fetched."""
-    return SourceError(
-        "source-offline",
-        f"`{reference.text}` is not in {where}, and nothing is fetched offline",
-        help="run it once without `--offline` or `--frozen`",
-    )
+    message = f"`{reference.text}` is not in {where}, and nothing is fetched offline"
+    return SourceError("source-offline", message, help="run it once without `--offline` or `--frozen`")
 
 
 _DEPTH = 3
@@ -298,8 +268,11 @@ def not_found(text: str, wanted: Path, existing: Iterable[str], *, hint: str | N
     shown = [near, *(each for each in known if each != near)] if near else known
     message = f"the model `{text}` does not exist"
     note = exists_note("model file", shown).message
-    if "\\" in text:
-        hint, near = _with_slashes(text, near), None
+    if "\\" in text:  # part of a name, except on Windows
+        hint = f"paths are written with `/`: write `{near or text.replace(chr(92), '/')}`"
+        if near is None and PureWindowsPath(text).drive:
+            hint = "paths are written with `/` and are best relative to the recipe: `./models/arm.xml`"
+        near = None
     elif not os.path.isdir(wanted.parent):  # `Path.is_dir` raises for a path that is too long
         message, note, corrected = _without_folder(text, wanted)
         near = corrected or near
@@ -307,13 +280,6 @@ def not_found(text: str, wanted: Path, existing: Iterable[str], *, hint: str | N
         "source-not-found", message, notes=(f"looked for `{wanted}`", note),
         help=f"write `{near}`" if near else hint,
     )  # fmt: skip
-
-
-def _with_slashes(text: str, near: str | None) -> str:
-    """Return what to write instead of a path with backslashes, which are part of a name outside of Windows."""
-    if near is None and PureWindowsPath(text).drive:
-        return "paths are written with `/` and are best relative to the recipe: `./models/arm.xml`"
-    return f"paths are written with `/`: write `{near or text.replace(chr(92), '/')}`"
 
 
 def _without_folder(text: str, wanted: Path) -> tuple[str, str, str | None]:
@@ -331,11 +297,9 @@ def _without_folder(text: str, wanted: Path) -> tuple[str, str, str | None]:
     inside = written.removesuffix(missing.name)
     message = f"the model `{text}` does not exist, nor does the folder `{written}`"
     listed = sorted(folders, key=lambda each: each not in near)
-    note = (
-        exists_note("folder", [f"{inside}{each}" for each in listed]).message
-        if listed
-        else f"`{missing.parent}` contains no folders"
-    )
+    note = f"`{missing.parent}` contains no folders"
+    if listed:
+        note = exists_note("folder", [f"{inside}{each}" for each in listed]).message
     corrected = missing.with_name(near[0]).joinpath(*wanted.parts[-depth:]) if near else None
     exists = corrected is not None and os.path.isfile(corrected)
     return message, note, f"{inside}{near[0]}{text.removeprefix(written)}" if exists else None

@@ -4,7 +4,16 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from mjcompose.sources.reference import CONTROL, Form, Reference, SourceKind, check_secrets, malformed, take_apart
+from mjcompose.sources.reference import (
+    CONTROL,
+    Form,
+    Reference,
+    SourceKind,
+    check_secrets,
+    host_of_url,
+    malformed,
+    take_apart,
+)  # fmt: skip
 
 if TYPE_CHECKING:
     from mjcompose.sources.fetching import Lookup
@@ -35,29 +44,15 @@ def _parse(text: str) -> Reference:
         raise malformed(text, form, "does not say the repository")
     if host and take_apart(f"https://{host}/") is None:
         raise malformed(text, form, "names a host that cannot be one")
-    revision = _unescaped(revision)
+    if "%" in revision:
+        from urllib.parse import unquote  # most builds fetch nothing
+
+        revision = unquote(revision)
     if not revision or revision.startswith("-") or CONTROL.search(revision):
         raise malformed(text, form, "does not say the revision")
     if not path:
         raise malformed(text, form, "does not say the file inside the repository")
     return Reference(text, KIND, f"{scheme.removeprefix('git+')}://{host}/{repository}", path=path, revision=revision)
-
-
-def _host(reference: Reference) -> str | None:
-    return reference.name.partition("://")[2].partition("/")[0] or None
-
-
-def _is_of_this_machine(reference: Reference) -> bool:
-    return reference.name.startswith("file:")
-
-
-def _unescaped(revision: str) -> str:
-    """Decode `%40`, `%23` and `%25` in the name of a branch or tag, as in any URL."""
-    if "%" not in revision:
-        return revision
-    from urllib.parse import unquote
-
-    return unquote(revision)
 
 
 def _resolve(reference: Reference, lookup: Lookup) -> Source:
@@ -69,5 +64,5 @@ def _resolve(reference: Reference, lookup: Lookup) -> Source:
 KIND = SourceKind(
     name="git", forms=_FORMS, local_schemes=("git+http",), separator="#", is_local=False, is_fetched=True,
     runs_code=False, pins=frozenset({"commit", "tree"}), variables=(), libraries=(), parse=_parse,
-    resolve=_resolve, host=_host, is_of_this_machine=_is_of_this_machine,
+    resolve=_resolve, host=host_of_url, is_of_this_machine=lambda reference: reference.name.startswith("file:"),
 )  # fmt: skip

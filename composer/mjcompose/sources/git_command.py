@@ -60,14 +60,11 @@ class Git:
         with self.open(*arguments, folder=folder) as process:
             out: bytes = process.stdout.read(_MOST_OUTPUT + 1)
             if len(out) > _MOST_OUTPUT:
-                raise GitFailure(f"git says more than {_MOST_OUTPUT >> 20} MiB")
+                raise GitFailure(f"git prints more than {_MOST_OUTPUT >> 20} MiB")
         return out
 
     def fetch(self, *arguments: str, folder: Path | None = None) -> bytes:
-        """Run a command that contacts another machine, and retry it if the network fails.
-
-        The timeout for silence applies to all tries together.
-        """
+        """Run a command that contacts another machine, and retry it within one timeout if the network fails."""
         silence = Silence(patience(self.environment))
         for attempt in range(_TRIES):
             try:
@@ -77,7 +74,8 @@ class Git:
                 passing = _PASSING.search(failure.said) and not _NO_NAME.search(failure.said)
                 if attempt + 1 == _TRIES or not passing or silence.is_over:
                     raise
-                self.progress(f"{_last_line(failure.said)}; trying again")
+                last = failure.said.strip().splitlines()[-1:] or ["git failed"]
+                self.progress(f"{last[0]}; trying again")
                 time.sleep(_PAUSE * 2**attempt)
         raise AssertionError("there is at least one try")
 
@@ -90,10 +88,8 @@ class Git:
         limits = in_force()
         own = self._variables(arguments)
         if shutil.which("git", path=own.get("PATH", os.defpath)) is None:
-            raise SourceError(
-                "source-fetch", "models in git repositories need the command `git`, which is not installed",
-                help="install git",
-            )  # fmt: skip
+            message = "models in git repositories need the command `git`, which is not installed"
+            raise SourceError("source-fetch", message, help="install git")
         with (
             tempfile.TemporaryFile() as words,
             Process(
@@ -132,6 +128,7 @@ class Git:
 
     def _settings(self, folder: Path | None) -> list[str]:
         settings = {
+            **_BOUNDS,
             **CONFINED,
             "http.lowSpeedLimit": "1",
             "http.lowSpeedTime": self._silence,
@@ -139,8 +136,7 @@ class Git:
             "fetch.fsckObjects": "false",
             "fetch.unpackLimit": "1",  # all objects arrive in one file, whose size can be limited
         }
-        command = [*_options(settings), *bounded()]
-        return command if folder is None else [*command, f"--git-dir={folder}"]
+        return [*_options(settings), *([] if folder is None else [f"--git-dir={folder}"])]
 
     def _variables(self, arguments: tuple[str, ...]) -> dict[str, str]:
         # Ignore the repository around the current folder, and variables that a git hook sets.
@@ -159,12 +155,13 @@ class Git:
 
 
 def bounded() -> list[str]:
-    """Return the options that keep git from holding large files in memory."""
-    settings = {
-        "core.bigFileThreshold": "8m", "core.deltaBaseCacheLimit": "16m", "pack.windowMemory": "64m",
-        "pack.threads": "1",
-    }  # fmt: skip
-    return _options(settings)
+    """Return the options that keep git from loading large files into memory."""
+    return _options(_BOUNDS)
+
+
+_BOUNDS = {
+    "core.bigFileThreshold": "8m", "core.deltaBaseCacheLimit": "16m", "pack.windowMemory": "64m", "pack.threads": "1"
+}  # fmt: skip
 
 
 def _options(settings: Mapping[str, str]) -> list[str]:
@@ -186,8 +183,7 @@ def _protocols(arguments: tuple[str, ...]) -> str:
     >>> _protocols(("ls-remote", "--", "http://localhost/robots"))
     'https:ssh:file:http'
     """
-    is_open = any(word.startswith("http://") for word in arguments)
-    return "https:ssh:file" + (":http" if is_open else "")
+    return "https:ssh:file" + (":http" if any(word.startswith("http://") for word in arguments) else "")
 
 
 _OF_A_REPOSITORY = (
@@ -197,14 +193,12 @@ _OF_A_REPOSITORY = (
 
 
 def _impatient_ssh(own: Mapping[str, str], seconds: str) -> dict[str, str]:
-    """Return settings that make ssh give up after so many seconds of silence; other programs are left as they are."""
+    """Return settings that end ssh after this many seconds of silence, unless the user has another program."""
     written = own.get("GIT_SSH_COMMAND", "")
     if not written:
+        question = ["git", "config", "--get", "core.sshCommand"]
         try:
-            done = subprocess.run(
-                ["git", "config", "--get", "core.sshCommand"], env=dict(own), stdin=subprocess.DEVNULL,
-                capture_output=True, check=False, timeout=30,
-            )  # fmt: skip
+            done = subprocess.run(question, env=dict(own), stdin=subprocess.DEVNULL, capture_output=True, timeout=30)
         except (OSError, subprocess.TimeoutExpired):
             return {}  # git runs next, and its failure is reported
         written = done.stdout.decode("utf-8", "surrogateescape").strip()
@@ -221,10 +215,6 @@ _OPENSSH = re.compile(r"(\S*/)?ssh(\s|$)")
 """ssh uses the first of several equal options, so options in the user's command stay in force."""
 
 
-def _last_line(said: str) -> str:
-    return said.strip().splitlines()[-1] if said.strip() else "git failed"
-
-
 def words_of(failure: GitFailure) -> tuple[str, ...]:
     """Return git's error messages as notes, without the advice."""
     lines = [line.strip() for line in failure.said.splitlines() if line.strip()]
@@ -235,7 +225,7 @@ def words_of(failure: GitFailure) -> tuple[str, ...]:
 _LINK, _MODULE = "120000", "160000"
 _PIECE = 1024 * 1024
 _PATH_MAX = 4096
-_NOTHING = "a link to what is not in the commit, `{}`"
+_NOTHING = "a link to `{}`, which is not in the commit"
 
 
 @dataclass(frozen=True, slots=True)
@@ -290,7 +280,6 @@ def _follow(
     links: list[_Blob], contents: Contents, files: dict[str, _Blob], written: dict[str, _Blob],
     left_out: dict[str, str],
 ) -> None:  # fmt: skip
-    """Put the targets of links into `written` under the names of the links, or the links into `left_out`."""
     targets = {link.name: b"".join(contents(link)).decode("utf-8", "surrogateescape") for link in links}
     real = {name: _real(name, targets) for name in targets}
     for name, leads_to in real.items():
@@ -312,11 +301,7 @@ def _follow(
 
 
 def _real(path: str, targets: Mapping[str, str], patience: int = 16) -> str | None:
-    """Return the path with links resolved, or None if it is not a path of the commit. No I/O.
-
-    >>> _real("a/b/c.xml", {"a/b": "../d"})
-    'd/c.xml'
-    """
+    """Return the path with links resolved, or None if it is not a path of the commit. No I/O."""
     parts = path.split("/")
     done: list[str] = []
     for at, part in enumerate(parts, 1):
@@ -346,13 +331,10 @@ def _listed(git: Git, repository: Path, commit: str) -> Iterator[_Blob]:
             *lines, left = (left + piece).split(b"\0")
             count += len(lines)
             check(count, 0)
-            yield from map(_blob, lines)
-
-
-def _blob(line: bytes) -> _Blob:
-    facts, name = line.split(b"\t", 1)
-    mode, _, hash, size = facts.decode().split()
-    return _Blob(mode, name.decode("utf-8", "surrogateescape"), hash, size=0 if size == "-" else int(size))
+            for line in lines:
+                facts, name = line.split(b"\t", 1)
+                mode, _, hash, size = facts.decode().split()
+                yield _Blob(mode, name.decode("utf-8", "surrogateescape"), hash, size=0 if size == "-" else int(size))
 
 
 @contextmanager

@@ -1,4 +1,4 @@
-"""What a git repository has at a revision: asked for, fetched, and kept in the store by its commit."""
+"""The files of a git repository at a revision: fetched, and kept in the store by their commit."""
 
 from __future__ import annotations
 
@@ -25,10 +25,7 @@ _ABBREVIATED = re.compile(r"[0-9a-f]{7,39}")
 
 
 def resolve(reference: Reference, lookup: Lookup) -> Source:
-    """Return the file at a revision.
-
-    The commit comes from the lock, or else from the repository. Raises SourceError.
-    """
+    """Return the file at a revision, whose commit is that of the lock or the repository. Raises SourceError."""
     id, known = reference.id, lookup.fetching.origins
     if id not in known:
         store = Store.of(lookup.environment)
@@ -51,11 +48,9 @@ class _Repository:
         revision = self.reference.revision
         written = revision if is_commit(revision) else None
         if written and pinned and written != pinned:
-            raise SourceError(
-                "lock-invalid",
-                f"`{self.reference.text}` says another commit than the lock, which has {pinned[:12]}…",
-                help="take the lock from version control, or remove it and run `mjcompose lock`",
-            )
+            message = f"`{self.reference.text}` says another commit than the lock, which has {pinned[:12]}…"
+            help = "take the lock from version control, or remove it and run `mjcompose lock`"
+            raise SourceError("lock-invalid", message, help=help)
         commit = pinned or written
         if commit is None:
             if self.fetching.offline:
@@ -76,13 +71,13 @@ class _Repository:
         return Git(self.environment, self.fetching.progress)
 
     def _asked(self) -> str:
-        """Ask the repository for the current commit of the revision."""
         url, revision = self.reference.name, self.reference.revision
         self.fetching.progress(f"looking up {revision} in {url}")
         try:
-            refs = _refs(self._git.fetch("ls-remote", "--", url))
+            listed = self._git.fetch("ls-remote", "--", url).decode("utf-8", "replace").splitlines()
         except GitFailure as failure:
             raise self._unreachable(failure) from None
+        refs = {name: commit for commit, _, name in (line.partition("\t") for line in listed)}
         for name in (revision, f"refs/tags/{revision}", f"refs/heads/{revision}", f"refs/{revision}"):
             if name in refs:
                 commit = refs.get(f"{name}^{{}}", refs[name])
@@ -116,29 +111,26 @@ class _Repository:
             )
 
     def _fill(self, target: Path, commit: str, pinned: bool, about: dict[str, str]) -> None:
-        """Write the files of the commit.
-
-        The clone is next to them for the time being, so that a kill leaves nothing elsewhere.
-        """
+        """Write the files of the commit, from a clone next to them that a kill leaves in the store."""
         with tempfile.TemporaryDirectory(dir=target.parent) as folder:
             repository = Path(folder)
             self._get(commit, repository, pinned)
             about["tree"] = self._git.run("rev-parse", f"{commit}^{{tree}}", folder=repository).decode().strip()
-            left_out = self._write(repository, commit, target)
+            try:
+                left_out = write_tree(self._git, repository, commit, target=target)
+            except GitFailure as failure:
+                raise self._unreachable(failure) from None
             about |= {f"{_WITHOUT}{name}": why for name, why in left_out.items()}
 
     def _get(self, commit: str, repository: Path, pinned: bool) -> None:
-        """Fetch the commit into `repository`: alone if the server allows it, else with the whole history."""
         git, url = self._git, self.reference.name
         self.fetching.progress(f"fetching {url} at {commit[:12]}")
         kind = ("--object-format=sha256",) if len(commit) == 64 else ()
         try:
             git.run("init", "-q", "--bare", *kind, "--", str(repository))
             try:
-                git.fetch(
-                    "fetch", "-q", "--depth=1", "--no-tags", *_other_side(url), "--", url, commit,
-                    folder=repository,
-                )  # fmt: skip
+                options = ("--depth=1", "--no-tags", *_other_side(url))
+                git.fetch("fetch", "-q", *options, "--", url, commit, folder=repository)
             except GitFailure as failure:
                 if any(each.search(failure.said) for each in (_NO_ROOM, _TOO_LARGE, _NO_MEMORY)):
                     raise
@@ -152,16 +144,8 @@ class _Repository:
     def _history(self, repository: Path) -> None:
         git, url = self._git, self.reference.name
         git.run("init", "-q", "--bare", "--", str(repository))
-        git.fetch(
-            "fetch", "-q", "--no-tags", *_other_side(url), "--", url, "+refs/*:refs/fetched/*",
-            folder=repository,
-        )  # fmt: skip
-
-    def _write(self, repository: Path, commit: str, target: Path) -> dict[str, str]:
-        try:
-            return write_tree(self._git, repository, commit, target=target)
-        except GitFailure as failure:
-            raise self._unreachable(failure) from None
+        options = ("--no-tags", *_other_side(url))
+        git.fetch("fetch", "-q", *options, "--", url, "+refs/*:refs/fetched/*", folder=repository)
 
     def _unreachable(self, failure: GitFailure) -> SourceError:
         if _NO_ROOM.search(failure.said) or (_TOO_LARGE.search(failure.said) and _files_are_small()):
@@ -173,10 +157,8 @@ class _Repository:
             if found.search(failure.said):
                 most = written(limit, getattr(in_force(), limit.replace("-", "_")))
                 what = "is larger than" if limit == "source-size" else "needs more memory than"
-                return SourceError(
-                    "archive-refused", f"the repository `{self.reference.name}` is refused: it {what} {most}",
-                    notes=words_of(failure), help=advice(limit),
-                )  # fmt: skip
+                message = f"the repository `{self.reference.name}` is refused: it {what} {most}"
+                return SourceError("archive-refused", message, notes=words_of(failure), help=advice(limit))
         help = "see that `git ls-remote` with that address works; with `--offline` what is in the store is used"
         if "@" in self.reference.name.rpartition("/")[2]:
             help = "an `@` in the name of a branch or tag is written `%40`"
@@ -185,44 +167,31 @@ class _Repository:
 
     def _no_revision(self, refs: Mapping[str, str]) -> SourceError:
         wanted, url = self.reference.revision, self.reference.name
-        tags = [name.removeprefix("refs/tags/") for name in refs if name.startswith("refs/tags/")]
-        tags = [tag for tag in tags if not tag.endswith("^{}")]
+        tags = [name[10:] for name in refs if name.startswith("refs/tags/") and not name.endswith("^{}")]
         heads = [name.removeprefix("refs/heads/") for name in refs if name.startswith("refs/heads/")]
         near = closest(wanted, [*tags, *heads])
-        return SourceError(
-            "source-revision",
-            f"`{url}` has no branch, tag or commit `{wanted}`",
-            notes=(exists_note("tag", tags, wanted).message, exists_note("branch", heads, wanted).message),
-            help=f"write `{self._with_revision(near[0])}`" if near else None,
-        )
-
-    def _with_revision(self, name: str) -> str:
+        message = f"`{url}` has no branch, tag or commit `{wanted}`"
+        notes = (exists_note("tag", tags, wanted).message, exists_note("branch", heads, wanted).message)
         before, _, path = self.reference.text.partition("#")
-        return f"{before.rpartition('@')[0]}@{_escaped(name)}#{path}"
+        help = f"write `{before.rpartition('@')[0]}@{_escaped(near[0])}#{path}`" if near else None
+        return SourceError("source-revision", message, notes=notes, help=help)
 
     def _no_commit(self, commit: str, pinned: bool) -> SourceError:
         url, text = self.reference.name, self.reference.text
         if not pinned:
             return SourceError("source-revision", f"`{url}` has no commit `{commit}`, in `{text}`")
-        return SourceError(
-            "source-revision",
-            f"`{url}` no longer has the commit `{commit}` that the lock pins for `{text}`",
-            notes=("the branch or tag was moved and the old commit is gone",),
-            help=f"see what it has now, then run `mjcompose lock {self.fetching.recipe} --upgrade-source {self.id}`",
-        )
+        message = f"`{url}` no longer has the commit `{commit}` that the lock pins for `{text}`"
+        notes = ("the branch or tag was moved and the old commit is gone",)
+        help = f"see what it has now, then run `mjcompose lock {self.fetching.recipe} --upgrade-source {self.id}`"
+        return SourceError("source-revision", message, notes=notes, help=help)
 
 
 def _escaped(revision: str) -> str:
-    """Return the name of a branch or tag as it is written in a reference.
-
-    >>> _escaped("robots@1.2")
-    'robots%401.2'
-    """
+    """Return the name of a branch or tag as it is written in a reference."""
     return revision.replace("%", "%25").replace("@", "%40").replace("#", "%23")
 
 
 def _files_are_small() -> bool:
-    """Return whether this process may only write files smaller than the size limit of a source."""
     try:
         import resource
     except ImportError:
@@ -232,19 +201,7 @@ def _files_are_small() -> bool:
 
 
 def _other_side(url: str) -> tuple[str, ...]:
-    """Return the options that keep git from holding large files in memory while it serves a local repository.
-
-    That git starts with the repository's own settings, without the command-line settings of this side.
-    """
+    """Return the same options for the git that serves a local repository, which has settings of its own."""
     if not url.startswith("file://"):
         return ()
     return (f"--upload-pack=git {' '.join(bounded())} upload-pack",)
-
-
-def _refs(out: bytes) -> dict[str, str]:
-    """Return the commits of a repository by ref name; annotated tags also have `NAME^{}`."""
-    found = {}
-    for line in out.decode("utf-8", "replace").splitlines():
-        commit, _, name = line.partition("\t")
-        found[name] = commit
-    return found

@@ -37,7 +37,7 @@ def kind_called(name: str) -> SourceKind | None:
 
 
 def parse(text: str, fetched: str | None = None) -> Reference:
-    """Parse a model reference. No I/O, but that the kind of another package is loaded.
+    """Parse a model reference. No I/O, except that it loads the kind of another package.
 
     `fetched` is the id of the origin if the recipe with the reference was fetched: it may name no such kind.
 
@@ -60,21 +60,17 @@ def parse(text: str, fetched: str | None = None) -> Reference:
         return path.KIND.parse(text)
     kind = _BY_SCHEME.get(scheme[1])
     if kind is None and is_registered("sources", scheme[1]):
-        kind = _extended(scheme[1], fetched)
+        try:
+            if fetched is not None:
+                raise refuse("sources", scheme[1], fetched)
+            kind = EXTENDED[scheme[1]]
+        except DiagnosticError as error:
+            raise SourceError(error.code, error.message, error.diagnostic.help) from error
     if kind is None and is_this_machine(scheme[2].removeprefix("//").partition("/")[0]):
         kind = _ON_THIS_MACHINE.get(scheme[1])
     if kind is None:
         raise _unknown_kind(text, scheme[1], scheme[2])
     return kind.parse(text)
-
-
-def _extended(scheme: str, fetched: str | None) -> SourceKind:
-    try:
-        if fetched is not None:
-            raise refuse("sources", scheme, fetched)
-        return EXTENDED[scheme]
-    except DiagnosticError as error:
-        raise SourceError(error.code, error.message, error.diagnostic.help) from error
 
 
 def _unknown_kind(text: str, scheme: str, rest: str) -> SourceError:
@@ -86,10 +82,8 @@ def _unknown_kind(text: str, scheme: str, rest: str) -> SourceError:
         help = "write the path alone"
     elif "/" not in scheme and not rest.startswith("//"):
         help = f"if it is a path, write `./{text}`"
-    return SourceError(
-        "source-kind", f"`{scheme}:` is not a kind of model reference, in `{text}`", notes=(_forms_note(),),
-        help=help,
-    )  # fmt: skip
+    message = f"`{scheme}:` is not a kind of model reference, in `{text}`"
+    return SourceError("source-kind", message, notes=(_forms_note(),), help=help)
 
 
 def _forms_note() -> str:

@@ -124,11 +124,7 @@ _WRITTEN = {
 
 
 def of_package(expression: str | None, written: str | None, classifiers: Iterable[str]) -> str | None:
-    """Return the license in the metadata of a package: its `License-Expression`, `License`, or classifiers. No I/O.
-
-    >>> of_package(None, "Apache 2.0", [])
-    'Apache-2.0'
-    """
+    """Return the license in the metadata of a package: its `License-Expression`, `License`, or classifiers. No I/O."""
     if expression:
         return expression
     if written and (named := _WRITTEN.get(written.strip().casefold()) or identify(written)):
@@ -175,19 +171,12 @@ def _in_folder(folder: Path) -> list[Path]:
 
 
 def is_license(name: str) -> bool:
-    """Return whether a file name is that of a license or a notice. No I/O.
-
-    >>> [name for name in ("LICENSE", "licence-mit.txt", "licenses.py", "NOTICED") if is_license(name)]
-    ['LICENSE', 'licence-mit.txt']
-    """
+    """Return whether a file name is that of a license or a notice. No I/O."""
     return _NAME.fullmatch(name) is not None and _is_text(name)
 
 
 def licenses_in(folder: str) -> list[str]:
-    """Return the sorted relative paths of the licenses in a folder. Raises OSError.
-
-    All texts in a folder `LICENSES` count, as in the layout of REUSE and in a bundle.
-    """
+    """Return the sorted relative paths of the licenses in a folder, with all texts in `LICENSES`. Raises OSError."""
     names = _remembered.ask(folder)
     found = [name for name in names if is_license(name) and not os.path.isdir(os.path.join(folder, name))]
     for name in filter(_FOLDER.fullmatch, names):
@@ -198,7 +187,6 @@ def licenses_in(folder: str) -> list[str]:
 
 
 def _names(folder: str) -> list[str]:
-    """What has to do with licenses in a folder."""
     return [name for name in os.listdir(folder) if is_license(name) or _FOLDER.fullmatch(name)]
 
 
@@ -216,10 +204,7 @@ def license_folders(folder: str) -> list[str]:
 
 
 def license_names(folder: str) -> str:
-    """Return a text that changes when the licenses in a folder change. Raises OSError.
-
-    Folders that may hold more licenses are checked separately.
-    """
+    """Return a text that changes when the licenses directly in a folder change. Raises OSError."""
     if any(map(_FOLDER.fullmatch, folder.split(os.sep)[-_DEPTH:])):
         return "\n".join(sorted(os.listdir(folder)))
     return "\n".join(sorted(name for name in os.listdir(folder) if is_license(name)))

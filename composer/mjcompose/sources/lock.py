@@ -72,20 +72,12 @@ class Lock(_Part):
 
 
 def lock_path(recipe: Path) -> Path:
-    """Return the path of a recipe's lock: next to it, `arm.lock` for `arm.yaml`. No I/O.
-
-    >>> lock_path(Path("robots/recipe.yaml")).as_posix()
-    'robots/recipe.lock'
-    """
+    """Return the path of a recipe's lock: next to it, `arm.lock` for `arm.yaml`. No I/O."""
     return recipe.with_suffix(".lock")
 
 
 def shapes_folder(lock: Path) -> Path:
-    """Where what is made of meshes is kept for everybody: beside the lock, `arm.shapes` for `arm.lock`. No I/O.
-
-    >>> shapes_folder(Path("robots/recipe.lock")).as_posix()
-    'robots/recipe.shapes'
-    """
+    """Return the folder of the shapes made from meshes: next to the lock, `arm.shapes` for `arm.lock`. No I/O."""
     return lock.with_suffix(".shapes")
 
 
@@ -148,12 +140,9 @@ def from_text(text: bytes | str, shown: str, sink: Sink, disputes: Disputed | No
     version = node.entries.get("lock")
     number = version[1] if version is not None else None
     if isinstance(number, Scalar) and isinstance(number.value, int) and number.value > FORMAT:
-        sink.error(
-            "lock-invalid",
-            f"`{shown}` was written by a newer mjcompose: its format is {number.value}, this one knows {FORMAT}",
-            number.span,
-            help="update mjcompose, or remove the lock and run `mjcompose lock`",
-        )
+        message = f"`{shown}` was written by a newer mjcompose: its format is {number.value}, this one knows {FORMAT}"
+        help = "update mjcompose, or remove the lock and run `mjcompose lock`"
+        sink.error("lock-invalid", message, number.span, help=help)
         return None
     try:
         lock = Lock.model_validate(to_python(node))
@@ -179,7 +168,6 @@ def from_text(text: bytes | str, shown: str, sink: Sink, disputes: Disputed | No
 
 
 def _is_known(kind: str) -> bool:
-    """Return whether a kind of source is ours or that of an installed package, which is loaded."""
     try:
         return kind_called(kind) is not None or EXTENDED[kind] is not None
     except (KeyError, DiagnosticError):
@@ -187,17 +175,14 @@ def _is_known(kind: str) -> bool:
 
 
 def _in_a_merge(text: str, start: int, shown: str, sink: Sink, disputes: Disputed | None) -> Lock | None:
-    """Return what both sides pin if `disputes` is given; else report the fault at the first conflict marker."""
     if disputes is not None:
         ours, theirs = (from_text(side, shown, Sink()) for side in _sides(text))
         if ours is not None and theirs is not None:
             disputes.update(_disputed(ours, theirs))
             return _both(ours, theirs)
     line = text.count("\n", 0, start) + 1
-    help = "run `mjcompose lock`, which keeps what both sides pin"
-    if disputes is not None:
-        help = "take one side of the merge, and run `mjcompose lock`"
-    message = f"`{shown}` has the marks of a merge in it"
+    choice = "which keeps the pins of both sides" if disputes is None else "after you choose one side of the merge"
+    help, message = f"run `mjcompose lock`, {choice}", f"`{shown}` contains the marks of a merge"
     sink.error("lock-invalid", message, Span(shown, line, 1, end_line=line, end_column=8), help=help)
     return None
 
@@ -208,12 +193,13 @@ _HELP = "take the lock from version control, or remove it and run `mjcompose loc
 def _report(fault: str, path: tuple[str | int, ...], node: Mapping, shown: str, sink: Sink) -> None:
     key = fault in ("missing", "extra_forbidden")
     where = " / ".join(f"`{step}`" for step in path)
-    said = {
-        "missing": "is missing",
-        "extra_forbidden": "is not a key of a lock",
-        "string_pattern_mismatch": "is not a hash",
-    }.get(fault, "is not what it must be")
-    sink.error("lock-invalid", f"`{shown}` is not a lock: {where} {said}", locate(node, path, key=key), help=_HELP)
+    problem = _PROBLEMS.get(fault, "has a wrong value")
+    sink.error("lock-invalid", f"`{shown}` is not a lock: {where} {problem}", locate(node, path, key=key), help=_HELP)
+
+
+_PROBLEMS = {
+    "missing": "is missing", "extra_forbidden": "is not a key of a lock", "string_pattern_mismatch": "is not a hash"
+}  # fmt: skip
 
 
 def _sides(text: str) -> tuple[str, str]:
@@ -241,43 +227,27 @@ def _sides(text: str) -> tuple[str, str]:
 
 
 def _both(ours: Lock, theirs: Lock) -> Lock:
-    """Return everything that either side pins; for conflicts, our side. No I/O."""
-    both = {
-        id: _joined(ours.sources[id], locked) if id in ours.sources else locked for id, locked in theirs.sources.items()
-    }
-    shapes = {**theirs.shapes, **ours.shapes}
-    return ours.model_copy(update={"sources": {**ours.sources, **both}, "shapes": shapes})
+    """Return the union; for conflicts, our side."""
+    sources = {**theirs.sources, **ours.sources}
+    for id in ours.sources.keys() & theirs.sources.keys():
+        mine, other = ours.sources[id], theirs.sources[id]
+        joined = {name: sorted({*getattr(mine, name), *getattr(other, name)}) for name in ("licenses", "used_by")}
+        sources[id] = mine.model_copy(update={"files": {**other.files, **mine.files}, **joined})
+    return ours.model_copy(update={"sources": sources, "shapes": {**theirs.shapes, **ours.shapes}})
 
 
 def _disputed(ours: Lock, theirs: Lock) -> dict[str, tuple[str, str]]:
-    """Return the sources that the two sides pin differently, with both pins in words. No I/O.
-
-    The user's own files are not among them: they are hashed again.
-    """
+    """Return the sources that the two sides pin differently, with both pins in words, except the user's own files."""
     found = {}
     for id, mine in ours.sources.items():
         other = theirs.sources.get(id)
         if other is None or kind_of(mine).is_local:
             continue
         if mine.pin != other.pin or mine.version != other.version:
-            found[id] = (_pinned(mine), _pinned(other))
+            found[id] = (mine.pin or f"version {mine.version}", other.pin or f"version {other.version}")
         elif any(other.files.get(name, digest) != digest for name, digest in mine.files.items()):
             found[id] = ("some bytes", "other bytes")
     return found
-
-
-def _joined(mine: Locked, other: Locked) -> Locked:
-    return mine.model_copy(
-        update={
-            "files": {**other.files, **mine.files},
-            "licenses": sorted({*mine.licenses, *other.licenses}),
-            "used_by": sorted({*mine.used_by, *other.used_by}),
-        }
-    )
-
-
-def _pinned(locked: Locked) -> str:
-    return locked.pin or f"version {locked.version}"
 
 
 def resolve(
@@ -292,8 +262,7 @@ def resolve(
     fetching = Fetching() if fetching is None else fetching
     asking = fetching.around(relative_to)
     is_confined = asking is not None and asking.is_fetched
-    if is_confined and fetching.trust.allows(reference):
-        is_confined = False
+    is_confined = is_confined and not fetching.trust.allows(reference)
     parsed = parse(reference, asking.id if asking is not None and is_confined else None)
     kind = kind_called(parsed.kind.name)
     assert kind is not None, "what is parsed is of a kind"

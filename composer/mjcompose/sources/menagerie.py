@@ -51,21 +51,16 @@ def _resolve(reference: Reference, lookup: Lookup) -> Source:
     try:
         library: Any = import_module("mujoco_menagerie")
     except ImportError:
-        raise SourceError(
-            "source-not-found",
-            f"`{reference.text}` needs the Python package `{_PACKAGE}`, which is not installed",
-            help='run `pip install "mjcompose[menagerie]"`',
-        ) from None
+        message = f"`{reference.text}` needs the Python package `{_PACKAGE}`, which is not installed"
+        raise SourceError("source-not-found", message, help='run `pip install "mjcompose[menagerie]"`') from None
     robot = _robot(library, reference)
     entry = _entry(robot, reference)
     folder = _folder(library, robot, reference, environment=environment, fetching=fetching)
     path = folder / entry.file
     if not os.path.isfile(path):
-        raise SourceError(
-            "source-not-found",
-            f"`{folder}` has no `{entry.file}`, which `{reference.text}` stands for",
-            notes=(exists_note("XML file", sorted(each.name for each in folder.glob("*.xml"))).message,),
-        )
+        message = f"`{folder}` has no `{entry.file}`, which `{reference.text}` stands for"
+        notes = (exists_note("XML file", sorted(each.name for each in folder.glob("*.xml"))).message,)
+        raise SourceError("source-not-found", message, notes=notes)
     # The files in a given folder need not be those of the installed version.
     is_own = not environment.get("MENAGERIE_ROOT")
     return Source(
@@ -85,12 +80,9 @@ def _robot(library: Any, reference: Reference) -> Any:
     within = [name for name in names if reference.name.lower() in name]
     likely = closest(reference.name, names, 3) + within
     rest = f"/{reference.path}" if reference.path else ""
-    raise SourceError(
-        "source-not-found",
-        f"MuJoCo Menagerie has no robot `{reference.name}`",
-        notes=(exists_note("robot", [*likely, *names]).message,),
-        help=f"write `menagerie:{likely[0]}{rest}`" if likely else None,
-    )
+    message = f"MuJoCo Menagerie has no robot `{reference.name}`"
+    help = f"write `menagerie:{likely[0]}{rest}`" if likely else None
+    raise SourceError("source-not-found", message, notes=(exists_note("robot", [*likely, *names]).message,), help=help)
 
 
 def _entry(robot: Any, reference: Reference) -> Any:
@@ -100,12 +92,9 @@ def _entry(robot: Any, reference: Reference) -> Any:
             return entry
     names = [entry.name for entry in robot.entry_points]
     likely = closest(wanted.removesuffix(".xml"), names)
-    raise SourceError(
-        "source-not-found",
-        f"the robot `{robot.name}` of MuJoCo Menagerie has no entry `{wanted}`",
-        notes=(exists_note("entry", names).message,),
-        help=f"write `menagerie:{robot.name}/{likely[0]}`" if likely else None,
-    )
+    message = f"the robot `{robot.name}` of MuJoCo Menagerie has no entry `{wanted}`"
+    help = f"write `menagerie:{robot.name}/{likely[0]}`" if likely else None
+    raise SourceError("source-not-found", message, notes=(exists_note("entry", names).message,), help=help)
 
 
 def _check_server(url: str, reference: Reference) -> None:
@@ -120,27 +109,21 @@ def _check_server(url: str, reference: Reference) -> None:
     try:
         socket.getaddrinfo(host, None)
     except OSError as error:
-        raise SourceError(
-            "source-not-found",
-            f"`{reference.text}` could not be fetched: the name of its server cannot be resolved",
-            notes=(f"{host}: {(error.strerror or str(error)).lower()}",),
-            help=_WITHOUT_NETWORK,
-        ) from None
+        message = f"`{reference.text}` could not be fetched: the name of its server cannot be resolved"
+        notes = (f"{host}: {(error.strerror or str(error)).lower()}",)
+        raise SourceError("source-not-found", message, notes=notes, help=_WITHOUT_NETWORK) from None
 
 
 def _folder(library: Any, robot: Any, reference: Reference, environment: Mapping[str, str], fetching: Fetching) -> Path:
-    """Return the folder with the robot's files, downloading them if necessary."""
     root = environment.get("MENAGERIE_ROOT")
     if root:
         folder = Path(root, robot.name)
         if os.path.isdir(folder):
             return folder
         existing = sorted(each.name for each in Path(root).glob("*/")) if os.path.isdir(root) else []
-        raise SourceError(
-            "source-not-found",
-            f"the robot `{robot.name}` is not in the folder that `MENAGERIE_ROOT` names",
-            notes=(f"looked for `{folder}`", exists_note("folder", existing, near=robot.name).message),
-        )
+        message = f"the robot `{robot.name}` is not in the folder that `MENAGERIE_ROOT` names"
+        notes = (f"looked for `{folder}`", exists_note("folder", existing, near=robot.name).message)
+        raise SourceError("source-not-found", message, notes=notes)
     cache = library.Cache(
         dir=environment.get("MENAGERIE_CACHE_DIR"), base_url=environment.get("MENAGERIE_BASE_URL"), root=None
     )
@@ -153,10 +136,8 @@ def _folder(library: Any, robot: Any, reference: Reference, environment: Mapping
     try:
         return Path(robot.path(cache))
     except (library.MenagerieError, OSError) as fault:
-        raise SourceError(
-            "source-not-found", f"`{reference.text}` could not be fetched", notes=(str(fault),),
-            help=_WITHOUT_NETWORK,
-        ) from fault  # fmt: skip
+        message = f"`{reference.text}` could not be fetched"
+        raise SourceError("source-not-found", message, notes=(str(fault),), help=_WITHOUT_NETWORK) from fault
 
 
 KIND = SourceKind(

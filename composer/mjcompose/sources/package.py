@@ -48,7 +48,6 @@ def _parse(text: str) -> Reference:
 
 
 def _resolve(reference: Reference, lookup: Lookup) -> Source:
-    """Return the file in a package, without running its code. Raises SourceError."""
     inside = PurePosixPath(reference.path)
     if inside.is_absolute() or ".." in inside.parts:
         raise SourceError("source-kind", f"the model reference `{reference.text}` leaves the package")
@@ -65,11 +64,7 @@ def _resolve(reference: Reference, lookup: Lookup) -> Source:
 
 
 def folders(name: str) -> list[Path]:
-    """Return the folders of an installed package, several for a namespace package; empty if there is none.
-
-    A dotted name is looked up as subfolders of its first component, because finding a subpackage imports its
-    parent.
-    """
+    """Return the folders of an installed package, several for a namespace package, without importing it."""
     top, *rest = name.split(".")
     spec = _spec(top)
     if spec is None or spec.submodule_search_locations is None:

@@ -19,7 +19,6 @@ def _parse(text: str) -> Reference:
 
 
 def _resolve(reference: Reference, lookup: Lookup) -> Source:
-    """Return the file at a path, relative to the folder of the lookup. Raises SourceError."""
     fetching = lookup.fetching
     if (left_out := _left_out(reference, lookup.folder, fetching)) is not None:
         raise left_out
@@ -38,11 +37,8 @@ def _file(reference: Reference, relative_to: Path) -> Source:
         raise nearby.without_suffix(reference.text, _existing(reference.path, wanted, relative_to))
     if not os.path.isfile(wanted):
         if os.path.exists(wanted):
-            raise SourceError(
-                "source-kind",
-                f"the model reference `{reference.text}` is neither a file nor a folder",
-                help="name a model file",
-            )
+            message = f"the model reference `{reference.text}` is neither a file nor a folder"
+            raise SourceError("source-kind", message, help="name a model file")
         hint = "`~` is not expanded: write the whole path" if reference.path.startswith("~") else None
         if reference.path.startswith("menagerie/"):
             hint = f"write `menagerie:{PurePath(reference.path).relative_to('menagerie').with_suffix('')}`"
@@ -51,7 +47,6 @@ def _file(reference: Reference, relative_to: Path) -> Source:
 
 
 def _existing(written: str, wanted: Path, relative_to: Path) -> list[str]:
-    """Return references to the model files next to the wanted one, then to those below the folder of the recipe."""
     folder = PurePath(written).parent.as_posix()
     start = "./" if folder == "." else f"{folder}/" if folder.startswith((".", "/", "~")) else f"./{folder}/"
     beside = [start + each for each in nearby.model_files(wanted.parent, depth=0)]
@@ -61,16 +56,12 @@ def _existing(written: str, wanted: Path, relative_to: Path) -> list[str]:
 
 def _is_folder(text: str, folder: Path) -> SourceError:
     inside = [f"{text.rstrip('/')}/{each}" for each in nearby.model_files(folder)]
-    return SourceError(
-        "source-kind",
-        f"the model reference `{text}` is a folder, not a model file",
-        notes=(exists_note("model file", inside).message,),
-        help=f"write `{inside[0]}`" if len(inside) == 1 else "name a model file in it",
-    )
+    message = f"the model reference `{text}` is a folder, not a model file"
+    help = f"write `{inside[0]}`" if len(inside) == 1 else "name a model file in it"
+    return SourceError("source-kind", message, notes=(exists_note("model file", inside).message,), help=help)
 
 
 def _left_out(reference: Reference, relative_to: Path, fetching: Fetching) -> SourceError | None:
-    """Return the error for a path in a fetched recipe that leads to a file that was left out of the fetched source."""
     origin = fetching.around(relative_to)
     if origin is None:
         return None
@@ -84,7 +75,6 @@ def _left_out(reference: Reference, relative_to: Path, fetching: Fetching) -> So
 
 
 def _with_origin(source: Source, fetching: Fetching, folder: Path) -> Source:
-    """Set the origin of a source that belongs to the same origin as the recipe."""
     origin = fetching.around(folder)
     if origin is None or fetching.around(source.path) != origin:
         return source

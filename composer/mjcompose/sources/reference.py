@@ -44,7 +44,7 @@ class SourceError(DiagnosticError):
 
 
 Pin = Literal["commit", "tree", "sha256", "package", "version"]
-"""What a lock can record about a source besides the hashes of its files."""
+"""Facts that a lock can record about a source besides the hashes of its files."""
 
 PINS: tuple[Pin, ...] = get_args(Pin)
 
@@ -58,11 +58,7 @@ class Form:
 
     @property
     def scheme(self) -> str:
-        """The text before the first colon; empty for a path, which has none.
-
-        >>> Form("menagerie:ROBOT/ENTRY", "a robot").scheme, Form("./arm.xml", "a file").scheme
-        ('menagerie', '')
-        """
+        """The text before the first colon; empty for a path, which has none."""
         scheme, colon, _ = self.example.partition(":")
         return scheme if colon else ""
 
@@ -79,7 +75,7 @@ class Library:
 class Kind:
     """The facts about a kind of model reference. Every field is required.
 
-    | field | what it says |
+    | field | meaning |
     |---|---|
     | `name` | the name in locks, manifests, `plan --output-format json` and messages |
     | `forms` | how references of the kind are written, one or more |
@@ -164,11 +160,8 @@ def bare(text: str, form: Form) -> str:
     rest = text.partition(":")[2]
     if rest.startswith("/"):
         stripped = rest.lstrip("/")
-        raise SourceError(
-            "source-kind",
-            f"the model reference `{text}` has slashes after `{form.scheme}:`",
-            help=f"write `{form.scheme}:{stripped}`" if stripped else f"write `{form.example}`",
-        )
+        help = f"write `{form.scheme}:{stripped}`" if stripped else f"write `{form.example}`"
+        raise SourceError("source-kind", f"the model reference `{text}` has slashes after `{form.scheme}:`", help=help)
     return rest
 
 
@@ -186,9 +179,9 @@ def check_secrets(text: str, host: str) -> None:
         what = "password" if colon else "secret"
         raise SourceError(
             "source-kind",
-            f"the model reference `{shown}` holds a {what}, which would stand in the lock and in every bundle",
-            help="leave it out: git asks its own credential helper or ssh; an archive that wants a login is"
-            " downloaded first and named by a path",
+            f"the model reference `{shown}` contains a {what}, which the lock and every bundle would publish",
+            help="remove it: git uses its own credential helper or ssh. Download an archive that needs a login, and"
+            " write its path",
         )
 
 
@@ -311,6 +304,11 @@ class SourceKind(Kind):
 def no_host(reference: Reference) -> str | None:
     """Return None, for kinds without a server."""
     return None
+
+
+def host_of_url(reference: Reference) -> str | None:
+    """Return the host of a reference whose name is a URL, with its port; None if it has no host."""
+    return reference.name.partition("://")[2].partition("/")[0] or None
 
 
 def always(reference: Reference) -> bool:

@@ -42,11 +42,7 @@ _DEPTH = 5
 
 
 def packages_in(text: str) -> tuple[str, ...]:
-    """Return the sorted names of the packages that a text refers to. No I/O.
-
-    >>> packages_in('<mesh filename="package://arm/a.stl"/> <mesh filename="package://arm/b.stl"/>')
-    ('arm',)
-    """
+    """Return the sorted names of the packages that a text refers to. No I/O."""
     return tuple(sorted({one or other for one, other in _REFERENCE.findall(text)}))
 
 
@@ -90,7 +86,6 @@ def in_workspace(folder: Path) -> Iterator[tuple[str, Path]]:
 
 
 def _called(folder: Path) -> str | None:
-    """What the `package.xml` of a folder calls its package."""
     manifest = folder / MANIFEST
     try:
         found = _NAME.search(read_regular(manifest)) if os.path.isfile(manifest) else None

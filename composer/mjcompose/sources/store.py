@@ -1,10 +1,10 @@
 """The store of fetched files: one folder for each commit or archive, complete or absent.
 
-    git/COMMIT/, archive/SHA256/      content/ and entry.json: what it is, its size, the hash of every file
-    asked/, built/, raw/, packed/     what the build cache keeps, one file each (`blobs.py`)
-    shapes/                           what was made of meshes, one file each
+    git/COMMIT/, archive/SHA256/      content/ and entry.json: its origin, its size, the hash of every file
+    asked/, built/, raw/, packed/     entries of the build cache, one file each (`blobs.py`)
+    shapes/                           shapes made from meshes, one file each
     mujoco/VERSION/                   MuJoCos of other versions (`blobs.py`)
-    seen/                             what a branch, tag or URL stood for when it was last asked for
+    seen/                             the commit or hash of a branch, tag or URL at its last look-up
     partial/                          downloads to be resumed
     staging/                          entries being made; they move to their place in one step
     locks/                            one for each entry: two processes do not fetch the same thing at once
@@ -74,7 +74,7 @@ class Entry:
 
 
 Kept: TypeAlias = Entry | blobs.Blob | blobs.KeptMujoco
-"""What a prune may remove."""
+"""Entries that a prune may remove."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,21 +90,18 @@ class Store:
 
         `MJCOMPOSE_CACHE_SIZE` limits its size. Raises SourceError if another user can change it.
         """
-        limit = _size(environment.get("MJCOMPOSE_CACHE_SIZE", ""))
-        folder = Path(store_folder(environment))
+        folder, written = Path(store_folder(environment)), environment.get("MJCOMPOSE_CACHE_SIZE", "")
+        limit = parse_size(written) if written else DEFAULT_LIMIT
+        if limit is None:
+            message = f"`MJCOMPOSE_CACHE_SIZE` is not a size: `{written}`"
+            raise SourceError("store-unusable", message, help="write it as `500M` or `10G`")
         if (why := untrusted(folder)) is not None:
-            raise SourceError(
-                "store-unusable",
-                f"the store `{folder}` is not trusted: {why}, who may have put anything there",
-                help="name a folder of your own in `MJCOMPOSE_CACHE`",
-            )
+            message = f"the store `{folder}` is not trusted: {why}, who may have put anything there"
+            raise SourceError("store-unusable", message, help="name a folder of your own in `MJCOMPOSE_CACHE`")
         return cls(folder, limit)
 
     def get(self, kind: Stored, key: str) -> Entry | None:
-        """Return an entry and mark it as used now, or None if it does not exist.
-
-        It is not pruned while this process lives.
-        """
+        """Return an entry and keep it from being pruned while this process lives, or None if it does not exist."""
         folder = self.folder / kind / key
         try:
             with blobs.gate(self.folder):
@@ -124,7 +121,8 @@ class Store:
         Raises what `fill` raises, and SourceError for errors of the disk.
         """
         with self.usable():
-            self._sweep(key)
+            for left in (self.folder / "staging").glob(f"{key}.*"):  # of killed processes: the caller holds the lock
+                _erase(left)
             stage = self.folder / "staging" / f"{key}.{os.urandom(6).hex()}"
             try:
                 content = stage / "content"
@@ -135,9 +133,7 @@ class Store:
                     files[name] = blobs.sha256_of(path)
                     size += path.stat().st_size
                     path.chmod(stat.S_IREAD | stat.S_IRGRP | stat.S_IROTH)
-                record = {
-                    "origin": origin, "size": size, "about": dict(about), "files": dict(sorted(files.items())),
-                }  # fmt: skip
+                record = {"origin": origin, "size": size, "about": dict(about), "files": dict(sorted(files.items()))}
                 with (stage / ENTRY).open("w", encoding="utf-8") as stream:
                     json.dump(record, stream, indent=1)
                     stream.flush()
@@ -153,7 +149,7 @@ class Store:
                 _erase(stage)
         entry = self._read(kind, self.folder / kind / key)
         if entry is None:
-            raise SourceError("store-unusable", f"what was just stored in `{self.folder}` does not exist")
+            raise SourceError("store-unusable", f"an entry just stored in `{self.folder}` does not exist")
         self.prune(self.limit, keep={key})
         return entry
 
@@ -173,11 +169,8 @@ class Store:
                 try:
                     lock.acquire(timeout=_WAIT)
                 except Timeout:
-                    raise SourceError(
-                        "store-unusable",
-                        f"another process has held `{lock.lock_file}` for an hour",
-                        help="end that process",
-                    ) from None
+                    message = f"another process has held `{lock.lock_file}` for an hour"
+                    raise SourceError("store-unusable", message, help="end that process") from None
         try:
             yield
         finally:
@@ -190,11 +183,9 @@ class Store:
             yield
         except (OSError, NotImplementedError) as error:
             reason = getattr(error, "strerror", None) or str(error)
-            raise SourceError(
-                "store-unusable",
-                f"the store `{self.folder}` cannot be used: {reason.lower()}",
-                help="make room, or name another folder in `MJCOMPOSE_CACHE`",
-            ) from error
+            message = f"the store `{self.folder}` cannot be used: {reason.lower()}"
+            help = "make room, or name another folder in `MJCOMPOSE_CACHE`"
+            raise SourceError("store-unusable", message, help=help) from error
 
     def entries(self) -> list[Entry]:
         """Return all intact entries, the least recently used first."""
@@ -236,28 +227,21 @@ class Store:
             self.remove_headless(folder)
         return removed
 
-    def remove(self, entry: Entry) -> None:
-        with self.usable():
-            self._remove(entry.folder, entry.key)
-
     def remove_content(self, content: Path) -> None:
         """Remove the entry with this folder of files, which is damaged, in one step."""
         with self.usable():
             self._remove(content.parent, content.parent.name)
 
-    def _remove_incomplete(self, folder: Path) -> None:
-        """Remove what is left of a MuJoCo, unless a process is making it."""
+    def _unless_busy(self, key: str, clean: Callable[[], object]) -> None:
+        """Call `clean` with the lock of a key, unless another process has the lock."""
         from filelock import FileLock, Timeout
 
-        key, locks = blobs.mujoco_key(folder.name), self.folder / "locks"
-        with contextlib.suppress(OSError):
-            locks.mkdir(exist_ok=True)
-        with contextlib.suppress(Timeout, OSError), FileLock(locks / f"{key}.lock", timeout=0):
-            if not blobs.is_complete(folder):
-                self._remove(folder, key)
+        with contextlib.suppress(Timeout, OSError):
+            (self.folder / "locks").mkdir(exist_ok=True)
+            with FileLock(self.folder / "locks" / f"{key}.lock", timeout=0):
+                clean()
 
     def _remove_unused(self, entry: Entry | blobs.KeptMujoco) -> bool:
-        """Remove an entry unless a process is using it; return whether it was removed."""
         with self.usable():
             with blobs.gate(self.folder):
                 if entry.key in blobs.held(self.folder):
@@ -277,14 +261,8 @@ class Store:
 
     def remove_headless(self, folder: Path) -> None:
         """Remove such a folder, unless another process is recreating it."""
-        from filelock import FileLock, Timeout
-
-        locks = self.folder / "locks"
-        with contextlib.suppress(OSError):
-            locks.mkdir(exist_ok=True)
-        with contextlib.suppress(Timeout, OSError), FileLock(locks / f"{folder.name}.lock", timeout=0):
-            if self._read(folder.parent.name, folder) is None:
-                self._remove(folder, folder.name)
+        kind, key = folder.parent.name, folder.name
+        self._unless_busy(key, lambda: self._read(kind, folder) or self._remove(folder, key))
 
     def unfinished(self) -> list[Path]:
         """Return files that are being created or downloaded, or were when their process was killed."""
@@ -342,28 +320,20 @@ class Store:
             folder.replace(stage)
         return stage
 
-    def _sweep(self, key: str) -> None:
-        """Remove leftovers of killed processes for this key, whose lock the caller holds."""
-        for left in (self.folder / "staging").glob(f"{key}.*"):
-            _erase(left)
-
     def _sweep_unless_busy(self, left: Path) -> None:
-        if left.parent.name == blobs.WRITING:
-            with contextlib.suppress(OSError):
-                if blobs.is_left(left) or time.time() - left.stat().st_mtime > GRACE:
-                    left.unlink()
-            return
-        if left.parent.name == blobs.FOLDER:
-            self._remove_incomplete(left)
-            return
-        from filelock import FileLock, Timeout
+        def is_older_than(seconds: float) -> bool:
+            return time.time() - left.stat().st_mtime > seconds
 
-        with (
-            contextlib.suppress(Timeout, OSError),
-            FileLock(self.folder / "locks" / f"{left.name.partition('.')[0]}.lock", timeout=0),
-        ):
-            if left.parent.name == "staging" or time.time() - left.stat().st_mtime > 7 * 24 * 3600:
-                _erase(left)
+        kind, key = left.parent.name, left.name.partition(".")[0]
+        if kind == blobs.WRITING:
+            with contextlib.suppress(OSError):
+                if blobs.is_left(left) or is_older_than(GRACE):
+                    left.unlink()
+        elif kind == blobs.FOLDER:
+            key = blobs.mujoco_key(left.name)
+            self._unless_busy(key, lambda: blobs.is_complete(left) or self._remove(left, key))
+        else:
+            self._unless_busy(key, lambda: (kind == "staging" or is_older_than(7 * 24 * 3600)) and _erase(left))
 
 
 def name_of(id: str) -> str:
@@ -383,14 +353,3 @@ def _erase(path: Path) -> None:
     else:
         with contextlib.suppress(OSError):
             path.unlink()
-
-
-def _size(text: str) -> int:
-    if not text:
-        return DEFAULT_LIMIT
-    size = parse_size(text)
-    if size is None:
-        raise SourceError(
-            "store-unusable", f"`MJCOMPOSE_CACHE_SIZE` is not a size: `{text}`", help="write it as `500M` or `10G`",
-        )  # fmt: skip
-    return size

@@ -74,11 +74,9 @@ def check_reach(reference: Reference, kind: SourceKind, origin: Origin, trust: T
         what = "what cannot be judged"
     else:
         what = "something on this machine" if host is None else f"`{host}`, which is on this machine or in its network"
-    raise SourceError(
-        "source-outside",
-        f"`{reference.text}` names {what}, and `{origin.id}`, whose recipe does, was fetched",
-        help=f'if you trust it with that, write in your own recipe `trust: {{references: ["{_prefix(reference)}"]}}`',
-    )
+    message = f"`{reference.text}` names {what}, and `{origin.id}`, whose recipe does, was fetched"
+    help = f'if you trust it with that, write in your own recipe `trust: {{references: ["{_prefix(reference)}"]}}`'
+    raise SourceError("source-outside", message, help=help)
 
 
 def is_private(host: str, offline: bool = False) -> bool:
@@ -122,7 +120,6 @@ def _address(text: str) -> ipaddress.IPv4Address | ipaddress.IPv6Address | None:
 
 
 def _inner(address: ipaddress.IPv4Address | ipaddress.IPv6Address) -> ipaddress.IPv4Address | ipaddress.IPv6Address:
-    """Return the IPv4 address that an IPv6 address maps, or the address itself."""
     return (isinstance(address, ipaddress.IPv6Address) and address.ipv4_mapped) or address
 
 

@@ -176,7 +176,6 @@ def _write(members: Iterator[tuple[str, IO[bytes] | None]], target: Path, packed
 
 
 def _read(stream: IO[bytes], name: str) -> bytes:
-    """Return the next piece of a member. Other errors than those of the disk are faults of the archive."""
     try:
         return stream.read(_CHUNK)
     except OSError as fault:
@@ -230,11 +229,9 @@ class _Archive:
         written = self.reference.revision
         locked = self.fetching.pin(self.id)
         if written and locked and written != locked:
-            raise SourceError(
-                "lock-stale",
-                f"`{self.reference.text}` says another sha256 than the lock, which has {locked[:12]}…",
-                help=f"run `mjcompose lock {self.fetching.recipe} --upgrade-source {self.id}`",
-            )
+            message = f"`{self.reference.text}` says another sha256 than the lock, which has {locked[:12]}…"
+            help = f"run `mjcompose lock {self.fetching.recipe} --upgrade-source {self.id}`"
+            raise SourceError("lock-stale", message, help=help)
         if locked is None and self.fetching.locked:
             raise unlocked(self.reference, self.fetching)
         wanted = written or locked
