@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import replace
-from typing import Literal
+from typing import Any, Literal
 
 from lxml.etree import _Element as Node
 
@@ -20,7 +20,7 @@ from mjcompose.build.compose.load import PartRequest
 from mjcompose.build.plan.plan import IN_PLACE, AttachPart, PartRecord, Plan, arrays_of_draw, of_part
 from mjcompose.build.plan.steps import DrawValues, SetDefault, SetSingleton
 from mjcompose.language.edit import Edit
-from mjcompose.language.form import Element, Single
+from mjcompose.language.placing import ORIENTATIONS
 from mjcompose.link import numbers
 from mjcompose.link.bodies import effective_pose
 from mjcompose.link.linking import AttachmentPlace, Joint, Linking, Part, Sense
@@ -33,35 +33,28 @@ from mjcompose.model.files import read_settings
 from mjcompose.model.selector import Selector
 from mjcompose.model.unit import Unit
 from mjcompose.mujoco.attributes import arrays_of
-from mjcompose.sources.reference import Source
 from mjcompose.text.node import locate
 
-
-def copy_pose(step: AttachPart, making: ElementBuilder) -> Pose:
-    """Return the pose of a copy in the frame of the first one. Each axis is in the frame of the one before it."""
-    pose = Pose()
-    settings = making.angle_context.at((*step.at, "replicate"))
-    for number, axis in zip(step.copy, step.attachment.replicate, strict=True):
-        x, y, z = (pose_number(value) for value in axis.offset)
-        angles = tuple(in_radians(angle, settings) for angle in axis.euler)
-        pose = pose @ copy_poses(axis.count, (x, y, z), angles, sequence=settings.eulerseq)[number]
-    return pose
-
-
-# These three reach every body of the model, of whatever part.
+# These three change every body of the model, in every part.
 _MASSES = frozenset({"boundmass", "boundinertia", "settotalmass"})
-# With these a part has fewer bodies or geoms than its source alone, so that there is nothing to compare.
+# With these a part has fewer bodies or geoms than its source, so they cannot be compared.
 _RESHAPING = frozenset({"fusestatic", "discardvisual"})
-# What `drop` leaves out of a part without making it another: settings, of which a model has one.
+# A part without these sections can still be compared.
 _WITHOUT_ELEMENTS = frozenset({"option", "visual", "statistic", "size"})
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(eq=False, slots=True)
 class UnplacedRecord:
     """The record of a part whose place is still an element of the tree. `content` is None for the world."""
 
     member: PartRecord
     content: Node | None
+
+    def update(self, **changes: Any) -> None:
+        self.member = replace(self.member, **changes)
+
+    def add_changed(self, arrays: Iterable[str]) -> None:
+        self.update(changed=tuple(sorted({*self.member.changed, *arrays})))
 
 
 def unplaced_records(
@@ -71,140 +64,103 @@ def unplaced_records(
 
     `wanted`, `parts` and `inner`, the records of each request that is a nested recipe, begin with the base.
     """
-    found: list[UnplacedRecord] = []
-    for each, part, below in zip(wanted, parts, inner, strict=True):
-        name = part.path(plan.separator)
-        if isinstance(each.model, Plan):
-            moved = [_in_outer_recipe(member, name, part, separator=plan.separator, cut=_cut(each)) for member in below]
-            found += [_with_own_changes(member, each) for member in moved]
-        elif each.model is not None:
+    records: list[UnplacedRecord] = []
+    for request, part, below in zip(wanted, parts, inner, strict=True):
+        name, model = part.path(plan.separator), request.model
+        cut = None if request.body is None else f"only its body `{request.body}` was taken"
+        own: list[UnplacedRecord] = []
+        if isinstance(model, Plan):
+            own = [_in_outer_recipe(record, name, part, separator=plan.separator, cut=cut) for record in below]
+        elif model is not None:
             keys = {"merge": "", "prefix": part.prefix, "none": None}[part.keyframes]
             member = PartRecord(
-                name, part.prefix, each.model,
-                keys=keys, welded=part.weld, is_fixed_in_world=each.is_fixed_in_world,
-                obscure=_cut_urdf(each), subtree=each.body,
+                name, part.prefix, model, keys=keys, welded=part.weld, is_fixed_in_world=request.is_fixed_in_world,
+                obscure=cut if model.format == "urdf" else None, subtree=request.body,
             )  # fmt: skip
-            found.append(_with_own_changes(UnplacedRecord(member, part.content), each))
-    return _changed_members(plan, found)
+            own = [UnplacedRecord(member, part.content)]
+        dropped = {entry.section for entry in request.drop if not entry.leaves_keys}
+        for record in own:
+            _note_edits(record, request.edit)
+            if not dropped <= _WITHOUT_ELEMENTS:
+                record.update(reduced="the recipe leaves out elements")
+        records += own
+    _note_changes(plan, records)
+    return records
 
 
-def _with_own_changes(each: UnplacedRecord, wanted: PartRequest) -> UnplacedRecord:
-    """Return a member with the changes that the edits of its part, and the elements left out, make."""
-    member = with_edits(each.member, wanted.edit)
-    dropped = {each.section for each in wanted.drop if not each.leaves_keys}
-    if not dropped <= _WITHOUT_ELEMENTS:
-        member = replace(member, reduced="the recipe leaves out elements")
-    return UnplacedRecord(member, each.content)
-
-
-def _cut(wanted: PartRequest) -> str | None:
-    return None if wanted.body is None else f"only its body `{wanted.body}` was taken"
-
-
-def _cut_urdf(wanted: PartRequest) -> str | None:
-    return _cut(wanted) if isinstance(wanted.model, Source) and wanted.model.format == "urdf" else None
-
-
-def placed_records(found: Iterable[UnplacedRecord], root: Node) -> tuple[PartRecord, ...]:
+def placed_records(records: Iterable[UnplacedRecord], root: Node) -> tuple[PartRecord, ...]:
     """Return the records with the places of the parts, read from the finished model."""
     settings = read_settings(root)
-    degrees, sequence = settings.angle == "degree", settings.eulerseq
-    return tuple(_place_members(each, degrees, sequence) for each in found)
+    return tuple(_placed(record, settings.angle == "degree", settings.eulerseq) for record in records)
 
 
-def _in_outer_recipe(each: UnplacedRecord, name: str, part: Part, separator: str, cut: str | None) -> UnplacedRecord:
-    """Return a member of a nested recipe as a member of the outer recipe."""
-    member = each.member
-    keys = member.keys
-    outer = part.prefix if part.keyframes == "prefix" else ""
-    if part.keyframes == "none" or keys is None:
-        keys = None
-    elif part.keyframes == "prefix":
-        keys = outer + keys
+def _in_outer_recipe(record: UnplacedRecord, name: str, part: Part, separator: str, cut: str | None) -> UnplacedRecord:
+    """Return the record of a part of a nested recipe as a record of the outer recipe."""
+    member, outer = record.member, part.prefix if part.keyframes == "prefix" else ""
     member = replace(
-        member,
-        part=f"{name}{separator}{member.part}",
-        prefix=part.prefix + member.prefix,
-        keys=keys,
+        member, part=f"{name}{separator}{member.part}", prefix=part.prefix + member.prefix,
+        keys=None if part.keyframes == "none" or member.keys is None else outer + member.keys,
         replaced_keys=tuple(outer + name for name in member.replaced_keys),
-        welded=member.welded or part.weld,
-        obscure=member.obscure or cut,
-    )
-    return UnplacedRecord(member, part.content if each.content is None else each.content)
+        welded=member.welded or part.weld, obscure=member.obscure or cut,
+    )  # fmt: skip
+    return UnplacedRecord(member, part.content if record.content is None else record.content)
 
 
-def _changed_members(plan: Plan, found: list[UnplacedRecord]) -> list[UnplacedRecord]:
-    """Return the members with the changes that the recipe's own settings make."""
+def _note_changes(plan: Plan, records: list[UnplacedRecord]) -> None:
+    """Note in the records the changes that the recipe's own settings make."""
+    prefixes = {record.member.prefix for record in records}
     for step in plan.steps:
+        changed: list[str] = []
+        owner = None
         if isinstance(step, SetDefault):
-            owner = "" if step.name == MAIN else _longest(step.name, [each.member.prefix for each in found])
+            longest = max((prefix for prefix in prefixes if step.name.startswith(prefix)), key=len, default="")
+            owner = "" if step.name == MAIN else longest
             rows = [(row.tag, name) for row in step.element.children for name in row.attributes]
-            arrays = [array for tag, name in rows for array in arrays_of(name, tag)]
-            found = [_with_changes(each, arrays) if each.member.prefix == owner else each for each in found]
+            changed = [array for tag, name in rows for array in arrays_of(name, tag)]
         elif isinstance(step, SetSingleton) and step.section == "compiler":
             written = step.element.attributes
             if not _MASSES.isdisjoint(written):
-                found = [_with_changes(each, arrays_of("mass")) for each in found]
+                changed += arrays_of("mass")
             if "lengthrange" in {child.tag for child in step.element.children}:
-                found = [_with_changes(each, arrays_of("lengthrange")) for each in found]
+                changed += arrays_of("lengthrange")
             for name in sorted(_RESHAPING & written.keys()):
-                reason = f"the recipe sets `compiler.{name}`, which takes elements away"
-                found = [UnplacedRecord(replace(each.member, obscure=reason), each.content) for each in found]
-    drawn = [arrays_of_draw(step) for step in plan.steps if isinstance(step, DrawValues) and step.sample]
-    if drawn:
-        arrays = sorted(set().union(*drawn))
-        found = [_with_changes(each, arrays) for each in found]
+                for record in records:
+                    record.update(obscure=f"the recipe sets `compiler.{name}`, which removes elements")
+        elif isinstance(step, DrawValues) and step.sample:
+            changed += arrays_of_draw(step)
+        for record in records:
+            if owner in (None, record.member.prefix):
+                record.add_changed(changed)
     written_keys = tuple(step.key.name for step in plan.keyframes)
-    found = [
-        UnplacedRecord(replace(each.member, replaced_keys=(*each.member.replaced_keys, *written_keys)), each.content)
-        for each in found
-    ]
-    prefixes = {each.member.prefix for each in found}
-    for each_edit in (step.edit for step in plan.edits):
-        found = [
-            UnplacedRecord(with_edits(each.member, [each_edit]), each.content)
-            if may_match_part(each_edit.select, each.member.prefix, prefixes)
-            else each
-            for each in found
-        ]
+    for record in records:
+        record.update(replaced_keys=(*record.member.replaced_keys, *written_keys))
+        matching = (step.edit for step in plan.edits)
+        _note_edits(record, [e for e in matching if may_match_part(e.select, record.member.prefix, prefixes)])
     for check in plan.checks:
-        if not isinstance(check, Unchanged):
-            continue
-        meant = of_part([each.member for each in found], check.part, plan.separator)
-        arrays = [array for name in check.excepted for array in arrays_of(name)]
-        found = [_with_changes(each, arrays) if each.member in meant else each for each in found]
-    return found
+        if isinstance(check, Unchanged):
+            members = of_part([record.member for record in records], check.part, plan.separator)
+            for record in [each for each in records if each.member in members]:
+                record.add_changed(array for name in check.excepted for array in arrays_of(name))
 
 
-def _longest(name: str, prefixes: Iterable[str]) -> str:
-    return max((prefix for prefix in prefixes if name.startswith(prefix)), key=len, default="")
-
-
-def _with_changes(each: UnplacedRecord, arrays: Iterable[str]) -> UnplacedRecord:
-    changed = tuple(sorted({*each.member.changed, *arrays}))
-    return UnplacedRecord(replace(each.member, changed=changed), each.content)
-
-
-def _place_members(each: UnplacedRecord, degrees: bool, sequence: str) -> PartRecord:
+def _placed(record: UnplacedRecord, degrees: bool, sequence: str) -> PartRecord:
     pose: Pose | None = IN_PLACE
-    node = each.content
+    node = record.content
     while node is not None and node.tag in ("frame", "replicate"):
-        # A replicate has many poses, and no single one.
-        known = pose if node.tag == "frame" else None
-        pose = None if known is None else read_pose(node, degrees, sequence) @ known
+        # A replicate has many poses.
+        pose = None if pose is None or node.tag != "frame" else read_pose(node, degrees, sequence) @ pose
         node = node.getparent()
     if pose is not None and not pose.is_finite:
         pose = None
     if node is None or node.tag != "body":
-        return replace(each.member, pose=pose)
-    name = node.get("name")
-    if not name:
-        return replace(each.member, pose=pose, obscure="it is attached to a body without a name")
-    return replace(each.member, body=str(name), pose=pose)
+        return replace(record.member, pose=pose)
+    if name := node.get("name"):
+        return replace(record.member, body=str(name), pose=pose)
+    return replace(record.member, pose=pose, obscure="it is attached to a body without a name")
 
 
 SENSE = "sense"
-"""The key, and without a name that of the body and the site."""
+"""The key in the recipe, and the default name of the body and the site."""
 _MATES = ("site", "body", "frame")
 
 
@@ -212,8 +168,14 @@ def part_of(step: AttachPart, unit: Unit, making: ElementBuilder) -> Part:
     """Return the part without its joints, which need the unit of angle that the parts agree on."""
     place = _place_of(step, making)
     if any(step.copy):
-        offset = read_pose(place.offset, False, "xyz") @ copy_pose(step, making)
-        place = _at_key(place, offset, "replicate", step=step, making=making)
+        # Each axis is in the frame of the previous axis.
+        pose = read_pose(place.offset, False, "xyz")
+        settings = making.angle_context.at((*step.at, "replicate"))
+        for number, axis in zip(step.copy, step.attachment.replicate, strict=True):
+            x, y, z = (pose_number(value) for value in axis.offset)
+            angles = tuple(in_radians(angle, settings) for angle in axis.euler)
+            pose = pose @ copy_poses(axis.count, (x, y, z), angles, sequence=settings.eulerseq)[number]
+        place = _at_key(place, pose, "replicate", step=step, making=making)
     if step.attachment.mate is not None:
         place = _mate(place, step, unit, making=making)
     keyframes = step.attachment.key_policy
@@ -234,24 +196,18 @@ def add_joints(step: AttachPart, part: Part, linking: Linking, making: ElementBu
     elif joint == "mocap":
         part.mocap = True
     elif joint == "free":
-        # A `<freejoint>` and not `<joint type="free">`: MuJoCo 4.0 gives the second one the joint defaults, an
-        # `armature` of all six for instance.
+        # MuJoCo 4.0 gives a `<joint type="free">` the joint defaults, such as an `armature`, but not a `<freejoint>`.
         part.joints = (Joint("freejoint", named),)
     elif joint == "ball":
-        # A `<joint>` takes the joint defaults at its place, meant for other joints. A `<freejoint>` takes none.
+        # With the class `main`, it has none of the joint defaults of its place, which are for other joints.
         part.joints = (Joint("joint", {**named, "type": "ball", "class": "main"}),)
-    elif isinstance(joint, tuple):
-        part.joints = tuple(
-            Joint(
-                "joint",
-                {"name": step.prefix + str(each.attributes["name"]), **joint_attributes(each, making)},
-                _attribute_spans(each, making),
-            )
-            for each in joint
-        )
     else:
-        attributes = {**named, **joint_attributes(joint, making)}
-        part.joints = (Joint("joint", attributes, _attribute_spans(joint, making)),)
+        elements = joint if isinstance(joint, tuple) else (joint,)
+        for element in elements:
+            if isinstance(joint, tuple):
+                named = {"name": step.prefix + str(element.attributes["name"])}
+            spans = {name: making.span(element, name) for name in element.attributes}
+            part.joints += (Joint("joint", {**named, **joint_attributes(element, making)}, spans),)
 
 
 def _sense(step: AttachPart, making: ElementBuilder) -> Sense | None:
@@ -268,13 +224,8 @@ def _sense(step: AttachPart, making: ElementBuilder) -> Sense | None:
     )
 
 
-def _attribute_spans(joint: Element, making: ElementBuilder) -> dict[str, Span]:
-    """Return where the recipe writes the attributes of a joint."""
-    return {name: making.span(joint, name) for name in joint.attributes}
-
-
 def check_joints(step: AttachPart, linking: Linking, making: ElementBuilder) -> None:
-    """Report classes of those joints that do not exist, once all classes of the model are known."""
+    """Report classes of the joints that do not exist, once all classes of the model are known."""
     joint = step.attachment.joint
     elements = joint if isinstance(joint, tuple) else () if joint is None or isinstance(joint, str) else (joint,)
     for element in elements:
@@ -287,32 +238,21 @@ def _place_of(step: AttachPart, making: ElementBuilder) -> AttachmentPlace:
     attachment = step.attachment
     offset: dict[str, str] = {}
     written: dict[str, Span] = {}
-
-    def note(attribute: str, key: str) -> None:
-        written[attribute] = locate(making.document, (*step.at, key))
-
-    if attachment.pos is not None:
-        offset["pos"] = _numbers(attachment.pos)
-        note("pos", "pos")
-    if attachment.quat is not None:
-        offset["quat"] = _numbers(attachment.quat)
-        note("quat", "quat")
-    elif attachment.euler is not None:
-        settings = making.angle_context.at((*step.at, "euler"))
-        angles = [in_radians(angle, settings) for angle in attachment.euler]
-        offset["quat"] = numbers.text(quat_from_euler(angles, settings.eulerseq))
-        note("quat", "euler")
-    elif attachment.axisangle is not None:
-        *axis, angle = attachment.axisangle
-        radians = in_radians(angle, making.angle_context.at((*step.at, "axisangle")))
-        offset["quat"] = _text(quat_from_axisangle([pose_number(each) for each in axis], radians))
-        note("quat", "axisangle")
-    elif attachment.xyaxes is not None:
-        offset["xyaxes"] = _numbers(attachment.xyaxes)
-        note("xyaxes", "xyaxes")
-    elif attachment.zaxis is not None:
-        offset["zaxis"] = _numbers(attachment.zaxis)
-        note("zaxis", "zaxis")
+    for key in ("pos", *ORIENTATIONS):
+        values = getattr(attachment, key)
+        if values is None:
+            continue
+        attribute, settings = key, making.angle_context.at((*step.at, key))
+        if key == "euler":
+            angles = [in_radians(angle, settings) for angle in values]
+            attribute, text = "quat", numbers.text(quat_from_euler(angles, settings.eulerseq))
+        elif key == "axisangle":
+            *axis, angle = values
+            quat = quat_from_axisangle([pose_number(number) for number in axis], in_radians(angle, settings))
+            attribute, text = "quat", _text(quat)
+        else:
+            text = numbers.text(map(pose_number, values))
+        offset[attribute], written[attribute] = text, locate(making.document, (*step.at, key))
     for kind in ("site", "body", "frame"):
         name = getattr(attachment, kind)
         if name == "world" and kind == "body":
@@ -325,12 +265,8 @@ def _place_of(step: AttachPart, making: ElementBuilder) -> AttachmentPlace:
 def _mate(place: AttachmentPlace, step: AttachPart, unit: Unit, making: ElementBuilder) -> AttachmentPlace:
     """Return the place moved so that the part's site, body or frame `mate` lies on it instead of the part's origin."""
     name = step.attachment.mate
-    named = [
-        element
-        for worldbody in unit.root.iterchildren("worldbody")
-        for element in worldbody.iter(*_MATES)
-        if element.get("name") == name
-    ]
+    worlds = unit.root.iterchildren("worldbody")
+    named = [element for world in worlds for element in world.iter(*_MATES) if element.get("name") == name]
     if not named:
         _report_no_mate(step, unit, making)
         return place
@@ -354,22 +290,14 @@ def _at_key(
     place: AttachmentPlace, pose: Pose, key: Literal["mate", "replicate"], step: AttachPart, making: ElementBuilder
 ) -> AttachmentPlace:
     """Return the place with the offset of a key of the part."""
-    offset = _written(pose)
+    offset = {"pos": _text(pose.pos)}
+    if pose.quat != IDENTITY_QUAT:
+        offset["quat"] = _text(pose.quat)
     span = locate(making.document, (*step.at, key), key=True)
     if not pose.is_finite:
         message = f"`{key}` puts `{step.prefix}` where no finite numbers lead"
         making.sink.error("out-of-range", message, span, help="write finite numbers", subjects=(step.prefix,))
     return replace(place, offset=offset, written=dict.fromkeys(offset, span), computed=key)
-
-
-def _written(pose: Pose) -> dict[str, str]:
-    """Return a pose as the attributes of a frame."""
-    turned = {} if pose.quat == IDENTITY_QUAT else {"quat": _text(pose.quat)}
-    return {"pos": _text(pose.pos), **turned}
-
-
-def _numbers(values: Iterable[Single]) -> str:
-    return numbers.text(pose_number(value) for value in values)
 
 
 def _text(values: Iterable[float]) -> str:
@@ -378,49 +306,33 @@ def _text(values: Iterable[float]) -> str:
 
 def _report_no_mate(step: AttachPart, unit: Unit, making: ElementBuilder) -> None:
     name = step.attachment.mate or ""
-    known = {
-        tag: [
-            str(each.get("name"))
-            for top in unit.root.iterchildren("worldbody")
-            for each in top.iter(tag)
-            if each.get("name")
-        ]
-        for tag in _MATES
-    }
+    known: dict[str, list[str]] = {tag: [] for tag in _MATES}
+    for element in (each for world in unit.root.iterchildren("worldbody") for each in world.iter(*_MATES)):
+        if element.get("name"):
+            known[str(element.tag)].append(str(element.get("name")))
+    all_names = [each for names in known.values() for each in names]
     message = f"`{step.prefix}` has no site, body or frame `{name}` to mate with"
     span = locate(making.document, (*step.at, "mate"))
     notes = [exists_note(tag, names, name) for tag, names in known.items() if names or tag != "frame"]
-    help = did_you_mean(name, [each for names in known.values() for each in names], "mate: {}")
-    fix = renaming(name, [each for names in known.values() for each in names])
+    help, fix = did_you_mean(name, all_names, "mate: {}"), renaming(name, all_names)
     making.sink.error("attach-place", message, span, notes=notes, help=help, subjects=(name, step.prefix), fix=fix)
 
 
-_HEAD = re.compile(r"[^*?{\[]*")
-
-
-def with_edits(member: PartRecord, edits: Iterable[Edit]) -> PartRecord:
-    """Return the record with the arrays that edits change in the part, or with the reason why it is not compared."""
-    changed, reduced = set(member.changed), member.reduced
+def _note_edits(record: UnplacedRecord, edits: Iterable[Edit]) -> None:
+    """Note in the record the arrays that edits change in the part, or why it is not compared."""
     for edit in edits:
-        if any(verb.reshapes for verb in edit.verbs.values()):
-            reduced = reduced or "the recipe takes away, moves or converts elements"
-        changed |= {array for tag, name in _changed_attributes(edit) for array in arrays_of(name, tag)}
-    return replace(member, changed=tuple(sorted(changed)), reduced=reduced)
+        if any(verb.reshapes for verb in edit.verbs.values()) and not record.member.reduced:
+            record.update(reduced="the recipe removes, moves or converts elements")
+        tag = None if "/" in edit.select.tag else edit.select.tag
+        changes = [change for verb in edit.verbs.values() for change in verb.changes(tag)]
+        record.add_changed(array for kind, name in changes for array in arrays_of(name, kind))
 
 
 def may_match_part(selector: Selector, prefix: str, prefixes: Collection[str]) -> bool:
     """Return whether a selector can match elements of the part with that prefix, judged by the start of names."""
     if selector.pattern.startswith("/"):
         return True
-    found = _HEAD.match(selector.pattern)
-    head = found[0] if found is not None else ""
+    head = re.split(r"[*?{\[]", selector.pattern, maxsplit=1)[0]
     if head != selector.pattern and prefix.startswith(head):
         return True
     return prefix == max((each for each in prefixes if head.startswith(each)), key=len, default=prefix)
-
-
-def _changed_attributes(edit: Edit) -> Iterator[tuple[str | None, str]]:
-    """Yield the attributes that an edit changes, each with the tag if it is known."""
-    tag = None if "/" in edit.select.tag else edit.select.tag
-    for verb in edit.verbs.values():
-        yield from verb.changes(tag)

@@ -36,7 +36,7 @@ from mjcompose.text.node import Scalar, find, locate
 
 
 class Reference(NamedTuple):
-    """A name in a node that the recipe wrote. `typed_by` is the attribute that says of what kind it is, if any."""
+    """A name in a node that the recipe wrote. `typed_by` is the attribute with its kind, if any."""
 
     node: Node
     attribute: str
@@ -47,9 +47,9 @@ class Reference(NamedTuple):
 
 @dataclass(slots=True)
 class ElementBuilder:
-    """Turns a recipe's elements into nodes of one model, and keeps what it has made so far.
+    """Turns a recipe's elements into nodes of one model, and records them.
 
-    `angle_context` has the units of the recipe's bare angles, `model_angle` is the unit of the model's. Paths of files
+    `angle_context` has the units of the recipe's bare angles, `model_angle` is the unit of the model. Paths of files
     in messages are relative to `folder`. `door_of_text` returns the door for a recipe in a folder, which decides
     which files it may name.
 
@@ -81,24 +81,19 @@ class ElementBuilder:
 
     @classmethod
     def of(cls, plan: Plan, unit: Unit, context: Context, *, model_angle: str) -> ElementBuilder:
-        """Return what makes the elements of a plan's recipe in a unit, whose messages then quote the recipe."""
+        """Return the builder for a plan's recipe in a unit, whose messages then quote the recipe."""
         unit.origins.texts[plan.file] = FileText(plan.path)
         return cls(
-            document=plan.document,
-            file=plan.file,
-            sink=context.sink,
-            angle_context=plan.angle_context,
-            model_angle=model_angle,
-            model_eulerseq=unit.settings.eulerseq,
-            folder=context.folder,
-            base_file=unit.file,
-            origins=unit.origins,
+            plan.document, plan.file, context.sink, angle_context=plan.angle_context, model_angle=model_angle,
+            model_eulerseq=unit.settings.eulerseq, folder=context.folder, base_file=unit.file, origins=unit.origins,
             door_of_text=context.door_of_text,
-        )
+        )  # fmt: skip
 
     def span(self, element: Element, attribute: str | None = None) -> Span:
         """Return where an element is written: its key, or the value of the attribute if it is written there."""
-        for name in _written_as(element, attribute):
+        # `_set_euler` writes an `euler` as a `quat`.
+        is_turned = attribute == "quat" and "euler" in element.attributes
+        for name in () if attribute is None else (attribute, "euler") if is_turned else (attribute,):
             path = (*element.at, name)
             if find(self.document, path) is not None:
                 return locate(self.document, path)
@@ -125,25 +120,21 @@ class ElementBuilder:
         written = {str(name): str(value) for name, value in node.items()}
         text = self.origins.text(self.file)
         names = [attribute, "euler"] if attribute == "quat" else [attribute] if attribute else []
-        for line in (start, start - 1) if text is not None else ():  # below the key, or beside it
+        for line in (start, start - 1) if text is not None else ():  # below the key, or next to it
             assert text is not None
             tag = str(node.tag)
-            found = next((at for name in names if (at := text.attribute(tag, line, written, name=name))), None)
-            if found is None and attribute == "name" and text.element(tag, line, written) is not None:
+            place = next((at for name in names if (at := text.attribute(tag, line, written, name=name))), None)
+            if place is None and attribute == "name" and text.element(tag, line, written) is not None:
                 return locate(self.document, element.at, key=True)
-            found = found or text.element(tag, line, written)
-            if found is not None:
-                return Span(self.file, found.line, found.column, end_line=found.line, end_column=found.end_column)
+            place = place or text.element(tag, line, written)
+            if place is not None:
+                return Span(self.file, place.line, place.column, end_line=place.line, end_column=place.end_column)
         return locate(self.document, (*element.at, "xml"))
 
-    def folder_of(self, node: Node, attribute: str) -> Path:
-        """Return the folder of the recipe that writes the value of an attribute. Files are relative to it."""
-        return (self.folder / self.span_of(node, attribute).file).parent
-
     def named_file(self, node: Node, attribute: str, name: str) -> NamedFile:
-        """Return the file that the recipe names by an attribute of a node."""
-        folder = self.folder_of(node, attribute)
+        """Return the file that the recipe names by an attribute of a node, relative to the recipe."""
         span = self.span_of(node, attribute)
+        folder = (self.folder / span.file).parent
         return NamedFile(node, attribute, name, folder=folder, door=self.door_of_text(folder), span=span)
 
     def written(self, node: Node) -> Collection[str]:
@@ -167,29 +158,25 @@ class ElementBuilder:
         self.registered.append((node, section))
 
 
-def _written_as(element: Element, attribute: str | None) -> tuple[str, ...]:
-    """Return the keys under which the recipe may have an attribute: `_set_euler` writes an `euler` as a `quat`."""
-    if attribute is None:
-        return ()
-    return (attribute, "euler") if attribute == "quat" and "euler" in element.attributes else (attribute,)
-
-
 def make_node(element: Element, kind: ElementType, making: ElementBuilder) -> Node:
     """Return the node of a recipe element with its children."""
     if element.xml is not None:
         return _parse_fragment(element, kind, making)
     node = etree.Element(element.tag)
     making.made[node] = element
-    for name, value in element.attributes.items():
-        attribute = kind.attributes.get(name)
-        if attribute is None:
-            continue
-        _set_attribute(node, element, attribute, value=value, making=making)
+    _set_attributes(node, element, kind, making)
     for child in element.children:
         child_kind = kind.children.get(child.tag)
         if child_kind is not None:
             node.append(make_node(child, child_kind, making))
     return node
+
+
+def _set_attributes(node: Node, element: Element, kind: ElementType, making: ElementBuilder) -> None:
+    for name, value in element.attributes.items():
+        attribute = kind.attributes.get(name)
+        if attribute is not None:
+            _set_attribute(node, element, attribute, value=value, making=making)
 
 
 def update_node(node: Node, element: Element, kind: ElementType, making: ElementBuilder) -> None:
@@ -202,10 +189,7 @@ def update_node(node: Node, element: Element, kind: ElementType, making: Element
         return making.origins.span_by(before, node, attribute)
 
     making.origins.own(node, place)
-    for name, value in element.attributes.items():
-        attribute = kind.attributes.get(name)
-        if attribute is not None:
-            _set_attribute(node, element, attribute, value=value, making=making)
+    _set_attributes(node, element, kind, making)
     for child in element.children:
         child_kind = kind.children[child.tag]
         existing = next(node.iterchildren(child.tag), None)
@@ -228,8 +212,8 @@ def _set_attribute(node: Node, element: Element, attribute: Attribute, value: ob
         inner = making.turned(angle, making.angle_settings_of(element, name), numbers.orientation_radians)
         node.set(name, numbers.text([*map(float, axis), inner]))
     elif attribute.angle == "joint":
-        # The `range` of a hinge is an angle and that of a slide is not: of `range="0 90"` in degrees MuJoCo 4.0 makes 0
-        # 1.5708 and 0 90.
+        # The `range` of a hinge is an angle, the `range` of a slide a length: in degrees MuJoCo 4.0 compiles
+        # `range="0 90"` to 0 1.5708 and to 0 90.
         making.pending.append((node, element, name))
     else:
         if attribute.type == "file":
@@ -243,22 +227,19 @@ def _set_euler(node: Node, element: Element, name: str, value: object, making: E
     assert isinstance(value, tuple)
     settings = making.angle_settings_of(element, name)
     turned = [making.turned(angle, settings, numbers.orientation_radians) for angle in value]
+    # The schema has no `quat` for a `<replicate>`: only a turn about one axis can be written in another sequence.
     if settings.eulerseq == making.model_eulerseq:
         node.set(name, numbers.text(turned))
     elif node.tag != "replicate":
         radians = [in_radians(angle, settings) for angle in value]
         node.set("quat", numbers.text(quat_from_euler(radians, settings.eulerseq)))
-    # The schema has no `quat` for a `<replicate>`: only a turn about one axis can be written in another sequence.
     elif (moved := in_sequence(turned, settings.eulerseq, making.model_eulerseq)) is not None:
         node.set(name, numbers.text(moved))
     else:
-        making.sink.error(
-            "not-supported",
-            f"`{name}` of a `replicate` turns about several axes in the sequence `{settings.eulerseq}`, "
-            f"the model reads `{making.model_eulerseq}`",
-            making.span(element, name),
-            help="give each axis a `replicate` of its own",
-        )
+        sequences = f"in the sequence `{settings.eulerseq}`, the model reads `{making.model_eulerseq}`"
+        message = f"`{name}` of a `replicate` turns about several axes {sequences}"
+        help = "give each axis a `replicate` of its own"
+        making.sink.error("not-supported", message, making.span(element, name), help=help)
 
 
 def settle_joints(making: ElementBuilder, joint_type: Callable[[Node], str]) -> None:
@@ -274,19 +255,15 @@ def settle_joints(making: ElementBuilder, joint_type: Callable[[Node], str]) -> 
         node.set(name, as_angle if angular else as_length)
         if as_angle != as_length and next(node.iterancestors("default"), None) is not None:
             making.of_classes.append((node, element, name, angular))
-        bare = [at for at, v in enumerate(values) if not isinstance(v, Angle) and v != 0]
+        bare = [index for index, v in enumerate(values) if not isinstance(v, Angle) and v != 0]
         if angular and bare and settings.angle is None:
-            number = values[bare[0]]
+            number, path = values[bare[0]], (*element.at, name, bare[0])
+            is_listed = find(making.document, path) is not None
+            span = locate(making.document, path) if is_listed else making.span_of(node, name)
             message = f"`{name}` of a {kind} is an angle and {number} has no unit"
-            span = _item_span(making, node, element, name=name, index=bare[0])
             help = f"write `{number}deg` or `{number}rad`, or `angle: degree` at the top of the recipe"
             making.sink.error("bare-angle", message, span, help=help)
     making.pending.clear()
-
-
-def _item_span(making: ElementBuilder, node: Node, element: Element, name: str, index: int) -> Span:
-    path = (*element.at, name, index)
-    return making.span_of(node, name) if find(making.document, path) is None else locate(making.document, path)
 
 
 def joint_attributes(element: Element, making: ElementBuilder) -> dict[str, str]:
@@ -337,7 +314,7 @@ def pose_number(value: Single) -> float:
 
 def _parse_fragment(element: Element, kind: ElementType, making: ElementBuilder) -> Node:
     """Return the node of an MJCF fragment, whose angles are in the recipe's unit."""
-    # A recipe may be somebody else's: its text opens no file and no address.
+    # A recipe from elsewhere must not open files or addresses.
     parser = etree.XMLParser(remove_blank_text=True, resolve_entities=False, no_network=True)
     node = etree.fromstring(element.xml or "", parser)
     for name, value in element.attributes.items():
@@ -348,21 +325,16 @@ def _parse_fragment(element: Element, kind: ElementType, making: ElementBuilder)
 
 
 def _read_fragment(node: Node, element: Element, kind: ElementType, making: ElementBuilder, line: int) -> None:
-    """Read the numbers of a fragment as those of the recipe. Its other attributes stay as they are written."""
+    """Read the numbers of a fragment as numbers of the recipe. Its other attributes stay as they are written."""
     values: dict[str, Value] = {}
-    intervals: list[str] = []
-    for key, text in node.items():
-        name = str(key)
-        attribute = kind.attributes.get(name)
-        if attribute is None:
-            continue
+    written = {str(name): str(text) for name, text in node.items() if name in kind.attributes}
+    for name, text in written.items():
+        attribute = kind.attributes[name]
         if attribute.angle:
-            read = numbers.read(str(text))
+            read = numbers.read(text)
             values[name] = tuple(read) if attribute.max_length != 1 else read[0]
         elif attribute.type == "file":
-            values[name] = str(text)
-        if attribute.is_interval:
-            intervals.append(name)
+            values[name] = text
     own = Element(element.tag, {**element.attributes, **values}, at=element.at)
     making.made[node] = own
     making.fragments[node] = line + (line_of(node) or 1)
@@ -370,70 +342,63 @@ def _read_fragment(node: Node, element: Element, kind: ElementType, making: Elem
         if kind.attributes[name].angle in ("orientation-euler", "replicate"):
             del node.attrib[name]
         _set_attribute(node, own, kind.attributes[name], value=value, making=making)
-    for name in intervals:
-        making.intervals[node, name] = making.span_of(node, name)
+    for name in written:
+        if kind.attributes[name].is_interval:
+            making.intervals[node, name] = making.span_of(node, name)
     for child in node.iterchildren("*"):
         child_kind = kind.children.get(child.tag)
         if child_kind is not None:
             _read_fragment(child, element, child_kind, making=making, line=line)
 
 
-def default_kind(tag: str) -> ElementType:
-    return GRAMMAR.element(f"default/{tag}")
-
-
 def set_singleton(step: SetSingleton, linking: Linking, making: ElementBuilder) -> None:
     """Write `option`, `visual` and the like. The recipe is written last, so its values win."""
-    node = linking.base.section(step.section)
-    update_node(node, step.element, GRAMMAR.section(step.section), making=making)
+    update_node(linking.base.section(step.section), step.element, GRAMMAR.section(step.section), making=making)
 
 
 def set_default(step: SetDefault, linking: Linking, making: ElementBuilder) -> None:
     """Write the settings of a class, and create the class if needed. `main` is the base's own top class."""
     name = (linking.base_class or MAIN) if step.name == MAIN else step.name
-    found = linking.names.find("default", name)
-    if found is None and name in (MAIN, linking.base_class):
-        found = linking.base.section("default") if name == MAIN else _class_node(linking, name)
-    if found is None:
-        parent = _parent(step, linking, making)
-        found = etree.Element("default", {"class": name})
-        if parent is not None:  # otherwise an error was reported, and the class still counts as declared
-            parent.append(found)
-        linking.names.declared.setdefault("default", {})[name] = found
-        making.origins.own(found, step.span)
+    node = linking.names.find("default", name)
+    if node is None and name in (MAIN, linking.base_class):
+        node = _top_class(linking)
+    if node is None:
+        own = step.parent is None or step.parent == MAIN
+        parent = _top_class(linking) if own else linking.names.find("default", str(step.parent))
+        node = etree.Element("default", {"class": name})
+        if parent is None:  # the class still counts as declared
+            span = making.span(step.element, "parent")
+            making.sink.add(unresolved(linking, "default", str(step.parent), span=span, written="parent: {}"))
+        else:
+            parent.append(node)
+        linking.names.declared.setdefault("default", {})[name] = node
+        making.origins.own(node, step.span)
     elif step.parent is not None:
         message = f"the default class `{step.name}` exists already, and `parent` is for a new one"
         span = making.span(step.element, "parent")
-        notes = (Note(f"`{step.name}` is declared here", linking.span(linking.base, found)),)
+        notes = (Note(f"`{step.name}` is declared here", linking.span(linking.base, node)),)
         help = "leave `parent` out to change the class, or choose another name"
         making.sink.error("class-clash", message, span, notes=notes, help=help, subjects=(step.name,))
         return
     for child in step.element.children:
-        kind = default_kind(child.tag)
-        existing = next(found.iterchildren(child.tag), None)
+        kind = GRAMMAR.element(f"default/{child.tag}")
+        existing = next(node.iterchildren(child.tag), None)
         if existing is None:
             # A class's own settings come before the classes nested in it.
-            node = make_node(child, kind, making)
-            found.insert(len(found) - len(list(found.iterchildren("default"))), node)
-            making.register(node, "default")
+            setting = make_node(child, kind, making)
+            node.insert(len(node) - len(list(node.iterchildren("default"))), setting)
+            making.register(setting, "default")
         else:
             update_node(existing, child, kind, making=making)
             making.made[existing] = child
             making.registered.append((existing, "default"))
 
 
-def _parent(step: SetDefault, linking: Linking, making: ElementBuilder) -> etree._Element | None:
-    if step.parent is None or step.parent == MAIN:
-        return _class_node(linking, linking.base_class) if linking.base_class else linking.base.section("default")
-    found = linking.names.find("default", step.parent)
-    if found is None:
-        span = making.span(step.element, "parent")
-        making.sink.add(unresolved(linking, "default", step.parent, span=span, written="parent: {}"))
-    return found
-
-
-def _class_node(linking: Linking, name: str) -> etree._Element:
-    return next(node for node in linking.base.root.iter("default") if node.get("class") == name)
+def _top_class(linking: Linking) -> Node:
+    """Return the element of the base's top class."""
+    if not linking.base_class:
+        return linking.base.section("default")
+    return next(node for node in linking.base.root.iter("default") if node.get("class") == linking.base_class)
 
 
 def append_element(step: AppendElement, linking: Linking, making: ElementBuilder) -> None:
@@ -463,5 +428,5 @@ def _has_class(kind: ElementType, linking: Linking) -> bool:
     if attribute is None or attribute.since is None:
         return attribute is not None
     # `<texture class="c"/>` is an error before MuJoCo 3.17, in which classes have no settings for textures either.
-    top = _class_node(linking, str(linking.base_class))
-    return kind.tag in linking.request.isolated_tags or next(top.iterchildren(kind.tag), None) is not None
+    settings = _top_class(linking).iterchildren(kind.tag)
+    return kind.tag in linking.request.isolated_tags or next(settings, None) is not None

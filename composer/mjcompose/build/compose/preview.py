@@ -1,4 +1,4 @@
-"""What a plan will do and need, found out without building."""
+"""The effects and needs of a plan, found out without building."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def preview_plan(plan: Plan, context: Context) -> PlanPreview:
     measure = measure_with(context)
     composer = Composer(context, measure, library=library)
     composed: Composed | None = None
-    if plan.edits_elements:
+    if plan.all_edits:
         composed = composer.compose(plan)
         acknowledge(plan, context.sink, context.shown, whole=False)
     else:

@@ -1,4 +1,4 @@
-"""What a build will do, in order: data that can be printed, compared and carried out."""
+"""The plan of a build: data that can be printed, compared and carried out."""
 
 from __future__ import annotations
 
@@ -24,6 +24,7 @@ from mjcompose.build.plan.steps import (
 from mjcompose.language.attach import Attachment
 from mjcompose.language.check import Check
 from mjcompose.language.datasheets import Sheet
+from mjcompose.language.edit import Edit
 from mjcompose.language.form import shown
 from mjcompose.language.used_model import Drop, KeyPolicy
 from mjcompose.language.value import attribute_and_index
@@ -100,11 +101,10 @@ def arrays_of_draw(step: DrawValues) -> AbstractSet[str]:
 
 @dataclass(frozen=True, slots=True)
 class GeneratedShapes:
-    """`shapes` are the geoms that were made for the geom `of`, or the mesh itself where it was simplified.
+    """`shapes` are the geoms that were generated for the geom `of`; there are none for a simplified mesh.
 
-    `error` has the distances in metres and the shares that `mjcompose.mujoco.fit` measures, `faces` how many the
-    mesh has and `made_with` the versions of what made it. `key` is the content that it follows from, and its name where
-    it is kept.
+    `error` has the distances in metres and the shares that `mjcompose.mujoco.fit` measures, `faces` is the number of
+    faces of the mesh, `made_with` has the versions of the tools. `key` is the hash of the input.
     """
 
     of: str
@@ -125,20 +125,16 @@ class GeneratedShapes:
 
     @property
     def words(self) -> str:
-        """What `plan` prints, on one line."""
-        what = f"{self.mesh} ({self.faces} faces)"
-        if self.method == "simplify":
-            made = f"simplified, {_mm(self.error['hausdorff'])} off"
-        else:
+        """The line that `plan` prints."""
+        mm = {name: f"{number_text(float(f'{1000 * (value or 0):.3g}'))} mm" for name, value in self.error.items()}
+        result = f"simplified, {mm['hausdorff']} off"
+        if self.method != "simplify":
             count = len(self.shapes)
-            made = f"{count} geom{'s' * (count != 1)}" + (f" for {self.of}" if self.of else "")
-            made += f", {_mm(self.error['beyond'])} beyond it and {_mm(self.error['short'])} short of it"
+            result = f"{count} geom{'s' * (count != 1)}" + (f" for {self.of}" if self.of else "")
+            result += f", {mm['beyond']} beyond it and {mm['short']} short of it"
         volume = self.error["volume"]
-        return f"{what}: {made}" + ("" if volume is None else f", {volume:.3g} of its volume")
-
-
-def _mm(metres: float | int | None) -> str:
-    return f"{number_text(float(f'{1000 * (metres or 0):.3g}'))} mm"
+        share = "" if volume is None else f", {volume:.3g} of its volume"
+        return f"{self.mesh} ({self.faces} faces): {result}{share}"
 
 
 RecipePath: TypeAlias = tuple[str, Path]
@@ -149,7 +145,7 @@ RecipePath: TypeAlias = tuple[str, Path]
 class EditOutcome:
     """The effect of an entry of `edit`: how many elements of each kind it selects, and what it removes.
 
-    `removed` has the selected elements first, then those that go with them; `shapes` what was made of meshes.
+    `removed` has the selected elements first, then the elements that depend on them.
     """
 
     selected: Mapping[str, int]
@@ -159,7 +155,7 @@ class EditOutcome:
 
 @dataclass(frozen=True, slots=True)
 class Excluded:
-    """Two bodies that need not collide, and why, in words; "" for bodies that touch."""
+    """Two bodies that need not collide, and the reason in words; "" for bodies that touch."""
 
     one: str
     other: str
@@ -170,7 +166,7 @@ class Excluded:
 class Gains:
     """The stiffness and the damping that a servo gives a joint or a tendon through its `gear`.
 
-    `unit` is that of its force: N or N·m, or "" along a tendon.
+    `unit` is the unit of its force: N or N·m, or "" along a tendon.
     """
 
     actuator: str
@@ -182,7 +178,7 @@ class Gains:
 
 @dataclass(frozen=True, slots=True)
 class PlanPreview:
-    """What composing finds out about a plan.
+    """Facts about a plan that only composing finds out.
 
     `adopted` are the settings that the model takes from its parts, `excluded` the bodies that need not collide, `gains`
     has the gains of the servos of a model whose actuators are edited, as their joints feel them.
@@ -197,7 +193,7 @@ class PlanPreview:
 
 IN_PLACE = Pose()
 Tables: TypeAlias = Mapping[ReadAs, tuple[ReadRow, ...]]
-"""What was read of sources that are not MJCF, and what was not."""
+"""The elements of sources that are not MJCF: those that were read, and those that were ignored."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -206,12 +202,12 @@ class PartRecord:
 
     `part` is its name in a recipe: the prefix without its last separator, `base` for the base, and both for a part
     of a part. `body` is the body that the part's world is fixed to, None for the world, with `pose` in the body's
-    frame, or None if the pose is unknown. `keys` starts the names of its keys; None if they were left out. `welded`
+    frame, or None if the pose is unknown. `keys` starts the names of its keys; None if they were dropped. `welded`
     says that free joints at its root were removed, `is_fixed_in_world` is about the final model: the root link of a
-    URDF is then fused with the world. `changed` are the arrays of `mjModel` that the recipe changes in it on purpose,
-    `replaced_keys` the keys that the recipe writes in place of the source's keys of these names. `obscure` says why
-    it cannot be compared, if so, and `reduced` why it is compared only if a check requests it. `subtree` is the
-    body that was taken from the source, if not all of it was.
+    URDF is then fused with the world. `changed` are the arrays of `mjModel` that the recipe changes in it,
+    `replaced_keys` the keys that the recipe writes instead of the source's keys of these names. `obscure` is the reason
+    if it cannot be compared, `reduced` the reason if it is compared only on request. `subtree` is the only body of
+    the source that is used, if any.
     """
 
     part: str
@@ -235,14 +231,12 @@ class PartRecord:
 
 
 def of_part(members: Iterable[PartRecord], part: str | None, separator: str) -> list[PartRecord]:
-    """Return the members of a part: one, or all of a nested recipe; with None every one."""
-    return [
-        member for member in members if part is None or member.part == part or member.part.startswith(part + separator)
-    ]
+    """Return the record of a part, or all records of a nested recipe; with None all of them."""
+    return [each for each in members if part is None or each.part == part or each.part.startswith(part + separator)]
 
 
 def in_words(method: str, wanted: Any) -> str:
-    """Return how shapes are made of a mesh, and with which settings, as in plans and manifests.
+    """Return the method and its settings as in plans and manifests.
 
     >>> in_words("decompose", {"parts": 8, "threshold": 0.05, "vertices": None, "seed": 1})
     'decompose (parts 8, threshold 0.05, seed 1)'
@@ -254,7 +248,7 @@ def in_words(method: str, wanted: Any) -> str:
 
 
 MESH_VERBS = frozenset({"collision", "simplify"})
-"""The verbs of `edit` that make something of meshes."""
+"""The verbs of `edit` that work on meshes."""
 BASE = "base"
 """The name in a recipe of the model that it starts from."""
 
@@ -263,7 +257,7 @@ BASE = "base"
 class AttachPart:
     """Attach a model to a place, with its names under `prefix` (separator included).
 
-    The base is one without a prefix, at the world. `copy` has its number on each axis of `replicate`, from 0.
+    The base has no prefix, and is at the world. `copy` has the number on each axis of `replicate`, from 0.
     """
 
     prefix: str
@@ -276,7 +270,7 @@ class AttachPart:
 
 @dataclass(frozen=True, slots=True)
 class DropElements:
-    """Leave elements out of a part or the base."""
+    """Drop elements of a part or the base."""
 
     drop: tuple[Drop, ...]
     span: Span
@@ -339,7 +333,7 @@ class Plan:
 
     @property
     def base_keys(self) -> KeyPolicy:
-        """What becomes of the keys of the base."""
+        """The key policy of the base."""
         return "merge" if self.base is None else self.base.attachment.key_policy
 
     @property
@@ -354,7 +348,7 @@ class Plan:
 
     @property
     def key_sources(self) -> frozenset[str]:
-        """The parts, by path, from whose keys other keys are made."""
+        """The parts, by path, whose keys other keys use."""
         return frozenset(part for step in self.keyframes for part in step.key.sources)
 
     @property
@@ -365,8 +359,7 @@ class Plan:
     @property
     def excludes_touching(self) -> bool:
         """Whether bodies that touch are excluded from colliding."""
-        steps = (step for step in self.steps if isinstance(step, SetCollisions))
-        return any(not step.collisions.sides for step in steps)  # with what is found by itself
+        return any(isinstance(step, SetCollisions) and not step.collisions.sides for step in self.steps)
 
     @property
     def added_places(self) -> Mapping[tuple[str, str], AddedPlace]:
@@ -405,22 +398,20 @@ class Plan:
 
     @property
     def takes_subtrees(self) -> bool:
-        """Whether some model, here or in a nested recipe, is only taken in part."""
-        wanted = [place.request for place in self.walk() if place.request is not None]
-        return any(each.subtree is not None or each.drop for each in wanted)
+        """Whether a model, here or in a nested recipe, is not used as a whole."""
+        requests = (place.request for place in self.walk() if place.request is not None)
+        return any(request.subtree is not None or request.drop for request in requests)
 
     @property
-    def edits_elements(self) -> bool:
-        """Whether there is an entry of `edit`, here, at a part or in a nested recipe."""
-        wanted = [place.request for place in self.walk() if place.request is not None]
-        return any(plan.edits for plan in self.plans()) or any(each.edit for each in wanted)
+    def all_edits(self) -> list[Edit]:
+        """The entries of `edit`, here, at parts and in nested recipes."""
+        of_parts = [edit for place in self.walk() if place.request is not None for edit in place.request.edit]
+        return [step.edit for plan in self.plans() for step in plan.edits] + of_parts
 
     @property
     def works_on_meshes(self) -> bool:
-        """Whether an entry of `edit`, here, at a part or in a nested recipe, makes something of a mesh."""
-        own = [step.edit for plan in self.plans() for step in plan.edits]
-        parts = [each for place in self.walk() if place.request is not None for each in place.request.edit]
-        return any(not MESH_VERBS.isdisjoint(each.verbs) for each in (*own, *parts))
+        """Whether an entry of `edit`, here, at a part or in a nested recipe, works on meshes."""
+        return any(not MESH_VERBS.isdisjoint(edit.verbs) for edit in self.all_edits)
 
     @property
     def selects_parts(self) -> bool:

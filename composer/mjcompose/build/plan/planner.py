@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from collections.abc import Mapping as Map
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Note, Span
@@ -17,7 +17,7 @@ from mjcompose.build.plan.locked import use_lock
 from mjcompose.build.plan.matrix import draw_parameters, read_matrix
 from mjcompose.build.plan.parts import check_part_names, check_pieces, copies, without_rings
 from mjcompose.build.plan.plan import BASE, AttachPart, Drawn, Plan
-from mjcompose.build.plan.read import Given, folder_of, validated_recipe
+from mjcompose.build.plan.read import Given, ValidRecipe, folder_of, validated_recipe
 from mjcompose.build.plan.step_table import steps_of
 from mjcompose.build.plan.steps import (
     AngleContext,
@@ -70,8 +70,8 @@ def plan_what_remains(
 ) -> Plan | None:
     """Return the plan without its faulty pieces, so that later stages can find more errors; None without a base.
 
-    `name` is that of a cell of the matrix; without it, the recipe's own, and the matrix is checked too. `sample`
-    selects the draws; 0 has none. With `worlds`, all samples become worlds of the model.
+    `name` is the name of a cell of the matrix; without it, the plan has the recipe's name, and the matrix is checked.
+    `sample` selects the draws; 0 has none. With `worlds`, all samples become worlds of the model.
     """
     if use_lock(recipe, context) is None:
         return None
@@ -79,7 +79,7 @@ def plan_what_remains(
     try:
         plan = _Planner(context, name=name, sample=sample, worlds=worlds).plan(path, (), given=given or {})
     except RecursionError:  # if the limit `nesting` was raised
-        context.sink.error("not-supported", f"recipes that `{recipe}` leads to stand too deep inside one another")
+        context.sink.error("not-supported", f"the recipes in `{recipe}` are nested too deeply")
         return None
     if name is None and plan is not None:
         matrix = read_matrix(path, context, given)
@@ -95,6 +95,7 @@ class _LoadedRecipe:
     """A recipe that was read from a file, or from the path `at` in a file.
 
     `source` is the reference to the file if another recipe names it, `extended` are the recipes that it extends.
+    `drawn` are the values of parameters that were drawn for the sample.
     """
 
     name: str
@@ -106,11 +107,6 @@ class _LoadedRecipe:
     at: KeyPath = ()
     source: Source | None = None
     extended: tuple[tuple[Source, Span], ...] = ()
-
-
-class _Draws(NamedTuple):
-    """What a recipe draws, for which sample, and the values of its parameters that were drawn."""
-
     randomize: Randomize | None = None
     sample: int = 0
     drawn: tuple[Drawn, ...] = ()
@@ -125,7 +121,7 @@ class _Planner:
         self.nested = 0
         self.sources: dict[tuple[str, Path], Source] = {}
         self.sizes: dict[int, tuple[Plan, int]] = {}
-        """How many parts a plan has, those of nested recipes counted, by the identity of the plan, which is kept."""
+        """Each plan with its number of parts, including parts of nested recipes, by the identity of the plan."""
 
     def plan(
         self, path: Path, outer: Outer, span: Span | None = None, *, given: Given, source: Source | None = None
@@ -136,7 +132,7 @@ class _Planner:
         if key in around:
             ring = [*around[around.index(key) :], path]
             message = "recipes contain one another: " + " → ".join(each.name for each in ring)
-            help = "a recipe cannot be a part of itself: take one of these references out"
+            help = "a recipe cannot be a part of itself: remove one of these references"
             self.sink.error("source-cycle", message, span, help=help)
             return None
         if not self._may_nest(len(outer), span):
@@ -144,7 +140,7 @@ class _Planner:
         read = self._read(path, given)
         if read is None:
             return None
-        recipe, document, concrete = read
+        recipe, document, concrete, _ = read
         randomize = recipe.randomize if not outer else None
         drawn: tuple[Drawn, ...] = ()
         if self.worlds and not outer:
@@ -155,55 +151,44 @@ class _Planner:
                 read = self._read(path, {**given, **values})
                 if read is None:
                     return None
-                recipe, document, concrete = read
+                recipe, document, concrete, _ = read
                 randomize = recipe.randomize
         name, sample = (None, 0) if outer else (self.name, self.sample)
-        found = _LoadedRecipe(
-            name or recipe.name or as_text(path.stem),
-            path,
-            recipe,
-            document=document,
-            concrete=concrete,
-            angle_context=self._angle_context(path, recipe, document, concrete=concrete),
-            source=source,
-            extended=self.context.recipes[path].extended,
-        )
-        return self._assembled(found, (*outer, (key, span)), _Draws(randomize, sample, drawn))
+        whole, files = AngleSettings(recipe.angle, recipe.eulerseq), self.context.recipes[path].said
+        angle_context = AngleContext(document, whole)  # a file without a setting allows no bare angles
+        if concrete is not None and len(files) > 1:
+            angle_context = angle_context_of(concrete, document, whole, files=files, sink=self.sink)
+            check_bare_angles(angle_context, self.sink)
+        loaded = _LoadedRecipe(
+            name or recipe.name or as_text(path.stem), path, recipe, document=document, concrete=concrete,
+            angle_context=angle_context, source=source, extended=self.context.recipes[path].extended,
+            randomize=randomize, sample=sample, drawn=drawn,
+        )  # fmt: skip
+        return self._assembled(loaded, (*outer, (key, span)))
 
-    def _assembled(self, found: _LoadedRecipe, inside: Outer, draws: _Draws) -> Plan | None:
+    def _assembled(self, loaded: _LoadedRecipe, inside: Outer) -> Plan | None:
         """Return the plan of a recipe that was read, with its base and parts planned."""
-        recipe, document, concrete = found.recipe, found.document, found.concrete
-        base = self._base(found, inside)
-        members = tuple(self._parts(found, inside))
+        recipe, document, concrete = loaded.recipe, loaded.document, loaded.concrete
+        base: AttachPart | None = None
+        if recipe.base is not None and (model := self._model(recipe.base, (BASE,), loaded, inside=inside)) is not None:
+            base = AttachPart("", model, recipe.base, at=(BASE,), span=locate(document, (BASE, "model")))
+        members = tuple(self._parts(loaded, inside))
         if recipe.base is not None and base is None:
             return None
         if base is not None and base.attachment.is_placed:
             members, base = (base, *members), None
-        parts = without_rings(members, recipe.separator, self.sink)
-        steps = tuple(steps_of(StepInput(recipe, document, draws.randomize, sample=draws.sample, worlds=self.worlds)))
+        steps = tuple(steps_of(StepInput(recipe, document, loaded.randomize, sample=loaded.sample, worlds=self.worlds)))
         plan = Plan(
-            name=found.name,
-            description=recipe.description,
-            path=found.path,
-            file=self.context.shown(found.path),
-            document=document,
-            separator=recipe.separator,
-            conflict=recipe.conflict,
-            angle_context=found.angle_context,
-            base=base,
-            parts=parts,
-            steps=steps,
+            loaded.name, recipe.description, loaded.path,
+            file=self.context.shown(loaded.path), document=document, separator=recipe.separator,
+            conflict=recipe.conflict, angle_context=loaded.angle_context,
+            base=base, parts=without_rings(members, recipe.separator, self.sink), steps=steps,
             settled=frozenset(path for step in steps if isinstance(step, SetSingleton) for path in step.settled),
-            scope=concrete.scope if concrete else {},
-            variants=concrete.variants if concrete else {},
-            checks=tuple(checks_of(recipe.check)),
-            datasheets=recipe.datasheets,
-            **draws._asdict(),
-            worlds=self.worlds,
-            source=found.source,
-            extended=found.extended,
-            at=found.at,
-        )
+            scope=concrete.scope if concrete else {}, variants=concrete.variants if concrete else {},
+            checks=tuple(checks_of(recipe.check)), datasheets=recipe.datasheets,
+            randomize=loaded.randomize, sample=loaded.sample, worlds=self.worlds, drawn=loaded.drawn,
+            source=loaded.source, extended=loaded.extended, at=loaded.at,
+        )  # fmt: skip
         check_part_names(plan, self.sink)
         return plan if self._may_have(plan) else None
 
@@ -214,7 +199,7 @@ class _Planner:
         if depth > limits.nesting:
             message = f"more than {limits.nesting} recipes are nested in one another"
             self.sink.error("limit-exceeded", message, span, help=advice("nesting"))
-        elif self.nested == limits.parts + 1:  # once, however many are left
+        elif self.nested == limits.parts + 1:  # reported once
             message = f"more than {limits.parts} recipes are nested"
             self.sink.error("limit-exceeded", message, span, help=advice("parts"))
         return depth <= limits.nesting and self.nested <= limits.parts
@@ -247,33 +232,14 @@ class _Planner:
             help = "build without `--as worlds`: `--worlds FILE` makes worlds of any samples"
             self.sink.error("draw-at-run-time", message, span, help=help, subjects=(field.name,))
 
-    def _read(self, path: Path, given: Given) -> tuple[Recipe, Mapping, Concrete | None] | None:
-        found = validated_recipe(path, given, self.context)
-        if found is None:
-            return None
-        self.sink.suppress_about(found.lost)
-        return found.recipe, found.document, found.concrete
+    def _read(self, path: Path, given: Given) -> ValidRecipe | None:
+        valid = validated_recipe(path, given, self.context)
+        if valid is not None:
+            self.sink.suppress_about(valid.lost)
+        return valid
 
-    def _angle_context(self, path: Path, recipe: Recipe, document: Mapping, concrete: Concrete | None) -> AngleContext:
-        """Return how bare angles are read; a file without a setting allows none."""
-        whole = AngleSettings(recipe.angle, recipe.eulerseq)
-        files = self.context.recipes[path].said
-        if concrete is None or len(files) < 2:
-            return AngleContext(document, whole)
-        angle_context = angle_context_of(concrete, document, whole, files=files, sink=self.sink)
-        check_bare_angles(angle_context, self.sink)
-        return angle_context
-
-    def _base(self, found: _LoadedRecipe, inside: Outer) -> AttachPart | None:
-        """Return the base; None without one, and after a reported error."""
-        asked = found.recipe.base
-        model = None if asked is None else self._model(asked, (BASE,), found, inside=inside)
-        if asked is None or model is None:
-            return None
-        return AttachPart("", model, asked, at=(BASE,), span=locate(found.document, (BASE, "model")))
-
-    def _parts(self, found: _LoadedRecipe, inside: Outer) -> Iterator[AttachPart]:
-        recipe, document = found.recipe, found.document
+    def _parts(self, loaded: _LoadedRecipe, inside: Outer) -> Iterator[AttachPart]:
+        recipe, document = loaded.recipe, loaded.document
         taken: dict[str, Span] = {}
         for key, attachment in recipe.attach.items():
             at = ("attach", key)
@@ -293,54 +259,56 @@ class _Planner:
                 )
                 continue
             taken.update(dict.fromkeys(prefixes, span))
-            model = self._model(attachment, at, found, inside=inside)
+            model = self._model(attachment, at, loaded, inside=inside)
             if model is None:
                 self.sink.suppress_about(own for own, _ in numbered)
             else:
                 for prefix, copy in prefixes.items():
                     yield AttachPart(prefix, model, attachment, at=at, span=span, copy=copy)
 
-    def _resolved(self, reference: str, folder: Path) -> Source:
-        """Return the source of a reference, which is looked for once. Raises SourceError."""
-        if (reference, folder) not in self.sources:
-            self.sources[reference, folder] = resolve(
-                reference, relative_to=folder, environment=self.context.environment, fetching=self.context.fetching
-            )
-        return self.sources[reference, folder]
-
-    def _model(self, asked: Attachment, at: KeyPath, around: _LoadedRecipe, inside: Outer) -> Source | Plan | None:
+    def _model(self, attachment: Attachment, at: KeyPath, around: _LoadedRecipe, inside: Outer) -> Source | Plan | None:
         """Return the model for the mapping at `at`: a source, or the plan of a nested recipe."""
         document, outer = around.document, around.recipe
-        written = find(document, (*at, "model"))
-        if not isinstance(asked.model, str):
+        reference, written = attachment.model, find(document, (*at, "model"))
+        if not isinstance(reference, str):
             assert isinstance(written, Mapping)
             return self._in_place(at, written, around, inside=inside)
-        span = locate(document, (*at, "model"))
+        span, environment, fetching = locate(document, (*at, "model")), self.context.environment, self.context.fetching
         folder = folder_of(span, self.context)
         try:
-            source = self._resolved(asked.model, folder)
+            source = self.sources.get((reference, folder))
+            source = source or resolve(reference, relative_to=folder, environment=environment, fetching=fetching)
         except SourceError as error:
             self.sink.add(error.at(span))
             return None
+        self.sources[reference, folder] = source
         given = find(document, (*at, "with"))
-        if asked.packages and source.format != "urdf":
-            self._only_for("packages", "URDF", f"`{asked.model}`", document=document, at=at)
+        if attachment.packages and source.format != "urdf":
+            self._only_for("packages", "URDF", f"`{reference}`", document=document, at=at)
         if source.format == "recipe":
             values = {name: value for name, (_, value) in given.entries.items()} if isinstance(given, Mapping) else {}
             plan = self.plan(source.path, inside, span, given=values, source=source)
             if plan is not None and plan.separator != outer.separator:
-                self._separators(f"`{asked.model}`", plan, outer, span=span)
+                self._separators(f"`{reference}`", plan, outer, span=span)
             return plan
         if source.format != "urdf":
             for key, what in (("with", "recipes and xacro templates"), ("urdf", "URDF")):
                 if find(document, (*at, key)) is not None:
-                    self._only_for(key, what, f"`{asked.model}`", document=document, at=at)
+                    self._only_for(key, what, f"`{reference}`", document=document, at=at)
             return source
-        packages = tuple(self._packages(asked.packages, document, at))
+        packages = tuple(self._packages(attachment.packages, document, at))
         door = source.door.wider(tuple(folder for _, folder in packages)) if packages else source.door
-        arguments = tuple(self._arguments(asked.given, document, at))
-        keys = asked.urdf
-        choices = UrdfChoices(arguments, keys.visuals, keys.fixed, actuators=keys.actuators, inertia=keys.inertia)
+        arguments = []
+        for name, value in attachment.given.items():
+            if isinstance(value, list):
+                message = f"the argument `{name}` of a xacro template is text or a number, got a list"
+                self.sink.error("wrong-type", message, locate(document, (*at, "with", name)))
+            else:
+                arguments.append((name, str(value).lower() if isinstance(value, bool) else str(value)))
+        keys = attachment.urdf
+        choices = UrdfChoices(
+            tuple(arguments), keys.visuals, keys.fixed, actuators=keys.actuators, inertia=keys.inertia
+        )
         return replace(source, packages=packages, door=door, urdf=choices)
 
     def _in_place(self, at: KeyPath, model: Mapping, around: _LoadedRecipe, inside: Outer) -> Plan | None:
@@ -357,43 +325,25 @@ class _Planner:
         own = {"angle", "eulerseq"} & model.entries.keys()
         others = {} if own else around.angle_context.others
         angle_context = AngleContext(read.document, AngleSettings(recipe.angle, recipe.eulerseq), others)
-        found = _LoadedRecipe(
-            recipe.name or str(at[-1]),
-            around.path,
-            recipe,
-            document=read.document,
-            concrete=around.concrete,
-            angle_context=angle_context,
-            at=(*around.at, *at, "model"),
-        )
-        return self._assembled(found, inside, _Draws())
+        loaded = _LoadedRecipe(
+            recipe.name or str(at[-1]), around.path, recipe, document=read.document, concrete=around.concrete,
+            angle_context=angle_context, at=(*around.at, *at, "model"),
+        )  # fmt: skip
+        return self._assembled(loaded, inside)
 
     def _separators(self, model: str, inner: Recipe | Plan, outer: Recipe, span: Span) -> None:
         message = f"{model} separates names with `{inner.separator}`, this recipe with `{outer.separator}`"
         help = f'give both the same: `separator: "{inner.separator}"`'
         self.sink.error("separator-mismatch", message, span, help=help)
 
-    def _only_for(self, key: str, what: str, model: str, document: Mapping, at: tuple[str | int, ...]) -> None:
+    def _only_for(self, key: str, what: str, model: str, document: Mapping, at: KeyPath) -> None:
         message = f"`{key}` is for {what}, and {model} is not one"
-        help = f"take `{key}` out"
+        help = f"remove `{key}`"
         self.sink.error("unknown-key", message, locate(document, (*at, key), key=True), help=help, subjects=(key,))
 
-    def _arguments(
-        self, given: Map[str, Any], document: Mapping, at: tuple[str | int, ...]
-    ) -> Iterator[tuple[str, str]]:
-        """Yield the arguments of a xacro template as text."""
-        for name, value in given.items():
-            if isinstance(value, list):
-                message = f"the argument `{name}` of a xacro template is text or a number, got a list"
-                self.sink.error("wrong-type", message, locate(document, (*at, "with", name)))
-                continue
-            yield name, str(value).lower() if isinstance(value, bool) else str(value)
-
-    def _packages(
-        self, packages: Map[str, str], document: Mapping, at: tuple[str | int, ...]
-    ) -> Iterator[tuple[str, Path]]:
+    def _packages(self, packages: Map[str, str], document: Mapping, at: KeyPath) -> Iterator[tuple[str, Path]]:
         """Yield the folders of the packages that a URDF refers to."""
-        # A workspace first, so that a package that is named counts.
+        # A workspace comes first, so a named package replaces its package of that name.
         for name, written in sorted(packages.items(), key=lambda each: each[0] != "*"):
             span = locate(document, (*at, "packages", name))
             folder = folder_of(span, self.context) / written
@@ -402,13 +352,9 @@ class _Planner:
                 door.outside(str(folder)).report(self.sink, span)
                 continue
             if not os.path.isdir(folder):
-                self.sink.error(
-                    "file-not-found",
-                    f"the folder of the package `{name}` does not exist: `{self.context.shown(folder)}`",
-                    span,
-                    help="the path is relative to the recipe, and leads to the folder that `package://"
-                    f"{name}` stands for",
-                )
+                message = f"the folder of the package `{name}` does not exist: `{self.context.shown(folder)}`"
+                help = f"write the path of `package://{name}`, relative to the recipe"
+                self.sink.error("file-not-found", message, span, help=help)
             if name == "*":
                 yield from self._workspace(folder, span)
             else:
@@ -421,7 +367,7 @@ class _Planner:
             if name in found:
                 message = f"two packages of the workspace are called `{name}`"
                 notes = (Note(f"`{self.context.shown(found[name])}` and `{self.context.shown(at)}`"),)
-                help = f"say which one is meant: `{name}: …`, and put a file `COLCON_IGNORE` into the other"
+                help = f"name its folder: `{name}: …`, and put a file `COLCON_IGNORE` into the other"
                 self.sink.error("name-clash", message, span, notes=notes, help=help)
             found.setdefault(name, at)
         if not found and os.path.isdir(folder):
