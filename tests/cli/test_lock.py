@@ -308,7 +308,7 @@ def test_what_a_nested_recipe_extends_is_locked(work: Path) -> None:
     (work / "common.yaml").write_text("recipe: 1\nname: other\nbase: ./tool.xml\n")
     result = run("build", "cell.yaml", "-o", "out/", "--locked")
     assert result.exit_code == 1
-    assert "cell.yaml:3:3: error[source-changed]: `./common.yaml` is not what `cell.lock` pins" in result.stderr
+    assert "cell.yaml:3:3: error[source-changed]: `./common.yaml` differs from the lock `cell.lock`" in result.stderr
     assert "`common.yaml` changed" in result.stderr
 
 
@@ -432,7 +432,10 @@ def test_a_lock_that_contradicts_itself_is_an_error(work: Path, key: str, value:
     for more in ((), ("--locked",)):
         result = run("build", "cell.yaml", "--no-compile", *more)
         assert result.exit_code == 1
-        assert "cell.yaml:2:7: error[lock-invalid]: what `cell.lock` says of `git+file:" in result.stderr
+        assert (
+            "cell.yaml:2:7: error[lock-invalid]: the lock `cell.lock` contradicts itself about `git+file:"
+            in result.stderr
+        )
         assert f"  = note: its {key} is `" in result.stderr
 
 
@@ -444,7 +447,9 @@ def test_a_file_of_ones_own_has_no_pin(work: Path, what: str) -> None:
     source[what] = "0" * (64 if what == "sha256" else 40)
     (work / "cell.lock").write_text(json.dumps(lock))
     result = run("check", "cell.yaml")
-    assert result.exit_code == 1 and "error[lock-invalid]: what `cell.lock` says of" in result.stderr
+    assert (
+        result.exit_code == 1 and "error[lock-invalid]: the lock `cell.lock` contradicts itself about" in result.stderr
+    )
     assert f"  = note: a source of kind `path` has no {what}\n" in result.stderr
 
 

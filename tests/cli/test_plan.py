@@ -88,17 +88,17 @@ def test_a_subtree_and_what_it_leaves(folder: Path) -> None:
     assert (result.exit_code, result.stderr) == (0, "")
     assert result.stdout == (
         "pair: the model of pair.yaml\n"
-        "  start from ./models/arm.xml, its body link alone\n"
-        "    leaves 1 body: base\n"
-        "    leaves 1 geom\n"
-        "    leaves 1 mesh: cover\n"
-        "  attach cell/: the recipe cell.yaml, its body tool/palm alone, in the world\n"
-        "    leaves 2 bodies: base, link\n"
-        "    leaves 2 geoms: rod\n"
-        "    leaves 1 joint: shoulder\n"
-        "    leaves 1 site: flange\n"
-        "    leaves 1 sensor: angle\n"
-        "    leaves 1 mesh: cover\n"
+        "  start from ./models/arm.xml, only its body link\n"
+        "    drops 1 body: base\n"
+        "    drops 1 geom\n"
+        "    drops 1 mesh: cover\n"
+        "  attach cell/: the recipe cell.yaml, only its body tool/palm, in the world\n"
+        "    drops 2 bodies: base, link\n"
+        "    drops 2 geoms: rod\n"
+        "    drops 1 joint: shoulder\n"
+        "    drops 1 site: flange\n"
+        "    drops 1 sensor: angle\n"
+        "    drops 1 mesh: cover\n"
         "    cell: the model of cell.yaml\n"
         "      start from ./models/arm.xml\n"
         "      attach tool/: ./models/tool.xml, on the site flange\n"
@@ -116,14 +116,14 @@ def test_a_subtree_that_cuts_something(folder: Path) -> None:
     (folder / "cell.yaml").write_text("recipe: 1\nbase: {model: ./models/arm.xml, subtree: link}\n")
     result = run("plan", "cell.yaml")
     assert result.exit_code == 0 and "warning[subtree-cut]" in result.stderr
-    assert result.stdout.splitlines()[-1] == "    leaves the exclude `near`, which needs the body `base`"
+    assert result.stdout.splitlines()[-1] == "    drops the exclude `near`, which needs the body `base`"
 
 
 def test_a_subtree_that_is_not_there(folder: Path) -> None:
     (folder / "cell.yaml").write_text("recipe: 1\nbase: {model: ./models/arm.xml, subtree: lnik}\n")
     result = run("plan", "cell.yaml")
     assert result.exit_code == 1 and "did you mean `subtree: link`?" in result.stderr
-    assert "its body lnik alone" in result.stdout
+    assert "only its body lnik" in result.stdout
 
 
 REQUIRED = """\

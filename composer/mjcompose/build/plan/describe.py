@@ -1,4 +1,4 @@
-"""A plan in words and as data, and the warnings that it allows."""
+"""A plan as text and as data, and the warnings that it allows."""
 
 from __future__ import annotations
 
@@ -10,22 +10,20 @@ from typing import TYPE_CHECKING, Any
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Diagnostic, Path, Severity, Span
 from mjcompose.base.sink import Sink
-from mjcompose.build.plan.plan import BASE, AttachPart, EditOutcome, Gains, Plan, PlanPreview
+from mjcompose.build.plan.plan import AttachPart, EditOutcome, Gains, Plan, PlanPreview
 from mjcompose.build.plan.steps import EditElements, Step, steps_adding
-from mjcompose.language.attach import Attachment
 from mjcompose.language.codes import ALLOW
 from mjcompose.language.edit import Edit
-from mjcompose.model.merged_settings import Adopted, in_words
+from mjcompose.model.merged_settings import in_words
 from mjcompose.sources.reference import Source
 from mjcompose.text.node import Mapping, Node, Scalar, Sequence, find, locate, spans
 
 if TYPE_CHECKING:
-    from mjcompose.build.plan.plan import GeneratedShapes
-    from mjcompose.link.subtree import DroppedElement, Subtree
+    from mjcompose.link.subtree import DroppedElement
 
 Shown = Callable[[File], str]
 _BEYOND = ("license-missing", "usd-loss", "target-loss", "store-unusable", "lock-stale")
-"""Warnings from outside of a single build, whose absence in a build proves nothing."""
+"""Warnings that do not depend on a single build, so their absence in a build proves nothing."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,39 +62,30 @@ def acknowledge(plan: Plan, sink: Sink, shown: Shown, *, whole: bool) -> None:
         used.update(covering)
         if covering:
             sink.drop(diagnostic)
-    for each in allowances if whole and not sink.has_errors else ():
-        if each not in used and each.code not in _BEYOND:
-            sink.warning("unused-allow", f"nothing warns of `{each.code}` here", each.span,
-                         help=f"take `{each.code}` out")  # fmt: skip
+    for allowance in allowances if whole and not sink.has_errors else ():
+        if allowance not in used and (code := allowance.code) not in _BEYOND:
+            sink.warning("unused-allow", f"there is no warning `{code}` here", allowance.span, help=f"remove `{code}`")
 
 
 def allowed_everywhere(plan: Plan) -> tuple[str, ...]:
     """Return the codes at the top of the built recipe."""
-    node = find(plan.document, (ALLOW,))
-    return tuple(code for code, _ in _codes(node))
+    return tuple(code for code, _ in _codes(find(plan.document, (ALLOW,))))
 
 
 def _allowances(plan: Plan, shown: Shown) -> Iterator[Allowance]:
     for inner in plan.plans():
         everywhere = inner is plan
-        files = frozenset() if everywhere else frozenset([inner.file, *_files(inner, shown)])
+        files = frozenset() if everywhere else frozenset(_files(inner, shown))
         for code, span in _codes(find(inner.document, (ALLOW,))):
             yield Allowance(code, span, everywhere, files=files)
         for edit in inner.edits:
             yield from _of_item(inner, edit.edit.at)
-        for part in inner.members:
-            yield from _of_model(inner, part.at, part.model, shown=shown)
-
-
-def _of_model(plan: Plan, at: Path, model: Source | Plan | None, shown: Shown) -> Iterator[Allowance]:
-    """Yield what the base or a part allows: in its entry of the recipe, and in its files."""
-    files = [shown(model.path)] if isinstance(model, Source) else []
-    if isinstance(model, Plan):
-        files = [model.file, *_files(model, shown)]
-    yield from _of_item(plan, at, frozenset(files))
-    edits = find(plan.document, (*at, "edit"))
-    for index in range(len(edits.items)) if isinstance(edits, Sequence) else ():
-        yield from _of_item(plan, (*at, "edit", index))
+        for part in inner.members:  # an entry of the base or a part is about the entry and the files
+            files = frozenset(_files(part.model, shown) if isinstance(part.model, Plan) else [shown(part.model.path)])
+            yield from _of_item(inner, part.at, files)
+            edits = find(inner.document, (*part.at, "edit"))
+            for index in range(len(edits.items)) if isinstance(edits, Sequence) else ():
+                yield from _of_item(inner, (*part.at, "edit", index))
 
 
 def _of_item(plan: Plan, at: Path, files: frozenset[str] = frozenset()) -> Iterator[Allowance]:
@@ -111,11 +100,8 @@ def _of_item(plan: Plan, at: Path, files: frozenset[str] = frozenset()) -> Itera
             yield Allowance(code, span, False, files=files, lines=lines)
 
 
-def _files(plan: Plan, shown: Shown) -> Iterator[str]:
-    for inner in plan.plans():
-        yield inner.file
-    for source in plan.sources():
-        yield shown(source.path)
+def _files(plan: Plan, shown: Shown) -> list[str]:
+    return [*(inner.file for inner in plan.plans()), *(shown(source.path) for source in plan.sources())]
 
 
 def _codes(node: Node | None) -> Iterator[tuple[str, Span]]:
@@ -129,20 +115,19 @@ _PLURALS = {"body": "bodies", "mesh": "meshes", "equality": "equalities", "defau
 
 def describe(plan: Plan, preview: PlanPreview | None = None) -> str:
     """Return one line for each step, in their order, with nested recipes indented."""
-    found = preview or PlanPreview()
-    adopted = [f"  adopt {words}" for words in in_words(found.adopted)]
-    excluded = [
-        f"  {each.one} and {each.other} "
-        + (f"will not collide: {each.why}" if each.why else "touch, and will not collide")
-        for each in found.excluded
-    ]
-    return "\n".join([*_lines(plan, found), *_gain_lines(found.gains), *adopted, *excluded])
+    preview = preview or PlanPreview()
+    adopted = [f"  adopt {words}" for words in in_words(preview.adopted)]
+    excluded = []
+    for pair in preview.excluded:
+        why = f"will not collide: {pair.why}" if pair.why else "touch, and will not collide"
+        excluded.append(f"  {pair.one} and {pair.other} {why}")
+    return "\n".join([*_lines(plan, preview), *_gain_lines(preview.gains), *adopted, *excluded])
 
 
-def _gain_lines(found: Iterable[Gains]) -> Iterator[str]:
-    """Yield a line for all servos whose joints feel the same."""
+def _gain_lines(gains: Iterable[Gains]) -> Iterator[str]:
+    """Yield one line for all servos with equal gains."""
     alike: dict[str, list[str]] = {}
-    for each in found:
+    for each in gains:
         per = {"N": "N/m", "N·m": "N·m/rad"}.get(each.unit, "")
         kp = f"kp {each.kp:.6g} {per}".rstrip()
         kv = f"kv {each.kv:.6g} {per.replace('/', '·s/')}".rstrip()
@@ -158,71 +143,62 @@ def _lines(plan: Plan, preview: PlanPreview, indent: str = "") -> Iterator[str]:
     if plan.base is None:
         yield f"{inner}start from an empty model"
     else:
-        yield f"{inner}start from {_model(plan.base.model)}{_body(plan.base.attachment.subtree)}"
+        yield f"{inner}start from {_model(plan.base)}"
         yield from _own_lines(plan, plan.base, preview=preview, indent=inner + "  ")
         if isinstance(plan.base.model, Plan):
             yield from _lines(plan.base.model, preview, inner + "  ")
     early: list[Step] = []
-    yield from _part_lines(plan, preview, inner, early=early)
+    last = {part.at: part.prefix for part in plan.parts}
+    places = plan.added_places
+    for part in plan.parts:
+        if any(part.copy):  # all copies have one line
+            continue
+        for maker in steps_adding(places, *part.attachment.place):  # the steps that add its place
+            if maker not in early:
+                early.append(maker)
+                yield inner + maker.words
+        name = part.prefix or "(no prefix)"
+        if part.copy:
+            axes = " × ".join(str(axis.count) for axis in part.attachment.replicate)
+            name = f"{part.prefix} … {last[part.at]} ({axes})"
+        yield f"{inner}attach {name}: {_model(part)}, {_place_words(part)}"
+        yield from _own_lines(plan, part, preview=preview, indent=inner + "  ")
+        if isinstance(part.model, Plan):
+            yield from _lines(part.model, preview, inner + "  ")
     for field in plan.randomize.of_parameters if plan.randomize else ():
         yield inner + field.words
     for step in plan.steps:
-        if step in early:
-            continue
         if isinstance(step, EditElements):
             yield from _edit_lines(step.edit, preview.edits.get(plan.place_of(step.edit.at)), inner)
-        else:
+        elif step not in early:
             yield inner + step.words
     for words in checks_of(plan):
         yield inner + words
 
 
-def _part_lines(plan: Plan, preview: PlanPreview, indent: str, early: list[Step]) -> Iterator[str]:
-    """Yield the parts, copies as one. Before each stand the steps that make its place, which are added to `early`."""
-    last = {part.at: part.prefix for part in plan.parts}
-    places = plan.added_places
-    for part in plan.parts:
-        if any(part.copy):
-            continue
-        for maker in steps_adding(places, *part.attachment.place):
-            if maker not in early:
-                early.append(maker)
-                yield indent + maker.words
-        model = f"{_model(part.model)}{_body(part.attachment.subtree)}"
-        yield f"{indent}attach {_called(part, last[part.at])}: {model}, {_place_words(part)}"
-        yield from _own_lines(plan, part, preview=preview, indent=indent + "  ")
-        if isinstance(part.model, Plan):
-            yield from _lines(part.model, preview, indent + "  ")
-
-
-def _called(part: AttachPart, last: str) -> str:
-    """Return the name of a part, or of all its copies with their number on each axis."""
-    if not part.copy:
-        return part.prefix or "(no prefix)"
-    axes = " × ".join(str(axis.count) for axis in part.attachment.replicate)
-    return f"{part.prefix} … {last} ({axes})"
-
-
-def _model(model: Source | Plan) -> str:
+def _model(part: AttachPart) -> str:
+    model, body = part.model, part.attachment.subtree
+    alone = "" if body is None else f", only its body {body}"
     if isinstance(model, Plan):
-        return "what is written here" if model.at else f"the recipe {model.file}"
+        return f"{'the model written here' if model.at else f'the recipe {model.file}'}{alone}"
     release = f" ({model.package} {model.version})" if model.package and model.version else ""
     converted = ", URDF that MuJoCo converts" if model.format == "urdf" else ""
-    return f"{model.reference}{release}{converted}"
-
-
-def _body(name: str | None) -> str:
-    return "" if name is None else f", its body {name} alone"
+    return f"{model.reference}{release}{converted}{alone}"
 
 
 def _own_lines(plan: Plan, part: AttachPart, preview: PlanPreview, indent: str) -> Iterator[str]:
-    """Yield what is done to a base or a part by itself."""
-    wanted = part.attachment
-    if wanted.drop:
-        yield f"{indent}drop {', '.join(map(str, wanted.drop))}"
-    yield from _dropped_lines(preview.subtrees.get(plan.place_of(part.at)), indent)
-    for each in wanted.edit:
-        yield from _edit_lines(each, preview.edits.get(plan.place_of(each.at)), indent)
+    """Yield the drops and edits of a base or a part, and each element that would be cut in two."""
+    attachment = part.attachment
+    if attachment.drop:
+        yield f"{indent}drop {', '.join(map(str, attachment.drop))}"
+    subtree = preview.subtrees.get(plan.place_of(part.at))
+    dropped = [each for each in subtree.dropped if each.lacks is None] if subtree else []
+    for kind, names in _by_kind(dropped).items():
+        yield f"{indent}drops {_listed(kind, names)}"
+    for element in subtree.cut if subtree else ():
+        yield f"{indent}drops the {element.called}, which needs {element.lacks}"
+    for edit in attachment.edit:
+        yield from _edit_lines(edit, preview.edits.get(plan.place_of(edit.at)), indent)
 
 
 def _edit_lines(edit: Edit, outcome: EditOutcome | None, indent: str) -> Iterator[str]:
@@ -238,19 +214,10 @@ def _edit_lines(edit: Edit, outcome: EditOutcome | None, indent: str) -> Iterato
         yield f"{indent}  {each.words}"
 
 
-def _dropped_lines(subtree: Subtree | None, indent: str) -> Iterator[str]:
-    """Yield a line for each kind that is left behind, and one for each element that would be cut in two."""
-    left = [each for each in subtree.dropped if each.lacks is None] if subtree else []
-    for kind, names in _by_kind(left).items():
-        yield f"{indent}leaves {_listed(kind, names)}"
-    for each in subtree.cut if subtree else ():
-        yield f"{indent}leaves the {each.called}, which needs {each.lacks}"
-
-
-def _by_kind(gone: Iterable[DroppedElement]) -> dict[str, list[str]]:
+def _by_kind(elements: Iterable[DroppedElement]) -> dict[str, list[str]]:
     kinds: dict[str, list[str]] = {}
-    for each in gone:
-        kinds.setdefault(each.what, []).append(each.name)
+    for element in elements:
+        kinds.setdefault(element.what, []).append(element.name)
     return kinds
 
 
@@ -286,81 +253,72 @@ def _place_words(part: AttachPart) -> str:
 
 def as_data(plan: Plan, preview: PlanPreview | None = None) -> dict[str, Any]:
     """Return the plan as JSON data: name, sources with their references, steps in words."""
-    found = preview or PlanPreview()
+    preview = preview or PlanPreview()
+    randomize = plan.randomize
+    draws = randomize and {
+        "seed": randomize.seed,
+        "samples": randomize.samples,
+        "fields": {field.name: field.words for field in randomize.fields},
+    }
+    adopted = [each for each in preview.adopted if each.is_written]
     return {
         "name": plan.name,
         "recipe": plan.file,
-        "base": _model_data(plan.base.model if plan.base else None, found),
-        **(_own_data(plan, plan.base.attachment, found) if plan.base else {}),
-        **_subtree_data(found.subtrees.get(plan.place_of((BASE,)))),
+        "base": _model_data(plan.base.model if plan.base else None, preview),
+        **(_own_data(plan, plan.base, preview) if plan.base else {}),
         "parts": [
             {
                 "prefix": part.prefix,
-                "model": _model_data(part.model, found),
-                **_own_data(plan, part.attachment, found),
-                **_subtree_data(found.subtrees.get(plan.place_of(part.at))),
+                "model": _model_data(part.model, preview),
+                **_own_data(plan, part, preview),
                 "place": _place_words(part),
             }
             for part in plan.parts
         ],
         "steps": [step.words for step in plan.steps],
-        **_edits_data(plan, [step.edit for step in plan.edits], found),
+        **_some(edited=_edited(plan, [step.edit for step in plan.edits], preview)),
         "checks": list(checks_of(plan)),
-        **_draws_data(plan),
-        **_adopted_data(found.adopted),
-        **(
-            {"touching": touching}
-            if (touching := [[each.one, each.other] for each in found.excluded if not each.why])
-            else {}
+        **_some(
+            randomize=draws,
+            adopted=[{"setting": each.setting, "value": each.value, "parts": each.parts} for each in adopted],
+            touching=[[each.one, each.other] for each in preview.excluded if not each.why],
+            excluded=[asdict(each) for each in preview.excluded if each.why],
+            gains=[asdict(each) for each in preview.gains],
         ),
-        **({"excluded": excluded} if (excluded := [asdict(each) for each in found.excluded if each.why]) else {}),
-        **({"gains": [asdict(each) for each in found.gains]} if found.gains else {}),
     }
 
 
-def _adopted_data(adopted: Iterable[Adopted]) -> dict[str, Any]:
-    found = [{"setting": each.setting, "value": each.value, "parts": each.parts} for each in adopted if each.is_written]
-    return {"adopted": found} if found else {}
+def _some(**entries: Any) -> dict[str, Any]:
+    """Return the entries that are not empty."""
+    return {name: value for name, value in entries.items() if value}
 
 
-def _draws_data(plan: Plan) -> dict[str, Any]:
-    if plan.randomize is None:
-        return {}
-    wanted = plan.randomize
-    fields = {field.name: field.words for field in wanted.fields}
-    return {"randomize": {"seed": wanted.seed, "samples": wanted.samples, "fields": fields}}
+def _own_data(plan: Plan, part: AttachPart, preview: PlanPreview) -> dict[str, Any]:
+    edits, subtree = part.attachment.edit, preview.subtrees.get(plan.place_of(part.at))
+    data = _some(edits=[edit.words for edit in edits], edited=_edited(plan, edits, preview))
+    if subtree is not None:
+        left = [{"kind": each.what, "name": each.name, "lacks": each.lacks} for each in subtree.dropped]
+        data |= {"subtree": {"body": subtree.body, "left": left}} if subtree.body else {"dropped": left}
+    return data
 
 
-def _own_data(plan: Plan, wanted: Attachment, preview: PlanPreview) -> dict[str, Any]:
-    edits = [each.words for each in wanted.edit]
-    return {"edits": edits, **_edits_data(plan, wanted.edit, preview)} if edits else {}
-
-
-def _edits_data(plan: Plan, edits: Iterable[Edit], preview: PlanPreview) -> dict[str, Any]:
-    """Return what each entry of `edit` selects and removes, for those that succeeded."""
-    edited = [
+def _edited(plan: Plan, edits: Iterable[Edit], preview: PlanPreview) -> list[dict[str, Any]]:
+    """Return the selected and removed elements, and the generated shapes, of each entry of `edit` that succeeded."""
+    return [
         {
-            "words": each.words,
+            "words": edit.words,
             "selected": dict(outcome.selected),
-            "removed": [{"kind": gone.what, "name": gone.name} for gone in outcome.removed],
-            **({"made": [_shapes_data(made) for made in outcome.shapes]} if outcome.shapes else {}),
+            "removed": [{"kind": element.what, "name": element.name} for element in outcome.removed],
+            **_some(
+                made=[
+                    {"mesh": it.mesh, "geom": it.of, "how": it.how, "shapes": list(it.shapes), "error": dict(it.error)}
+                    for it in outcome.shapes
+                ]
+            ),
         }
-        for each in edits
-        if (outcome := preview.edits.get(plan.place_of(each.at))) is not None
+        for edit in edits
+        if (outcome := preview.edits.get(plan.place_of(edit.at))) is not None
     ]
-    return {"edited": edited} if edited else {}
-
-
-def _shapes_data(made: GeneratedShapes) -> dict[str, Any]:
-    """Return what was made of a mesh, and how far it is from it."""
-    return {"mesh": made.mesh, "geom": made.of, "how": made.how, "shapes": list(made.shapes), "error": dict(made.error)}
-
-
-def _subtree_data(subtree: Subtree | None) -> dict[str, Any]:
-    if subtree is None:
-        return {}
-    left = [{"kind": each.what, "name": each.name, "lacks": each.lacks} for each in subtree.dropped]
-    return {"subtree": {"body": subtree.body, "left": left}} if subtree.body else {"dropped": left}
 
 
 def _model_data(model: Source | Plan | None, preview: PlanPreview) -> Any:
@@ -381,10 +339,8 @@ def _model_data(model: Source | Plan | None, preview: PlanPreview) -> Any:
 def checks_of(plan: Plan) -> Iterator[str]:
     """Yield one line for each check."""
     for check in plan.checks:
-        node: Node = plan.document
-        for key in check.at:
-            assert isinstance(node, Mapping)
-            node = node.entries[str(key)][1]
+        node = find(plan.document, check.at)
+        assert node is not None
         yield f"check {check.name}: {check.word} {_flow(node)}"
 
 

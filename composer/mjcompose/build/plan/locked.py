@@ -47,7 +47,7 @@ def use_lock(recipe: Path, context: Context, disputes: Disputed | None = None) -
         context.sink.error("lock-stale", f"the lock `{context.shown(path)}` does not exist", help=help)
         return None
     fetching.lock_file = path
-    if fetching.lock is not None:  # what it pins is a source, also for variants that are not chosen
+    if fetching.lock is not None:  # pinned files are sources, even for variants that are not chosen
         local = (each.files for each in fetching.lock.sources.values() if kind_of(each).is_local)
         files.current().note(os.path.join(path.parent, name) for files in local for name in files)
     if fetching.lock is not None and fetching.locked:
@@ -58,10 +58,10 @@ def use_lock(recipe: Path, context: Context, disputes: Disputed | None = None) -
 def _report_versions(lock: Lock, shown: str, recipe: str, context: Context) -> None:
     """Warn that other versions made the lock, which may change the result."""
     here = {"mjcompose": __version__, "MuJoCo": _mujoco()}
-    made_with = {"mjcompose": lock.mjcompose, "MuJoCo": lock.mujoco}
-    others = [name for name, version in made_with.items() if version and version != here[name]]
+    locked = {"mjcompose": lock.mjcompose, "MuJoCo": lock.mujoco}
+    others = [name for name, version in locked.items() if version and version != here[name]]
     if others:
-        was = " and ".join(f"{name} {made_with[name]}" for name in others)
+        was = " and ".join(f"{name} {locked[name]}" for name in others)
         now = " and ".join(f"{name} {here[name] or 'none'}" for name in others)
         message = f"`{shown}` was made with {was}, this is {now}: what is built may be other bytes"
         help = f"install what it was made with, or run `mjcompose lock {recipe}`"
@@ -86,7 +86,7 @@ def lock_of(
 ) -> Lock:
     """Return the lock for plans of one recipe, its variants; `folder` is where the lock will be. Reads every file.
 
-    `shapes` are the hashes of what was made of meshes, by key. What is damaged in the store is reported.
+    `shapes` are the hashes of generated shapes, by key. Damaged files in the store are reported.
     """
     plans = tuple(plans)
     uses = _FileGatherer(fetching, folder, context).of(plans)
@@ -116,41 +116,34 @@ def check_lock(plan: Plan, context: Context) -> None:
         return
     shown = context.shown(lock_file)
     if fetching.locked and is_one_choice(read_recipe(plan.path, replace(context, sink=Sink()))):
-        _report_unused(fetching.lock.sources.keys() - uses.keys(), shown, plan, context=context)
+        help = f"run `mjcompose lock {plan.file}` and commit the lock"
+        for id in sorted(fetching.lock.sources.keys() - uses.keys()):
+            context.sink.error("lock-stale", f"`{id}` is in the lock `{shown}`, and nothing uses it", help=help)
     for id, use in whole.items():
         now, before = _locked(use, fetching), fetching.lock.sources.get(id)
         if now is None:
             continue
-        name = next(iter(use.used_by))
+        upgrade = f"run `mjcompose lock {plan.file} --upgrade-source {next(iter(use.used_by))}`"
         if before is None:
             report = context.sink.error if fetching.locked else context.sink.warning
-            report("lock-stale", f"`{id}` is not in the lock `{shown}`", use.span,
-                 help=f"run `mjcompose lock {plan.file}` and commit the lock")  # fmt: skip
-        elif changes := differences(
-            {
-                file: digest
-                for file, digest in before.files.items()
-                if file in now.files or not os.path.isfile(use.root / file)
-            },
-            now.files,
-        ):
+            help = f"run `mjcompose lock {plan.file}` and commit the lock"
+            report("lock-stale", f"`{id}` is not in the lock `{shown}`", use.span, help=help)
+            continue
+        unused = {file for file in before.files if file not in now.files and os.path.isfile(use.root / file)}
+        relevant = {file: digest for file, digest in before.files.items() if file not in unused}
+        if changes := differences(relevant, now.files):
             report = context.sink.warning if kind_of(now).is_local and not fetching.locked else context.sink.error
-            notes = [Note(change) for change in changes[:_SHOWN]] + _more(changes)
-            help = f"if that is meant, run `mjcompose lock {plan.file} --upgrade-source {name}`"
-            report("source-changed", f"`{id}` is not what `{shown}` pins", use.span, notes=notes, help=help)
+            help = f"if you want the change, {upgrade}"
+            report("source-changed", f"`{id}` differs from the lock `{shown}`", use.span, notes=_notes(changes),
+                   help=help)  # fmt: skip
         elif wrong := [*_wrong(before, now)]:
-            message = f"what `{shown}` says of `{id}` cannot be: it was not made so"
+            message = f"the lock `{shown}` contradicts itself about `{id}`"
             help = "take the lock from version control, or remove it and run `mjcompose lock`"
             context.sink.error("lock-invalid", message, use.span, notes=[Note(each) for each in wrong], help=help)
         elif fetching.locked and (others := [*_of_another_version(before, now)]):
-            context.sink.warning(
-                "lock-stale",
-                f"`{id}` has the bytes that `{shown}` pins, and is of another version, which the manifest names",
-                use.span,
-                notes=[Note(each) for each in others],
-                help=f"install that version, or run `mjcompose lock {plan.file} --upgrade-source {name}` and commit the"
-                " lock",
-            )
+            message = f"`{id}` has the bytes in the lock `{shown}`, but another version, which the manifest names"
+            help = f"install that version, or {upgrade} and commit the lock"
+            context.sink.warning("lock-stale", message, use.span, notes=[Note(each) for each in others], help=help)
 
 
 def _of_another_version(before: Locked, now: Locked) -> Iterator[str]:
@@ -161,14 +154,8 @@ def _of_another_version(before: Locked, now: Locked) -> Iterator[str]:
             yield f"{what} {was} was locked, {there} is there"
 
 
-def _report_unused(unused: Iterable[str], shown: str, plan: Plan, context: Context) -> None:
-    for id in sorted(unused):
-        context.sink.error("lock-stale", f"`{id}` is in the lock `{shown}`, and nothing uses it",
-                           help=f"run `mjcompose lock {plan.file}` and commit the lock")  # fmt: skip
-
-
 def plan_with_intact_store(make: Callable[[], Plan | None], context: Context) -> Plan | None:
-    """Return the plan that `make` makes; if files in the store are damaged, they are fetched again for another one.
+    """Return the plan that `make` returns. If files in the store are damaged, fetch them and plan again.
 
     Offline nothing is fetched, and `check_lock` reports them.
     """
@@ -196,14 +183,11 @@ def _forgot_damaged(plan: Plan | None, context: Context) -> bool:
         if origin is not None and origin.id not in damaged and _is_damaged(path, origin, fetching):
             damaged[origin.id] = origin
     if plan is None or context.sink.has_errors:  # perhaps because a file is gone
-        gone = (
-            each
-            for each in fetching.origins.values()
-            if not all(os.path.isfile(each.root / name) for name in each.stored)
-        )
-        damaged.update({each.id: each for each in gone})
+        for origin in fetching.origins.values():
+            if not all(os.path.isfile(origin.root / name) for name in origin.stored):
+                damaged[origin.id] = origin
     for origin in damaged.values():
-        fetching.progress(f"`{origin.id}` is damaged in the store, and fetched again")
+        fetching.progress(f"`{origin.id}` is damaged in the store; fetching it again")
         Store.of(context.environment).remove_content(origin.root)
     if damaged:
         fetching.forget()
@@ -232,9 +216,9 @@ def _is_whole(id: str, use: _SourceUse, context: Context) -> bool:
     stored = {name: digest for name, digest in use.origin.stored.items() if name in there}
     changes = differences(stored, there)
     if changes:
-        message = f"`{id}` is not what was fetched: files in the store were changed"
-        notes = [Note(each.replace("was locked", "was stored")) for each in changes[:_SHOWN]] + _more(changes)
-        help = "run `mjcompose cache verify --fix`; it is fetched again when it is needed"
+        message = f"`{id}` has changed in the store since it was fetched"
+        notes = _notes([each.replace("was locked", "was stored") for each in changes])
+        help = "run `mjcompose cache verify --fix`; the next build fetches it again"
         context.sink.error("source-changed", message, use.span, notes=notes, help=help)
     return not changes
 
@@ -251,25 +235,29 @@ def _wrong(before: Locked, now: Locked) -> Iterator[str]:
             yield f"its {what} is `{there}`, and not `{was or 'nothing'}`"
 
 
-def _more(changes: Sequence[str]) -> list[Note]:
-    return [Note(f"and {len(changes) - _SHOWN} more")] if len(changes) > _SHOWN else []
+def _notes(changes: Sequence[str]) -> list[Note]:
+    more = [f"and {len(changes) - _SHOWN} more"] if len(changes) > _SHOWN else []
+    return [Note(each) for each in (*changes[:_SHOWN], *more)]
 
 
+@dataclass(slots=True)
 class _FileGatherer:
     """Gathers all files of plans by source."""
 
-    def __init__(self, fetching: Fetching, folder: Path, context: Context) -> None:
-        self.fetching = fetching
-        self.folder = folder
-        self.context = context
-        self.uses: dict[str, _SourceUse] = {}
+    fetching: Fetching
+    folder: Path
+    context: Context
+    uses: dict[str, _SourceUse] = field(default_factory=dict)
 
     def of(self, plans: Iterable[Plan]) -> dict[str, _SourceUse]:
         for place in (place for plan in plans for place in plan.walk()):
-            if isinstance(place.model, Plan):
-                self._recipe(place.model, place)
-            elif place.model is not None:
-                self._put(place.model.path, self._files_of(place.model), place.model, label=place.part, span=place.span)
+            model, read = place.model, self.fetching.files
+            if isinstance(model, Plan):
+                self._recipe(model, place)
+            elif model is not None:
+                if model not in read:
+                    read[model] = list(files_of_source(model))
+                self._put(model.path, read[model], model, label=place.part, span=place.span)
         return self.uses
 
     def _recipe(self, plan: Plan, placed: PlacedModel) -> None:
@@ -291,7 +279,9 @@ class _FileGatherer:
     def _put(self, main: Path, files: list[Path], source: Source | None, label: str, span: Span | None) -> None:
         origin = (source and source.origin) or self.fetching.around(main)
         root = self.folder if origin is None else origin.root
-        id = _local_id(_relative(main, root)) if origin is None else origin.id
+        path = _relative(main, root)
+        local = path if path.startswith("../") or os.path.isabs(path) else f"./{path}"
+        id = local if origin is None else origin.id
         if files:
             use = self.uses.setdefault(id, _SourceUse(root, origin, source, span=span))
             use.used_by.setdefault(label)
@@ -302,16 +292,6 @@ class _FileGatherer:
                 if os.path.realpath(file) in licenses:
                     use.licenses.add(name)
 
-    def _files_of(self, source: Source) -> list[Path]:
-        read = self.fetching.files
-        if source not in read:
-            read[source] = list(files_of_source(source))
-        return read[source]
-
-
-def _local_id(path: str) -> str:
-    return path if path.startswith("../") or os.path.isabs(path) else f"./{path}"
-
 
 def _locked(use: _SourceUse, fetching: Fetching) -> Locked | None:
     """Return the entry of a source, or None if no file of it is readable."""
@@ -320,21 +300,16 @@ def _locked(use: _SourceUse, fetching: Fetching) -> Locked | None:
         try:
             files[name] = fetching.digest(path)
         except OSError:
-            continue  # reported by those who need it
+            continue  # reported where the file is needed
     if not files:
         return None
     source, origin = use.source, use.origin
+    pins = {"commit": origin.commit, "tree": origin.tree, "sha256": origin.sha256} if origin else {}
     return Locked(
-        kind=(PATH if origin is None else origin.kind).name,
-        commit=origin.commit if origin else None,
-        tree=origin.tree if origin else None,
-        sha256=origin.sha256 if origin else None,
-        package=source.package if source else None,
-        version=source.version if source and source.package else None,
-        files=files,
-        licenses=sorted(use.licenses),
-        used_by=sorted(use.used_by),
-    )
+        kind=(PATH if origin is None else origin.kind).name, **pins,
+        package=source.package if source else None, version=source.version if source and source.package else None,
+        files=files, licenses=sorted(use.licenses), used_by=sorted(use.used_by),
+    )  # fmt: skip
 
 
 def _relative(path: Path, folder: Path) -> str:

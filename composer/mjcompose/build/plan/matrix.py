@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 def draw_parameters(
     randomize: Randomize, sample: int, concrete: Concrete, document: Mapping, sink: Sink
 ) -> tuple[dict[str, Node], tuple[Drawn, ...]]:
-    """Return the values of a sample by name; sample 0 has none, and all other samples are checked for it."""
+    """Return the values of a sample by name; sample 0 has none, and checks all other samples."""
     values: dict[str, Node] = {}
     drawn: list[Drawn] = []
     taken: dict[str, DrawField] = {}
@@ -50,9 +50,8 @@ def draw_parameters(
                 break
             if sample:
                 values[name] = node_of(value, locate(document, field.drawn_at))
-                drawn.append(
-                    Drawn(field.name, None, name, operation=field.operation, value=source.draw(randomize.seed, sample))
-                )
+                draw = source.draw(randomize.seed, sample)
+                drawn.append(Drawn(field.name, None, name, operation=field.operation, value=draw))
     return values, tuple(drawn)
 
 
@@ -68,7 +67,7 @@ class _Source:
     def can_be_drawn(self) -> bool:
         """Return whether the parameter exists and can be drawn in this way."""
         field, distribution = self.field, self.field.distribution
-        span = locate(self.document, (*field.at, "param"))
+        span, drawn_at = locate(self.document, (*field.at, "param")), locate(self.document, field.drawn_at)
         if self.name in self.concrete.parameters and self.nominal is None:
             return False  # its missing value is reported already
         if self.nominal is None:
@@ -78,24 +77,22 @@ class _Source:
             return False
         numbers = self.nominal if isinstance(self.nominal, tuple) else (self.nominal,)
         is_number = all(isinstance(each, int | float) and not isinstance(each, bool) for each in numbers)
+        code, help = "wrong-type", None
         if not is_number and (distribution.kind != CHOICE or field.operation != "set"):
-            what = "a variant" if self.parameter is None else kind(self.nominal)
-            message = f"`{self.name}` is {what}, of which only a `{CHOICE}` can be drawn"
-            self.sink.error("wrong-type", message, span, help=f"write `{CHOICE}: [VALUE, …]`", subjects=(self.name,))
-            return False
-        if distribution.unit is not None and not (self.parameter and self.parameter.is_angle):
-            message = f"parameter `{self.name}` is not an angle, and what is drawn for it is one"
-            help = f"declare it as one: `{self.name}: {{unit: {distribution.unit}, …}}`"
-            self.sink.error(
-                "wrong-type", message, locate(self.document, field.drawn_at), help=help, subjects=(self.name,)
-            )
-            return False
-        if distribution.components not in (None, len(numbers)):
+            nominal = "a variant" if self.parameter is None else kind(self.nominal)
+            message = f"`{self.name}` is {nominal}, and only a `{CHOICE}` can draw it"
+            help = f"write `{CHOICE}: [VALUE, …]`"
+        elif distribution.unit is not None and not (self.parameter and self.parameter.is_angle):
+            message, span = f"parameter `{self.name}` is not an angle, but its draws are angles", drawn_at
+            help = f"declare it as an angle: `{self.name}: {{unit: {distribution.unit}, …}}`"
+        elif distribution.components not in (None, len(numbers)):
             expected = f"`{distribution.kind}` {distribution.components}"
+            code, span = "wrong-length", drawn_at
             message = f"parameter `{self.name}` has {len(numbers)} numbers, {expected}"
-            self.sink.error("wrong-length", message, locate(self.document, field.drawn_at), subjects=(self.name,))
-            return False
-        return True
+        else:
+            return True
+        self.sink.error(code, message, span, help=help, subjects=(self.name,))
+        return False
 
     def draw(self, seed: int, sample: int) -> Value:
         """Return the draw: a number, one for each component of a vector, or the chosen value."""
@@ -110,29 +107,26 @@ class _Source:
 
     def value(self, seed: int, sample: int) -> Value | None:
         """Return the value of the parameter in a sample, or None if it does not accept it, which is reported."""
-        drawn = self.draw(seed, sample)
+        drawn, parameter = self.draw(seed, sample), self.parameter
         if isinstance(drawn, tuple):
             nominal = self.nominal if isinstance(self.nominal, tuple) else (self.nominal,) * len(drawn)
             value: Value = tuple(self._applied(*pair) for pair in zip(nominal, drawn, strict=False))
         else:
             value = self._applied(self.nominal, drawn)
-        if self.parameter is None:
+        if parameter is None:
             return value
-        read = self.parameter.read(value)
+        read = parameter.read(value)
         if not isinstance(read, Diagnostic):
             return read
+        help = read.help
+        if parameter.type == "int" and read.code == "wrong-type":
+            help = "draw `integers: [FIRST, LAST]`"
+        elif read.code == "out-of-range" and not parameter.choices:
+            help = "draw from a distribution with bounds, such as `truncnormal`"
         span = locate(self.document, self.field.drawn_at)
-        notes = (Note("the parameter is declared here", self.parameter.span),)
-        self.sink.error(read.code, f"{read.message} in sample {sample}", span, notes=notes, help=self._help(read))
+        notes = (Note("the parameter is declared here", parameter.span),)
+        self.sink.error(read.code, f"{read.message} in sample {sample}", span, notes=notes, help=help)
         return None
-
-    def _help(self, refused: Diagnostic) -> str | None:
-        assert self.parameter is not None
-        if self.parameter.type == "int" and refused.code == "wrong-type":
-            return "draw `integers: [FIRST, LAST]`"
-        if refused.code == "out-of-range" and not self.parameter.choices:
-            return "draw from what it may be: `truncnormal` has bounds"
-        return refused.help
 
     def _applied(self, nominal: Value | None, drawn: Value) -> Value:
         """Apply a draw to one component, in the parameter's unit."""
@@ -150,7 +144,7 @@ def check_sample(plan: Plan, sample: int, sink: Sink) -> bool:
     if sample <= (plan.randomize.samples if plan.randomize else 0):
         return True
     span = None if plan.randomize is None else locate(plan.document, ("randomize", "samples"))
-    there = "draws nothing" if plan.randomize is None else f"has the samples 0 to {plan.randomize.samples}"
+    there = "has no `randomize`" if plan.randomize is None else f"has the samples 0 to {plan.randomize.samples}"
     sink.error("unknown-name", f"sample {sample} does not exist: the recipe {there}", span)
     return False
 
@@ -223,7 +217,7 @@ def _draws_parameters(document: Mapping) -> bool:
 
 def _check_draws(matrix: Matrix, path: Path, given: Map[str, Node], context: Context) -> None:
     """Report draws in cells that their parameters do not accept; other errors are reported elsewhere."""
-    found: dict[str, list[Diagnostic]] = {}
+    known: dict[str, list[Diagnostic]] = {}
     for cell in matrix.cells:
         concrete = expanded_recipe(path, {**given, **cell.given}, replace(context, sink=Sink()))
         if concrete is None:
@@ -235,11 +229,10 @@ def _check_draws(matrix: Matrix, path: Path, given: Map[str, Node], context: Con
         if randomize is None:
             continue
         drawn = [str(field.param) for field in randomize.of_parameters]
-        known = [(concrete.scope.get(name), concrete.parameters.get(name)) for name in drawn]
-        alike = repr((randomize, known))
-        if alike not in found:
+        alike = repr((randomize, [(concrete.scope.get(name), concrete.parameters.get(name)) for name in drawn]))
+        if alike not in known:
             own = Sink()
             draw_parameters(randomize, 0, concrete, document=document, sink=own)
-            found[alike] = own.diagnostics
-        for each in found[alike]:
-            context.sink.add_of_cell(cell.label, each)
+            known[alike] = own.diagnostics
+        for diagnostic in known[alike]:
+            context.sink.add_of_cell(cell.label, diagnostic)

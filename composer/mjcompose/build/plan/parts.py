@@ -1,8 +1,8 @@
-"""The parts of a recipe and what they are attached to, also in pieces for other builds."""
+"""The parts of a recipe, their places, and the pieces of a recipe for other builds."""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Set
+from collections.abc import Iterator, Set
 from collections.abc import Mapping as Map
 from collections.abc import Sequence as AbcSequence
 from itertools import product
@@ -38,17 +38,21 @@ def copies(axes: AbcSequence[Axis]) -> Iterator[tuple[str, Copy]]:
 def without_rings(parts: tuple[AttachPart, ...], separator: str, sink: Sink) -> tuple[AttachPart, ...]:
     """Report parts that are attached to one another in a ring; return the others."""
     prefixes = {part.prefix for part in parts}
-    hangs_on = {part.prefix: _mount_of(part, prefixes) for part in parts}
+    mounts: dict[str, str | None] = {}
+    for part in parts:  # the longest prefix of its place is the part that it is attached to
+        place = part.attachment.site or part.attachment.body or part.attachment.frame or ""
+        starts = (place[:end] for end in range(len(place), 0, -1))
+        mounts[part.prefix] = next((start for start in starts if start in prefixes), None)
     reported: set[str] = set()
     for part in parts:
         ring = [part.prefix]
-        while (mount := hangs_on.get(ring[-1])) is not None and mount not in ring:
+        while (mount := mounts.get(ring[-1])) is not None and mount not in ring:
             ring.append(mount)
         if mount == part.prefix and part.prefix not in reported:
             reported.update(ring)
             names = ", which is attached to ".join(f"`{prefix}`" for prefix in [*ring[1:], mount])
             alone = len(ring) == 1
-            message = f"`{part.prefix}` is attached to itself" if alone else f"`{part.prefix}` is attached to {names}"
+            message = f"`{part.prefix}` is attached to {'itself' if alone else names}"
             help = f"{'it' if alone else 'one of them'} must be attached to the base or to the world"
             sink.error("attach-cycle", message, part.span, help=help, subjects=ring)
     if reported:
@@ -56,51 +60,26 @@ def without_rings(parts: tuple[AttachPart, ...], separator: str, sink: Sink) -> 
     return tuple(part for part in parts if part.prefix not in reported)
 
 
-def _mount_of(part: AttachPart, prefixes: Collection[str]) -> str | None:
-    """Return the prefix of the part that this one is attached to, the longest match; None for base and world."""
-    attachment = part.attachment
-    place = attachment.site or attachment.body or attachment.frame or ""
-    return next((place[:end] for end in range(len(place), 0, -1) if place[:end] in prefixes), None)
-
-
 def check_part_names(plan: Plan, sink: Sink) -> None:
-    """Report names that are not parts of the recipe, or are ambiguous."""
+    """Report names in checks and keys that are not parts of the recipe, or are ambiguous."""
     parts = list(plan.part_names)
-    _of_checks(plan, parts, sink)
-    _of_keys(plan, parts, sink)
-
-
-def _of_checks(plan: Plan, parts: list[str], sink: Sink) -> None:
-    """Report checks about something that is not a part."""
     for check in plan.checks:
-        if not isinstance(check, Unchanged) or check.part is None or check.part in parts:
-            continue
-        near = closest(check.part, parts)
-        sink.add(
-            unknown_name(
-                "part",
-                check.part,
-                parts,
-                span=locate(plan.document, (*check.at, "part")),
-                message=f"check `{check.name}` is about `{check.part}`, which is not a part of this recipe",
-                help=f"write `part: {near[0]}`" if near else None,
-                fix=renaming(check.part, parts),
-                about=(check.name,),
-            )
-        )
-
-
-def _of_keys(plan: Plan, parts: list[str], sink: Sink) -> None:
-    """Report keys that are made from parts that do not exist."""
-    for step in plan.keyframes:
-        for part in step.key.sources:
+        if isinstance(check, Unchanged) and check.part is not None and check.part not in parts:
+            near = closest(check.part, parts)
+            message = f"check `{check.name}` is about `{check.part}`, which is not a part of this recipe"
+            unknown = unknown_name(
+                "part", check.part, parts, span=locate(plan.document, (*check.at, "part")), message=message,
+                help=f"write `part: {near[0]}`" if near else None, fix=renaming(check.part, parts), about=(check.name,),
+            )  # fmt: skip
+            sink.add(unknown)
+    for key in (step.key for step in plan.keyframes):
+        for part in key.sources:
+            span = locate(plan.document, (*key.at, FROM, part), key=True)
             if parts.count(part) > 1:
-                message = f"`{part}` may be two parts: one has it as its prefix, and one without a prefix as its key"
-                span = locate(plan.document, (*step.key.at, FROM, part), key=True)
-                help = "give the one without a prefix another key"
+                message = f"`{part}` is the prefix of one part, and the key of another part that has no prefix"
+                help = "give the part without a prefix another key"
                 sink.error("name-clash", message, span, help=help, subjects=(part,))
             elif part not in parts:
-                span = locate(plan.document, (*step.key.at, FROM, part), key=True)
                 sink.add(unknown_name("part", part, parts, span=span, purpose=" to take a key from"))
 
 

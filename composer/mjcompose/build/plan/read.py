@@ -1,12 +1,8 @@
-"""A recipe file becomes a concrete recipe, with the files that it uses and what it may reach.
+"""Read, expand and validate a recipe file with given values, and find the files that it uses.
 
-Expand and validate a recipe file with given values, once for each pair in a run.
-
-A plan, the matrix, its samples and a recipe that is nested twice request the same pairs.
-
-The section `trust`: what the outer recipe lets models and fetched recipes reach on this machine.
-
-It is read first, because it decides what may be read; so it allows no expressions and no conditions.
+A run does this once for each file and values: a plan, the matrix, its samples and a recipe that is nested twice request
+the same. The section `trust` says which files models and fetched recipes may read on this machine. It is read first,
+because other files are read by it, so it allows no expressions and no conditions.
 """
 
 from __future__ import annotations
@@ -40,7 +36,7 @@ from mjcompose.sources import ros
 from mjcompose.sources.context import Context, ReadRecipe
 from mjcompose.sources.fetching import Fetching, model_files, nearest
 from mjcompose.sources.lock import resolve as resolve_sources
-from mjcompose.sources.reference import Origin, Source, SourceError
+from mjcompose.sources.reference import Source, SourceError
 from mjcompose.sources.trust import Trust
 from mjcompose.text.decode import refuse_size
 from mjcompose.text.load import load
@@ -65,13 +61,13 @@ Given = AbcMapping[str, Node]
 
 Result = TypeVar("Result")
 _KEPT = 256
-"""How many results a run keeps: a matrix may have many more cells."""
+"""The most results that a run keeps: a matrix may have many more cells."""
 
 
 class ValidRecipe(NamedTuple):
     """A recipe without its faulty pieces, the tree that it was read from, and its expansion.
 
-    `concrete` is None if the file is not a mapping. `lost` has the names of the pieces that were left out.
+    `concrete` is None if the file is not a mapping. `lost` has the names of the faulty pieces.
     """
 
     recipe: Recipe
@@ -99,12 +95,9 @@ def validated_recipe(path: Path, given: Given, context: Context) -> ValidRecipe 
     def work(own: Context) -> ValidRecipe | None:
         concrete = expanded_recipe(path, given, own)
         node = read_recipe(path, replace(own, sink=Sink())) if concrete is None else concrete.document
-        gone = frozenset() if concrete is None else concrete.gone
-        found = None if node is None else validate_what_remains(node, own.sink, gone)
-        if found is None:
-            return None
-        lost = found.lost | (concrete.lost if concrete else frozenset())
-        return ValidRecipe(found.recipe, found.document, concrete, lost=lost)
+        gone, lost = (frozenset(), frozenset()) if concrete is None else (concrete.gone, concrete.lost)
+        valid = None if node is None else validate_what_remains(node, own.sink, gone)
+        return None if valid is None else ValidRecipe(valid.recipe, valid.document, concrete, lost=valid.lost | lost)
 
     return _once(("validated", path, _values(given)), context, work)
 
@@ -175,14 +168,10 @@ def _is_short(node: Node) -> bool:
 
 
 def _flow(node: Node) -> str:
-    if isinstance(node, Scalar):
-        return _value(node)
     if isinstance(node, Sequence):
         return f"[{', '.join(_flow(item) for item in node.items)}]"
-    return "{" + ", ".join(f"{_scalar_text(name)}: {_flow(value)}" for name, (_, value) in node.entries.items()) + "}"
-
-
-def _value(node: Scalar) -> str:
+    if isinstance(node, Mapping):
+        return f"{{{', '.join(f'{_scalar_text(name)}: {_flow(value)}' for name, (_, value) in node.entries.items())}}}"
     if isinstance(node.value, str):
         return _scalar_text(node.value)
     if node.value is None or isinstance(node.value, bool):
@@ -255,7 +244,7 @@ def _read(
     lower = _read(source.path, context, (*chain, path), extended=extended, said=said)
     if not isinstance(lower, Mapping):
         if lower is not None:
-            context.sink.error("wrong-type", "what is extended is not a recipe", named.span)
+            context.sink.error("wrong-type", "`extends` names a file that is not a recipe", named.span)
         return None
     return merge(lower, upper, context.sink)
 
@@ -265,8 +254,10 @@ def _take_trust(node: Mapping, path: Path, context: Context, top: Path) -> None:
     fetching = context.fetching
     if TRUST not in node.entries or fetching is None:
         return
-    if (origin := fetching.around(path)) is not None:
-        refuse_trust(node, origin, context.sink)
+    if (origin := fetching.around(path)) is not None:  # it cannot grant trust to itself
+        message = f"`{TRUST}` in a recipe of `{origin.id}` has no effect: only your own recipe can grant trust"
+        help = f"write in your own recipe what you trust, and remove this `{TRUST}`"
+        context.sink.error("source-outside", message, node.entries[TRUST][0].span, help=help)
         return
     trust = read_trust(node, path.parent, context.sink)
     if top == fetching.outer:
@@ -296,19 +287,17 @@ def _extended(named: Node, path: Path, context: Context, chain: tuple[Path, ...]
         sink.add(error.at(named.span))
         return None
     if source.format != "recipe":
-        message = f"`{named.value}` is not a recipe, which is all that can be extended"
+        message = f"`extends` names `{named.value}`, which is not a recipe"
         sink.error("source-kind", message, named.span, help=f"start from it: `base: {named.value}`")
         return None
-    most = in_force().nesting
+    most, real = in_force().nesting, os.path.realpath(source.path)
     if len(chain) > most:
-        sink.error("limit-exceeded", f"more than {most} recipes extend one another", named.span,
-                   help=advice("nesting"))  # fmt: skip
+        message = f"more than {most} recipes extend one another"
+        sink.error("limit-exceeded", message, named.span, help=advice("nesting"))
         return None
-    real = os.path.realpath(source.path)
     if any(os.path.realpath(each) == real for each in chain):
-        ring = " → ".join([*(each.name for each in chain), source.path.name])
-        sink.error("source-cycle", f"recipes extend one another: {ring}", named.span,
-                   help="take one of these `extends` out")  # fmt: skip
+        message = f"recipes extend one another: {' → '.join([*(each.name for each in chain), source.path.name])}"
+        sink.error("source-cycle", message, named.span, help="remove one of these `extends`")
         return None
     return source
 
@@ -372,30 +361,36 @@ def read_trust(node: Mapping, folder: Path, sink: Sink) -> Trust:
     for name, (key, _) in written.entries.items():
         if name not in KEYS:
             sink.add(unknown_key(name, KEYS, key.span, message=f"`{TRUST}` has no key `{name}`"))
-    files = [_folder(text, span, folder, sink=sink) for text, span in _texts(written, FILES, sink)]
-    references = tuple(text for text, span in _texts(written, REFERENCES, sink) if _is_narrow(text, span, sink))
-    return Trust(tuple(each for each in files if each is not None), references)
-
-
-def refuse_trust(node: Mapping, origin: Origin, sink: Sink) -> None:
-    """Report the section in a recipe from elsewhere, which cannot grant trust to itself."""
-    message = f"`{TRUST}` in a recipe of `{origin.id}` counts for nothing: only your own recipe says what it trusts"
-    help = f"write in your own recipe what you trust; this `{TRUST}` has to go"
-    sink.error("source-outside", message, node.entries[TRUST][0].span, help=help)
+    files, references = [], []
+    for text, span in _texts(written, FILES, sink):
+        if os.path.isdir(folder / text):
+            files.append(Path(os.path.realpath(folder / text)))
+        else:
+            help = "`~` is not expanded: write the whole path" if text.startswith("~") else None
+            sink.error("file-not-found", f"the folder `{text}` of `{TRUST}.{FILES}` does not exist", span, help=help)
+    for text, span in _texts(written, REFERENCES, sink):
+        if text.strip("/:+@#").lower() in ("", "http", "https", "git+https", "git+ssh"):  # a whole kind of server
+            message = f"`{text}` in `{TRUST}.{REFERENCES}` would allow everything"
+            help = "name the source that you trust: `git+file:///srv/robots`, `package:NAME`"
+            sink.error("source-outside", message, span, help=help)
+        else:
+            references.append(text)
+    return Trust(tuple(files), tuple(references))
 
 
 def _texts(written: Mapping, name: str, sink: Sink) -> list[tuple[str, Span]]:
     if name not in written.entries:
         return []
     value = written.entries[name][1]
-    items: tuple[Node, ...] = value.items if isinstance(value, Sequence) else ()
-    found = []
+    texts: list[tuple[str, Span]] = []
     if not isinstance(value, Sequence):
         message = f"`{TRUST}.{name}` expects a list, got {kind_of(to_python(value))}"
-        sink.error("wrong-type", message, value.span, help=f"write `{name}: [{_example(value)}]`")
-    for item in items:
+        example = value.text if isinstance(value, Scalar) and value.text else "…"
+        sink.error("wrong-type", message, value.span, help=f"write `{name}: [{example}]`")
+        return texts
+    for item in value.items:
         if isinstance(item, Scalar) and item.value == "":
-            sink.error("wrong-type", f"an entry of `{TRUST}.{name}` is empty", item.span, help="take it out")
+            sink.error("wrong-type", f"an entry of `{TRUST}.{name}` is empty", item.span, help="remove it")
         elif not isinstance(item, Scalar) or not isinstance(item.value, str):
             message = f"`{TRUST}.{name}` expects texts, got {kind_of(to_python(item))}"
             sink.error("wrong-type", message, item.span)
@@ -403,30 +398,8 @@ def _texts(written: Mapping, name: str, sink: Sink) -> list[tuple[str, Span]]:
             message = f"`{TRUST}` is read before any parameter is known"
             sink.error("expression", message, item.span, help="write the text itself")
         else:
-            found.append((item.value, item.span))
-    return found
-
-
-def _example(value: Node) -> str:
-    return value.text if isinstance(value, Scalar) and value.text else "…"
-
-
-def _folder(text: str, span: Span, folder: Path, sink: Sink) -> Path | None:
-    path = folder / text
-    if not os.path.isdir(path):
-        hint = "`~` is not expanded: write the whole path" if text.startswith("~") else None
-        sink.error("file-not-found", f"the folder `{text}` of `{TRUST}.{FILES}` does not exist", span, help=hint)
-        return None
-    return Path(os.path.realpath(path))
-
-
-def _is_narrow(text: str, span: Span, sink: Sink) -> bool:
-    """Return whether a reference names something specific, and not a whole kind of server."""
-    if text.strip("/:+@#").lower() not in ("", "http", "https", "git+https", "git+ssh"):
-        return True
-    message = f"`{text}` in `{TRUST}.{REFERENCES}` would allow everything"
-    sink.error("source-outside", message, span, help="name what is trusted: `git+file:///srv/robots`, `package:NAME`")
-    return False
+            texts.append((item.value, item.span))
+    return texts
 
 
 _MESH = re.compile(r"""\bfilename\s*=\s*["']([^"']+)["']""")
@@ -438,8 +411,8 @@ def files_of_source(source: Source) -> Iterator[Path]:
 
     Files that are missing, broken or outside are reported where they are read.
     """
-    found = _of_urdf(source) if source.format == "urdf" else _of_mjcf(source.path, source.door, set())
-    seen = (path for path in found if source.door.sees(path))
+    files = _of_urdf(source) if source.format == "urdf" else _of_mjcf(source.path, source.door, set())
+    seen = (path for path in files if source.door.sees(path))
     yield from (path for path in (*seen, *source.licenses) if os.path.isfile(path))
 
 
