@@ -120,7 +120,7 @@ def test_copies_that_are_not_all_discarded_are_told(workshop: Workshop) -> None:
     sensor = '<sensor><framepos objtype="geom" objname="g_1"/></sensor>'
     fault = workshop.link(BASE, part(visual(more=COPIES, after=sensor))).fault
     assert fault.code == "compiler-setting"
-    assert "some copies of `<geom>` only" in fault.message
+    assert "only some copies of `<geom>`" in fault.message
 
 
 ARM = """
@@ -256,7 +256,7 @@ def test_copies_that_are_not_all_fused_are_told(workshop: Workshop) -> None:
     sensor = '<sensor><framepos objtype="xbody" objname="s_1"/></sensor>'
     fault = workshop.link(BASE, REPLICATED.format(more=sensor)).fault
     assert fault.code == "compiler-setting"
-    assert "some copies of `<body>` only" in fault.message
+    assert "only some copies of `<body>`" in fault.message
     assert fault.span is not None and fault.span.line == 4
 
 

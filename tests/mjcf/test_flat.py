@@ -155,7 +155,7 @@ def test_a_model_without_a_file_is_told_by_its_name() -> None:
     model, child = mjcf.RootElement("table"), mjcf.RootElement("lamp")
     model.attach(child)
     child.keyframe.add("key", name="on", qpos=[1])
-    with pytest.raises(mjcf.MjcfError, match="`qpos` of the key `on` has 1 numbers, and `lamp` has room for 0"):
+    with pytest.raises(mjcf.MjcfError, match="`qpos` of the key `on` has 1 numbers, and `lamp` takes 0"):
         model.to_xml_string()
 
 

@@ -117,7 +117,7 @@ def _write_measured(kept: KeptSettings, bodies: Iterable[Node], found: Survey) -
     """Write the surveyed inertia onto these bodies. Report a body for which that is impossible."""
     flexible = next(kept.unit.root.iter("flexcomp"), None)
     if flexible is not None and any(name in kept.names for name in MEASURED):
-        kept.refuse("`<flexcomp>` is expanded by MuJoCo")
+        kept.refuse("MuJoCo expands `<flexcomp>`")
         return False
     for body in bodies:
         rows = [found.values(body, array, width) for array, width in zip(BODIES, (1, 3, 4, 3), strict=True)]

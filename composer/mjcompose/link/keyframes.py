@@ -1,6 +1,6 @@
 """The keys of all parts, cut by joint and rewritten for the layout of the finished model.
 
-Values follow their joints, actuators and bodies. This runs when nothing more will be added to the model.
+Values follow their joints, actuators and bodies. This runs after the last element is added to the model.
 """
 
 from __future__ import annotations
@@ -14,39 +14,38 @@ from mjcompose.base.diagnostic import Cause, Note
 from mjcompose.base.rotation import Pose, normalise, rotate
 from mjcompose.link import numbers
 from mjcompose.link.key_layout import BLOCK, Copy, Holder, Layout, Slot
-from mjcompose.link.linking import Linking, Part
+from mjcompose.link.linking import Linking, Part, detach, shown_name
 from mjcompose.link.measure import Reference
 from mjcompose.link.unit_keys import VECTORS, final_layout, keys_of, measure_references_again, reshaped_flexes
 from mjcompose.model.classes import ORIENTATIONS
 from mjcompose.model.unit import Key, KeyRecord, Number, PartKeys, Unit, line_of, moved, numbers_of, set_line, texts
 
 BASE = "base"
-"""What the base is called among the parts."""
+"""The name of the base among the parts."""
 
 
 def part_keys(linking: Linking) -> Mapping[str, PartKeys]:
     """Return the keys of the base, of each part, and of the parts of nested recipes. The result is cached.
 
-    Of those that are left out only the ones that the recipe asks for. The poses of the parts must be known.
+    Keys that the model omits are included only if the recipe uses them. The poses of the parts must be known.
     """
     if linking.keys.by_part is not None:
         return linking.keys.by_part
     found: dict[str, PartKeys] = {}
-    asked = linking.request.requested_keys or frozenset()
+    requested = linking.request.requested_keys or frozenset()
     for part in (None, *linking.parts):
         path = BASE if part is None else part.path(linking.request.separator)
-        policy = linking.request.base_keyframes if part is None else part.keyframes
+        policy = _policy(linking, part)
         unit, layout = (linking.base, linking.keys.base_layout) if part is None else (part.unit, part.layout)
         if layout is None:
             continue
-        if policy != "none" or path in asked:
+        if policy != "none" or path in requested:
             own = linking.keys.own[part] = tuple(_own_keys(linking, unit, layout, part=part))
             found[path] = PartKeys(1, own)
         for inner, (depth, keys) in unit.part_keys.items():
             below = f"{path}{linking.request.separator}{inner}"
-            if policy != "none" or below in asked:
-                moved = tuple(_moved(linking, part, layout, key=key) for key in keys)
-                found[below] = PartKeys(depth + 1, moved)
+            if policy != "none" or below in requested:
+                found[below] = PartKeys(depth + 1, tuple(_moved(linking, part, layout, key=key) for key in keys))
         if part is not None:
             _carry_references(linking, part, layout)
     linking.keys.by_part = found
@@ -73,9 +72,9 @@ def _moved(linking: Linking, part: Part | None, layout: Layout, key: Key) -> Key
         return key
     values = {vector: dict(columns) for vector, columns in key.values.items()}
     for vector, columns in values.items():
-        _check_copies_part_keys(linking, part, layout, key=key, vector=vector, taken=columns)
+        _check_copies_of_part(linking, part, layout, key=key, vector=vector)
         if vector in ("qpos", "qvel"):
-            _check_flexes(linking, part, layout, key=key, vector=vector, taken=columns)
+            _check_flexes(linking, part, layout, key=key, vector=vector)
         _carry(part, layout, vector, taken=columns)
     return replace(key, values=values)
 
@@ -84,50 +83,47 @@ def cut_row(
     linking: Linking, unit: Unit, layout: Layout, element: Node, vector: str
 ) -> dict[Holder, list[Number]] | None:
     """Split one vector of a key by joint, actuator or body. Short rows give fewer numbers; wrong ones are reported."""
-    text = numbers_of(unit.origins.keys.get(element), element, vector)
+    row = numbers_of(unit.origins.keys.get(element), element, vector)
     owners = layout.holders(vector)
     total = sum([width for _, width in owners])
     # MuJoCo fills a short row up, and refuses a long one: "invalid qpos size, expected 1, got 2" in 4.0.
-    if len(text) > total:
+    if len(row) > total:
         linking.sink.error(
             "keyframe-conflict",
-            f"`{vector}` of {called(element)} has {len(text)} numbers, and `{unit.file}` has room for {total}",
+            f"`{vector}` of {called(element)} has {len(row)} numbers, and `{unit.file}` takes {total}",
             linking.span(unit, element, vector),
         )
         return None
     taken: dict[Holder, list[Number]] = {}
     at = 0
     for holder, width in owners:
-        if at + width > len(text):
+        if at + width > len(row):
             if vector in ("mpos", "mquat"):  # MuJoCo ignores half a pose there
                 one = 3 if vector == "mpos" else 4
-                if whole := (len(text) - at) // one * one:
-                    taken[holder] = text[at : at + whole]
-            elif at < len(text) and linking.parts:
+                if whole := (len(row) - at) // one * one:
+                    taken[holder] = row[at : at + whole]
+            elif at < len(row) and linking.parts:
                 # MuJoCo has not filled it up. A model alone keeps its keys as they are written.
                 linking.sink.error(
                     "keyframe-conflict",
-                    f"`{vector}` of {called(element)} ends in the middle of a joint, "
-                    f"after {len(text)} of {total} numbers",
+                    f"`{vector}` of {called(element)} ends in the middle of a joint, after {len(row)} of {total} "
+                    "numbers",
                     linking.span(unit, element, vector),
                 )
             break
-        taken[holder] = text[at : at + width]
+        taken[holder] = row[at : at + width]
         at += width
     return taken
 
 
-def _check_copies_part_keys(
-    linking: Linking, part: Part, layout: Layout, key: Key, vector: str, taken: Mapping[Holder, object]
-) -> None:
-    """Report poses in the world that a `<replicate>` around the part would take to several places."""
-    holder = part.content
+def _check_copies_of_part(linking: Linking, part: Part, layout: Layout, key: Key, vector: str) -> None:
+    """Report poses in the world that a `<replicate>` around the part would move to several places."""
+    taken, holder = key.values[vector], part.content
     replicate = None if holder is None else next(holder.iterancestors("replicate"), None)
-    floats = (
-        any(slot.free and joint in taken for joint, slot in layout.joints.items())
-        if vector in ("qpos", "qvel")
-        else vector in ("mpos", "mquat") and bool(taken)
-    )
+    if vector in ("qpos", "qvel"):
+        floats = any(slot.free and joint in taken for joint, slot in layout.joints.items())
+    else:
+        floats = vector in ("mpos", "mquat") and bool(taken)
     if replicate is not None and floats:
         linking.sink.error(
             "not-supported",
@@ -135,17 +131,15 @@ def _check_copies_part_keys(
             "`<replicate>`, which makes several of each",
             key.span(vector),
             notes=(Note("the `<replicate>`", linking.span(linking.base, replicate)),),
-            help="leave the keys out: `drop: [key]`",
+            help="omit the keys: `drop: [key]`",
             subjects=(part.called,),
         )
 
 
-def _check_flexes(
-    linking: Linking, part: Part, layout: Layout, key: Key, vector: str, taken: Mapping[Holder, object]
-) -> None:
-    """Report key numbers of a flex whose bodies do not turn with the frames above it, so that directions change."""
+def _check_flexes(linking: Linking, part: Part, layout: Layout, key: Key, vector: str) -> None:
+    """Report key numbers of a flex whose bodies do not turn with the frames above it, which changes directions."""
     for block, slot in layout.joints.items():
-        if isinstance(block, Copy) or slot.kind != BLOCK or block not in taken:
+        if isinstance(block, Copy) or slot.kind != BLOCK or block not in key.values[vector]:
             continue  # a `<flexcomp>` in a replicate is in a body
         if block.tag == "flexcomp" and _is_turned(part, block):
             linking.sink.error(
@@ -153,7 +147,7 @@ def _check_flexes(
                 f"`{vector}` of {called(key.element)} has the vertices of a flex, which `{part.called}` turns",
                 key.span(vector),
                 notes=(Note("the flex", linking.span(part.unit, block)),),
-                help="leave the keys out, `drop: [key]`, or put the `<flexcomp>` into a body",
+                help="omit the keys, `drop: [key]`, or put the `<flexcomp>` into a body",
                 subjects=(part.called,),
             )
 
@@ -171,7 +165,7 @@ def _is_turned(part: Part, flex: Node) -> bool:
 
 def called(key: Node) -> str:
     """Return the name of a key in messages."""
-    return f"the key `{key.get('name')}`" if key.get("name") else "a key without a name"
+    return f"{'the' if key.get('name') else 'a'} key {shown_name(key)}"
 
 
 def _carry(part: Part, layout: Layout, vector: str, taken: dict[Holder, list[Number]]) -> None:
@@ -209,7 +203,7 @@ def _carry_slot(place: Pose, slot: Slot, vector: str, values: list[str]) -> list
             values[at_qvel : at_qvel + 3] = numbers.text(rotate(place.quat, (x, y, z))).split()
         else:
             x, y, z, w, a, b, c = numbers.read(" ".join(values[at_qpos : at_qpos + 7]))
-            # MuJoCo compiles `qpos="0 0 0 2 0 0 0"` to a unit quaternion, so that a key may have any length here.
+            # MuJoCo compiles `qpos="0 0 0 2 0 0 0"` to a unit quaternion, so a key may have any length here.
             pose = place @ Pose((x, y, z), normalise((w, a, b, c)))
             values[at_qpos : at_qpos + 7] = numbers.text([*pose.pos, *pose.quat]).split()
     return values
@@ -238,25 +232,21 @@ def keyframes(linking: Linking) -> None:
     final = linking.keys.final_layout = final_layout(linking)
     if final is None:
         return
-    if (
-        # The keys of a model alone stay as they are written.
-        linking.request.requested_keys is None
-        and not linking.parts
-        and not linking.keys.void_keys
-        and _same_layout(final, linking.keys.base_layout)
+    # The keys of a model alone stay as they are written.
+    is_alone = linking.request.requested_keys is None and not linking.parts and not linking.keys.void_keys
+    if is_alone and all(
+        [*getattr(final, name).items()] == [*getattr(linking.keys.base_layout, name).items()]  # in the same order
+        for name in ("joints", "actuators", "mocaps")
     ):
         return
     _check_kept(linking)
-    for key in keys_of(linking.base):
-        section = key.getparent()
-        assert section is not None
-        section.remove(key)
+    for element in keys_of(linking.base):
+        detach(element)
     if keys:
         measure_references_again(linking, final)
     reference = Reference(linking)
-    for merged in keys.values():
-        element = _element(linking, merged, final, reference=reference)
-        linking.base.section("keyframe").append(element)
+    for key in keys.values():
+        linking.base.section("keyframe").append(_element(linking, key, final, reference=reference))
 
 
 def _element(linking: Linking, key: Key, final: Layout, reference: Reference) -> Node:
@@ -264,7 +254,7 @@ def _element(linking: Linking, key: Key, final: Layout, reference: Reference) ->
     element = linking.base.root.makeelement("key")
     if key.name:
         element.set("name", key.name)
-    # What the recipe writes is newer than its edits. What it takes over with `from` is not: `keyframe.py` sees to that.
+    # Numbers that the recipe writes are newer than its edits. For those that it copies with `from`, see `keyframe.py`.
     is_newer = any(key is each for each in linking.keys.written)
     void = frozenset(reshaped_flexes(linking) | (set() if is_newer else linking.keys.void_keys))
     record = KeyRecord((key.element, *key.others), void=void)
@@ -274,11 +264,9 @@ def _element(linking: Linking, key: Key, final: Layout, reference: Reference) ->
     # A row is written whole. MuJoCo 4.0 fills up a short one: of joints with `ref="1"` and `ref="2"`, `qpos="7"` means
     # 7 and the 2 degrees of the second, and a short `ctrl` ends in 0.
     for vector in VECTORS:
-        if vector in key.values:
-            row = reference.row(vector, final, key.values[vector], void)
-            if row:
-                element.set(vector, " ".join(texts(row)))
-                record.numbers[vector] = row
+        if vector in key.values and (row := reference.row(vector, final, key.values[vector], void)):
+            element.set(vector, " ".join(texts(row)))
+            record.numbers[vector] = row
     _check_copies(linking, key, reference)
     _warn_of_lost(linking, key, reference)
     linking.base.origins.keys[element] = record
@@ -294,10 +282,10 @@ def _check_copies(linking: Linking, key: Key, reference: Reference) -> None:
         linking.sink.error(
             "keyframe-conflict",
             f"`{vector}` of {called(key.element)} has different numbers for the copies of "
-            f"{f'`{name}`' if name else f'a `<{element.tag}>`'}, which an edit takes out of its `<replicate>`",
+            f"{f'`{name}`' if name else f'a `<{element.tag}>`'}, which an edit moves out of its `<replicate>`",
             key.span(vector),
             notes=(Note("it is written here", linking.span(linking.base, element)),),
-            help="leave the keys out, `drop: [key]`, and write the key in the recipe",
+            help="omit the keys, `drop: [key]`, and write the key in the recipe",
         )
     reference.disagreeing.clear()
 
@@ -305,14 +293,13 @@ def _check_copies(linking: Linking, key: Key, reference: Reference) -> None:
 def _warn_of_lost(linking: Linking, key: Key, reference: Reference) -> None:
     """Warn of numbers for an element that has another number of them, or for other vertices, since an edit."""
     for vector, element in dict.fromkeys(reference.lost):
-        name = element.get("name")
-        what = f"{element.tag} `{name}`" if name else f"`<{element.tag}>` without a name"
+        what = f"{element.tag if element.get('name') else f'`<{element.tag}>`'} {shown_name(element)}"
         linking.sink.warning(
             "keyframe-conflict",
             f"`{vector}` of {called(key.element)} has numbers that no longer fit the {what}: an edit gives it others",
             linking.span(linking.base, element, "count" if element.tag == "flexcomp" else "type"),
             notes=(Note("the key", key.span(vector)),),
-            help="they are those of the reference configuration now, or 0; write them in a key of the recipe",
+            help="they become those of the reference configuration, or 0; write them in a key of the recipe",
             cause=Cause(f"numbers of {what}", f"`{vector}` of {called(key.element)}"),
         )
     reference.lost.clear()
@@ -321,13 +308,17 @@ def _warn_of_lost(linking: Linking, key: Key, reference: Reference) -> None:
 def _merged_keys(linking: Linking) -> dict[str, Key]:
     """Return the keys of the base, then of the parts, with equal names joined, and then those of the recipe.
 
-    One of the recipe stands in the place of those of its name.
+    A key of the recipe replaces the keys with its name.
     """
     written = {key.name: key for key in linking.keys.written}
     came: dict[str, Key] = {}
     owners: dict[str, Part | None] = {}
-    for part, key in _source_keys(linking):
-        name = _name(part, key)
+    part_keys(linking)
+    for part, key in [(part, key) for part, keys in linking.keys.own.items() for key in keys]:
+        policy = _policy(linking, part)
+        if policy == "none":
+            continue
+        name = part.prefix + key.name if part is not None and policy == "prefix" and key.name else key.name
         # Keys without a name stay apart: MuJoCo 4.0 reads `<key/><key/>` as two.
         slot = name or f"\0{len(came)}"
         earlier = came.get(slot)
@@ -336,7 +327,7 @@ def _merged_keys(linking: Linking) -> dict[str, Key]:
             came[slot] = replace(key, name=name, values=values)
             owners[slot] = part
             continue
-        if name not in written and "prefix" in (_policy(linking, owners[slot]), _policy(linking, part)):
+        if name not in written and "prefix" in (_policy(linking, owners[slot]), policy):
             _report_same_name(linking, earlier, owners[slot], second=key, second_part=part)
         _merge_keys(linking, earlier, key, settled=name in written)
     linking.keys.replaced = {name: came[name] for name in written if name in came}
@@ -352,21 +343,8 @@ def lay_out_replaced(linking: Linking) -> list[Node]:
     return [_element(linking, key, final, reference=reference) for key in linking.keys.replaced.values()]
 
 
-def _source_keys(linking: Linking) -> Iterator[tuple[Part | None, Key]]:
-    """Yield the keys of the sources, each with its part, which is None for the base."""
-    part_keys(linking)
-    for part, keys in linking.keys.own.items():
-        if _policy(linking, part) != "none":
-            yield from ((part, key) for key in keys)
-
-
 def _policy(linking: Linking, part: Part | None) -> str:
     return linking.request.base_keyframes if part is None else part.keyframes
-
-
-def _name(part: Part | None, key: Key) -> str:
-    """Return the name of a key of the base or of a part in the finished model."""
-    return part.prefix + key.name if part is not None and part.keyframes == "prefix" and key.name else key.name
 
 
 def _merge_keys(linking: Linking, key: Key, other: Key, *, settled: bool) -> None:
@@ -375,22 +353,17 @@ def _merge_keys(linking: Linking, key: Key, other: Key, *, settled: bool) -> Non
     if key.time is None:
         key.time = other.time
     elif not settled and other.time is not None and numbers.read(other.time.text) != numbers.read(key.time.text):
-        _report_times(linking, key, other)
+        report = linking.sink.error if linking.request.conflict == "error" else linking.sink.warning
+        report(
+            "keyframe-conflict",
+            f"the keys `{key.name}` of two parts have different times: {other.time.text} and {key.time.text}",
+            other.span("time"),
+            notes=(Note("the other one is here", key.span("time")),),
+            help="write `keys: prefix` in one of the parts to keep its keys apart",
+            cause=Cause(f"times in {key.span('time').file} and {other.span('time').file}", f"the key `{key.name}`"),
+        )
     for vector, columns in other.values.items():
         key.values.setdefault(vector, {}).update(columns)
-
-
-def _report_times(linking: Linking, key: Key, other: Key) -> None:
-    assert key.time is not None and other.time is not None
-    report = linking.sink.error if linking.request.conflict == "error" else linking.sink.warning
-    report(
-        "keyframe-conflict",
-        f"the keys `{key.name}` of two parts have different times: {other.time.text} and {key.time.text}",
-        other.span("time"),
-        notes=(Note("the other one is here", key.span("time")),),
-        help="write `keys: prefix` in one of the parts to keep its keys apart",
-        cause=Cause(f"times in {key.span('time').file} and {other.span('time').file}", f"the key `{key.name}`"),
-    )
 
 
 def _report_same_name(
@@ -404,10 +377,10 @@ def _report_same_name(
     else:
         apart, other = its_part, second_part
         help = rename if apart is not None else "write `keys: prefix` at the part: the base has no prefix"
+    owner, other_owner = ("the base" if part is None else f"`{part.called}`" for part in (apart, other))
     linking.sink.error(
         "keyframe-conflict",
-        f"the key `{first.name}` of {_owner(apart)} is to be kept apart, "
-        f"and {_owner(other)} has a key of that name, too",
+        f"the key `{first.name}` of {owner} must stay separate, and {other_owner} has a key of that name, too",
         second.span(),
         notes=(Note("the first one is here", first.span()),),
         help=help,
@@ -415,45 +388,30 @@ def _report_same_name(
     )
 
 
-def _owner(part: Part | None) -> str:
-    return "the base" if part is None else f"`{part.called}`"
-
-
-def _same_layout(final: Layout, before: Layout) -> bool:
-    return (
-        list(final.joints.items()) == list(before.joints.items())
-        and list(final.actuators.items()) == list(before.actuators.items())
-        and list(final.mocaps.items()) == list(before.mocaps.items())
-    )
-
-
 def _check_attached(linking: Linking) -> None:
     """Report keys with poses in the world in models that MuJoCo attaches, if the part is moved: they would stay."""
     # They are in no tree: MuJoCo 4.0 makes a key `q/k` of the key `k` of a model that it attaches with the prefix `q/`.
     for part, attach in linking.keys.attached:
-        moved = part.pose_in_world
-        if moved is None or moved.is_identity:
-            continue
-        linking.sink.error(
-            "not-supported",
-            f"the model attached here has keys that say where its free bodies are, and `{part.called}` moves it",
-            linking.span(part.unit, attach),
-            help=f"write `drop: [key]` for `{part.called}`, or attach that model in the recipe",
-            subjects=(part.called,),
-        )
+        if part.pose_in_world is not None and not part.pose_in_world.is_identity:
+            linking.sink.error(
+                "not-supported",
+                f"the model attached here has keys with poses of its free bodies, and `{part.called}` moves it",
+                linking.span(part.unit, attach),
+                help=f"write `drop: [key]` for `{part.called}`, or attach that model in the recipe",
+                subjects=(part.called,),
+            )
 
 
 def _check_kept(linking: Linking) -> None:
-    """Report what a key says that cannot be laid out anew."""
-    keeping = [linking.base] if linking.request.base_keyframes != "none" else []
-    keeping += [part.unit for part in linking.parts if part.keyframes != "none"]
-    for unit in keeping:
-        for key in keys_of(unit):
+    """Report attributes of keys that cannot be laid out anew."""
+    for part in (None, *linking.parts):
+        unit = linking.base if part is None else part.unit
+        for key in keys_of(unit) if _policy(linking, part) != "none" else ():
             if key.get("plastic"):
                 linking.sink.error(
                     "not-supported",
                     f"`plastic` of {called(key)} cannot be carried over yet",
                     linking.span(unit, key, "plastic"),
-                    help="leave the keys out: `drop: [key]`",
+                    help="omit the keys: `drop: [key]`",
                     cause=Cause(f"plastic in {unit.file}", called(key)),
                 )

@@ -1,4 +1,4 @@
-"""What only MuJoCo can say of a unit, compiled alone, and the reference configuration."""
+"""Values of a unit that only MuJoCo knows, from compiling the unit alone, and the reference configuration."""
 
 from __future__ import annotations
 
@@ -6,10 +6,9 @@ import copy
 import math
 import os
 import shutil
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
-from functools import cached_property
 from itertools import islice
 from pathlib import Path
 
@@ -22,6 +21,7 @@ from mjcompose.base.sink import Sink
 from mjcompose.link import numbers
 from mjcompose.link.key_layout import (
     BLOCK,
+    BLOCKS,
     Copy,
     Holder,
     Layout,
@@ -56,7 +56,7 @@ def measure_with(
 ) -> Measure:
     """Return a function that compiles a unit alone. If this fails, the error goes to the sink and the result is empty.
 
-    With a `session` its process does that, under its own limits.
+    With a `session`, its process compiles, under its own limits.
     """
 
     def measure(unit: Unit, arrays: tuple[str, ...], *, attempt: bool = False) -> Mapping[str, list[float]]:
@@ -83,7 +83,12 @@ def folder_of(unit: Unit) -> Iterator[Path]:
     if not unit.contents:
         yield unit.directory
         return
-    contents = {path: content for path, content in _contents(unit) if not is_absolute(path)}
+    contents = dict(unit.contents)
+    for element, _, file_name in file_attributes(unit.root):  # files next to the unit that it also refers to
+        path = written_path(unit.settings, element, file_name)
+        if path not in unit.contents and unit.door.sees(unit.directory / path):
+            contents[path] = unit.directory / path
+    contents = {path: content for path, content in contents.items() if not is_absolute(path)}
     outward = max((path.count("../") for path in contents), default=0)
     with scratch("unit") as name:
         folder = Path(name, *["model"] * outward)  # deep enough for every `..`
@@ -96,15 +101,6 @@ def folder_of(unit: Unit) -> Iterator[Path]:
             elif os.path.isfile(content):
                 shutil.copyfile(content, file)
         yield folder
-
-
-def _contents(unit: Unit) -> Iterator[tuple[str, bytes | Path]]:
-    """Yield the files in memory, and the files next to the unit that it also refers to."""
-    yield from unit.contents.items()
-    for element, _, name in file_attributes(unit.root):
-        path = written_path(unit.settings, element, name)
-        if path not in unit.contents and unit.door.sees(unit.directory / path):
-            yield path, unit.directory / path
 
 
 def _rejected(compiled: engine.Compiled, unit: Unit, text: bytes, context: Context) -> None:
@@ -133,14 +129,13 @@ _ARRAYS = (
     "actuator_actnum",
     "actuator_ctrlnum",
 )
-_OF_FLEX = ("nq", "nv", "jnt_type")
 
 
 def flexible_widths(linking: Linking, unit: Unit) -> dict[Node, Slot] | None:
-    """Measure what the tree does not tell about a unit's keys, by element. Return None if MuJoCo refuses the unit.
+    """Measure the widths in a unit's keys that the tree does not have. Return None if MuJoCo refuses the unit.
 
-    That is all of what MuJoCo attaches, (nctrl, nact) of every actuator, (nq, nv) of every flex and of one more
-    block of unknown size. Raises `Unknown` if the layout is not as wide as MuJoCo's.
+    These are the widths of all models that MuJoCo attaches, (nctrl, nact) of every actuator, (nq, nv) of every flex and
+    of one more block of unknown size. Raises `Unknown` if the layout is not as wide as MuJoCo's.
     """
     arrays = linking.measure(unit, _ARRAYS) if linking.measure else None
     if not arrays:
@@ -150,31 +145,35 @@ def flexible_widths(linking: Linking, unit: Unit) -> dict[Node, Slot] | None:
     found.update(_flexes(linking, unit))
     actuators = list(map(element_of, actuators_in_order(unit.root)))
     slots = list(map(actuator_slot, _counts(arrays, "actnum"), _counts(arrays, "ctrlnum")))
-    # MuJoCo 4.0 puts the actuators of a model that it attaches behind all others, so that the first rows are the unit's
-    # own.
+    # MuJoCo 4.0 puts the actuators of a model that it attaches behind all others: the first rows are the unit's own.
     if len(slots) - brought == len(actuators):
         found.update(zip(actuators, slots, strict=False))
     elif (replicate := next(unit.root.iter("replicate"), None)) is not None:
-        raise Unknown(replicate)  # it multiplies actuators that refer to nothing in it: see `replicate_capture.py`
-    unknown: Node | None = None
+        raise Unknown(replicate)  # it multiplies actuators that refer to nothing in it: see `replicates.py`
+    size = int(arrays["nq"][0]), int(arrays["nv"][0])
     try:
         layout = lay_out(unit, found)
     except Unknown as reason:
         unknown = reason.element
         found[unknown] = Slot(BLOCK, (0, 0))
         layout = lay_out(unit, found)
-    if unknown is not None:
-        nq = int(arrays["nq"][0]) - layout.total("qpos")
-        nv = int(arrays["nv"][0]) - layout.total("qvel")
-        found[unknown] = Slot(BLOCK, (nq, nv), _free_inside(layout, unknown, (nq, nv), arrays=arrays))
+        widths = size[0] - layout.total("qpos"), size[1] - layout.total("qvel")
+        found[unknown] = Slot(BLOCK, widths, _free_inside(layout, unknown, widths, arrays=arrays))
         layout = lay_out(unit, found)
-    is_mocap = [number >= 0 for number in arrays["body_mocapid"]]
-    if (layout.total("qpos"), layout.total("qvel"), sum(layout.mocaps.values())) != (
-        int(arrays["nq"][0]), int(arrays["nv"][0]), sum(is_mocap)
-    ):  # fmt: skip
-        raise Unknown(next(unit.root.iter("replicate", "flexcomp", "attach", "composite", "worldbody")))
-    _note_references(linking, unit, layout, qpos0=arrays["qpos0"])
-    _note_mocaps(linking, layout, arrays, is_mocap=is_mocap)
+    mocaps = [body for body, number in enumerate(arrays["body_mocapid"]) if number >= 0]
+    if (layout.total("qpos"), layout.total("qvel"), sum(layout.mocaps.values())) != (*size, len(mocaps)):
+        raise Unknown(next(unit.root.iter("replicate", *BLOCKS, "worldbody")))
+    at = 0
+    for joint, slot in layout.joints.items():
+        if is_measured(unit, joint, slot):
+            row = arrays["qpos0"][at : at + slot.widths[0]]
+            linking.keys.references[joint] = numbers.text(row).split()
+        at += slot.widths[0]
+    bodies = iter(mocaps)
+    for holder, count in layout.mocaps.items():
+        own = list(islice(bodies, count))
+        if is_expanded(holder):
+            linking.keys.mocap_references[holder] = [_pose(arrays, body) for body in own]
     return found
 
 
@@ -182,17 +181,19 @@ def attached_slots(linking: Linking, unit: Unit) -> dict[Node, Slot]:
     """Measure what each `<attach>` adds, alone in an empty world. `linking.keys.measured` caches the results."""
     found: dict[Node, Slot] = {}
     for attach in unit.root.iter("attach"):
-        slot = linking.keys.measured.get(attach) or _measured(linking, unit, attach)
+        slot = linking.keys.measured.get(attach) or _measured_attach(linking, unit, attach)
         if slot is not None:
             found[attach] = linking.keys.measured[attach] = slot
     return found
 
 
 def _flexes(linking: Linking, unit: Unit) -> Iterator[tuple[Node, Slot]]:
-    """Measure what each `<flexcomp>` adds, alone. Those that MuJoCo refuses alone are left out."""
+    """Measure the widths of each `<flexcomp>`, alone, except those that MuJoCo refuses alone."""
+    wanted = ("nq", "nv", "jnt_type")
+    if linking.measure is None:
+        return
     for flex in unit.root.iter("flexcomp"):
-        arrays = linking.measure(_flex_alone(unit, flex), _OF_FLEX, attempt=True) if linking.measure else None
-        if arrays:
+        if arrays := linking.measure(_flex_alone(unit, flex), wanted, attempt=True):
             # The vertices and nodes of a flex slide; hinges are the twists of a rod (since MuJoCo 4.0).
             twists = arrays["jnt_type"].count(HINGE)
             yield (flex, Slot(BLOCK, (int(arrays["nq"][0]) - twists, int(arrays["nv"][0]) - twists), twists=twists))
@@ -200,51 +201,46 @@ def _flexes(linking: Linking, unit: Unit) -> Iterator[tuple[Node, Slot]]:
 
 def _flex_alone(unit: Unit, flex: Node) -> Unit:
     """Return a model with only a flex in its world, and only the sections that affect its number of joints."""
-    root = unit.root.makeelement("mujoco")
-    root.extend(copy.copy(compiler) for compiler in unit.root.iterchildren("compiler"))
-    own, name = copy.copy(flex), flex.get("mesh")
-    asset, worldbody = root.makeelement("asset"), root.makeelement("worldbody")
+    name = flex.get("mesh")
     meshes = unit.root.iterfind("asset/mesh") if name else ()
-    asset.extend(copy.copy(mesh) for mesh in meshes if declaration(mesh, "asset") == ("mesh", name))
-    worldbody.append(own)
-    root.extend((asset, worldbody))
-    # These change no number of joints, and what they name does not come along.
-    for element in (own, *asset):
+    alone = _alone(unit, flex, (mesh for mesh in meshes if declaration(mesh, "asset") == ("mesh", name)))
+    # These change no number of joints, and the model does not have what they name.
+    for element in alone.root.iterfind("*/*"):
         for attribute in ("material", "class"):
-            element.attrib.pop(attribute, None)
+            element.attrib.pop(attribute, "")
         for plugin in list(element.iterchildren("plugin")):
             element.remove(plugin)
+    return alone
+
+
+def _alone(unit: Unit, element: Node, assets: Iterable[Node]) -> Unit:
+    """Return a model with the unit's compiler settings, these assets, and only this element in its world."""
+    root = unit.root.makeelement("mujoco")
+    root.extend(copy.copy(compiler) for compiler in unit.root.iterchildren("compiler"))
+    for tag, children in (("asset", assets), ("worldbody", [element])):
+        section = root.makeelement(tag)
+        section.extend(copy.copy(child) for child in children)
+        root.append(section)
     return replace(unit, root=root)
 
 
-def _measured(linking: Linking, unit: Unit, attach: Node) -> Slot | None:
-    arrays = linking.measure(_attach_alone(unit, attach), _ARRAYS, attempt=True) if linking.measure else None
+def _measured_attach(linking: Linking, unit: Unit, attach: Node) -> Slot | None:
+    if linking.measure is None:
+        return None
+    alone = _alone(unit, attach, unit.root.iterfind("asset/model"))
+    arrays = linking.measure(alone, _ARRAYS, attempt=True)
     if not arrays:
         return None
     acts, controls = _counts(arrays, "actnum"), _counts(arrays, "ctrlnum")
-    size = int(arrays["nq"][0]), int(arrays["nv"][0])
     return Slot(
         BLOCK,
-        size,
+        (int(arrays["nq"][0]), int(arrays["nv"][0])),
         tuple(_free_joints(arrays)),
-        twists=0,
         controls=(sum(controls), sum(acts)),
         actuators=len(acts),
         mocaps=sum(number >= 0 for number in arrays["body_mocapid"]),
         keys=len(arrays["key_time"]),
     )
-
-
-def _attach_alone(unit: Unit, attach: Node) -> Unit:
-    """Return a model that only attaches what `attach` attaches."""
-    root = unit.root.makeelement("mujoco")
-    for compiler in unit.root.iterchildren("compiler"):
-        root.append(copy.copy(compiler))
-    for tag, children in (("asset", unit.root.iterfind("asset/model")), ("worldbody", [attach])):
-        section = root.makeelement(tag)
-        section.extend(copy.copy(child) for child in children)
-        root.append(section)
-    return replace(unit, root=root)
 
 
 def _counts(arrays: Mapping[str, list[float]], name: str) -> list[int]:
@@ -273,7 +269,7 @@ def _free_inside(
 def is_measured(unit: Unit, joint: Holder, slot: Slot) -> bool:
     """Return whether only MuJoCo knows the reference.
 
-    It does of what it expands, of bodies aligned with their inertia, and of the copies of floating bodies.
+    This is so for elements that it expands, bodies aligned with their inertia, and copies of floating bodies.
     """
     if slot.kind == BLOCK:
         return slot.widths[0] > 0
@@ -282,22 +278,9 @@ def is_measured(unit: Unit, joint: Holder, slot: Slot) -> bool:
     return isinstance(joint, Copy) or "true" in (joint.get("align"), unit.settings.alignfree)
 
 
-def _note_references(linking: Linking, unit: Unit, layout: Layout, qpos0: list[float]) -> None:
-    at = 0
-    for joint, slot in layout.joints.items():
-        width = slot.widths[0]
-        if is_measured(unit, joint, slot):
-            linking.keys.references[joint] = numbers.text(qpos0[at : at + width]).split()
-        at += width
-
-
-def _note_mocaps(linking: Linking, layout: Layout, arrays: Mapping[str, list[float]], is_mocap: list[bool]) -> None:
-    """Record the places of mocap bodies that are not in the tree, or several times."""
-    bodies = iter([body for body, found in enumerate(is_mocap) if found])
-    for holder, count in layout.mocaps.items():
-        own = list(islice(bodies, count))
-        if isinstance(holder, Copy) or holder.tag != "body":
-            linking.keys.mocap_references[holder] = [_pose(arrays, body) for body in own]
+def is_expanded(holder: Holder) -> bool:
+    """Return whether a holder of mocap bodies is not a body of the tree, or is one of several copies."""
+    return isinstance(holder, Copy) or holder.tag != "body"
 
 
 def _pose(arrays: Mapping[str, list[float]], body: int) -> Pose:
@@ -312,8 +295,6 @@ _NAMES = {"mesh": "name_meshadr", "material": "name_matadr", "texture": "name_te
 NAMED = ("names", *_NAMES.values())
 _SURVEYED = ("body", "geom")
 _MARKS = ("body_user", "geom_user", "body_mass", "geom_type")
-# What MuJoCo makes bodies or geoms of that are elements of no unit.
-_OPAQUE = ("attach", "composite")
 
 
 @dataclass(frozen=True, slots=True)
@@ -353,7 +334,7 @@ class Unmeasurable:
 
 @dataclass(frozen=True, slots=True)
 class KeptSettings:
-    """Settings of a unit whose effect must be kept in a composition, by writing out what MuJoCo measures."""
+    """Settings of a unit whose effect a composition must keep, by writing out the values that MuJoCo measures."""
 
     linking: Linking
     unit: Unit
@@ -386,20 +367,17 @@ def compile_unaligned(
 ) -> Survey | Unmeasurable | None:
     """Compile the unit alone, without the alignment of free bodies, which is done in the model.
 
-    None where MuJoCo refuses the unit, which has been reported. `pinned` bodies are kept from being fused: something
-    refers to them.
+    None if MuJoCo refuses the unit, which has been reported. `pinned` bodies are not fused: something refers to them.
     """
-    opaque = next(unit.root.iter(*_OPAQUE), None)
-    why = None
+    # MuJoCo makes bodies or geoms of these that are elements of no unit.
+    opaque = next(unit.root.iter("attach", "composite"), None)
     if opaque is not None:
-        why = f"`<{opaque.tag}>` is expanded by MuJoCo"
-    elif first_scaled(unit.root) is not None:
-        why = "MuJoCo scales what is in a `<frame>`"
-    elif linking.measure is None:
-        why = "MuJoCo is not at hand"
-    if why is not None or linking.measure is None:
-        return Unmeasurable(str(why))
-    # `user` finds an element again in the arrays: MuJoCo carries it over to every copy. Names may be missing, and
+        return Unmeasurable(f"MuJoCo expands `<{opaque.tag}>`")
+    if first_scaled(unit.root) is not None:
+        return Unmeasurable("MuJoCo scales the contents of a `<frame>`")
+    if linking.measure is None:
+        return Unmeasurable("MuJoCo is not available")
+    # `user` finds an element again in the arrays: MuJoCo copies it with the element. Names may be missing, and
     # numbers change when bodies are fused or geoms discarded.
     copy = unit.copied()
     marked: list[Node] = []
@@ -408,50 +386,32 @@ def compile_unaligned(
             marked.append(original)
             element.set("user", str(len(marked)))
         if original in pinned:
-            _pin(copy, element, len(marked))
-    _without_alignment(copy.root)
+            # Under `fusestatic` MuJoCo 4.0 fuses a body without joints, except one that a `framepos` names.
+            if not element.get("name"):
+                element.set("name", f"pinned body {len(marked)} of {len(copy.root)}")
+            sensors = copy.section("sensor")
+            names = {"objtype": "body", "objname": str(element.get("name"))}
+            sensors.append(sensors.makeelement("framepos", names))
+    # Without alignment, the inertia is in the frame in which it will be written.
+    for joint in copy.root.iter("freejoint"):
+        joint.set("align", "false")
+    for element in copy.root.iterchildren("compiler", "size"):
+        for name in ("alignfree", "nuser_body", "nuser_geom"):
+            element.attrib.pop(name, "")
     found = linking.measure(copy, tuple(dict.fromkeys((*arrays, *_MARKS))))
     if not found:
         return None
     rows: dict[Node, list[int]] = {element: [] for element in marked}
     for marks, counted in (("body_user", "body_mass"), ("geom_user", "geom_type")):
-        for row, mark in _first_rows(found[marks], len(found[counted])):
-            rows[marked[mark - 1]].append(row)
+        count = len(found[counted])
+        width = len(found[marks]) // count if count else 0
+        for row in range(count if width else 0):
+            if mark := int(found[marks][row * width]):
+                rows[marked[mark - 1]].append(row)
     for element, places in rows.items():
         if places and len(places) != math.prod(map(copies_of, element.iterancestors("replicate"))):
-            return Unmeasurable(f"it leaves out some copies of `<{element.tag}>` only", element)
+            return Unmeasurable(f"it omits only some copies of `<{element.tag}>`", element)
     return Survey(found, {element: tuple(places) for element, places in rows.items()})
-
-
-def _pin(unit: Unit, body: Node, number: int) -> None:
-    """Add a sensor of a body, which keeps the body from being fused in every version of MuJoCo."""
-    # Under `fusestatic` MuJoCo 4.0 fuses a body without joints, but not one that a `framepos` names.
-    if not body.get("name"):
-        body.set("name", f"pinned body {number} of {len(unit.root)}")
-    sensors = unit.section("sensor")
-    sensors.append(sensors.makeelement("framepos", {"objtype": "body", "objname": str(body.get("name"))}))
-
-
-def _without_alignment(root: Node) -> None:
-    """Prevent the alignment of free bodies, so that the inertia is in the frame in which it will be written."""
-    for joint in root.iter("freejoint"):
-        joint.set("align", "false")
-    for tag, names in (("compiler", ("alignfree",)), ("size", ("nuser_body", "nuser_geom"))):
-        for element in root.iterchildren(tag):
-            for name in names:
-                if name in element.attrib:
-                    del element.attrib[name]
-
-
-def _first_rows(marks: list[float], count: int) -> Iterator[tuple[int, int]]:
-    """Yield the mark of each row that has one."""
-    width = len(marks) // count if count else 0
-    for row in range(count if width else 0):
-        if mark := int(marks[row * width]):
-            yield row, mark
-
-
-_IDENTITY = "1 0 0 0".split()
 
 
 class Reference:
@@ -462,14 +422,8 @@ class Reference:
         self.disagreeing: list[tuple[str, Node]] = []
         self.lost: list[tuple[str, Node]] = []
         self.sequence = linking.base.settings.eulerseq
-
-    @cached_property
-    def degrees(self) -> bool:
-        return self.linking.angle == "degree"
-
-    @cached_property
-    def class_refs(self) -> bool:
-        return self.linking.base.classes.give("joint", "ref")
+        self.degrees = linking.angle == "degree"
+        self.class_refs = linking.base.classes.give("joint", "ref")
 
     def row(
         self, vector: str, layout: Layout, values: Mapping[Holder, list[Number]], void: Collection[Node]
@@ -499,10 +453,10 @@ class Reference:
         return row
 
     def _found(self, vector: str, values: Mapping[Holder, list[Number]]) -> Callable[[Holder], list[Number] | None]:
-        """Return a function for the numbers that a key has for a holder, also if it has another number of copies now.
+        """Return a function for the numbers that a key has for a holder, even if it has another number of copies now.
 
         Every copy that a replicate makes of a part has the numbers of the part. Copies that are one element now must
-        agree: those that do not are noted in `disagreeing`.
+        agree; `disagreeing` gets those that do not.
         """
         others: dict[tuple[Node, bool], list[tuple[Within, list[Number]]]] = {}
 
@@ -532,17 +486,13 @@ class Reference:
             return measured
         joint = element_of(holder)
         # A free joint starts where its body stands in the world: in `<frame pos="1 0 0">` at 1 0 0 1 0 0 0.
-        if slot.kind == "free":
-            body = joint.getparent()
-            while body is not None and body.tag != "body":
-                body = body.getparent()
-            if body is not None:
-                pose = self._pose(body)
-                return numbers.text([*pose.pos, *pose.quat]).split()
+        if slot.kind == "free" and (body := next(joint.iterancestors("body"), None)) is not None:
+            pose = self._pose(body)
+            return numbers.text([*pose.pos, *pose.quat]).split()
         if slot.kind == BLOCK:
             return ["0"] * slot.widths[0]
         if slot.kind == "ball":
-            return _IDENTITY
+            return "1 0 0 0".split()
         ref = written(joint, "ref")
         if ref is None and self.class_refs:
             ref = self.linking.base.classes.effective(joint, childclass_of(joint), "ref")

@@ -1,12 +1,9 @@
-"""The meaning of a unit's keys, and their layouts with MuJoCo's help.
-
-The meaning of keys, noted where they are read and written, without any layout.
+"""The meaning of a unit's keys, and the layouts of units and of the finished model, partly measured with MuJoCo.
 
 `BareModel` has little more than a model's joints, actuators and mocap bodies. MuJoCo compiles it in a moment, with
-the same names and addresses as the whole model, so that it says what each number of a key is of. `KeyNotes` has the
-bare source of every key, and what the recipes write and edit: `verify/kept_keys.py` compares the finished keys with it.
-
-The layout of the keys of the units and of the finished model, partly with MuJoCo's help.
+the same names and addresses as the whole model, so it tells the owner of each number of a key. `KeyNotes` has the
+bare source of every key, and the keys that recipes write and edit: `verify/kept_keys.py` compares the finished keys
+with it.
 
 `layouts` is a pass; it runs while the units are still separate.
 """
@@ -24,19 +21,19 @@ from lxml.etree import tostring
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.rotation import Pose
 from mjcompose.link import numbers
-from mjcompose.link.key_layout import BLOCK, Copy, Layout, Slot, Unknown, element_of, ends_of_copies, lay_out
+from mjcompose.link.key_layout import Copy, Layout, Slot, Unknown, element_of, ends_of_copies, lay_out
 from mjcompose.link.linking import Linking, WrittenKey
-from mjcompose.link.measure import attached_slots, flexible_widths, is_measured
+from mjcompose.link.measure import attached_slots, flexible_widths, is_expanded, is_measured
 from mjcompose.model.files import read_settings
 from mjcompose.model.unit import KeyRecord, KeySource, Number, Unit, numbers_of, texts
 
 Within = frozenset[tuple[Node, int]]
 """The number of a copy in each `<replicate>` around it."""
 Holder = tuple[Node, Within, str]
-"""A joint, actuator or mocap body as MuJoCo makes it: its element, which copy, and what a `<flexcomp>` calls it."""
+"""A joint, actuator or mocap body as MuJoCo makes it: its element, the copy, and its name in a `<flexcomp>`."""
 
 MARK = "\u00b7"
-"""The first letter of the names that bare models give to what has none."""
+"""The first letter of the names that bare models give to elements without a name."""
 # Models that MuJoCo attaches itself, and shapes that it reads from files, are more than a tree.
 _BEYOND = ("attach", "composite")
 _POSES = ("pos", "quat", "euler", "axisangle", "xyaxes", "zaxis")
@@ -48,7 +45,7 @@ _KEPT: Mapping[str, tuple[str, ...] | None] = {
     "freejoint": ("name",),
     "site": ("name",),
 }
-# They limit or tune, and may name what is not there.
+# They limit or tune, and may name elements that a bare model does not have.
 _LEFT_OUT = ("user", "group", "inheritrange", "ctrllimited", "dampratio", "material", "class")
 _INERTIA = {"pos": "0 0 0", "mass": "1", "diaginertia": "1 1 1"}
 
@@ -135,17 +132,24 @@ def bare_model(unit: Unit) -> BareModel | None:
     flexes = list(root.iter("flexcomp"))
     if any(flex.get("file") or flex.get("mesh") for flex in flexes):
         return None
-    found = BareModel(
-        unit.file, "", {}, flexes={str(flex.get("name") or ""): (flex, _copies(flex)) for flex in flexes}, rows={}
-    )
+    named = {
+        str(flex.get("name") or ""): (
+            flex,
+            {end: frozenset(within) for end, within in ends_of_copies(list(flex.iterancestors("replicate"))).items()},
+        )
+        for flex in flexes
+    }
+    found = BareModel(unit.file, "", {}, flexes=named, rows={})
     made = root.makeelement("mujoco")
-    # The last one counts.
     settings = read_settings(root)
     compiler = made.makeelement("compiler", {"angle": settings.angle, "eulerseq": settings.eulerseq})
     compiler.append(compiler.makeelement("lengthrange", {"mode": "none"}))
     made.append(compiler)
-    for section in root.iterchildren("extension", "default", "worldbody", "tendon", "actuator"):
-        _SECTIONS[str(section.tag)](section, made, found)
+    for section in root.iterchildren("extension", *_SECTIONS):
+        if section.tag == "extension":
+            made.append(copy.copy(section))
+        else:
+            _SECTIONS[str(section.tag)](section, made, found)
     keyframe = made.makeelement("keyframe")
     for key in keys_of(unit):
         rows = {vector: str(key.get(vector)) for vector in VECTORS if key.get(vector)}
@@ -156,10 +160,6 @@ def bare_model(unit: Unit) -> BareModel | None:
     return found
 
 
-def _extension(section: Node, made: Node, found: BareModel) -> None:
-    made.append(copy.copy(section))
-
-
 def _default(section: Node, made: Node, found: BareModel) -> None:
     own = _with_attributes(section, made, ("class",))
     for child in section.iterchildren("*"):
@@ -168,21 +168,20 @@ def _default(section: Node, made: Node, found: BareModel) -> None:
         elif child.tag == "joint":
             own.append(_with_attributes(child, own, _KEPT["joint"]))
         elif child.tag in _ACTUATORS:
-            own.append(_actuator(child, own))
+            own.append(_actuator(child))
     made.append(own)
 
 
 def _worldbody(section: Node, made: Node, found: BareModel) -> None:
-    # Spatial tendons wrap around them.
-    tree = section.getroottree().getroot()
-    wrapped = {str(each.get("geom")) for each in tree.iterfind("tendon/spatial/geom")}
+    # Spatial tendons wrap around geoms.
+    wrapped = {str(each.get("geom")) for each in section.getroottree().iterfind("tendon/spatial/geom")}
     own = made.makeelement("worldbody")
     _tree(section, own, found, wrapped=wrapped, around=())
     made.append(own)
 
 
 def _tree(source: Node, made: Node, found: BareModel, wrapped: set[str], around: tuple[Node, ...]) -> None:
-    """Copy what is in a body. `around` are the replicates around it, innermost first."""
+    """Copy the content of a body. `around` are the replicates around it, innermost first."""
     if made.tag == "body":
         made.append(made.makeelement("inertial", _INERTIA))
     for child in source.iterchildren("*"):
@@ -218,8 +217,8 @@ def _tendon(section: Node, made: Node, found: BareModel) -> None:
 
 
 def _actuators(section: Node, made: Node, found: BareModel) -> None:
-    # Those that act on something in a replicate are multiplied with it, also by a tendon.
-    tree = section.getroottree().getroot()
+    # Actuators that act on something in a replicate are multiplied with it, even through a tendon.
+    tree = section.getroottree()
     multiplied: dict[str, list[Node]] = {}
     for each in tree.iterfind("worldbody//replicate//*[@name]"):
         multiplied.setdefault(str(each.get("name")), list(each.iterancestors("replicate")))
@@ -229,7 +228,7 @@ def _actuators(section: Node, made: Node, found: BareModel) -> None:
             multiplied.setdefault(str(tendon.get("name")), around)
     own = made.makeelement("actuator")
     for actuator in section.iterchildren("*"):
-        each = _actuator(actuator, own)
+        each = _actuator(actuator)
         if actuator.get("class"):
             each.set("class", str(actuator.get("class")))
         _name(actuator, each, "actuator", found=found, around=())
@@ -240,7 +239,7 @@ def _actuators(section: Node, made: Node, found: BareModel) -> None:
     made.append(own)
 
 
-def _actuator(actuator: Node, made: Node) -> Node:
+def _actuator(actuator: Node) -> Node:
     own = copy.copy(actuator)
     own.tail = None
     for attribute in _LEFT_OUT:
@@ -248,13 +247,7 @@ def _actuator(actuator: Node, made: Node) -> Node:
     return own
 
 
-_SECTIONS = {
-    "extension": _extension,
-    "default": _default,
-    "worldbody": _worldbody,
-    "tendon": _tendon,
-    "actuator": _actuators,
-}
+_SECTIONS = {"default": _default, "worldbody": _worldbody, "tendon": _tendon, "actuator": _actuators}
 _ACTUATORS = frozenset(
     "general motor position velocity intvelocity damper cylinder muscle adhesion dcmotor pid orientation plugin".split()
 )
@@ -279,18 +272,17 @@ def _note_copies(source: Node, name: str, kind: str, found: BareModel, around: t
         found.named.setdefault((kind, name + end), (source, frozenset(within)))
 
 
-def _copies(element: Node) -> dict[str, Within]:
-    ends = ends_of_copies(list(element.iterancestors("replicate")))
-    return {end: frozenset(within) for end, within in ends.items()}
-
-
 VECTORS = ("qpos", "qvel", "act", "ctrl", "mpos", "mquat")
 
 
 def layouts(linking: Linking) -> None:
     """Record the key layout of each unit before the units are joined."""
+    # MuJoCo 4.0 counts up to `nkey` in the whole model: `<size nkey="3"/>` and one key of a part would give three keys,
+    # and the padding would belong to no part.
     for unit in linking.units if linking.parts else ():
-        _write_padding(unit)
+        for size in unit.root.iterchildren("size"):
+            for _ in range(len(keys_of(unit)), int(str(size.attrib.pop("nkey", "-1")))):
+                unit.section("keyframe").append(unit.root.makeelement("key"))
     for part in linking.parts:
         if part.keyframes != "none":
             linking.keys.attached += [
@@ -317,16 +309,6 @@ def remove_keys(unit: Unit) -> None:
         unit.root.remove(section)
 
 
-def _write_padding(unit: Unit) -> None:
-    """Write out the default keys that `<size nkey>` adds, so that they stay with the part that asks for them."""
-    # MuJoCo 4.0 counts up to `nkey` in the whole model: `<size nkey="3"/>` and one key of a part would give three keys,
-    # of which the padding would be nobody's.
-    for size in unit.root.iterchildren("size"):
-        count = int(str(size.attrib.pop("nkey", "-1")))
-        for _ in range(len(keys_of(unit)), count):
-            unit.section("keyframe").append(unit.root.makeelement("key"))
-
-
 def layout_of(linking: Linking, unit: Unit) -> Layout | None:
     """Return the key layout of a unit alone, measured with MuJoCo if needed, or None after a reported error.
 
@@ -343,13 +325,13 @@ _SHAPING = ("type", "count", "dim", "dof", "rigid", "file", "mesh", "point", "el
 
 
 def reshaped_flexes(linking: Linking) -> set[Node]:
-    """Return the flexes that edits give other vertices, so that their numbers in keys mean nothing any more."""
+    """Return the flexes that edits give other vertices. Their numbers in keys are meaningless."""
     shapes = linking.keys.shapes
     return {flex for flex in linking.base.root.iter("flexcomp") if _shape(flex) != shapes.get(flex, _shape(flex))}
 
 
 def _shape(flex: Node) -> str:
-    """Return as text what decides which vertices a flex has, and which of them move."""
+    """Return as text the settings that determine the vertices of a flex, and which of them move."""
     own = [f"{name}={flex.get(name)}" for name in _SHAPING if flex.get(name)]
     return " ".join([*own, *(str(sorted(pin.items())) for pin in flex.iterchildren("pin"))])
 
@@ -366,12 +348,12 @@ def _complete_rows(linking: Linking, unit: Unit, layout: Layout) -> None:
         ends = list(accumulate(width for _, width in layout.holders(vector)))
         short = [at for at, row in enumerate(rows) if ends and 0 < len(row) < ends[-1] and len(row) not in ends]
         array = f"key_{vector}"
-        if not short or linking.measure is None or not (found := linking.measure(unit, (array,))):
+        if not short or linking.measure is None or not (measured := linking.measure(unit, (array,))):
             continue
         for at in short:
             start = max((end for end in ends if end < len(rows[at])), default=0)
             end = next(end for end in ends if end > len(rows[at]))
-            whole = found[array][at * ends[-1] + start : at * ends[-1] + end]
+            whole = measured[array][at * ends[-1] + start : at * ends[-1] + end]
             _complete(unit, keys[at], vector, start=start, whole=numbers.text(whole).split())
 
 
@@ -390,24 +372,19 @@ def _complete(unit: Unit, key: Node, vector: str, start: int, whole: list[str]) 
 
 
 def _layout_of(linking: Linking, unit: Unit) -> Layout | None:
+    """Return a layout with the widths and references that only MuJoCo knows, or None after a reported error."""
     try:
         layout = lay_out(unit, {})
+        # A body that MuJoCo aligns does not start at its `pos`: see `is_leaf`. Only MuJoCo knows which actuators a
+        # replicate multiplies.
+        if not (
+            any(is_measured(unit, joint, slot) for joint, slot in layout.joints.items())
+            or (layout.actuators and next(unit.root.iter("replicate"), None) is not None)
+            or any(is_expanded(holder) for holder in layout.mocaps)
+        ):
+            return layout
     except Unknown:
-        return _measured_layout(linking, unit)
-    # A body that MuJoCo aligns starts elsewhere than its `pos` says: see `is_leaf` in `alignment.py`.
-    if any(slot.free or slot.kind == BLOCK for slot in layout.joints.values()) and any(
-        is_measured(unit, joint, slot) for joint, slot in layout.joints.items()
-    ):
-        return _measured_layout(linking, unit)
-    if layout.actuators and next(unit.root.iter("replicate"), None) is not None:
-        return _measured_layout(linking, unit)  # which actuators are multiplied is for MuJoCo to say
-    if any(isinstance(holder, Copy) or holder.tag != "body" for holder in layout.mocaps):
-        return _measured_layout(linking, unit)
-    return layout
-
-
-def _measured_layout(linking: Linking, unit: Unit) -> Layout | None:
-    """Return a layout with the widths and references that only MuJoCo knows, or None after a reported error."""
+        pass
     try:
         known = flexible_widths(linking, unit)
         if known is None:
@@ -441,7 +418,7 @@ def measure_references_again(linking: Linking, layout: Layout) -> None:
     mocaps = (
         linking.keys.edited or holder not in linking.keys.mocap_references
         for holder in layout.mocaps
-        if isinstance(holder, Copy) or holder.tag != "body"
+        if is_expanded(holder)
     )
     if any(joints) or any(mocaps):
         _measure_again(linking, {}, None)
@@ -455,8 +432,8 @@ def _measure_again(linking: Linking, known: Mapping[Node, Slot], unknown: Unknow
     for section in sections:
         unit.root.remove(section)
     try:
-        found = flexible_widths(linking, unit)
-        return None if found is None else lay_out(linking.base, {**found, **known})
+        widths = flexible_widths(linking, unit)
+        return None if widths is None else lay_out(linking.base, {**widths, **known})
     except Unknown as still:
         report_not_laid_out(linking, linking.base, unknown or still)
         return None
@@ -466,10 +443,9 @@ def _measure_again(linking: Linking, known: Mapping[Node, Slot], unknown: Unknow
 
 
 def _slots(linking: Linking) -> dict[Node, Slot]:
-    """Return what is already known about the joints and actuators of the units."""
-    found = [linking.keys.base_layout, *(part.layout for part in linking.parts)]
+    """Return the known slots of the joints and actuators of the units."""
     known: dict[Node, Slot] = {}
-    for layout in found:
+    for layout in (linking.keys.base_layout, *(part.layout for part in linking.parts)):
         if layout is not None:
             known |= {element_of(holder): slot for holder, slot in layout.actuators.items()}
             known |= {
@@ -482,13 +458,10 @@ def _slots(linking: Linking) -> dict[Node, Slot]:
 
 def report_not_laid_out(linking: Linking, unit: Unit, unknown: Unknown) -> None:
     """Report that the keys of a unit cannot be laid out."""
-    tag = unknown.element.tag
-    leave_out = "leave the keys out: `drop: [key]`"
-    if linking.request.requested_keys is not None:
-        leave_out += ", and no `keyframe` in the recipe"
+    more = "" if linking.request.requested_keys is None else ", and no `keyframe` in the recipe"
     linking.sink.error(
         "not-supported",
-        f"keyframes of a model with this `<{tag}>` cannot be laid out: only MuJoCo knows its size",
+        f"keyframes of a model with this `<{unknown.element.tag}>` cannot be laid out: only MuJoCo knows its size",
         linking.span(unit, unknown.element),
-        help=leave_out,
+        help=f"omit the keys: `drop: [key]`{more}",
     )
