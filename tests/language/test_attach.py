@@ -6,8 +6,8 @@ import pytest
 from mjcompose.base.diagnostic import Diagnostic
 from mjcompose.base.limits import Limits
 from mjcompose.language.attach import Attachment
-from mjcompose.language.form import Element
 from mjcompose.language.recipe import Recipe
+from mjcompose.language.value import Element
 from mjcompose.text.expression_values import Angle
 from pydantic import ValidationError
 

@@ -240,8 +240,8 @@ def test_cells(matrix: str, names: list[str]) -> None:
     [
         ("{}", "`matrix` lacks `axes`"),
         ("[1]", "`matrix` expects a mapping, got a list"),
-        ("{axes: {tool: a}}", "`axes` of the matrix expects a list of values, got text `a`"),
-        ("{axes: {tool: []}}", "`axes` of the matrix expects a list of values, got an empty list"),
+        ("{axes: {tool: a}}", "`tool` in `axes` of the matrix expects a list of values, got text `a`"),
+        ("{axes: {tool: []}}", "`tool` in `axes` of the matrix expects a list of values, got an empty list"),
         ("{axes: {tol: [a]}}", "the recipe has no parameter or variant `tol`"),
         ("{axes: {tool: [c]}}", "variant `tool` has no value `c`"),
         ("{axes: {load: [x]}}", "parameter `load` is a number, got text `x`"),

@@ -19,11 +19,11 @@ def test_read() -> None:
             },
         }
     )
-    first, second = recipe.keyframe
-    assert (first.name, first.time) == ("a", 2.0)
+    first, second = recipe.keyframe.values()
+    assert ([*recipe.keyframe], first.time) == (["a", "b"], 2.0)
     assert first.sources == {"base": "home", "left/gripper": "open"}
     assert first.values == {
         "qpos": {"hinge": (Angle(90.0, "deg"),), "ball": (1, 0, 0, 0)},
         "mquat": {"goal": (1, 0, 0, 0)},
     }
-    assert (second.name, second.time, second.sources, second.values) == ("b", None, {}, {})
+    assert (second.time, second.sources, second.values) == (None, {}, {})

@@ -11,9 +11,8 @@ from mjcompose.base.diagnostic import Diagnostic
 from mjcompose.build.checks.unchanged import Unchanged
 from mjcompose.language.attach import Attachment
 from mjcompose.language.check import checks_of
-from mjcompose.language.form import Element
 from mjcompose.language.recipe import Recipe
-from mjcompose.language.used_model import Drop
+from mjcompose.language.value import Element
 from mjcompose.model.selector import EVERYTHING, Selector
 from mjcompose.text.expression_values import Angle
 from pydantic import ValidationError
@@ -28,7 +27,7 @@ def test_targets(recipe: Callable[[str], Recipe]) -> None:
           - {to: {frame: f}, geom: {size: 1}}
         """
     ).add
-    assert [(each.to_kind, each.to, each.element.tag, each.at) for each in add] == [
+    assert [(each.to_kind, each.to_name, each.element.tag, each.at) for each in add] == [
         ("world", "world", "body", ("add", 0)),
         ("body", "a", "site", ("add", 1)),
         ("frame", "f", "geom", ("add", 2)),
@@ -69,7 +68,7 @@ def test_plugin_with_settings(recipe: Callable[[str], Recipe]) -> None:
         ("{to: hand}", "missing-key"),
         ("{site: {}}", "missing-key"),
         ("{to: 3, site: {}}", "wrong-type"),
-        ("{to: {site: a}, site: {}}", "wrong-type"),
+        ("{to: {site: a}, site: {}}", "unknown-key"),
         ("{to: world, freejoint: {}}", "unknown-element"),
         ("{to: hand, sensor: {}}", "unknown-element"),
         ("{to: hand, site: {}, geom: {}}", "wrong-type"),
@@ -157,7 +156,8 @@ def test_head(recipe: Callable[[str], Recipe]) -> None:
 def test_base_as_a_mapping(recipe: Callable[[str], Recipe]) -> None:
     base = recipe("base: {model: ./arm.xml, drop: [key]}").base
     assert base is not None and base.key_policy == "none"
-    assert (base.model, base.drop) == ("./arm.xml", (Drop(None, Selector("key", EVERYTHING), 0),))
+    (drop,) = base.drop
+    assert (base.model, drop.section, drop.select, drop.index) == ("./arm.xml", None, Selector("key", EVERYTHING), 0)
 
 
 @pytest.mark.parametrize(

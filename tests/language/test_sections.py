@@ -7,8 +7,8 @@ from collections.abc import Callable
 import pytest
 from mjcompose.base.diagnostic import Diagnostic
 from mjcompose.base.sink import Sink
-from mjcompose.language.form import Element
 from mjcompose.language.recipe import Recipe
+from mjcompose.language.value import Element
 from mjcompose.text.expression_values import Angle
 from mjcompose.text.load import load
 from mjcompose.text.node import locate

@@ -6,7 +6,8 @@ import pytest
 from link.workshop import BASE, OLDER, Linked, Piece, Workshop, hinge, placed
 from mjcompose.base.rotation import quat_from_axisangle
 from mjcompose.link.keyframes import part_keys
-from mjcompose.link.linking import Joint, KeyPolicy
+from mjcompose.link.linking import Joint
+from mjcompose.model.key_policy import KeyPolicy
 from mjcompose.model.unit import texts
 from mjcompose.mujoco.keyframes import Keys
 

@@ -15,22 +15,13 @@ from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Fault, Path
 from mjcompose.base.suggest import closest
 from mjcompose.language.element_schema import TEMPLATE_PATTERN, attribute_schema
-from mjcompose.language.form import (
-    EXCLUSIVE,
-    REFERENCE,
-    Schema,
-    define,
-    definition,
-    kind_of,
-    reference,
-    settings,
-    shown,
-    validation_error,
-)
+from mjcompose.language.forms.context import settings, validation_error
+from mjcompose.language.forms.definitions import REFERENCE, Schema, define, definition, reference
 from mjcompose.language.forms.model import IT
 from mjcompose.language.placing import ORIENTATIONS
 from mjcompose.language.select import check_template, kinds_of, unknown_attribute
 from mjcompose.language.value import attribute_and_index, bare_angle, read_value
+from mjcompose.language.wording import EXCLUSIVE, kind_of, shown
 from mjcompose.model.grammar import GRAMMAR, Attribute, ElementType
 from mjcompose.model.selector import Selector, paths_of
 from mjcompose.text.expression_values import Angle

@@ -14,6 +14,7 @@ from pydantic import (
     Tag,
     ValidationInfo,
     ValidatorFunctionWrapHandler,
+    WithJsonSchema,
 )
 from pydantic_core import CoreSchema, core_schema
 
@@ -21,26 +22,19 @@ from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Fault, Path
 from mjcompose.base.limits import advice, in_force
 from mjcompose.base.suggest import closest
-from mjcompose.language.codes import Allowed
+from mjcompose.language.codes import Codes
 from mjcompose.language.edit import Edits
-from mjcompose.language.form import (
-    Element,
-    Form,
-    Schema,
-    Settings,
-    Single,
-    is_unprintable,
-    kind_of,
-    settings,
-    unprintable,
-    validated_with,
-)
 from mjcompose.language.forms.attribute import Attribute
+from mjcompose.language.forms.context import Settings, settings, validated_with
+from mjcompose.language.forms.definitions import Schema
 from mjcompose.language.forms.model import IT, Model
 from mjcompose.language.forms.rules import Exclusive
-from mjcompose.language.forms.scalars import AtLeastOne, Checked, Expects, Items, Name, NotNegative, Text
-from mjcompose.language.placing import ORIENTATIONS, Inline, JointField, JointWord, ModelField, Offset
-from mjcompose.language.used_model import Drop, Drops, Given, KeyPolicy, UrdfKeys
+from mjcompose.language.forms.scalars import AtLeastOne, Checked, Expects, Items, Name, NotNegative, Text, When
+from mjcompose.language.placing import ORIENTATIONS, Inline, JointField, JointWord, ModelReference, Offset
+from mjcompose.language.used_model import Drops, Given, UrdfKeys
+from mjcompose.language.value import Element, Single
+from mjcompose.language.wording import is_unprintable, unprintable
+from mjcompose.model.key_policy import KeyPolicy
 
 RESERVED = "base"
 PATH_LIKE = ("/", ":")
@@ -126,28 +120,21 @@ _Sense = Annotated[
 ]
 
 
-@dataclass(frozen=True, slots=True)
-class Prefix(Form):
-    """Form of the field `prefix`, which replaces the key of a part. Empty means no prefix and no separator."""
-
-    def schema(self) -> Schema:
-        return {"type": "string", **_pattern("*")}
-
-    def read(self, value: Any, faults: list[Fault], settings: Settings) -> str:
-        if not isinstance(value, str):
-            help = f"quote it: '{value}'" if isinstance(value, int | float) else None
-            faults.append(Fault("wrong-type", f"`prefix` expects text, got {kind_of(value)}", help=help))
-        elif value and (fault := prefix_fault(value, settings)) is not None:
-            faults.append(fault)
-        return str(value)
+def _pattern(times: str) -> Schema:
+    """Return the rules of `prefix_fault` as a pattern of JSON Schema. `times` is `*` if it may be empty, else `+`."""
+    message = f"expected a prefix: a name without spaces, and not `{RESERVED}`"
+    return {"pattern": rf"^(?!{RESERVED}$)\S{times}$", "patternErrorMessage": message}
 
 
-class _Nameless:
-    """The rule that copies have a prefix, which tells them apart."""
+class _Prefix:
+    """The rule that a prefix can be one, and that copies have one, which tells them apart."""
 
     def faults(self, value: Mapping[str, Any], model: type[Model], context: Settings) -> Iterator[Fault]:
-        """Yield the fault of a part without a prefix that has copies."""
-        if value.get("prefix") == "" and value.get("replicate"):
+        """Yield the fault of the prefix, or of a part without one that has copies."""
+        prefix = value.get("prefix")
+        if isinstance(prefix, str) and prefix and (fault := prefix_fault(prefix, context, ("prefix",))) is not None:
+            yield fault
+        if prefix == "" and value.get("replicate"):
             message = f"the copies of {IT} would have the same names: it has no prefix"
             yield Fault("name-clash", message, ("prefix",), help="leave `prefix` out, or write one")
 
@@ -161,25 +148,25 @@ class _Nameless:
 class Attachment(Model):
     """A part: its model, its place, its pose there, and the joints in between."""
 
-    rules: ClassVar = (Inline(), Exclusive(*PLACES), Exclusive(*ORIENTATIONS), _Nameless())
+    rules: ClassVar = (Inline(), Exclusive(*PLACES), Exclusive(*ORIENTATIONS), _Prefix())
     example: ClassVar = "{model: …}"
     instead: ClassVar = {
         "keyframes": "write `keys: prefix` to keep them apart, or `drop: [key]` to leave them out",
         **dict.fromkeys(("before", "after"), "put the part there in the file: its order is that of the parts"),
     }
 
-    model: Annotated[str | Mapping[str, Any], ModelField()] = Field(examples=["./FILE.xml"])
+    model: ModelReference = Field(examples=["./FILE.xml"])
     """A model reference (a file relative to the recipe, `package:…`, `menagerie:…`), or a recipe written in place."""
     packages: dict[str, Text] = Field(default_factory=dict)
     """The folders of `package://NAME` in URDF: a mapping from NAME to a path relative to the recipe; `"*"`
     is a ROS workspace, all of whose packages are meant."""
     urdf: UrdfKeys = Field(default_factory=UrdfKeys)
     """How a URDF is read: visuals, fixed links, actuators."""
-    given: Annotated[dict[str, Any], Given()] = Field(default_factory=dict, alias="with")
+    given: Given = Field(default_factory=dict, alias="with")
     """Values of the parameters and variants of a nested recipe, or of the arguments of a xacro template, by name."""
     subtree: Annotated[str, Name("body", inside="model")] | None = None
     """The one body of the model to take, with exactly what it needs; without it, the whole model."""
-    drop: Annotated[tuple[Drop, ...], Drops()] = ()
+    drop: Drops = ()
     """What to leave out, with all that refers to it: sections, tags and selectors, in the part's own names."""
     edit: Edits = ()
     """Ordered changes to the part, in its own names, before it is attached."""
@@ -208,7 +195,7 @@ class Attachment(Model):
     root is kept where it may be; `none` removes it."""
     sense: _Sense | None = None
     """What the place carries is measured there: force and torque between the place and the part, by sensors."""
-    prefix: Annotated[str | None, Prefix()] = None
+    prefix: Annotated[str, WithJsonSchema({"type": "string", **_pattern("*")})] | None = None
     """What stands before the part's names in place of the key; empty for no prefix and no separator."""
     replicate: Annotated[
         tuple[Axis, ...], Items(1), Checked(_too_many), Expects("a list of axes", "[{count: 3, offset: [0.1, 0, 0]}]")
@@ -217,8 +204,9 @@ class Attachment(Model):
     keys: Literal["merge", "prefix"] = "merge"
     """How the part's keyframes are called: merged by name, or kept apart as `PREFIX/NAME`. `drop: [key]` leaves them
     out."""
-    allow: Annotated[tuple[str, ...], Allowed()] = ()
+    allow: Codes = ()
     """The codes of warnings about this part that are meant to be there."""
+    when: When = None
 
     @property
     def key_policy(self) -> KeyPolicy:
@@ -307,12 +295,6 @@ class Prefixes:
             fault = prefix_fault(prefix, settings(info.context), (prefix,), key=True)
             faults += [fault] if fault is not None else []
         return validated_with(handler, value, faults)
-
-
-def _pattern(times: str) -> Schema:
-    """Return the rules of `prefix_fault` as a pattern of JSON Schema. `times` is `*` if it may be empty, else `+`."""
-    message = f"expected a prefix: a name without spaces, and not `{RESERVED}`"
-    return {"pattern": rf"^(?!{RESERVED}$)\S{times}$", "patternErrorMessage": message}
 
 
 def prefix_fault(prefix: str, context: Settings, at: tuple[str, ...] = (), key: bool = False) -> Fault | None:

@@ -10,9 +10,11 @@ from pydantic import Field
 from mjcompose.base.diagnostic import Fault, Path
 from mjcompose.base.extensions import Table
 from mjcompose.language.element import path_of
-from mjcompose.language.form import Schema, Settings
+from mjcompose.language.forms.context import Settings
+from mjcompose.language.forms.definitions import Schema
 from mjcompose.language.forms.model import IT, Model
 from mjcompose.language.forms.rows import Rows
+from mjcompose.language.forms.scalars import When
 
 MODULES = {
     "expect": "mjcompose.build.checks.expect",
@@ -117,6 +119,7 @@ class CheckEntry(Model):
     kinds: Annotated[Mapping[str, Any], Rows(lambda: KINDS)] = Field({}, alias="<kinds>")
     severity: Literal["error", "warning"] = "error"
     """whether the build fails if the check does not hold, or only warns"""
+    when: When = None
 
     @classmethod
     def subject(cls, at: Path) -> str:

@@ -11,13 +11,15 @@ from mjcompose.base.diagnostic import Fault, Path
 from mjcompose.base.extensions import Table
 from mjcompose.base.suggest import closest
 from mjcompose.language.assign import TAGS, Changed
-from mjcompose.language.codes import Allowed
-from mjcompose.language.form import EXCLUSIVE, Schema, Settings, reference, shown
+from mjcompose.language.codes import Codes
 from mjcompose.language.forms.attribute import Selects
+from mjcompose.language.forms.context import Settings
+from mjcompose.language.forms.definitions import Schema, reference
 from mjcompose.language.forms.model import IT, Model
 from mjcompose.language.forms.rows import Rows, first_line
-from mjcompose.language.forms.scalars import Count, Expects, Items, Text
+from mjcompose.language.forms.scalars import Count, Expects, Items, Text, When
 from mjcompose.language.select import NARROWING, kinds_of
+from mjcompose.language.wording import EXCLUSIVE, shown
 from mjcompose.model.selector import Selector
 
 if TYPE_CHECKING:
@@ -196,10 +198,9 @@ class Edit(Model):
         default_factory=dict, alias="<verbs>"
     )
     """what is done, in the order in which it is done"""
-    allow: Annotated[tuple[str, ...], Allowed()] = ()
+    allow: Codes = ()
     """the codes of warnings about it that are meant to be there"""
-    when: Any = None
-    """the builds that it belongs to"""
+    when: When = None
 
     @classmethod
     def subject(cls, at: Path) -> str:

@@ -12,7 +12,8 @@ from functools import partial
 from typing import Any
 
 from mjcompose.language.element import CONFIG, FRAGMENT, NAME
-from mjcompose.language.form import Schema, definition, reference, shown
+from mjcompose.language.forms.definitions import Schema, definition, reference
+from mjcompose.language.wording import shown
 from mjcompose.model.grammar import GRAMMAR, Attribute, Constraint, ElementType
 from mjcompose.model.values import INT_MAX, INT_MIN
 from mjcompose.text.expression_values import ANGLE_PATTERN

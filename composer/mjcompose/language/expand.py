@@ -31,13 +31,6 @@ from mjcompose.text.merge import Path, in_own_model, is_edits, without_ids
 from mjcompose.text.node import Key, Mapping, Node, Scalar, Sequence, find, is_template
 
 WHEN = "when"
-# The depth of items that may have a condition: `sensor.NAME`, `asset.mesh.NAME`, `add[0]`.
-_DEPTH = {
-    **dict.fromkeys(("attach", "add", "edit", "check", "keyframe"), 2),
-    **dict.fromkeys(("sensor", "actuator", "equality", "tendon", "default"), 2),
-    **dict.fromkeys(("asset", "contact", "custom", "deformable", "extension"), 3),
-    **dict.fromkeys(("base", "option", "size", "visual", "statistic", "compiler"), 1),
-}  # fmt: skip
 _MAX_DEPTH = 4  # the depth of a part's edits
 
 
@@ -154,17 +147,15 @@ def has_conditions(node: Node, path: Path = ()) -> bool:
 def _is_item(path: Path) -> bool:
     """Return whether the item at this path may have a condition."""
     own = in_own_model(path)
-    return is_edits(own[:-1]) or (len(own) > 0 and len(own) == _DEPTH.get(str(own[0])))
+    from mjcompose.language.recipe import DEPTHS  # the forms of the language, which few commands need before this
+
+    return is_edits(own[:-1]) or (len(own) > 0 and len(own) == DEPTHS.get(str(own[0])))
 
 
 def _present(entries: Map[str, tuple[Key, Node | None]]) -> Iterator[tuple[str, tuple[Key, Node]]]:
     for name, (key, value) in entries.items():
         if value is not None:
             yield name, (key, value)
-
-
-# These keys do not occur in a concrete recipe.
-SETTLED = ("extends", "trust", "params", "variants", "matrix")
 
 
 @dataclass(frozen=True, slots=True)
@@ -188,6 +179,8 @@ def expand(document: Mapping, given: Map[str, Node], sink: Sink, any: bool = Fal
 
     Faulty pieces are reported and left out. With `any` it has the items of all builds, whatever their `when` says.
     """
+    from mjcompose.language.recipe import SETTLED
+
     axes = read_axes(document, sink)
     chosen = choose(axes, given, sink)
     document = merged(document, axes, chosen, sink=sink)

@@ -7,8 +7,8 @@ from xml.parsers import expat
 
 from mjcompose.base.diagnostic import Fault, Note, Path
 from mjcompose.base.suggest import closest, exists_note, unknown_attribute
-from mjcompose.language.form import EXCLUSIVE
 from mjcompose.language.value import bare_angle
+from mjcompose.language.wording import EXCLUSIVE
 from mjcompose.model.grammar import Constraint, ElementType
 from mjcompose.model.values import check_value, items, parse_real
 

@@ -5,18 +5,22 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import field, replace
-from typing import Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
+
+from pydantic import Field
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Fault, Path
 from mjcompose.base.suggest import closest, renaming
-from mjcompose.language.element import Reader, path_of
-from mjcompose.language.element_schema import attribute_schema, by_name, mapping
-from mjcompose.language.form import Schema, Single, kind_of, reference, shown, unknown_key
-from mjcompose.language.sections import Section
-from mjcompose.language.value import read_value
+from mjcompose.language.element import Reader
+from mjcompose.language.element_schema import by_name
+from mjcompose.language.forms.context import ByGrammar, Settings
+from mjcompose.language.forms.definitions import Schema, reference
+from mjcompose.language.forms.model import OWNER, Model
+from mjcompose.language.forms.scalars import Expects, Name, Unit, When
+from mjcompose.language.value import Single, read_value
+from mjcompose.language.wording import kind_of, shown
 from mjcompose.model.grammar import GRAMMAR
-from mjcompose.text.expression_values import Angle
 
 CTRL, HOLD, JOINT = "ctrl", "hold", "joint"
 Way = Literal["positions", "forces"]
@@ -27,15 +31,17 @@ _ALL = "write `ctrl: hold` for all actuators, `ctrl: {ACTUATOR: hold}` for one"
 
 @dataclass(frozen=True, slots=True)
 class Controls:
-    """The entries of `ctrl` other than numbers by actuator.
+    """The entries of `ctrl`.
 
     `hold` is how all actuators hold the pose, or None. `held` has the paths below `ctrl` of those that do so
-    individually: by actuator (`("grip",)`) or by joint (`("joint", "elbow")`). `joints` has the numbers by joint.
+    individually: by actuator (`("grip",)`) or by joint (`("joint", "elbow")`). `joints` has the numbers by joint,
+    `numbers` those by actuator.
     """
 
     hold: Way | None = None
     held: tuple[tuple[str, ...], ...] = ()
     joints: Mapping[str, Any] = field(default_factory=dict)
+    numbers: Mapping[str, Any] = field(default_factory=dict)
 
 
 def read_controls(
@@ -132,113 +138,73 @@ VECTORS: Mapping[str, str] = {
 }
 """The vectors of a key, each with what its entries are named after."""
 WIDTHS = {"mpos": 3, "mquat": 4}
-KEYS = (FROM, TIME, *VECTORS)
-"""What a key may have, in the order in which `fmt` writes it."""
 
 Entry = tuple[Single, ...]
 
 
-@dataclass(frozen=True, slots=True)
-class Keyframe:
-    """One key: which keys of parts it takes over, by the path of the part, and the entries that it sets.
+class _Entries(ByGrammar):
+    """The entries of a vector of a key, by name."""
 
-    `values` has the entries of each vector by name, and `controls` the other entries of `ctrl`. `at` is the path to
-    its mapping in the recipe.
-    """
-
-    name: str
-    time: float | None = None
-    sources: Mapping[str, str] = field(default_factory=dict)
-    values: Mapping[str, Mapping[str, Entry]] = field(default_factory=dict)
-    at: Path = ()
-    controls: Controls = field(default_factory=Controls)
-
-
-@dataclass(frozen=True, slots=True)
-class Keyframes(Section):
-    """Form of a mapping from the names of keys to their contents, read as a tuple of `Keyframe`."""
-
-    def content(self, reader: Reader, value: Any) -> tuple[Keyframe, ...]:
-        entries = reader.names(value, (), f"`{self.tag}`")
-        read = [_keyframe(reader, name, item) for name, item in entries]
-        return tuple(each for each in read if each is not None)
+    def __init__(self, vector: str) -> None:
+        self.vector = vector
 
     def schema(self) -> Schema:
-        key = self.kind.children["key"]
-        sources = {
-            **by_name({"type": "string", "minLength": 1}),
-            "description": "a key of each part to start from, by the path of the part: `base`, `left`, `left/gripper`",
-        }
-        entries = {
-            vector: {
-                **by_name(reference(f"number-{WIDTHS[vector]}" if vector in WIDTHS else "number-1-")),
-                "description": f"{key.attributes[vector].doc}: a mapping by {named}",
-            }
-            for vector, named in VECTORS.items()
-        }
-        entries[CTRL] = controls_schema(reference("number-1-"), entries[CTRL]["description"])
-        return by_name(mapping({FROM: sources, TIME: attribute_schema(key.attributes[TIME]), **entries}))
+        about = f"{GRAMMAR.element('keyframe/key').attributes[self.vector].doc}: a mapping by {VECTORS[self.vector]}"
+        width = WIDTHS.get(self.vector)
+        number = reference("number-1-" if width is None else f"number-{width}")
+        return controls_schema(number, about) if self.vector == CTRL else {**by_name(number), "description": about}
+
+    def read(self, value: Any, faults: list[Fault], settings: Settings) -> Any:
+        reader = Reader(settings, faults)
+        if self.vector != CTRL:
+            return _entries(reader, self.vector, value, at=(), owner=OWNER, named=VECTORS[self.vector])
+        read = read_controls(reader, value, (), owner=OWNER)
+        if read is None:
+            return None
+        controls, by_actuator, by_joint = read
+        joints = _entries(reader, CTRL, by_joint, at=(JOINT,), owner=OWNER, named=JOINT)
+        numbers = _entries(reader, CTRL, by_actuator, at=(), owner=OWNER, named="actuator")
+        return replace(controls, joints=joints, numbers=numbers)
 
 
-def _keyframe(reader: Reader, name: str, value: Any) -> Keyframe | None:
-    owner, at = f"keyframe `{name}`", (name,)
-    if not isinstance(value, dict):
-        help = "write what is in it by name: `qpos: {JOINT: 0.1}`" if isinstance(value, list) else None
-        message = f"{owner} expects a mapping, got {kind_of(value)}"
-        reader.faults.append(Fault("wrong-type", message, at, help=help))
-        return None
-    for key in value:
-        if key not in KEYS:
-            fault = unknown_key(f"`{key}` is not a key of a keyframe", key, KEYS, at=(*at, key))
-            if key == HOLD:
-                help = f"write `{CTRL}: {HOLD}`, or `{CTRL}: {{{HOLD}: forces}}`"
-                fault = replace(fault, help=help, fix=None)
-            reader.faults.append(fault)
-    given = dict(value)
-    controls = Controls()
-    if CTRL in given:
-        read = read_controls(reader, given.pop(CTRL), (*at, CTRL), owner=owner)
-        if read is not None:
-            controls, by_actuator, by_joint = read
-            joints = _entries(reader, CTRL, by_joint, at=(*at, CTRL, JOINT), owner=owner, named="joint")
-            controls = replace(controls, joints=joints)
-            given[CTRL] = by_actuator
-    values = {
-        vector: _entries(reader, vector, given[vector], at=(*at, vector), owner=owner, named=VECTORS[vector])
-        for vector in VECTORS
-        if vector in given
-    }
-    sources = _sources(reader, value[FROM], (*at, FROM), owner=owner) if FROM in value else {}
-    time = _time(reader, value[TIME], (*at, TIME), owner=owner) if TIME in value else None
-    return Keyframe(name, time, sources, values=values, at=path_of(value), controls=controls)
+_Vector = Mapping[str, Entry]
+_KeyName = Annotated[str, Name(what="the name of a key")]
 
 
-def _time(reader: Reader, value: Any, at: Path, owner: str) -> float | None:
-    read = read_value(GRAMMAR.element("keyframe/key").attributes[TIME], value, at, owner=owner, faults=reader.faults)
-    if isinstance(read, Angle):
-        message = f"`{TIME}` of {owner} is in seconds, and {shown(str(read))} is an angle"
-        reader.faults.append(Fault("wrong-type", message, at))
-        return None
-    return float(read) if isinstance(read, int | float) else None
+class Keyframe(Model):
+    """A key: which keys of parts it starts from, and the entries that it sets, by name."""
 
+    example: ClassVar = "{qpos: {JOINT: 0.1}}"
+    instead: ClassVar = {HOLD: f"write `{CTRL}: {HOLD}`, or `{CTRL}: {{{HOLD}: forces}}`"}
 
-def _sources(reader: Reader, value: Any, at: Path, owner: str) -> dict[str, str]:
-    """Return the key of each part from which the key is made."""
-    if not isinstance(value, dict):
-        name = value if isinstance(value, str) else "home"
-        message = f"`{FROM}` of {owner} expects a mapping from parts to their keys, got {kind_of(value)}"
-        help = f"write `{FROM}: {{base: {name}}}`, or the prefix of a part in place of `base`"
-        reader.faults.append(Fault("wrong-type", message, at, help=help))
-        return {}
-    found: dict[str, str] = {}
-    for part, key in value.items():
-        if isinstance(key, str) and key:
-            found[part] = key
-        else:
-            quoted = None if isinstance(key, list | dict) or key == "" else f"quote it: '{shown(key)}'"
-            message = f"`{part}` in `{FROM}` of {owner} expects the name of a key, got {kind_of(key)}"
-            reader.faults.append(Fault("wrong-type", message, (*at, part), help=quoted))
-    return found
+    sources: Annotated[dict[str, _KeyName], Expects("a mapping from parts to their keys", "{base: home}")] = Field(
+        default_factory=dict, alias=FROM
+    )
+    """A key of each part to start from, by the path of the part: `base`, `left`, `left/gripper`."""
+    time: Annotated[float, Unit("s")] | None = None
+    """The time of the key, in seconds."""
+    qpos: Annotated[_Vector, _Entries("qpos")] = Field(default_factory=dict)
+    qvel: Annotated[_Vector, _Entries("qvel")] = Field(default_factory=dict)
+    act: Annotated[_Vector, _Entries("act")] = Field(default_factory=dict)
+    controls: Annotated[Controls, _Entries(CTRL)] = Field(default_factory=Controls, alias=CTRL)
+    mpos: Annotated[_Vector, _Entries("mpos")] = Field(default_factory=dict)
+    mquat: Annotated[_Vector, _Entries("mquat")] = Field(default_factory=dict)
+    when: When = None
+
+    @property
+    def name(self) -> str:
+        """The name of the key."""
+        return str(self.at[-1])
+
+    @property
+    def values(self) -> dict[str, Mapping[str, Entry]]:
+        """The entries of each vector that is written, by name."""
+        written = {name: getattr(self, name) for name in VECTORS if name in self.model_fields_set}
+        return written if "controls" not in self.model_fields_set else {**written, CTRL: self.controls.numbers}
+
+    @classmethod
+    def subject(cls, at: Path) -> str:
+        return f"keyframe `{at[-1]}`" if at else "a keyframe"
 
 
 def _entries(reader: Reader, vector: str, value: Any, at: Path, owner: str, named: str) -> dict[str, Entry]:

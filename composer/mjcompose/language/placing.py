@@ -5,30 +5,23 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import ValidationInfo
+from pydantic import Discriminator, Field, SkipValidation, Tag, WithJsonSchema
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Fault, Path
 from mjcompose.base.rotation import cross
 from mjcompose.base.suggest import closest, exists_note, renaming
 from mjcompose.language.element import Reader, label
-from mjcompose.language.form import (
-    Element,
-    Form,
-    Schema,
-    Settings,
-    Single,
-    Text,
-    definition,
-    kind_of,
-    reference,
-    validation_error,
-)
 from mjcompose.language.forms.attribute import Attribute
+from mjcompose.language.forms.context import ByGrammar, Settings
+from mjcompose.language.forms.definitions import Schema, reference
 from mjcompose.language.forms.model import IT, Model
+from mjcompose.language.forms.scalars import Checked, Name
 from mjcompose.language.fragment import missing_key
+from mjcompose.language.value import Element, Single
+from mjcompose.language.wording import is_unprintable, kind_of, shown, unprintable
 from mjcompose.model.grammar import GRAMMAR
 from mjcompose.text.expression_values import Angle
 from mjcompose.text.key_order import WHOLE
@@ -36,36 +29,17 @@ from mjcompose.text.node import Key, Scalar, find
 from mjcompose.text.node import Mapping as Located
 from mjcompose.text.node import Sequence as List
 
-_TEXT = Text("model")
 INHERITED = ("recipe", "angle", "eulerseq", "separator", "conflict")
 """What a model in place has of the recipe that it is written in, where it does not say otherwise."""
 Judge = Callable[[Located], list[Fault]]
 OF_A_FILE = {
     "extends": "write it into a file of its own: `model: ./NAME.yaml`",
+    "trust": "write it in the recipe itself",
     "params": "declare them in `params` of the recipe: `${…}` has the same values here",
     "variants": "write them in `variants` of the recipe: a piece may change what is written here",
     "matrix": "write it in the recipe itself",
     "randomize": "write it in the recipe itself, whose fields reach what is written here",
 }
-
-
-@dataclass(frozen=True, slots=True)
-class ModelField(Form):
-    """Form of the field `model`: a model reference, or a recipe as a mapping, which the planner reads."""
-
-    def schema(self) -> Schema:
-        return {"anyOf": [_TEXT.schema(), reference("in-place")]}
-
-    def read(self, value: Any, faults: list[Fault], settings: Settings) -> str | Mapping[str, Any] | None:
-        if isinstance(value, dict):
-            return value
-        if isinstance(value, list):
-            message = "`model` is a model reference, or a recipe as a mapping, got a list"
-            one_of = bool(value) and all(isinstance(each, str) for each in value)
-            help = advice_to_choose(value) if one_of else "write `model: {add: […]}`"
-            faults.append(Fault("wrong-type", message, help=help))
-            return None
-        return _TEXT.read(value, faults, settings)
 
 
 def advice_to_choose(models: Sequence[str]) -> str:
@@ -75,6 +49,48 @@ def advice_to_choose(models: Sequence[str]) -> str:
         f'one in each sample: `params: {{which: {models[0]}}}`, `model: "${{which}}"`, and `randomize` with'
         f" `fields: {drawn}`"
     )
+
+
+def _model_fault(value: Any) -> Fault | None:
+    if isinstance(value, list):
+        message = f"{IT} is a model reference, or a recipe as a mapping, got a list"
+        one_of = bool(value) and all(isinstance(each, str) for each in value)
+        return Fault("wrong-type", message, help=advice_to_choose(value) if one_of else "write `model: {add: […]}`")
+    if isinstance(value, dict):
+        return None
+    if not isinstance(value, str):
+        return Fault("wrong-type", f"{IT} expects text, got {kind_of(value)}", help=f"quote it: '{shown(value)}'")
+    if not value:
+        return Fault("wrong-type", f"{IT} is empty")
+    return unprintable(IT, ()) if is_unprintable(value) else None
+
+
+ModelReference = Annotated[
+    str | Mapping[str, Any],
+    SkipValidation,
+    Checked(_model_fault, first=True),
+    WithJsonSchema({"anyOf": [{"type": "string", "minLength": 1}, reference("made:InPlace")]}),
+]
+"""A model reference, or a recipe as a mapping, which the planner reads."""
+
+
+class Frame(Model):
+    """A frame by its name."""
+
+    instead: ClassVar = {
+        "body": "write the name of the body alone",
+        **dict.fromkeys(("site", "geom", "joint"), "write the name of a body, or `{frame: NAME}`"),
+    }
+
+    frame: Annotated[str, Name("frame", computed=True)] = Field(examples=["NAME"])
+    """the name of a frame"""
+
+
+Place = Annotated[
+    Annotated[str, Name("body", computed=True, what="a body, `world`, or `{frame: NAME}`"), Tag("<name>")]
+    | Annotated[Frame, Tag("<mapping>")],
+    Discriminator(lambda value: "<mapping>" if isinstance(value, dict | Frame) else "<name>"),
+]
 
 
 class Inline:
@@ -95,11 +111,6 @@ class Inline:
     def schema(self) -> Iterator[Schema]:
         """Yield nothing: a part has no such keys anyway."""
         return iter(())
-
-
-@definition("in")
-def _definition(_: str) -> Schema:
-    return {"$ref": "#/$defs/InPlace"}
 
 
 def with_inherited(model: Located, around: Located) -> Located:
@@ -169,12 +180,14 @@ class Offset(Attribute):
     def __init__(self, name: str) -> None:
         super().__init__("frame", name)
 
-    def _read(self, value: Any, info: ValidationInfo) -> Any:
-        read = super()._read(value, info)
+    def read(self, value: Any, faults: list[Fault], settings: Settings) -> Any:
+        read = super().read(value, faults, settings)
+        if faults:
+            return None
         if self.declared.angle is None:
             read = tuple(item.radians if isinstance(item, Angle) else item for item in read)
-        if (fault := _no_pose(self.name, read)) is not None:
-            raise validation_error([fault], value)
+        fault = _no_pose(self.name, read)
+        faults += [fault] if fault is not None else []
         return read
 
 
@@ -199,7 +212,7 @@ def _no_pose(name: str, read: tuple[Single, ...]) -> Fault | None:
 
 
 @dataclass(frozen=True, slots=True)
-class JointField(Form):
+class JointField(ByGrammar):
     """Form of the field `joint`: a word, a mapping of a joint's attributes, or a list of such mappings with names.
 
     It is read as the word, an `Element` for a joint without a name, or a tuple of `Element` with names.

@@ -3,104 +3,41 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import Field
+from pydantic import Field, GetCoreSchemaHandler, ValidationInfo, WithJsonSchema
+from pydantic.fields import FieldInfo
+from pydantic_core import CoreSchema, core_schema
 
-from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Fault, Path
 from mjcompose.base.suggest import advised, exists_note
 from mjcompose.language.attach import Attachment, Prefixes, Start
 from mjcompose.language.check import CheckEntry
-from mjcompose.language.codes import Allowed
+from mjcompose.language.codes import Codes
 from mjcompose.language.datasheets import Datasheets
 from mjcompose.language.edit import Edits
-from mjcompose.language.element import FRAGMENT, Reader, label, path_of
-from mjcompose.language.element_schema import mapping
-from mjcompose.language.expand import SETTLED
-from mjcompose.language.form import (
-    EXCLUSIVE,
-    Element,
-    Form,
-    Schema,
-    Settings,
-    definition,
-    is_unprintable,
-    kind_of,
-    reference,
-    unprintable,
-)
-from mjcompose.language.forms.model import IT, Model
+from mjcompose.language.element import FRAGMENT, Reader, label
+from mjcompose.language.forms.context import ByGrammar, Settings, settings, validation_error
+from mjcompose.language.forms.definitions import Schema, reference
+from mjcompose.language.forms.model import IT, Model, Rest
 from mjcompose.language.forms.rows import Lazy
-from mjcompose.language.forms.scalars import Checked, Expects, Name
-from mjcompose.language.fragment import missing_key
-from mjcompose.language.keyframe import Keyframe, Keyframes
-from mjcompose.language.sections import ByTag, DefaultClass, Defaults, Extension, Singleton, Typed
+from mjcompose.language.forms.scalars import Checked, Expects, Items, Name, Named, Text, When
+from mjcompose.language.forms.walk import has_key, inside
+from mjcompose.language.keyframe import Keyframe
+from mjcompose.language.placing import Frame, Place
+from mjcompose.language.sections import ByTag, DefaultClass, Defaults, Extension, Section, Singleton, Typed
 from mjcompose.language.select import Collisions, Contacts
+from mjcompose.language.value import Element
+from mjcompose.language.wording import EXCLUSIVE, is_unprintable, kind_of, unprintable
 from mjcompose.model.grammar import GRAMMAR, ElementType
 
 TO = "to"
-ID = "id"
 WORLD = "world"
-Target = tuple[Literal["world", "body", "frame"], str]
-
-
-@dataclass(frozen=True, slots=True)
-class Addition:
-    """One entry of `add`: an element, and where it is added.
-
-    `to` is the name of a body or frame, or `world`. The place of the name is `locate(node, (*at, "to"))`, and for a
-    frame `locate(node, (*at, "to", "frame"))`.
-    """
-
-    to_kind: Literal["world", "body", "frame"]
-    to: str
-    element: Element
-    at: Path = ()
-
-
-@dataclass(frozen=True, slots=True)
-class Additions(Form):
-    """Form of the field `add`: a list of `{to: NAME, TAG: {…}}`, read as a tuple of `Addition`."""
-
-    def schema(self) -> Schema:
-        return {"type": "array", "items": reference("addition")}
-
-    def read(self, value: Any, faults: list[Fault], settings: Settings) -> tuple[Addition, ...]:
-        reader = Reader(settings, faults)
-        additions: list[Addition | None] = []
-        if isinstance(value, list):
-            additions = [_addition(reader, item, (index,)) for index, item in enumerate(value)]
-        else:
-            help = f"put `- ` in front of `{TO}`" if isinstance(value, dict) and TO in value else None
-            message = f"`add` expects a list of entries, got {kind_of(value)}"
-            faults.append(Fault("wrong-type", message, help=help))
-        return tuple(each for each in additions if each is not None)
 
 
 def addable(place: str) -> Mapping[str, ElementType]:
     """Return the elements that can be added to the world, a body or a frame."""
     return GRAMMAR.element("worldbody" if place == WORLD else place).children
-
-
-def _addition(reader: Reader, value: Any, at: Path) -> Addition | None:
-    if not isinstance(value, dict):
-        message = f"an entry of `add` is a mapping, got {kind_of(value)}"
-        reader.faults.append(Fault("wrong-type", message, at, help="write `{to: NAME, TAG: {…}}`"))
-        return None
-    target: Target | None = None
-    if TO in value:
-        target = _target(reader, value[TO], (*at, TO))
-    else:
-        fault = missing_key("an entry of `add`", TO, at)
-        help = "write `to: world`, or the name of a body"
-        reader.faults.append(replace(fault, key=False, help=help))
-    kinds = addable(target[0] if target else "body")
-    element = _element(reader, value, at, kinds=kinds, place="the world" if target and target[0] == WORLD else "`add`")
-    if target is None or element is None:
-        return None
-    return Addition(target[0], target[1], element, at=path_of(value))
 
 
 def _element(
@@ -109,10 +46,10 @@ def _element(
     """Return the one element of an entry, or None after a reported fault."""
     found = [name for name in value if name in kinds or name == FRAGMENT]
     for name in value:
-        if name != TO and name not in found:
+        if name not in _OF_AN_ADDITION and name not in found:
             reader.faults.append(_unknown(name, (*at, name), kinds, place=place))
     if not found:
-        if set(value) <= {TO}:
+        if set(value) <= _OF_AN_ADDITION:
             help = "write the element as `TAG: {…}`, for instance `site: {name: tcp, pos: [0, 0, 0.1]}`"
             reader.faults.append(Fault("missing-key", "an entry of `add` has no element", at, help=help))
         return None
@@ -129,7 +66,7 @@ def _element(
             )
         )
     if first == FRAGMENT:
-        return reader.fragment(kinds, place, value, at=at, own=(TO, *others))
+        return reader.fragment(kinds, place, value, at=at, own=(*_OF_AN_ADDITION, *others))
     item = value[first]
     if isinstance(item, list):
         help = f"write an entry of its own for each `{first}`"
@@ -158,61 +95,82 @@ def _unknown(name: str, at: Path, kinds: Mapping[str, ElementType], place: str) 
     )
 
 
-def _target(reader: Reader, value: Any, at: Path) -> Target | None:
-    """Return where an element is added: a name, `world`, or `{frame: NAME}`."""
-    kind: Literal["body", "frame"] = "body"
-    if isinstance(value, dict) and list(value) == ["frame"]:
-        kind, value, at = "frame", value["frame"], (*at, "frame")
-    if not isinstance(value, str) or not value:
-        help = "write the name of a body, `world`, or `{frame: NAME}`"
-        message = f"`{TO}` expects a name, got {kind_of(value) if value != '' else 'empty text'}"
-        reader.faults.append(Fault("wrong-type", message, at, help=help))
-        return None
-    if is_unprintable(value):
-        reader.faults.append(unprintable(f"`{TO}`", at))
-        return None
-    if kind == "body" and value == WORLD:
-        return "world", WORLD
-    return kind, value
+class _Added(ByGrammar):
+    """The element of an entry of `add`, which is written by its tag beside the entry's own keys."""
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.with_info_plain_validator_function(self._read)
+
+    def _read(self, value: Any, info: ValidationInfo) -> Element | None:
+        context = settings(info.context)
+        faults: list[Fault] = []
+        place = info.data.get(TO)
+        kinds = addable(WORLD if place == WORLD else "frame" if isinstance(place, Frame) else "body")
+        where = "the world" if place == WORLD else "`add`"
+        element = _element(Reader(context, faults), value, (), kinds=kinds, place=where)
+        if faults:
+            raise validation_error(faults, value)
+        return element
+
+    def read(self, value: Any, faults: list[Fault], settings: Settings) -> Element | None:
+        raise NotImplementedError
+
+    def schema(self) -> Schema:
+        elements = {tag: reference(f"element:{kind.path}") for tag, kind in GRAMMAR.element("body").children.items()}
+        size = 1 + len(_OF_AN_ADDITION)
+        return {"properties": {**elements, FRAGMENT: reference("fragment")}, "minProperties": 2, "maxProperties": size}
 
 
-@definition("addition")
-def _definition_of_addition(_: str) -> Schema:
-    frame = {
-        **mapping({"frame": {"type": "string", "minLength": 1, "description": "the name of a frame"}}),
-        "required": ["frame"],
-    }
-    target: Schema = {
-        "anyOf": [{"type": "string", "minLength": 1}, frame],
-        "description": "the name of a body, `world`, or `{frame: NAME}`",
-    }
-    elements = {tag: reference(f"element:{kind.path}") for tag, kind in GRAMMAR.element("body").children.items()}
-    schema = mapping({"to": target, **elements, FRAGMENT: reference("fragment")})
-    return {**schema, "required": ["to"], "minProperties": 2, "maxProperties": 2}
+class Addition(Model):
+    """One entry of `add`: an element, and where it is added.
 
+    The place of the name is `locate(node, (*at, "to"))`, and for a frame `locate(node, (*at, "to", "frame"))`.
+    """
+
+    example: ClassVar = "{to: NAME, TAG: {…}}"
+
+    id: Text | None = None
+    """A name for merging: an item with the same one replaces this one."""
+    to: Place = Field(examples=["world"])
+    """The name of a body, `world`, or `{frame: NAME}`."""
+    element: Annotated[Element, _Added(), Rest()] = Field(alias="<element>")
+    when: When = None
+
+    @property
+    def to_kind(self) -> Literal["world", "body", "frame"]:
+        """The kind of the place."""
+        return "frame" if isinstance(self.to, Frame) else "world" if self.to == WORLD else "body"
+
+    @property
+    def to_name(self) -> str:
+        """The name of the place."""
+        return self.to.frame if isinstance(self.to, Frame) else self.to
+
+    @classmethod
+    def subject(cls, at: Path) -> str:
+        return "an entry of `add`"
+
+
+_OF_AN_ADDITION = frozenset(Addition.key_names())
 
 VERSION = 1
 SETTABLE = frozenset("discardvisual fusestatic boundmass boundinertia settotalmass lengthrange".split())
 
 
-@dataclass(frozen=True, slots=True)
-class Version(Form):
-    """Form of the field `recipe`: the version of the language."""
+def _version_fault(value: Any) -> Fault | None:
+    # In Python, `True == 1` and `1.0 == 1`.
+    if type(value) is int and value == VERSION:
+        return None
+    message = f"`recipe` expects the version of the language, the number {VERSION}, got {kind_of(value)}"
+    help = f"write `recipe: {VERSION}`"
+    if type(value) is int and value > VERSION:
+        message = f"the recipe is written in version {value} of the language; this mjcompose knows {VERSION}"
+        help = f"install a newer mjcompose, or write `recipe: {VERSION}`"
+    return Fault("recipe-version", message, help=help)
 
-    def schema(self) -> Schema:
-        return {"const": VERSION}
 
-    def read(self, value: Any, faults: list[Fault], settings: Settings) -> int:
-        # In Python, `True == 1` and `1.0 == 1`.
-        if type(value) is int and value == VERSION:
-            return VERSION
-        message = f"`recipe` expects the version of the language, the number {VERSION}, got {kind_of(value)}"
-        help = f"write `recipe: {VERSION}`"
-        if type(value) is int and value > VERSION:
-            message = f"the recipe is written in version {value} of the language; this mjcompose knows {VERSION}"
-            help = f"install a newer mjcompose, or write `recipe: {VERSION}`"
-        faults.append(Fault("recipe-version", message, help=help))
-        return VERSION
+class Settled:
+    """A mark of a key that is settled before a recipe is validated, which has it no longer then."""
 
 
 def _unprintable(text: str) -> Fault | None:
@@ -237,12 +195,16 @@ class Recipe(Model):
 
     instead: ClassVar = {"motors": "datasheets"}
 
-    recipe: Annotated[Literal[1], Version()]
+    recipe: Annotated[int, Checked(_version_fault, first=True), WithJsonSchema({"const": VERSION})]
     """The version of the language: 1."""
     name: Annotated[str, Name(what="text")] | None = None
     """The model's name; without it, the stem of the recipe's file."""
     description: Annotated[str, Checked(_unprintable)] | None = None
     """Free text that reaches the manifest."""
+    extends: Annotated[Text | None, Settled()] = None
+    """Another recipe, over which this file is merged."""
+    trust: Annotated[Any, Lazy("mjcompose.language.variation:TrustKeys"), Settled()] = None
+    """Files and references on this machine that you open to others. It counts in the recipe alone that you build."""
     angle: Literal["degree", "radian"] | None = None
     """The unit of angles without a unit in this file. Without it, such an angle is an error."""
     eulerseq: Annotated[str, Checked(_sequence_fault)] = "xyz"
@@ -251,6 +213,8 @@ class Recipe(Model):
     """What stands between a prefix and a name."""
     conflict: Literal["error", "base", "mujoco"] = "error"
     """What happens where parts disagree in `option`, `size`, `statistic` or `visual`."""
+    params: Annotated[Any, Lazy("mjcompose.language.variation:Params"), Settled()] = None
+    """Parameters by name: what `${name}` stands for, and what --set and `with` may set."""
     base: Annotated[Attachment | None, Start()] = None
     """The model to start from: a part without a prefix, at the world; without it, an empty one."""
     attach: Annotated[
@@ -273,7 +237,7 @@ class Recipe(Model):
     """Default classes: a mapping from class to its settings by tag; `main` is the top class."""
     asset: Annotated[tuple[Element, ...], ByTag("asset")] = ()
     """Meshes, textures, materials and other assets: by tag, a mapping from their names."""
-    add: Annotated[tuple[Addition, ...], Additions()] = ()
+    add: Annotated[tuple[Addition, ...], Items(), Expects("a list of entries", "[{to: NAME, TAG: {…}}]")] = ()
     """Elements under a body, a frame or the world."""
     deformable: Annotated[tuple[Element, ...], ByTag("deformable")] = ()
     """Flexes and skins: by tag, a mapping from their names."""
@@ -295,15 +259,21 @@ class Recipe(Model):
     inertia and source."""
     edit: Edits = ()
     """Ordered changes to the model, by selectors, when everything else is in place."""
-    keyframe: Annotated[tuple[Keyframe, ...], Keyframes("keyframe")] = ()
+    keyframe: Annotated[
+        dict[str, Keyframe], Named(), Expects("a mapping from names to keys", "{home: {qpos: {JOINT: 0.1}}}")
+    ] = Field({})
     """Keys: a mapping from their names to entries by the names of joints, actuators and mocap bodies."""
+    variants: Annotated[Any, Lazy("mjcompose.language.variation:Variants"), Settled()] = None
+    """Pieces of recipe by axis and value, of which one of each axis is merged over the recipe."""
+    matrix: Annotated[Any, Lazy("mjcompose.language.variation:Grid"), Settled()] = None
+    """The combinations that `build --all` builds."""
     randomize: Annotated[Any, Lazy("mjcompose.language.randomize:Randomize")] = None
     """Seeded draws: samples of the model that `build --all` builds."""
     check: Annotated[dict[str, CheckEntry], Expects("a mapping from names to checks", "{whole: {unchanged: {}}}")] = (
         Field({})
     )
     """Conditions that the model must meet: a mapping from a name to a check."""
-    allow: Annotated[tuple[str, ...], Allowed()] = ()
+    allow: Codes = ()
     """The codes of warnings that are meant to be there: they are not reported. Parts and edits can have it, too."""
 
     @classmethod
@@ -312,7 +282,12 @@ class Recipe(Model):
 
     @classmethod
     def listed(cls) -> list[str]:
-        return [*cls.key_names(), *SETTLED]
+        return sorted(cls.key_names(), key=lambda name: name in SETTLED)
+
+
+SETTLED = tuple(
+    name for name, field in Recipe.model_fields.items() if any(isinstance(mark, Settled) for mark in field.metadata)
+)
 
 
 def sections_of(form: type[object]) -> tuple[str, ...]:
@@ -323,3 +298,15 @@ def sections_of(form: type[object]) -> tuple[str, ...]:
     """
     fields = Recipe.model_fields.items()
     return tuple(name for name, field in fields if any(isinstance(mark, form) for mark in field.metadata))
+
+
+def _depth(info: FieldInfo) -> int:
+    """Return how far below a recipe the items of a key are that can have `when`; 0 if it has none."""
+    if (section := next((mark for mark in info.metadata if isinstance(mark, Section)), None)) is not None:
+        return section.depth
+    kind = inside(info.annotation, 0)
+    return 1 if has_key(kind, "when") else 2 if has_key(inside(kind, 1), "when") else 0
+
+
+DEPTHS = {name: depth for name, info in Recipe.model_fields.items() if (depth := _depth(info))}
+"""How deep the items are that can have `when`: `sensor.NAME`, `asset.mesh.NAME`, `add[0]`."""

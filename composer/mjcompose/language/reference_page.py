@@ -16,32 +16,17 @@ import json
 import os
 import re
 import sys
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from mjcompose.language.expand import SETTLED
-from mjcompose.language.form import Schema, check_rows
+from mjcompose.language.forms.definitions import Schema
+from mjcompose.language.forms.walk import first_keys
 from mjcompose.language.forms.walk import key_order as key_order_of
-from mjcompose.language.keyframe import KEYS as KEYFRAME
-from mjcompose.language.keyframe import Keyframes
-from mjcompose.language.recipe import ID, TO, Additions, Recipe, sections_of
+from mjcompose.language.recipe import Recipe
 from mjcompose.language.schema import recipe_schema
-from mjcompose.language.sections import PARENT, TYPE, Defaults, Typed
-from mjcompose.language.variation import Declaration, Grid
 from mjcompose.model.classes import ORIENTATIONS
 from mjcompose.model.grammar import GRAMMAR, ElementType
 from mjcompose.sources.kinds import KINDS
-
-_WHEN = "when"
-_AFTER = {
-    "extends": "description",
-    "trust": "extends",
-    "params": "conflict",
-    "variants": "keyframe",
-    "matrix": "variants",
-}
-"""What is settled before a recipe is validated, each with the key behind which it stands."""
-check_rows("the places of keys in composer/mjcompose/language/reference_page.py", _AFTER, SETTLED)
 
 
 def key_order() -> dict[str, dict[str, list[str]]]:
@@ -50,21 +35,8 @@ def key_order() -> dict[str, dict[str, list[str]]]:
     In the mappings of `whole`, each key has a place. In those of `first`, only some keys have one, and come first;
     the author orders the others.
     """
-    declared = {".".join(map(str, at)): keys for at, keys in key_order_of(Recipe).items()}
-    whole = {
-        **declared,
-        "": _top(),
-        **{part: [*declared[part], _WHEN] for part in ("base", "attach.*")},
-        "params.*": Declaration.key_names(),
-        **{f"{section}.*": list(KEYFRAME) for section in sections_of(Keyframes)},
-        "matrix": Grid.key_names(),
-    }
-    first = {
-        **_each(sections_of(Additions), ID, TO),
-        **_each(sections_of(Defaults), PARENT),
-        **_each(sections_of(Typed), TYPE),
-    }
-    return {"whole": whole, "first": first}
+    tables = {"whole": key_order_of(Recipe), "first": first_keys(Recipe)}
+    return {name: {".".join(map(str, at)): keys for at, keys in table.items()} for name, table in tables.items()}
 
 
 def text() -> str:
@@ -76,17 +48,6 @@ def text() -> str:
         for name, table in key_order().items()
     ]
     return "{\n" + ",\n".join(tables) + "\n}\n"
-
-
-def _top() -> list[str]:
-    keys = Recipe.key_names()
-    for key, before in _AFTER.items():
-        keys.insert(keys.index(before) + 1, key)
-    return keys
-
-
-def _each(sections: Iterable[str], *keys: str) -> dict[str, list[str]]:
-    return {f"{section}.*": list(keys) for section in sections}
 
 
 MANUAL = "https://mujoco.readthedocs.io/en/stable/XMLreference.html"
@@ -347,7 +308,7 @@ class _Keys:
     @staticmethod
     def _apart(pointer: str) -> bool:
         # Numbers are known by their type, and a piece of recipe has the same keys as a recipe.
-        known = pointer in _CHAPTERS or pointer in ("Piece", "InPlace", "dropped")
+        known = pointer in _CHAPTERS or pointer in ("Piece", "InPlace", "Drop")
         return known or bool(_VALUES.fullmatch(pointer)) or pointer.startswith((*_ELEMENTS, "property"))
 
     def _row(self, place: str, schema: Schema, required: bool) -> str:
@@ -394,7 +355,7 @@ class _Keys:
                 return word
             count = least if not several else f"{least} to {most}" if most else f"{least} or more"
             return f"{count} {word}s"
-        if pointer == "dropped":
+        if pointer == "Drop":
             return self._named("selector")
         if pointer == "code":
             return "[codes](../errors)"

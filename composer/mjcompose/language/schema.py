@@ -10,18 +10,16 @@ import json
 import sys
 from collections import Counter
 from collections.abc import Callable, Iterator
-from copy import deepcopy
 from typing import Any
 
 from mjcompose.language.attach import Attachment
-from mjcompose.language.expand import SETTLED
-from mjcompose.language.form import REFERENCE, Schema, define, definition_key
-from mjcompose.language.forms.json_schema import Generator, schema_of
+from mjcompose.language.forms.definitions import REFERENCE, Schema, define, definition_key
+from mjcompose.language.forms.json_schema import Generator
+from mjcompose.language.forms.scalars import WHEN
 from mjcompose.language.parameters import NO_PIECE
 from mjcompose.language.placing import OF_A_FILE
 from mjcompose.language.recipe import Recipe, sections_of
 from mjcompose.language.sections import Singleton
-from mjcompose.language.variation import VALUE, Declaration, Grid
 
 _DEFS = "#/$defs/"
 _PIECE = "piece."
@@ -113,65 +111,18 @@ def _one_nullable(schemas: list[Any]) -> list[Any]:
 
 # What a file that extends another one writes for itself.
 _OWN = ("recipe", "extends", "trust")
-_HEAD: dict[str, Schema] = {
-    "extends": {"type": "string", "minLength": 1, "description": "Another recipe, over which this file is merged."},
-    "trust": {
-        "type": "object",
-        "properties": {
-            "files": {"type": "array", "items": {"type": "string", "minLength": 1},
-                      "description": "Folders outside the project that models may read, relative to the recipe."},
-            "references": {"type": "array", "items": {"type": "string", "minLength": 1},
-                           "description": "What fetched recipes may name of this machine and its network:"
-                           " how such references begin, as `git+file:///srv/robots` or `package:NAME`."},
-        },
-        "additionalProperties": False,
-        "description": "What is opened to others on this machine; it counts in the recipe that is built alone.",
-    },
-    "params": {
-        "type": "object",
-        "additionalProperties": {
-            "anyOf": [
-                schema_of(Declaration),
-                {**VALUE, "description": "the default alone; its type is that of the parameter"},
-            ]
-        },
-        "description": "Parameters by name: what `${name}` stands for, and what --set and `with` may set.",
-    },
-    "variants": {
-        "type": "object",
-        "additionalProperties": {
-            "type": "object",
-            "minProperties": 1,
-            "additionalProperties": {"$ref": "#/$defs/Piece"},
-        },
-        "description": "Pieces of recipe by axis and value, of which one of each axis is merged over the recipe.",
-    },
-    "matrix": schema_of(Grid),
-}  # fmt: skip
-_WHEN: Schema = {
-    "anyOf": [{"type": "object"}, {"type": "boolean"}, {"type": "string", "pattern": r"\$\{"}],
-    "description": "The builds that this belongs to: values of variants and parameters, or one boolean `${…}`.",
-}
-_ID: Schema = {
-    "type": "string",
-    "minLength": 1,
-    "description": "A name for merging: an item with the same one replaces this one.",
-}
-_WITH_WHEN = ("Attachment", "CheckEntry", "addition", "class", "element.contact.pair", "element.contact.exclude")
+_WITH_WHEN = ("class", "element.contact.pair", "element.contact.exclude")
+# The items of MJCF's sections that can have `when`; the models of the others declare it.
 
 
 def add_variation(schema: Schema, definitions: dict[str, Schema]) -> None:
     """Add these keys to the schema of a recipe, and the definition of a piece of recipe."""
     properties = schema["properties"]
-    properties.update({name: deepcopy(_HEAD[name]) for name in SETTLED})
-    _complete(schema, definitions)
     for name, definition in definitions.items():
         if name in _WITH_WHEN or name.startswith(("variant.", "named.")):
-            _into(definition, "when", _WHEN)
-    _into(definitions["addition"], "id", _ID)
-    definitions["addition"]["maxProperties"] += 2
+            _into(definition, "when", WHEN)
     for name in sections_of(Singleton):
-        _into(properties[name], "when", _WHEN)
+        _into(properties[name], "when", WHEN)
     definitions["InPlace"] = {
         "type": "object",
         "properties": {name: each for name, each in properties.items() if name not in OF_A_FILE},
@@ -179,7 +130,7 @@ def add_variation(schema: Schema, definitions: dict[str, Schema]) -> None:
         "description": "A recipe, written in place of a model reference.",
     }
     _share(schema, definitions)
-    pieces = loosened(properties, definitions)
+    pieces = loosened({name: each for name, each in properties.items() if name not in _OWN}, definitions)
     definitions["Piece"] = {
         "type": "object",
         "properties": {name: each for name, each in pieces.items() if name not in NO_PIECE},

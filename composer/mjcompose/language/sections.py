@@ -10,24 +10,30 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Iterable, Mapping
-from typing import Any
+from typing import Any, ClassVar
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Fault, Note, Path
 from mjcompose.base.suggest import advised, closest, exists_note, renaming
 from mjcompose.language.element import FRAGMENT, NAME, Reader, path_of
 from mjcompose.language.element_schema import by_name, described, element, mapping, nameless, unless_fragment
-from mjcompose.language.form import EXCLUSIVE, Element, Form, Schema, Settings, definition, kind_of, reference
+from mjcompose.language.forms.context import ByGrammar, Settings
+from mjcompose.language.forms.definitions import Schema, definition, reference
 from mjcompose.language.fragment import missing_key
-from mjcompose.language.value import read_value
+from mjcompose.language.value import Element, read_value
+from mjcompose.language.wording import EXCLUSIVE, kind_of
 from mjcompose.model.grammar import GRAMMAR, ElementType
 
 
 @dataclass(frozen=True, slots=True)
-class Section(Form):
+class Section(ByGrammar):
     """The base class of all forms of sections."""
 
     tag: str
+    first: ClassVar[tuple[str, ...]] = ()
+    """The keys of an entry that `fmt` writes first."""
+    depth: ClassVar[int] = 1
+    """How far below the recipe its entries are, each of which can have `when`."""
 
     def read(self, value: Any, faults: list[Fault], settings: Settings) -> Any:
         return self.content(Reader(settings, faults), value)
@@ -77,6 +83,8 @@ class ByTag(Elements):
     It is read as a tuple of `Element`, each with its name as an attribute.
     """
 
+    depth = 3
+
     def content(self, reader: Reader, value: Any) -> tuple[Element, ...]:
         read = [
             self.element(reader, kind, name, value=item, at=(*at, name))
@@ -98,6 +106,8 @@ class ByTag(Elements):
 @dataclass(frozen=True, slots=True)
 class Lists(Elements):
     """Form of a mapping from tags to lists of elements: `contact`. It is read as a tuple of `Element`."""
+
+    depth = 3
 
     def content(self, reader: Reader, value: Any) -> tuple[Element, ...]:
         elements: list[Element] = []
@@ -210,6 +220,9 @@ class Defaults(Section):
 
     It is read as a tuple of `DefaultClass`.
     """
+
+    first = ("parent",)
+    depth = 2
 
     def content(self, reader: Reader, value: Any) -> tuple[DefaultClass, ...]:
         read = [self._class(reader, name, item) for name, item in reader.names(value, (), "`default`")]
@@ -370,6 +383,9 @@ class Typed(Elements):
     It is read as a tuple of `Element`, each with its name as an attribute. The steps of a tendon's `path` are its
     children.
     """
+
+    first = ("type",)
+    depth = 2
 
     def content(self, reader: Reader, value: Any) -> tuple[Element, ...]:
         entries = reader.names(value, (), f"`{self.tag}`")

@@ -11,9 +11,10 @@ from mjcompose.base.suggest import advised, closest, exists_note
 from mjcompose.base.suggest import unknown_attribute as no_attribute
 from mjcompose.language.element import Reader, path_of
 from mjcompose.language.element_schema import mapping
-from mjcompose.language.form import EXCLUSIVE, Element, Schema, fault_at, kind_of, reference, shown, unknown_key
+from mjcompose.language.forms.definitions import Schema, reference
 from mjcompose.language.sections import Lists
-from mjcompose.language.value import attribute_and_index
+from mjcompose.language.value import Element, attribute_and_index
+from mjcompose.language.wording import EXCLUSIVE, fault_at, kind_of, shown, unknown_key
 from mjcompose.model.grammar import GRAMMAR, ElementType
 from mjcompose.model.pattern import fault_of, is_pattern, is_regular, length_fault, stray_brace
 from mjcompose.model.selector import Selector, known_tags, paths_of

@@ -2,25 +2,17 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
-from mjcompose.base.dataclass import dataclass
-from mjcompose.base.diagnostic import Fault, Note, Path
+from pydantic import AfterValidator, Field, PrivateAttr
+
+from mjcompose.base.diagnostic import Fault, Note
+from mjcompose.base.extensions import check_rows
 from mjcompose.base.suggest import advised
-from mjcompose.language.form import (
-    COUNT,
-    Form,
-    Schema,
-    Settings,
-    check_rows,
-    definition,
-    kind_of,
-    read_count,
-    reference,
-)
-from mjcompose.language.form import SCHEMAS as COUNTS
-from mjcompose.language.forms.model import Model
-from mjcompose.language.forms.scalars import Keywords
+from mjcompose.language.forms.context import ByGrammar, Settings
+from mjcompose.language.forms.definitions import Schema, definition, reference
+from mjcompose.language.forms.model import IT, Model, Rest
+from mjcompose.language.forms.scalars import Checked, Count, Expects, Items, Keywords, Written
 from mjcompose.language.select import GLOB, NARROWING, read_selector
 from mjcompose.model.grammar import GRAMMAR
 from mjcompose.model.selector import EVERYTHING, Selector, known_tags, paths_of
@@ -43,48 +35,67 @@ class UrdfKeys(Model):
     warning."""
 
 
-@dataclass(frozen=True, slots=True)
-class Given(Form):
-    """Form of the field `with`, a mapping from names to values. The nested recipe checks these."""
-
-    def schema(self) -> Schema:
-        value = {"type": ["number", "boolean", "string", "array"]}
-        return {"type": "object", "additionalProperties": value}
-
-    def read(self, value: Any, faults: list[Fault], settings: Settings) -> dict[str, Any]:
-        if not isinstance(value, dict):
-            message = f"`with` expects a mapping from names to values, got {kind_of(value)}"
-            faults.append(Fault("wrong-type", message, help="write `with: {reach: 0.5}`"))
-            return {}
-        for name, each in value.items():
-            if each is None or isinstance(each, dict):
-                message = f"`with.{name}` expects a number, a text, true, false or a list, got {kind_of(each)}"
-                faults.append(Fault("wrong-type", message, (name,)))
-        return dict(value)
-
+Given = Annotated[dict[str, Written], Expects("a mapping from names to values", "{reach: 0.5}")]
+"""The values of `with`. The nested recipe checks them."""
 
 # Without these, nothing else in a model can be read.
 _KEPT = ("worldbody", "compiler")
 
 
-@dataclass(frozen=True, slots=True)
-class Drop:
-    """One entry: a whole section, or a selector. `index` is its place in the list.
+_COUNT = ("expect", "optional")
 
-    `expect` is the number of elements, None for at least one; with `optional`, none is allowed.
-    """
 
-    section: str | None
-    select: Selector | None
-    index: int
-    expect: int | None = None
+def _word_fault(word: str) -> Fault | None:
+    if word in _KEPT:
+        message = f"`{word}` cannot be left out of a model"
+        return Fault("not-supported", message, help="name what in it is to be left out")
+    if word in GRAMMAR.root.children or paths_of(word):
+        return None
+    help, fix = advised(word, known_tags())
+    notes = () if help else (Note("a section (`contact`), a tag (`light`) or a selector (`{geom: visual_*}`)"),)
+    message = f"MJCF has no section and no element `{word}`"
+    return Fault("unknown-element", message, notes=notes, help=help, fix=fix)
+
+
+class _Selected(ByGrammar):
+    def schema(self) -> Schema:
+        return selector("")
+
+    def read(self, value: Any, faults: list[Fault], settings: Settings) -> Selector | None:
+        return read_selector(value, (), IT, faults=faults, beside=_COUNT)
+
+
+class Drop(Model):
+    """What to remove from a part: a selector, or the word for a section or for all elements with a tag."""
+
+    short: ClassVar = "<word>"
+    example: ClassVar = '{geom: "visual_*"}'
+
+    word: Annotated[str, Checked(_word_fault)] | None = Field(None, alias="<word>")
+    selected: Annotated[Selector | None, _Selected(), Rest()] = Field(None, alias="<select>")
+    expect: Count | None = None
+    """how many elements must be selected"""
     optional: bool = False
+    """whether it may be that nothing is selected"""
+    _index: int = PrivateAttr(0)
+
+    @property
+    def index(self) -> int:
+        """Its place in the list."""
+        return self._index
+
+    @property
+    def section(self) -> str | None:
+        """The whole section that it removes, or None."""
+        return self.word if self.word in GRAMMAR.root.children else None
+
+    @property
+    def select(self) -> Selector | None:
+        """The elements that it removes; None for a section."""
+        return self.selected if self.word is None or self.section else Selector(self.word, EVERYTHING)
 
     def __str__(self) -> str:
-        if self.section is not None:
-            return self.section
-        assert self.select is not None
-        return self.select.tag if self.select == Selector(self.select.tag, EVERYTHING) else str(self.select)
+        return self.word or str(self.select)
 
     @property
     def leaves_keys(self) -> bool:
@@ -95,49 +106,16 @@ class Drop:
 _ALL_KEYS = (Selector("key", EVERYTHING), Selector("keyframe/key", EVERYTHING))
 
 
-@dataclass(frozen=True, slots=True)
-class Drops(Form):
-    """Form of a field `drop`: `[light, contact, {geom: "visual_*"}]`, read as a tuple of `Drop`."""
-
-    def schema(self) -> Schema:
-        return drops()
-
-    def read(self, value: Any, faults: list[Fault], settings: Settings) -> tuple[Drop, ...]:
-        found: list[Drop | None] = []
-        if isinstance(value, list):
-            found = [_drop(item, index, (index,), faults=faults) for index, item in enumerate(value)]
-        else:
-            help = f"write `drop: [{value}]`" if isinstance(value, str) else "write `drop: [light, contact]`"
-            faults.append(Fault("wrong-type", f"`drop` expects a list, got {kind_of(value)}", help=help))
-        return tuple(each for each in found if each is not None)
+def _numbered(entries: tuple[Drop, ...]) -> tuple[Drop, ...]:
+    for index, each in enumerate(entries):
+        each._index = index
+    return entries
 
 
-def _drop(value: Any, index: int, at: Path, faults: list[Fault]) -> Drop | None:
-    if not isinstance(value, str):
-        selector = read_selector(value, at, "an entry of `drop`", faults=faults, beside=COUNT)
-        if selector is None:
-            return None
-        expect, optional = read_count(value, at, faults, owner="an entry of `drop`")
-        return Drop(None, selector, index, expect=expect, optional=optional)
-    if value in GRAMMAR.root.children:
-        if value not in _KEPT:
-            return Drop(value, None, index)
-        message = f"`{value}` cannot be left out of a model"
-        faults.append(Fault("not-supported", message, at, help="name what in it is to be left out"))
-        return None
-    if paths_of(value):
-        return Drop(None, Selector(value, EVERYTHING), index)
-    help, fix = advised(value, known_tags())
-    notes = () if help else (Note("a section (`contact`), a tag (`light`) or a selector (`{geom: visual_*}`)"),)
-    faults.append(
-        Fault("unknown-element", f"MJCF has no section and no element `{value}`", at, notes=notes, help=help, fix=fix)
-    )
-    return None
+Drops = Annotated[
+    tuple[Drop, ...], Items(), AfterValidator(_numbered), Expects("a list", '[light, contact, {geom: "visual_*"}]')
+]
 
-
-KeyPolicy = Literal["merge", "prefix", "none"]
-
-_TEXT: Schema = {"type": "string", "minLength": 1}
 _NARROWING: dict[str, Schema] = {
     "parent": {**reference("selector"), "description": "the body, or other element, that it stands in"},
     "in": {**reference("selector"), "description": "an element that it stands in, at any depth"},
@@ -151,11 +129,6 @@ _NARROWING: dict[str, Schema] = {
 check_rows("the JSON Schema of selectors in composer/mjcompose/language/used_model.py", _NARROWING, NARROWING)
 
 
-def drops() -> Schema:
-    """Return the schema of the list `drop`."""
-    return {"type": "array", "items": {"anyOf": [_TEXT, reference("dropped")]}}
-
-
 @definition("selector")
 def selector(_: str) -> Schema:
     """Return the schema of a mapping from a tag to a glob, with the keys that narrow it down."""
@@ -166,15 +139,6 @@ def selector(_: str) -> Schema:
         "additionalProperties": GLOB,
         "minProperties": 1,
     }
-
-
-@definition("dropped")
-def dropped(_: str) -> Schema:
-    """Return the schema of a selector in `drop`, with the number of elements."""
-    schema = selector("")
-    schema["properties"] |= COUNTS
-    schema["propertyNames"] = {"enum": [*COUNTS, *schema["propertyNames"]["enum"]]}
-    return schema
 
 
 def _paths() -> list[str]:

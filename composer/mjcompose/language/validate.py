@@ -17,11 +17,12 @@ from mjcompose.base.sink import Sink
 from mjcompose.base.suggest import closest
 from mjcompose.language.attach import Attachment
 from mjcompose.language.element import raw
-from mjcompose.language.form import Settings, kind_of, shown
+from mjcompose.language.forms.context import Settings
 from mjcompose.language.forms.translate import misspelt, translated
 from mjcompose.language.placing import faults_in_place
 from mjcompose.language.recipe import VERSION, Recipe, sections_of
 from mjcompose.language.sections import ByTag, Lists, Typed
+from mjcompose.language.wording import kind_of, shown
 from mjcompose.model.grammar import GRAMMAR
 from mjcompose.text.node import Key, Mapping, Node, Scalar, find, locate, texts, to_python
 from mjcompose.text.node import Sequence as List

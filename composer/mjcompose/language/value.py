@@ -4,16 +4,43 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
+from dataclasses import field
 from typing import Any
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Fault, Fix, Note, Path
 from mjcompose.base.suggest import advised, exists_note
-from mjcompose.language.form import Value, is_unprintable, kind_of, shown, unprintable
+from mjcompose.language.wording import is_unprintable, kind_of, shown, unprintable
 from mjcompose.model.grammar import Attribute, ElementType, number_text
 from mjcompose.model.values import Refusal, check_number, check_python, expected, items, parse_real
 from mjcompose.text.expression_values import Angle
+
+Single = bool | int | float | str | Angle
+
+
+Value = Single | tuple[Single, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Element:
+    """An element with its children, and its attributes in the order of the file.
+
+    `at` is its path from the top of the recipe: `locate(node, at)` is its place, and `locate(node, (*at, name))`
+    that of an attribute. An element that the recipe names by its key has that name as its attribute `name`, whose
+    place is `locate(node, at, key=True)`.
+
+    With `xml`, the element is that fragment of MJCF, checked against the grammar and kept as text. Then `tag` is
+    that of the fragment, there are no `children`, and `attributes` has at most the name that a key gives. Paths of
+    files are relative to the recipe.
+    """
+
+    tag: str
+    attributes: Mapping[str, Value] = field(default_factory=dict)
+    children: tuple[Element, ...] = ()
+    xml: str | None = None
+    at: Path = ()
+
 
 _SUBSCRIPT = re.compile(r"([^\[\]]+)\[([0-9]{1,4})\]")
 

@@ -6,14 +6,25 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import Field, ValidationError, WithJsonSchema
+from pydantic import Discriminator, Field, Tag, ValidationError, WithJsonSchema
 
 from mjcompose.base.diagnostic import Diagnostic, Fault, Note, Path, Span
 from mjcompose.base.sink import Sink
-from mjcompose.language.form import Schema, Settings, kind_of
+from mjcompose.language.forms.context import Settings
+from mjcompose.language.forms.definitions import Schema, reference
 from mjcompose.language.forms.model import IT, Model
 from mjcompose.language.forms.rows import validated
-from mjcompose.language.forms.scalars import AtLeastOne, Checked, Expects, Items, Keywords, Measure, Text
+from mjcompose.language.forms.scalars import (
+    VALUE,
+    AtLeastOne,
+    Checked,
+    Expects,
+    Items,
+    Keywords,
+    Measure,
+    Text,
+    Written,
+)
 from mjcompose.language.forms.translate import faults
 from mjcompose.language.parameters import Parameter, is_usable
 from mjcompose.text.expression_values import UNITS, Angle, Value
@@ -24,13 +35,6 @@ NO_EMIT = "remove it, and choose the output when you build: `--as models`, `--as
 """What to write instead of `emit`, which `matrix` and `randomize` had."""
 
 
-def _value_fault(value: Any) -> Fault | None:
-    items = value if isinstance(value, list) else [value]
-    if not any(isinstance(each, dict | list) or each is None for each in items):
-        return None
-    return Fault("wrong-type", f"{IT} expects a value or a list of values, got {kind_of(value)}")
-
-
 def _default_fault(value: Any) -> Fault | None:
     if not isinstance(value, str) or not is_template(value):
         return None
@@ -38,13 +42,11 @@ def _default_fault(value: Any) -> Fault | None:
     return Fault("wrong-type", f"{IT} cannot be an expression", help=help)
 
 
-VALUE: Schema = {"type": ["number", "boolean", "string", "array"]}
 _DEFAULT: Schema = {
     **VALUE,
     "pattern": r"^(?!.*\$\{)",
     "patternErrorMessage": "a default is written out: it cannot be an expression",
 }
-Written = Annotated[Any, Checked(_value_fault), WithJsonSchema(VALUE)]
 Values = Annotated[tuple[Written, ...], Items(1), Expects("a list of values", "[1, 2]")]
 Bound = Annotated[float | Angle, Measure()]
 Combinations = Annotated[
@@ -84,7 +86,7 @@ class Declaration(Model):
         | None
     ) = None
     """what kind of value it has; without it, that of the default"""
-    default: Annotated[Any, Checked(_value_fault), Checked(_default_fault), WithJsonSchema(_DEFAULT)] | None = None
+    default: Annotated[Written, Checked(_default_fault), WithJsonSchema(_DEFAULT)] | None = None
     """its value where none is given; without it, one must be given"""
     min: Bound | None = None
     """the least that it, or a component of it, may be"""
@@ -176,6 +178,53 @@ class Grid(Model):
     @classmethod
     def owner(cls, at: Path) -> str:
         return "the matrix"
+
+
+Params = Annotated[
+    dict[
+        str,
+        Annotated[
+            Annotated[Declaration, Tag("<mapping>")]
+            | Annotated[
+                Written, Field(description="the default alone, whose type is that of the parameter"), Tag("<value>")
+            ],
+            Discriminator(lambda value: "<mapping>" if isinstance(value, dict | Declaration) else "<value>"),
+        ],
+    ],
+    Expects("a mapping from names to parameters", "{reach: {default: 0.45, unit: m}}"),
+]
+_Piece = Annotated[dict[str, Any], WithJsonSchema(reference("made:Piece"))]
+Variants = dict[str, Annotated[dict[str, _Piece], Field(min_length=1)]]
+
+
+def _computed(text: str) -> Fault | None:
+    message = f"{IT} is read before any parameter is known"
+    return Fault("expression", message, help="write the text itself") if is_template(text) else None
+
+
+_Plain = Annotated[str, Field(min_length=1), Checked(_computed)]
+
+
+def _wide(text: str) -> Fault | None:
+    """Return the fault of a reference that names a whole kind of server and nothing specific."""
+    if text.strip("/:+@#").lower() not in ("", "http", "https", "git+https", "git+ssh"):
+        return None
+    help = "name what you trust: `git+file:///srv/robots`, `package:NAME`"
+    return Fault("source-outside", f"`{text}` in {IT} would allow everything", help=help)
+
+
+class TrustKeys(Model):
+    """Folders and references on this machine and its network that you open to others."""
+
+    example: ClassVar = "{files: [FOLDER]}"
+
+    files: Annotated[tuple[_Plain, ...], Items(), Expects("a list of folders", "[FOLDER]")] = ()
+    """Folders outside the project that models may read, relative to the recipe."""
+    references: Annotated[
+        tuple[Annotated[_Plain, Checked(_wide)], ...], Items(), Expects("a list of texts", "[REFERENCE]")
+    ] = ()
+    """References to this machine and its network that fetched recipes may use: how they begin, as
+    `git+file:///srv/robots` or `package:NAME`."""
 
 
 def read_params(document: Located, sink: Sink) -> dict[str, Parameter]:

@@ -17,11 +17,12 @@ from mjcompose.base.suggest import unknown_name
 from mjcompose.link.inertia import MEASURED, write_inertias
 from mjcompose.link.key_layout import Holder, element_of
 from mjcompose.link.keyframes import cut_row
-from mjcompose.link.linking import KeyPolicy, Linking, Measure, detach
+from mjcompose.link.linking import Linking, Measure, detach
 from mjcompose.link.unit_keys import VECTORS, keys_of, layout_of, remove_keys
 from mjcompose.model.classes import childclass_of
 from mjcompose.model.edit import attached_notes, bones, is_rod, twisted_by
 from mjcompose.model.files import written_path
+from mjcompose.model.key_policy import KeyPolicy
 from mjcompose.model.names import GENERATORS, WORLD, declaration, references, word
 from mjcompose.model.select import section_of
 from mjcompose.model.unit import KeyRecord, Number, Unit, texts

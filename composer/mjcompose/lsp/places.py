@@ -95,8 +95,6 @@ class Wanted:
 
 
 _OF_ELEMENTS: tuple[tuple[Path, Wanted], ...] = (
-    (("add", ANY, "to"), Wanted(("body",))),
-    (("add", ANY, "to", "frame"), Wanted(("frame",))),
     (("contact", "collide", "between", ANY), Wanted((PART,))),
     (("contact", "exclude", ANY, "between", ANY), Wanted((PART,))),
 )
@@ -239,7 +237,7 @@ def _fits(row: Path, path: Path) -> bool:
 def _selector(path: Path, forms: list[Form]) -> Wanted | None:
     """Return the names that fit behind a tag of a selector, or behind a key that narrows it down; None elsewhere."""
     last = str(path[-1])
-    if not any(form.role in ("selector", "dropped") or form.role.endswith("@select") for form in forms):
+    if not any(form.role in ("selector", "Drop") or form.role.endswith("@select") for form in forms):
         return None
     if last == "part":
         return Wanted((PART,), pattern=True)

@@ -9,7 +9,7 @@ from pydantic import Field
 
 from mjcompose.base.diagnostic import Fault
 from mjcompose.language.check import Check
-from mjcompose.language.form import Settings
+from mjcompose.language.forms.context import Settings
 from mjcompose.language.forms.model import OWNER
 from mjcompose.language.forms.scalars import Items
 from mjcompose.targets.names import NAMES, READ_IN

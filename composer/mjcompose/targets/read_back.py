@@ -16,11 +16,11 @@ from lxml import etree
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Fault, Note
+from mjcompose.base.extensions import check_rows
 from mjcompose.base.limits import in_force
 from mjcompose.base.processes import Process
 from mjcompose.base.scratch import scratch
 from mjcompose.build.bundle.bundle import Bundle
-from mjcompose.language.form import check_rows
 from mjcompose.mujoco import engine
 from mjcompose.targets.export import exported
 from mjcompose.targets.judge import asked_of, judged

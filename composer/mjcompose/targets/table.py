@@ -7,8 +7,7 @@ import re
 from collections.abc import Mapping
 from pathlib import Path
 
-from mjcompose.base.extensions import Table
-from mjcompose.language.form import check_rows
+from mjcompose.base.extensions import Table, check_rows
 from mjcompose.targets.consumers import drake, genesis, isaac, mjx, newton, pinocchio, plain, pybullet, urdf, warp
 from mjcompose.targets.names import MUJOCO, NAMES
 from mjcompose.targets.target import Outcome, Target

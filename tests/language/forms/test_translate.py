@@ -7,7 +7,7 @@ from typing import Annotated, Any, ClassVar, Literal
 
 import pytest
 from mjcompose.base.diagnostic import Fault
-from mjcompose.language.form import Settings
+from mjcompose.language.forms.context import Settings
 from mjcompose.language.forms.model import IT, Model
 from mjcompose.language.forms.rules import Bars, Belongs, Exclusive, Needs, OneOf
 from mjcompose.language.forms.scalars import (

@@ -14,7 +14,7 @@ from mjcompose.build.checks.check import Scope
 from mjcompose.build.checks.rules import inertia_implausible, joint_unactuated, key_out_of_range, shape_off_mesh
 from mjcompose.build.checks.rules.rule import Rule
 from mjcompose.language.check import Check, CheckPart
-from mjcompose.language.form import Settings
+from mjcompose.language.forms.context import Settings
 from mjcompose.language.forms.model import IT
 from mjcompose.language.forms.rows import Rows
 from mjcompose.language.forms.scalars import Expects, Items, Keywords, Name

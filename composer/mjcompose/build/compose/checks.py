@@ -16,7 +16,7 @@ from mjcompose.base.sink import Sink
 from mjcompose.build.compose.editing import is_angular
 from mjcompose.build.compose.elements import ElementBuilder, Reference
 from mjcompose.build.plan.plan import AttachPart
-from mjcompose.language.form import Element
+from mjcompose.language.value import Element
 from mjcompose.link import numbers
 from mjcompose.link.inertia import MEASURED, has_mass
 from mjcompose.link.key_layout import joint_type

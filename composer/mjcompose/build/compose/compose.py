@@ -13,6 +13,7 @@ from lxml.etree import _Element as Node
 from mjcompose.base.access import NOTHING
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Path as KeyPath
+from mjcompose.base.extensions import check_rows
 from mjcompose.base.limits import advice, in_force
 from mjcompose.base.sink import Sink
 from mjcompose.build.bundle.collect import check_files
@@ -51,7 +52,6 @@ from mjcompose.build.plan.plan import (
 )
 from mjcompose.build.plan.step_table import STEPS
 from mjcompose.build.plan.steps import AddElement, AppendElement, SetDefault, SetSingleton, Step
-from mjcompose.language.form import check_rows
 from mjcompose.link.agreement import SINGLETONS, common_settings, of_base, requested_settings, set_value
 from mjcompose.link.files import add_file
 from mjcompose.link.key_layout import joint_type

@@ -19,7 +19,7 @@ from mjcompose.base.sink import Sink
 from mjcompose.build.plan.plan import Plan
 from mjcompose.build.plan.steps import AngleContext, AngleSettings, AppendElement, SetDefault, SetSingleton
 from mjcompose.language.element import CONFIG
-from mjcompose.language.form import Element, Single, Value
+from mjcompose.language.value import Element, Single, Value
 from mjcompose.link import numbers
 from mjcompose.link.angles import in_sequence
 from mjcompose.link.files import NamedFile

@@ -16,8 +16,9 @@ from mjcompose.build.compose.actuators import ControlUnits
 from mjcompose.build.compose.elements import ElementBuilder, in_radians, pose_number
 from mjcompose.build.plan.plan import Plan
 from mjcompose.build.plan.steps import WriteKeyframe
-from mjcompose.language.form import Single, shown
 from mjcompose.language.keyframe import FROM, JOINT, TIME, VECTORS, Entry
+from mjcompose.language.value import Single
+from mjcompose.language.wording import shown
 from mjcompose.link import numbers
 from mjcompose.link.key_layout import BLOCK, Copy, Layout, Slot, element_of
 from mjcompose.link.keyframes import part_keys

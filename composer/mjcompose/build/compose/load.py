@@ -14,9 +14,10 @@ from mjcompose.base.sink import Sink
 from mjcompose.build.plan.plan import BASE, Plan, Tables, is_fixed_in_world, part_name
 from mjcompose.language.edit import Edit
 from mjcompose.language.used_model import Drop
-from mjcompose.link.linking import KeyPolicy, Linking, Measure
+from mjcompose.link.linking import Linking, Measure
 from mjcompose.link.measure import folder_of
 from mjcompose.link.source_check import check_source
+from mjcompose.model.key_policy import KeyPolicy
 from mjcompose.model.parse import all_admitted, parse_file
 from mjcompose.model.unit import Unit, Watch, element_at, nobody
 from mjcompose.model.xml_text import write

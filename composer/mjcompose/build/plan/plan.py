@@ -25,10 +25,11 @@ from mjcompose.language.attach import Attachment
 from mjcompose.language.check import Check
 from mjcompose.language.datasheets import Sheet
 from mjcompose.language.edit import Edit
-from mjcompose.language.form import shown
-from mjcompose.language.used_model import Drop, KeyPolicy
+from mjcompose.language.used_model import Drop
 from mjcompose.language.value import attribute_and_index
+from mjcompose.language.wording import shown
 from mjcompose.model.grammar import number_text
+from mjcompose.model.key_policy import KeyPolicy
 from mjcompose.model.merged_settings import Adopted, ReadRow
 from mjcompose.mujoco.attributes import arrays_of
 from mjcompose.sources.reference import ReadAs, Source

@@ -22,13 +22,13 @@ from mjcompose.base.diagnostic import Span
 from mjcompose.base.files import Refused, TooLarge, read_argument, read_regular, unsaved_text
 from mjcompose.base.limits import advice, in_force
 from mjcompose.base.sink import Sink
-from mjcompose.base.suggest import exists_note, unknown_key
+from mjcompose.base.suggest import exists_note
 from mjcompose.build.plan.plan import Plan
 from mjcompose.build.plan.steps import SETTINGS, AddElement, AppendElement
 from mjcompose.language.expand import Concrete, expand
-from mjcompose.language.form import Element, kind_of
 from mjcompose.language.recipe import Recipe
 from mjcompose.language.validate import validate_what_remains
+from mjcompose.language.value import Element
 from mjcompose.model.files import CUBE, file_attributes, join, written_path
 from mjcompose.model.grammar import number_text
 from mjcompose.model.parse import parse_file
@@ -347,59 +347,27 @@ def _unreadable(path: Path, shown: str, error: OSError, context: Context) -> Non
 
 
 TRUST = "trust"
-FILES, REFERENCES = "files", "references"
-KEYS = (FILES, REFERENCES)
+FILES = "files"
 
 
 def read_trust(node: Mapping, folder: Path, sink: Sink) -> Trust:
-    """Return the section of a recipe in `folder`; faulty entries go to the sink and allow nothing."""
-    written = node.entries[TRUST][1]
-    if not isinstance(written, Mapping):
-        message = f"`{TRUST}` expects a mapping, got {kind_of(to_python(written))}"
-        sink.error("wrong-type", message, written.span, help=f"write `{TRUST}: {{{FILES}: [FOLDER]}}`")
-        return Trust()
-    for name, (key, _) in written.entries.items():
-        if name not in KEYS:
-            sink.add(unknown_key(name, KEYS, key.span, message=f"`{TRUST}` has no key `{name}`"))
-    files, references = [], []
-    for text, span in _texts(written, FILES, sink):
+    """Return the section of a recipe in `folder`; faulty entries go to the sink, and then nothing is allowed."""
+    from mjcompose.language.variation import TrustKeys, read  # few recipes have it
+
+    written = to_python(node.entries[TRUST][1])
+    keys: TrustKeys | None = read(TrustKeys, written, node, at=(TRUST,), sink=sink)
+    texts = written.get(FILES) if isinstance(written, dict) else None
+    files = []
+    for index, text in enumerate(texts if isinstance(texts, list) else ()):
+        if not isinstance(text, str) or not text or is_template(text):
+            continue  # which is reported
         if os.path.isdir(folder / text):
             files.append(Path(os.path.realpath(folder / text)))
         else:
             help = "`~` is not expanded: write the whole path" if text.startswith("~") else None
+            span = locate(node, (TRUST, FILES, index))
             sink.error("file-not-found", f"the folder `{text}` of `{TRUST}.{FILES}` does not exist", span, help=help)
-    for text, span in _texts(written, REFERENCES, sink):
-        if text.strip("/:+@#").lower() in ("", "http", "https", "git+https", "git+ssh"):  # a whole kind of server
-            message = f"`{text}` in `{TRUST}.{REFERENCES}` would allow everything"
-            help = "name the source that you trust: `git+file:///srv/robots`, `package:NAME`"
-            sink.error("source-outside", message, span, help=help)
-        else:
-            references.append(text)
-    return Trust(tuple(files), tuple(references))
-
-
-def _texts(written: Mapping, name: str, sink: Sink) -> list[tuple[str, Span]]:
-    if name not in written.entries:
-        return []
-    value = written.entries[name][1]
-    texts: list[tuple[str, Span]] = []
-    if not isinstance(value, Sequence):
-        message = f"`{TRUST}.{name}` expects a list, got {kind_of(to_python(value))}"
-        example = value.text if isinstance(value, Scalar) and value.text else "…"
-        sink.error("wrong-type", message, value.span, help=f"write `{name}: [{example}]`")
-        return texts
-    for item in value.items:
-        if isinstance(item, Scalar) and item.value == "":
-            sink.error("wrong-type", f"an entry of `{TRUST}.{name}` is empty", item.span, help="remove it")
-        elif not isinstance(item, Scalar) or not isinstance(item.value, str):
-            message = f"`{TRUST}.{name}` expects texts, got {kind_of(to_python(item))}"
-            sink.error("wrong-type", message, item.span)
-        elif is_template(item.value):
-            message = f"`{TRUST}` is read before any parameter is known"
-            sink.error("expression", message, item.span, help="write the text itself")
-        else:
-            texts.append((item.value, item.span))
-    return texts
+    return Trust() if keys is None else Trust(tuple(files), keys.references)
 
 
 _MESH = re.compile(r"""\bfilename\s*=\s*["']([^"']+)["']""")

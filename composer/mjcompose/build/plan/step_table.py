@@ -5,6 +5,7 @@ from __future__ import annotations
 import inspect
 from collections.abc import Iterator
 
+from mjcompose.base.extensions import check_rows
 from mjcompose.build.plan.steps import (
     AddElement,
     AppendElement,
@@ -17,8 +18,7 @@ from mjcompose.build.plan.steps import (
     StepInput,
     WriteKeyframe,
 )
-from mjcompose.language.form import check_rows
-from mjcompose.language.recipe import Recipe
+from mjcompose.language.recipe import SETTLED, Recipe
 
 STEPS: tuple[type[Step], ...] = (
     AddElement,
@@ -39,7 +39,7 @@ for _each in STEPS:
 check_rows(
     "the keys of a recipe in composer/mjcompose/build/plan/step_table.py",
     [*_PLANNED, *(section for each in STEPS for section in each.sections)],
-    Recipe.model_fields,
+    [key for key in Recipe.model_fields if key not in SETTLED],
 )
 
 

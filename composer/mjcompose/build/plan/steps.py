@@ -13,7 +13,6 @@ from mjcompose.base.diagnostic import Path, Span
 from mjcompose.base.sink import Sink
 from mjcompose.language.edit import Edit
 from mjcompose.language.expand import Concrete
-from mjcompose.language.form import Element
 from mjcompose.language.fragment import names_in
 from mjcompose.language.keyframe import Keyframe
 from mjcompose.language.parameters import Substitution
@@ -21,6 +20,7 @@ from mjcompose.language.recipe import Recipe, sections_of
 from mjcompose.language.sections import Elements, Singleton
 from mjcompose.language.select import Collisions
 from mjcompose.language.validate import judge
+from mjcompose.language.value import Element
 from mjcompose.text.node import Mapping, Node, locate, to_python
 
 if TYPE_CHECKING:
@@ -152,7 +152,7 @@ class AddElement(Step):
         for item in given.recipe.add:
             path = (*item.at, "to", "frame") if item.to_kind == "frame" else (*item.at, "to")
             spans = given.span(path), given.span(item.element.at)
-            yield cls(item.to_kind, item.to, item.element, *spans)
+            yield cls(item.to_kind, item.to_name, item.element, *spans)
 
     @property
     def words(self) -> str:
@@ -394,7 +394,7 @@ class WriteKeyframe(Step):
 
     @classmethod
     def of(cls, given: StepInput) -> Iterator[Step]:
-        for key in given.recipe.keyframe:
+        for key in given.recipe.keyframe.values():
             yield cls(key, given.span(key.at, key=True))
 
     @property

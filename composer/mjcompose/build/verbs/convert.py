@@ -22,10 +22,12 @@ from mjcompose.build.verbs.values import Entry
 from mjcompose.language.assign import Checker
 from mjcompose.language.edit import For, Verb, listed
 from mjcompose.language.element_schema import attribute_schema
-from mjcompose.language.form import Schema, kind_of, settings, validation_error
+from mjcompose.language.forms.context import settings, validation_error
+from mjcompose.language.forms.definitions import Schema
 from mjcompose.language.forms.model import IT, WHOLE
 from mjcompose.language.select import unknown_attribute
 from mjcompose.language.value import read_value
+from mjcompose.language.wording import kind_of
 from mjcompose.link import numbers
 from mjcompose.link.key_layout import element_of
 from mjcompose.link.keyframes import part_keys

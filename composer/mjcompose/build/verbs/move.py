@@ -6,19 +6,17 @@ from collections.abc import Iterator
 from typing import Annotated, Any, ClassVar
 
 from lxml.etree import _Element as Node
-from pydantic import Discriminator, Field, Tag
+from pydantic import Field
 
 from mjcompose.base.diagnostic import Fault, Note, Path
 from mjcompose.build.compose.editing import Editing
 from mjcompose.build.compose.values import UnusableValue, Values
 from mjcompose.build.verbs.values import SET, Change, Entry
 from mjcompose.language.edit import For, Verb, listed
-from mjcompose.language.form import Settings
 from mjcompose.language.forms.attribute import Attribute
-from mjcompose.language.forms.model import Model
+from mjcompose.language.forms.context import Settings
 from mjcompose.language.forms.rules import Exclusive
-from mjcompose.language.forms.scalars import Name
-from mjcompose.language.placing import ORIENTATIONS
+from mjcompose.language.placing import ORIENTATIONS, Frame, Place
 from mjcompose.language.select import kinds_of, unknown_attribute
 from mjcompose.link.key_layout import JOINTS
 from mjcompose.model.classes import MAIN, NESTED, childclass_of, through_frames
@@ -29,20 +27,6 @@ from mjcompose.model.names import WORLD
 from mjcompose.model.select import kind_of
 
 _IN_THE_TREE = {child.path for top in ("body", "worldbody") for child in GRAMMAR.element(top).children.values()}
-
-
-class Frame(Model):
-    """A frame by its name."""
-
-    frame: Annotated[str, Name("frame", computed=True)] = Field(examples=["NAME"])
-    """the name of a frame"""
-
-
-Place = Annotated[
-    Annotated[str, Name("body", computed=True, what="a body, `world`, or `{frame: NAME}`"), Tag("<name>")]
-    | Annotated[Frame, Tag("<mapping>")],
-    Discriminator(lambda value: "<mapping>" if isinstance(value, dict | Frame) else "<name>"),
-]
 
 
 class Move(Verb):

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, ClassVar, Literal
+from typing import ClassVar, Literal
 
 from lxml.etree import _Element as Node
-from pydantic import BeforeValidator, Field
+from pydantic import Field
 
 from mjcompose.base.diagnostic import Note, Path
 from mjcompose.build.compose.editing import Editing
 from mjcompose.build.verbs.values import Entry
 from mjcompose.language.edit import Verb
-from mjcompose.language.form import shown
 from mjcompose.language.forms.model import WHOLE
 from mjcompose.link.subtree import DroppedElement
 from mjcompose.model.edit import Removal, is_section, whole
@@ -21,18 +20,13 @@ from mjcompose.model.select import kind_of, naming_attribute, section_of
 _SHOWN = 20
 
 
-def _no_number(value: Any) -> Any:
-    return value if isinstance(value, bool) or not isinstance(value, int | float) else shown(value)
-
-
 class Remove(Verb):
     """take it out: `true` if nothing refers to it, `cascade` with all that does"""
 
     alone: ClassVar = True
     reshapes: ClassVar = True
 
-    # For pydantic, 1 is the word `true`.
-    how: Annotated[Literal[True, "cascade"], BeforeValidator(_no_number)] = Field(alias=WHOLE)
+    how: Literal[True, "cascade"] = Field(alias=WHOLE)
     """`true` or `cascade`"""
 
     def carry_out(self, entry: Entry, at: Path) -> None:

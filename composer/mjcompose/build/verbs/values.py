@@ -16,9 +16,8 @@ from mjcompose.build.compose.editing import Editing, is_angular, take_files
 from mjcompose.build.compose.elements import settle_joints, update_node
 from mjcompose.build.compose.values import POLYNOMIALS, Masses, UnusableValue, Values, report_unusable
 from mjcompose.language.assign import MASS
-from mjcompose.language.form import Element, Value
 from mjcompose.language.select import unknown_attribute
-from mjcompose.language.value import attribute_and_index, bare_angle, read_value
+from mjcompose.language.value import Element, Value, attribute_and_index, bare_angle, read_value
 from mjcompose.link import numbers
 from mjcompose.link.key_layout import joint_type
 from mjcompose.link.subtree import DroppedElement

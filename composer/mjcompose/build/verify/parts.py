@@ -14,9 +14,9 @@ from mjcompose.base.sink import Sink
 from mjcompose.build.bundle.assemble import Renamed
 from mjcompose.build.plan.plan import PartRecord
 from mjcompose.build.verify.compile import WHOLE
-from mjcompose.link.linking import KeyPolicy
 from mjcompose.link.measure import folder_of, measure_with
 from mjcompose.link.subtree import take_subtree
+from mjcompose.model.key_policy import KeyPolicy
 from mjcompose.model.parse import parse_file
 from mjcompose.model.xml_text import write
 from mjcompose.mujoco import engine

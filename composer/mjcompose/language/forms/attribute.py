@@ -1,15 +1,13 @@
-"""Values whose form is that of an attribute of MJCF: the grammar reads them, and gives their JSON Schema."""
+"""Values that the grammar of MJCF reads: those of attributes, and selectors."""
 
 from __future__ import annotations
 
 from typing import Any
 
-from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler, ValidationInfo
-from pydantic_core import CoreSchema, core_schema
-
 from mjcompose.base.diagnostic import Fault
 from mjcompose.language.element_schema import attribute_schema
-from mjcompose.language.form import Schema, reference, settings, validation_error
+from mjcompose.language.forms.context import ByGrammar, Settings
+from mjcompose.language.forms.definitions import Schema, reference
 from mjcompose.language.forms.model import OWNER
 from mjcompose.language.select import check_template, read_selector
 from mjcompose.language.value import bare_angle, read_value
@@ -19,7 +17,7 @@ from mjcompose.model.selector import Selector
 from mjcompose.text.node import is_template
 
 
-class Attribute:
+class Attribute(ByGrammar):
     """The value of an attribute of an element, by the path of the element in the grammar.
 
     With `computed`, `${…}` is computed for each element, and a value that has it stays as it is written. Otherwise the
@@ -35,40 +33,27 @@ class Attribute:
     def declared(self) -> Declared:
         return GRAMMAR.element(self.element).attributes[self.name]
 
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        return core_schema.with_info_plain_validator_function(self._read)
-
-    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> Schema:
+    def schema(self) -> Schema:
         return attribute_schema(self.declared)
 
-    def _read(self, value: Any, info: ValidationInfo) -> Any:
-        faults: list[Fault] = []
-        read: Any = value
-        if not (self.computed and _is_computed(value, faults)):
-            read = read_value(self.declared, value, (), owner=OWNER, faults=faults)
-            if read is not None and not faults and not settings(info.context).bare_angles:
-                bare = bare_angle(self.declared, read, None, at=(), owner=OWNER)
-                faults += [bare] if bare is not None else []
-        if faults:
-            raise validation_error(faults, value)
+    def read(self, value: Any, faults: list[Fault], settings: Settings) -> Any:
+        if self.computed and _is_computed(value, faults):
+            return value
+        read = read_value(self.declared, value, (), owner=OWNER, faults=faults)
+        if read is not None and not faults and not settings.bare_angles:
+            bare = bare_angle(self.declared, read, None, at=(), owner=OWNER)
+            faults += [bare] if bare is not None else []
         return value if self.computed else read
 
 
-class Selects:
-    """An annotation of a selector, which is read as `Selector`."""
+class Selects(ByGrammar):
+    """A selector, which is read as `Selector`."""
 
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        return core_schema.no_info_plain_validator_function(self._read)
-
-    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> Schema:
+    def schema(self) -> Schema:
         return reference("selector")
 
-    def _read(self, value: Any) -> Selector | None:
-        faults: list[Fault] = []
-        selector = read_selector(value, (), f"`select` of {OWNER}", faults=faults)
-        if faults:
-            raise validation_error(faults, value)
-        return selector
+    def read(self, value: Any, faults: list[Fault], settings: Settings) -> Selector | None:
+        return read_selector(value, (), f"`select` of {OWNER}", faults=faults)
 
 
 def _is_computed(value: Any, faults: list[Fault]) -> bool:

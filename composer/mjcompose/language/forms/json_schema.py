@@ -13,8 +13,8 @@ from pydantic import GetJsonSchemaHandler
 from pydantic.json_schema import GenerateJsonSchema
 from pydantic_core import CoreSchema
 
-from mjcompose.language.form import Schema, definition, reference
-from mjcompose.language.forms.model import Model, fields_of, is_hidden, is_whole, rows_of
+from mjcompose.language.forms.definitions import Schema, definition, reference
+from mjcompose.language.forms.model import Model, fields_of, is_hidden, is_whole, rest_of, rows_of
 from mjcompose.language.forms.rows import ELSEWHERE
 
 _TEMPLATE = r"\$\{"
@@ -96,6 +96,7 @@ def of_model(model: type[Model], schema: CoreSchema, handler: GetJsonSchemaHandl
     """Return the JSON Schema of a model, with its rules, and in the form in which it is written."""
     found = handler.resolve_ref_schema(handler(schema))
     properties: dict[str, Schema] = {}
+    whole_properties = found["properties"]
     for key, info in fields_of(model).items():
         if (rows := rows_of(info)) is not None:
             properties |= {word: found["properties"][key][word] for word in rows.table().own}
@@ -107,12 +108,20 @@ def of_model(model: type[Model], schema: CoreSchema, handler: GetJsonSchemaHandl
     if is_whole(model):
         (whole,) = (each for key, each in properties.items() if is_hidden(key))
         return whole
+    if (key := rest_of(model)) is not None:
+        rest = found["properties"][key]
+        properties |= rest.pop("properties", {})
+        if "propertyNames" in rest:
+            rest["propertyNames"] = {"enum": [*model.key_names(), *rest["propertyNames"]["enum"]]}
+        found |= rest
+        found["required"] = [name for name in found.get("required", ()) if not is_hidden(name)]
+        properties = {name: each for name, each in properties.items() if not is_hidden(name)}
     found["properties"] = properties
     if conditions := [each for rule in model.rules for each in rule.schema()]:
         found["allOf"] = [*found.get("allOf", ()), *conditions]
     if model.short is None:
         return found
-    short = {key: each for key, each in properties[model.short].items() if key != "description"}
+    short = {key: each for key, each in whole_properties[model.short].items() if key != "description"}
     return {"anyOf": [short, found]}
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from functools import cache
-from typing import TYPE_CHECKING, Any, ClassVar, Final
+from typing import TYPE_CHECKING, Any, ClassVar, Final, Literal, get_args, get_origin
 
 from pydantic import (
     BaseModel,
@@ -24,7 +24,9 @@ from pydantic_core import CoreSchema
 
 from mjcompose.base.diagnostic import Fault, Path
 from mjcompose.language.element import path_of
-from mjcompose.language.form import Schema, Settings, settings, validated_with, validation_error
+from mjcompose.language.forms.context import Settings, settings, validated_with, validation_error
+from mjcompose.language.forms.definitions import Schema
+from mjcompose.language.wording import shown
 
 if TYPE_CHECKING:
     from mjcompose.language.forms.rows import Rows
@@ -118,6 +120,7 @@ class Model(BaseModel):
         elif cls.short is not None and isinstance(value, cls.short_type):
             value = {cls.short: value}
         if isinstance(value, dict):
+            value = _with_exact_words(cls, value)
             for rule in cls.rules:
                 faults += rule.faults(value, cls, context)
                 if faults and getattr(rule, "alone", False):
@@ -158,8 +161,49 @@ def rows_of(info: FieldInfo) -> Rows | None:
     return next((each for each in info.metadata if getattr(each, "is_rows", False)), None)
 
 
+@cache
+def _inexact(model: type[BaseModel]) -> dict[str, tuple[Any, ...]]:
+    """Return the words of the fields some of whose words are true, false or numbers, by key."""
+    words = {key: _words(info.annotation) for key, info in fields_of(model).items()}
+    return {key: each for key, each in words.items() if not all(isinstance(word, str) for word in each)}
+
+
+def _words(annotation: Any) -> tuple[Any, ...]:
+    if get_origin(annotation) is Literal:
+        return get_args(annotation)
+    return tuple(word for each in get_args(annotation) for word in _words(each))
+
+
+def _with_exact_words(model: type[Model], value: dict[str, Any]) -> dict[str, Any]:
+    """Return the mapping with values as texts that only equal a word: for pydantic, 1 is the word `true`."""
+    for key, words in _inexact(model).items():
+        written = value.get(key)
+        if isinstance(written, int | float) and not any(
+            written == word and type(written) is type(word) for word in words
+        ):
+            value = {**value, key: shown(written)}
+    return value
+
+
+class Rest:
+    """A mark of a field that reads the whole mapping: what its keys without a field of their own mean together.
+
+    The field has an alias in angle brackets. `fmt` writes the keys of the fields before it first.
+    """
+
+
+def rest_of(model: type[BaseModel]) -> str | None:
+    """Return the key of the field with this mark, or None."""
+    return next(
+        (key for key, info in fields_of(model).items() if any(isinstance(m, Rest) for m in info.metadata)), None
+    )
+
+
 def _with_rows(model: type[Model], value: dict[str, Any]) -> dict[str, Any]:
     """Return the mapping with the keys that are words of a table put into the field for these."""
+    if (rest := rest_of(model)) is not None and model.short not in value:
+        own = model.key_names()
+        return {**{key: each for key, each in value.items() if key in own}, rest: value}
     for alias, rows in _tables(model):
         table = rows.table()
         words = {key: each for key, each in value.items() if key in table}

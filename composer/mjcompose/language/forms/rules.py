@@ -7,8 +7,10 @@ from typing import Any, Protocol
 
 from mjcompose.base.diagnostic import Fault, Note
 from mjcompose.base.suggest import closest, exists_note
-from mjcompose.language.form import EXCLUSIVE, Schema, Settings
+from mjcompose.language.forms.context import Settings
+from mjcompose.language.forms.definitions import Schema
 from mjcompose.language.forms.model import IT, OWNER, Model
+from mjcompose.language.wording import EXCLUSIVE
 
 _MOST = 12
 """The most alternatives that an editor can explain."""

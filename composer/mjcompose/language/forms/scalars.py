@@ -10,14 +10,23 @@ import sys
 from collections.abc import Callable, Mapping
 from typing import Annotated, Any, get_args
 
-from pydantic import BeforeValidator, Field, GetCoreSchemaHandler, GetJsonSchemaHandler
+from pydantic import (
+    BeforeValidator,
+    Field,
+    GetCoreSchemaHandler,
+    GetJsonSchemaHandler,
+    ValidatorFunctionWrapHandler,
+    WithJsonSchema,
+)
 from pydantic_core import CoreSchema, PydanticKnownError, core_schema
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Fault
-from mjcompose.language.form import Schema, is_unprintable, reference, validation_error
+from mjcompose.language.forms.context import validated_with, validation_error
+from mjcompose.language.forms.definitions import Schema, reference
 from mjcompose.language.forms.model import IT, KEY, OWNER
 from mjcompose.language.select import GLOB, check_template, pattern_fault
+from mjcompose.language.wording import is_unprintable, kind_of, unprintable
 from mjcompose.text.expression_values import Angle
 from mjcompose.text.node import is_template
 
@@ -44,7 +53,9 @@ class Unit:
 
 
 class Checked:
-    """An annotation that checks a value after its type: `fault` returns what is wrong with it, or None.
+    """An annotation that checks a value: `fault` returns what is wrong with it, or None.
+
+    It does so after the type of the value, or `first`: then pydantic does not judge a value with a fault.
 
     >>> from pydantic import TypeAdapter
     >>> short = Checked(lambda text: Fault("bad-name", f"{IT} is too long") if len(text) > 3 else None)
@@ -52,11 +63,14 @@ class Checked:
     'abc'
     """
 
-    def __init__(self, fault: Callable[[Any], Fault | None]) -> None:
-        self._fault = fault
+    def __init__(self, fault: Callable[[Any], Fault | None], *, first: bool = False) -> None:
+        self._fault, self._first = fault, first
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        return core_schema.no_info_after_validator_function(self._read, handler(source))
+        inner = handler(source)
+        if self._first:
+            return core_schema.no_info_before_validator_function(self._read, inner)
+        return core_schema.no_info_after_validator_function(self._read, inner)
 
     def _read(self, value: Any) -> Any:
         fault = self._fault(value)
@@ -255,6 +269,42 @@ AtLeastOne = Annotated[int, Field(ge=1), BeforeValidator(whole)]
 Text = Annotated[str, Field(min_length=1)]
 Range = Annotated[tuple[float, float], Items(2, 2), Checked(_in_order), Expects("a list of 2 numbers", "[LOW, HIGH]")]
 """Two numbers, the lower one first."""
+
+
+class Named:
+    """The keys of a mapping are names: they are not empty, and XML can hold them."""
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_wrap_validator_function(self._read, handler(source))
+
+    def _read(self, value: Any, handler: ValidatorFunctionWrapHandler) -> Any:
+        faults = []
+        for name in value if isinstance(value, dict) else ():
+            if not name.strip():
+                faults.append(Fault("bad-name", f"a name in {IT} is empty", (name,), key=True))
+            elif is_unprintable(name):
+                faults.append(unprintable(f"a name in {IT}", (name,), key=True))
+        return validated_with(handler, value, faults)
+
+
+def _value_fault(value: Any) -> Fault | None:
+    items = value if isinstance(value, list) else [value]
+    if not any(isinstance(each, dict | list) or each is None for each in items):
+        return None
+    return Fault("wrong-type", f"{IT} expects a value or a list of values, got {kind_of(value)}")
+
+
+VALUE: Schema = {"type": ["number", "boolean", "string", "array"]}
+Written = Annotated[Any, Checked(_value_fault), WithJsonSchema(VALUE)]
+"""The value of a parameter: a number, a text, true or false, or a list of these."""
+
+
+WHEN: Schema = {
+    "anyOf": [{"type": "object"}, {"type": "boolean"}, {"type": "string", "pattern": r"\$\{"}],
+    "description": "The builds that this belongs to: values of variants and parameters, or one boolean `${…}`.",
+}
+When = Annotated[Any, WithJsonSchema(WHEN)]
+"""The condition of an item. `expand` decides it before the forms read a recipe."""
 
 
 class Keywords:

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import Any, get_args
+from typing import Any, Literal, get_args, get_origin
 
 from pydantic import ValidationError
 
 from mjcompose.base.diagnostic import Fault, Fix, Path
 from mjcompose.base.suggest import closest, exists_note, renaming
-from mjcompose.language.form import kind_of, shown, unknown_key
 from mjcompose.language.forms.model import IT, KEY, OWNER, Model, is_whole
 from mjcompose.language.forms.scalars import Expects, Keywords, Name, Unit
-from mjcompose.language.forms.walk import Spot, is_model, spot
+from mjcompose.language.forms.walk import Spot, inside, is_model, spot
 from mjcompose.language.value import without_space, without_unit
+from mjcompose.language.wording import kind_of, shown, unknown_key
 
 _NOUNS = {
     "float_type": "a number",
@@ -64,7 +64,8 @@ def misspelt(errors: Sequence[Any], root: Any, data: Any) -> dict[int, Any]:
         if beside and each["type"] == "extra_forbidden":
             key, around = str(each["loc"][-1]), spot(root, each["loc"], data).model
             right = around.instead.get(key) if is_model(around) else None  # type: ignore[union-attr]
-            for near in closest(key, list(beside)) if right not in beside else [right]:
+            only = list(beside) if right is not None and len(beside) == 1 else None
+            for near in [right] if right in beside else only or closest(key, list(beside)):
                 found[id(each)] = beside[near]
     return found
 
@@ -100,6 +101,8 @@ def named(place: Spot) -> str:
     if place.key is None:
         return f"`{place.at[-1]}`" if place.at else "the recipe"
     owner, name = _owner(place), f"`{place.key}`"
+    if len(place.at) > len(place.above) + 1 and isinstance(place.at[-1], str):  # the entry of a mapping from names
+        name = f"`{place.at[-1]}` in {name}"
     return f"{name} of {owner}" if owner not in ("", name) else name
 
 
@@ -196,9 +199,25 @@ def _type(place: Spot, kind: str, value: Any, message: str) -> Fault:
         noun = expects.what if expects else name.what if name else noun
     got = "nothing" if value == "" else "an empty one" if value == {} else kind_of(value)
     help, fix = _advice(place, value)
+    if (
+        kind in ("list_type", "tuple_type")
+        and place.key in place.at[-1:]
+        and (listed := _as_list(place, value)) is not None
+    ):
+        help = listed
     if kind == "string_type" and isinstance(value, int | float) and help is None:
         help = f"quote it: '{shown(value)}'"
     return Fault("wrong-type", f"{named(place)} expects {noun}, got {got}", place.at, help=help, fix=fix)
+
+
+def _as_list(place: Spot, value: Any) -> str | None:
+    """Return how to write a single value as a list of it, or None if it is no item of the list."""
+    item = inside(place.kind, 1)
+    if is_model(item) and isinstance(value, dict):
+        first = next((key for key in value if key in item.key_names()), None)
+        return f"put `- ` in front of `{first}`" if first is not None else None
+    is_word = item is str or get_origin(item) is Literal
+    return f"write `{place.key}: [{value}]`" if is_word and isinstance(value, str) and value else None
 
 
 def _advice(place: Spot, value: Any) -> tuple[str | None, Fix | None]:

@@ -12,7 +12,7 @@ from pydantic.fields import FieldInfo
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Path
-from mjcompose.language.forms.model import WHOLE, Model, fields_of, is_hidden, rows_of
+from mjcompose.language.forms.model import WHOLE, Model, fields_of, is_hidden, rest_of, rows_of
 from mjcompose.language.forms.rows import Lazy, Rows
 from mjcompose.language.forms.scalars import Name
 
@@ -128,6 +128,17 @@ def _value_at(data: Any, step: str | int) -> Any:
     return _NOTHING
 
 
+def inside(annotation: Any, depth: int) -> Any:
+    """Return the type of what an annotation contains at a depth, without `Annotated` and `Optional`."""
+    kind = _Way(annotation).plain().kind
+    return inside(_inside(kind), depth - 1) if depth else kind
+
+
+def has_key(kind: Any, key: str) -> bool:
+    """Return whether a type is a mapping with a key."""
+    return is_model(kind) and key in fields_of(kind)
+
+
 def _inside(kind: Any) -> Any:
     """Return the type of the items of a list, or of the values of a mapping from names."""
     arguments = get_args(kind) or (Any,)
@@ -179,9 +190,26 @@ def key_order(root: Any) -> dict[Path, list[str]]:
     >>> key_order(Move)[("to",)]
     ['frame']
     """
+    return {
+        at: model.key_names() for at, model in _models(root) if WHOLE not in fields_of(model) and rest_of(model) is None
+    }
+
+
+def first_keys(root: Any) -> dict[Path, list[str]]:
+    """Return the keys that `fmt` writes first in mappings whose other keys are in the order of the author."""
+    found: dict[Path, list[str]] = {}
+    for at, model in _models(root):
+        if (rest := rest_of(model)) is not None:
+            own = [*fields_of(model)]
+            found[at] = [key for key in own[: own.index(rest)] if not is_hidden(key)]
+    for key, info in fields_of(root).items():
+        if first := next((mark.first for mark in info.metadata if hasattr(mark, "first")), ()):
+            found[key, "*"] = [*first]
+    return {at: keys for at, keys in found.items() if keys}
+
+
+def _models(root: Any) -> Iterator[tuple[Path, type[Model]]]:
     way = _Way(root).plain()
-    found: dict[Path, list[str]] = {(): way.kind.key_names()} if is_model(way.kind) else {}
-    for each in spots(root):
-        if is_model(each.kind) and WHOLE not in fields_of(each.kind):
-            found[each.at] = each.kind.key_names()
-    return found
+    if is_model(way.kind):
+        yield (), way.kind
+    yield from ((each.at, each.kind) for each in spots(root) if is_model(each.kind))
