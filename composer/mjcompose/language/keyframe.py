@@ -178,7 +178,7 @@ class Keyframe(Model):
     instead: ClassVar = {HOLD: f"write `{CTRL}: {HOLD}`, or `{CTRL}: {{{HOLD}: forces}}`"}
 
     sources: Annotated[dict[str, _KeyName], Expects("a mapping from parts to their keys", "{base: home}")] = Field(
-        default_factory=dict, alias=FROM
+        default_factory=dict, alias="from"
     )
     """A key of each part to start from, by the path of the part: `base`, `left`, `left/gripper`."""
     time: Annotated[float, Unit("s")] | None = None
@@ -186,7 +186,7 @@ class Keyframe(Model):
     qpos: Annotated[_Vector, _Entries("qpos")] = Field(default_factory=dict)
     qvel: Annotated[_Vector, _Entries("qvel")] = Field(default_factory=dict)
     act: Annotated[_Vector, _Entries("act")] = Field(default_factory=dict)
-    controls: Annotated[Controls, _Entries(CTRL)] = Field(default_factory=Controls, alias=CTRL)
+    controls: Annotated[Controls, _Entries(CTRL)] = Field(default_factory=Controls, alias="ctrl")
     mpos: Annotated[_Vector, _Entries("mpos")] = Field(default_factory=dict)
     mquat: Annotated[_Vector, _Entries("mquat")] = Field(default_factory=dict)
     when: When = None

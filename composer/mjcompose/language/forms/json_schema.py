@@ -96,20 +96,20 @@ def of_model(model: type[Model], schema: CoreSchema, handler: GetJsonSchemaHandl
     """Return the JSON Schema of a model, with its rules, and in the form in which it is written."""
     found = handler.resolve_ref_schema(handler(schema))
     properties: dict[str, Schema] = {}
-    whole_properties = found["properties"]
+    written = found["properties"]
     for key, info in fields_of(model).items():
         if (rows := rows_of(info)) is not None:
-            properties |= {word: found["properties"][key][word] for word in rows.table().own}
+            properties |= {word: written[key][word] for word in rows.table().own}
         else:
-            properties[key] = found["properties"][key]
+            properties[key] = written[key]
             properties[key].pop("examples", None)  # an editor would offer them as values
             if (about := descriptions(model).get(key)) is not None:
                 properties[key]["description"] = about
     if is_whole(model):
         (whole,) = (each for key, each in properties.items() if is_hidden(key))
         return whole
-    if (key := rest_of(model)) is not None:
-        rest = found["properties"][key]
+    if (beside := rest_of(model)) is not None:
+        rest = written[beside]
         properties |= rest.pop("properties", {})
         if "propertyNames" in rest:
             rest["propertyNames"] = {"enum": [*model.key_names(), *rest["propertyNames"]["enum"]]}
@@ -121,7 +121,7 @@ def of_model(model: type[Model], schema: CoreSchema, handler: GetJsonSchemaHandl
         found["allOf"] = [*found.get("allOf", ()), *conditions]
     if model.short is None:
         return found
-    short = {key: each for key, each in whole_properties[model.short].items() if key != "description"}
+    short = {key: each for key, each in written[model.short].items() if key != "description"}
     return {"anyOf": [short, found]}
 
 
