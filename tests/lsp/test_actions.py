@@ -66,7 +66,7 @@ def test_a_setting_that_parts_disagree_about_is_settled(editor: Editor, folder: 
         "settle `option.cone: pyramidal`",
         "settle `option.cone: elliptic`",
     }
-    settled = result(editor, found["settle `option.cone: pyramidal` as `b` wants it"], text)
+    settled = result(editor, found["settle `option.cone: pyramidal` as in `b`"], text)
     assert settled.rstrip("\n") == (parts + after).rstrip("\n")
     editor.change(editor.uri("acted.yaml"), settled)
     assert editor.diagnostics(editor.uri("acted.yaml")) == []

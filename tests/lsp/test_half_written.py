@@ -68,7 +68,7 @@ class Typist:
         self.check(uses_of(analysis).values())
         self.check(each.span for each in formatted(analysis.text, analysis.file))
         if (span := renameable(question)) is not None:
-            self.check([span, *(change.span for change in rename(question, "renamed", ()).changes)])
+            self.check([span, *(change.span for change in rename(question, "renamed", ()))])
 
     def check(self, spans: Iterable[Span | None]) -> None:
         """Every place in the recipe is one of its text."""

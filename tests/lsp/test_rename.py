@@ -109,7 +109,7 @@ def test_what_cannot_be_is_said(editor: Editor, inner: Path, where: str, new: st
 
 def test_a_pattern_that_would_mean_other_names_stops_it(editor: Editor, inner: Path) -> None:
     text = INNER.replace('"left/*"', '"l*/*"')
-    with pytest.raises(AssertionError, match="would mean other names"):
+    with pytest.raises(AssertionError, match="would match other names"):
         edits(editor, mark(text, "  le▮ft: {model"), "west", "renamed_inner.yaml")
 
 

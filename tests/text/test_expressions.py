@@ -67,7 +67,7 @@ def test_values(text: str, expected: Value) -> None:
         ("${v < v}", "v < v", "`<` needs numbers or text, got a vector"),
         ("${1 if n else 2}", "n", "`if` needs a boolean, got a number"),
         ("${v[2]}", "v[2]", "item 2 does not exist: the vector has 2"),
-        ("${v[n]}", "[n", "an index is a whole number that is written"),
+        ("${v[n]}", "[n", "an index must be a whole number, as digits"),
         ("${n[0]}", "n[0]", "a number has no items"),
         ("${speed}", "speed", "`speed` does not exist"),
         ("${True}", "True", "`True` does not exist"),
@@ -77,8 +77,8 @@ def test_values(text: str, expected: Value) -> None:
         ("${n && n}", "&&", "`&&` is not an operator"),
         ("${90deg}", "90deg", "`90deg` is not a number"),
         ("${(1 + 2}", "(", "`(` is never closed"),
-        ("${1 2}", "2", "`2` stands where an operator should"),
-        ("${1 +}", "+", "the expression ends where a value should come"),
+        ("${1 2}", "2", "`2` is in the place of an operator"),
+        ("${1 +}", "+", "the expression ends without a value"),
         ("${}", "", "the expression is empty"),
         ("a ${1", "${1", "`${` is never closed"),
         ("${" + "(" * 80 + ")" * 80 + "}", "(", "the expression is nested too deep"),
@@ -126,7 +126,7 @@ def test_more_expressions_in_one_text_than_anybody_writes() -> None:
 
 
 def test_an_unknown_function_lists_what_exists() -> None:
-    with pytest.raises(ExpressionError, match="the function `sine` does not exist; those that exist: abs, min, max"):
+    with pytest.raises(ExpressionError, match="the function `sine` does not exist; the functions are abs, min, max"):
         value("${sine(1)}")
 
 

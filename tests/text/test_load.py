@@ -289,11 +289,7 @@ def test_keys_that_are_no_scalars(text: str, shown: str) -> None:
 
 
 def test_template_braces_of_other_tools_are_recognised() -> None:
-    assert first_error("a: {{ x }}\n") == (
-        "yaml-key",
-        "{",
-        'text with braces must be quoted; an expression is written "${…}"',
-    )
+    assert first_error("a: {{ x }}\n") == ("yaml-key", "{", 'quote text with braces; write an expression as "${…}"')
 
 
 def test_several_documents() -> None:
@@ -325,7 +321,7 @@ def test_an_alias_takes_the_latest_anchor() -> None:
 
 
 def test_alias_that_names_nothing_is_probably_a_glob() -> None:
-    assert first_error("joint: *elbow\n") == ("yaml-alias", "*elbow", 'if the text itself is meant, quote it: "*elbow"')
+    assert first_error("joint: *elbow\n") == ("yaml-alias", "*elbow", 'if it is text, quote it: "*elbow"')
     assert read("joint: *elbow\n")[0] == {"joint": "*elbow"}
     assert read("*elbow : 1\n")[0] == {"*elbow": 1}
 

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterator
 from collections.abc import Sequence as Lines
 from functools import cached_property
+from pathlib import Path
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Diagnostic, Severity, Span
@@ -13,7 +13,7 @@ from mjcompose.base.suggest import closest
 from mjcompose.language.codes import ALLOW
 from mjcompose.lsp.analysis import Action, Analysis, Change, Question
 from mjcompose.lsp.completion import complete
-from mjcompose.lsp.cursor import Path
+from mjcompose.lsp.cursor import Path as Steps
 from mjcompose.lsp.hover import SECTIONS
 from mjcompose.sources.fetching import model_files
 from mjcompose.text.decode import position
@@ -23,7 +23,7 @@ from mjcompose.text.node import Mapping, Node, Sequence, find, spans
 from mjcompose.tools.fix import edit_of, place_of
 
 
-def with_key(tree: Mapping, lines: Lines[str], file: str, path: Path, value: str) -> Change | None:
+def with_key(tree: Mapping, lines: Lines[str], file: str, path: Steps, value: str) -> Change | None:
     """Return the change that writes `path: value` and the missing keys on the way.
 
     A value on one line is replaced. The result is None if the path leads through something that is no mapping.
@@ -40,7 +40,9 @@ def with_key(tree: Mapping, lines: Lines[str], file: str, path: Path, value: str
             return None
         below = find(holder, (step,))
         if below is None:
-            return _added(holder, lines, file, _nested(path[depth:], value), top=depth == 0)
+            *outer, last = map(str, path[depth:])
+            text = "".join(f"{step}: {{" for step in outer) + f"{last}: {value}" + "}" * len(outer)
+            return _added(holder, lines, file, text, top=depth == 0)
         holder = below
     if holder.span.end_column is None or isinstance(holder, Mapping | Sequence):
         return None
@@ -48,10 +50,7 @@ def with_key(tree: Mapping, lines: Lines[str], file: str, path: Path, value: str
 
 
 def with_item(tree: Mapping, lines: Lines[str], file: str, key: str, value: str) -> Change | None:
-    """Return the change that appends a value to the list below a key of the recipe, or None.
-
-    The list is created if needed.
-    """
+    """Return the change that appends a value to the list below a key of the recipe, or creates the list; or None."""
     found = tree.entries.get(key)
     if found is None:
         return _added(tree, lines, file, f"{key}: [{value}]", top=True)
@@ -65,26 +64,15 @@ def with_item(tree: Mapping, lines: Lines[str], file: str, key: str, value: str)
     return _insert(file, line, len(lines[line - 1]) + 1, f"\n{' ' * indent}- {value}")
 
 
-def _nested(path: Path, value: str) -> str:
-    *outer, last = map(str, path)
-    text = f"{last}: {value}"
-    for step in reversed(outer):
-        text = f"{step}: {{{text}}}"
-    return text
-
-
 def _added(holder: Mapping, lines: Lines[str], file: str, text: str, top: bool) -> Change:
     """Return the change that adds an entry at the end of a mapping."""
     if not top and _is_flow(holder, lines):
         line, column = _end(holder, file)
-        row = lines[line - 1]
-        closing = row.find("}", column - 1)
-        at = closing + 1 if closing >= 0 else column
-        empty = not holder.entries
-        return _insert(file, line, at, text if empty else f", {text}")
+        at = lines[line - 1].find("}", column - 1) + 1 or column
+        return _insert(file, line, at, f", {text}" if holder.entries else text)
     line, _ = _end(holder, file)
     while line < len(lines) and lines[line].strip() and lines[line].startswith(" ") and top:
-        line += 1  # a block of text, of which the tree knows the first line alone
+        line += 1  # in a block of text: the tree knows only its first line
     first = next(iter(holder.entries.values()), None)
     indent = 0 if top or first is None else first[0].span.column - 1
     return _insert(file, line, len(lines[line - 1]) + 1, f"\n{' ' * indent}{text}")
@@ -121,11 +109,15 @@ class Offer:
         """Return the tree of the recipe, or None if the current text has none."""
         return self.analysis.mapping if self.analysis.is_current else None
 
+    def with_key(self, path: Steps, value: str) -> Change | None:
+        analysis, tree = self.analysis, self.tree
+        return None if tree is None else with_key(tree, analysis.lines, analysis.file, path, value)
+
 
 def offer(offered: Offer) -> Iterator[Action]:
     """Yield, for each warning at the place, a change that adds its code to `allow`."""
     tree, analysis = offered.tree, offered.analysis
-    for diagnostic in offered.diagnostics if tree is not None else ():
+    for diagnostic in offered.diagnostics:
         if diagnostic.severity is not Severity.ERROR and diagnostic.code != "unused-allow" and tree is not None:
             change = with_item(tree, analysis.lines, analysis.file, ALLOW, diagnostic.code)
             if change is not None:
@@ -139,30 +131,19 @@ _MOST = 3
 def offer_attach(offered: Offer) -> Iterator[Action]:
     """Yield an `attach` entry for the prefix of an unknown name. Models with a similar name come first."""
     tree, analysis = offered.tree, offered.analysis
+    attach = None if tree is None else find(tree, ("attach",))
+    parts = attach.entries if isinstance(attach, Mapping) else {}
     for diagnostic in offered.diagnostics if tree is not None else ():
-        if diagnostic.code not in _CODES or tree is None:
-            continue
-        for subject in sorted(diagnostic.subjects):
+        for subject in sorted(diagnostic.subjects) if diagnostic.code in _CODES else ():
             key, separator, _ = subject.partition(analysis.separator)
-            if not separator or not key.isidentifier() or key in _parts(tree):
+            if not separator or not key.isidentifier() or key in parts:
                 continue
-            for model in _models(key, offered):
-                value = f"{{model: {word(model)}}}"
-                change = with_key(tree, analysis.lines, analysis.file, ("attach", key), value)
+            files = model_files(analysis.path.parent)
+            near = [f"./{each}" for each in files if key.lower() in Path(each).name.lower()]
+            for model in near[:_MOST] or ["./MODEL.xml"]:
+                change = offered.with_key(("attach", key), f"{{model: {word(model)}}}")
                 if change is not None:
                     yield Action(f"attach `{key}`: `{model}`", (change,), diagnostic)
-
-
-def _parts(tree: Mapping) -> set[str]:
-    attach = find(tree, ("attach",))
-    return set(attach.entries) if isinstance(attach, Mapping) else set()
-
-
-def _models(key: str, offered: Offer) -> list[str]:
-    """Return the model files beside the recipe whose names resemble a key, or a placeholder if there are none."""
-    files = [f"./{each}" for each in model_files(offered.analysis.path.parent)]
-    near = [each for each in files if key.lower() in each.rpartition("/")[2].lower()]
-    return near[:_MOST] or ["./MODEL.xml"]
 
 
 def offer_fixes(offered: Offer) -> Iterator[Action]:
@@ -189,7 +170,8 @@ def offer_near(offered: Offer) -> Iterator[Action]:
     question = offered.question
     cursor = question.cursor
     written = cursor.whole.strip()
-    about = next((each for each in offered.diagnostics if each.fix is None and written in _about(each.subjects)), None)
+    unfixed = (each for each in offered.diagnostics if each.fix is None)
+    about = next((each for each in unfixed if written in map(str.strip, each.subjects)), None)
     if about is None or not written:
         return
     labels = [item.label for item in complete(question).items if item.kind != "pattern"]
@@ -198,42 +180,30 @@ def offer_near(offered: Offer) -> Iterator[Action]:
         yield Action(f"write `{near}`", (Change(question.word, text),), about)
 
 
-def _about(subjects: frozenset[str]) -> set[str]:
-    return {each.strip() for each in subjects}
-
-
-_CODE = "option-conflict"
-
-
 def offer_settle(offered: Offer) -> Iterator[Action]:
     """Yield, for each value that a part has, a change that writes it into the recipe."""
-    tree, analysis = offered.tree, offered.analysis
-    for diagnostic in offered.diagnostics if tree is not None else ():
-        if diagnostic.code != _CODE or tree is None:
-            continue
-        for part, path, value in dict.fromkeys(_wanted(diagnostic, analysis)):
+    for diagnostic in offered.diagnostics:
+        settings = _settings(diagnostic, offered.analysis) if diagnostic.code == "option-conflict" else ()
+        for part, path, value in dict.fromkeys(settings):
             words = value.split()
             text = word(value) if len(words) == 1 else f"[{', '.join(words)}]"
-            change = with_key(tree, analysis.lines, analysis.file, path, text)
-            if change is not None:
-                yield Action(f"settle `{'.'.join(path)}: {text}` as `{part}` wants it", (change,), diagnostic)
+            if (change := offered.with_key(path, text)) is not None:
+                yield Action(f"settle `{'.'.join(path)}: {text}` as in `{part}`", (change,), diagnostic)
 
 
-def _wanted(diagnostic: Diagnostic, analysis: Analysis) -> Iterator[tuple[str, tuple[str, ...], str]]:
+def _settings(diagnostic: Diagnostic, analysis: Analysis) -> Iterator[tuple[str, tuple[str, ...], str]]:
     """Yield part, path and value of each setting that is written at a place of the diagnostic."""
-    places = {_line(span) for span in (diagnostic.span, *(note.span for note in diagnostic.notes)) if span is not None}
+    spans = (diagnostic.span, *(note.span for note in diagnostic.notes))
+    places = {(span.file, span.line, span.column) for span in spans if span is not None}
     for part, unit in analysis.names.sources.items():
         for section in SECTIONS:
             for top in unit.root.iterchildren(section):
                 for element in top.iter("*"):
                     steps = (section,) if element is top else (section, str(element.tag))
                     for name, value in element.items():
-                        if _line(unit.origins.span(element, unit.file, str(name))) in places:
+                        at = unit.origins.span(element, unit.file, str(name))
+                        if (at.file, at.line, at.column) in places:
                             yield part, (*steps, str(name)), str(value)
-
-
-def _line(span: Span) -> tuple[str, int, int]:
-    return span.file, span.line, span.column
 
 
 _OTHER = {"deg": "rad", "rad": "deg"}
@@ -244,30 +214,14 @@ def offer_units(offered: Offer) -> Iterator[Action]:
     question = offered.question
     written = question.cursor.whole.strip()
     for unit, other in _OTHER.items():
-        if written.endswith(unit) and Angle.read(written) is not None:
-            text = f"{converted(float(written.removesuffix(unit)), unit):.10g}{other}"
+        if written.endswith(unit) and (angle := Angle.read(written)) is not None:
+            text = f"{angle.in_unit(other):.10g}{other}"
             yield Action(f"write it as `{text}`", (Change(question.word, text),), kind="refactor.rewrite")
     for diagnostic in offered.diagnostics:
-        if diagnostic.code == "bare-angle" and _is_number(written):
-            for unit in _OTHER:
+        for unit in _OTHER if diagnostic.code == "bare-angle" else ():
+            if Angle.read(f"{written}{unit}") is not None:
                 change = Change(question.word, f"{written}{unit}")
                 yield Action(f"it is in {unit}: `{written}{unit}`", (change,), diagnostic)
-
-
-def converted(value: float, unit: str) -> float:
-    """Return an angle in the other unit.
-
-    >>> converted(180, "deg") == math.pi
-    True
-    """
-    return math.radians(value) if unit == "deg" else math.degrees(value)
-
-
-def _is_number(text: str) -> bool:
-    try:
-        return math.isfinite(float(text))
-    except ValueError:
-        return False
 
 
 OFFERS: tuple[Callable[[Offer], Iterator[Action]], ...] = (

@@ -1,4 +1,4 @@
-"""What is known of a recipe, a question about it, and answers as data."""
+"""Facts about a recipe, a question about it, and answers as data."""
 
 from __future__ import annotations
 
@@ -40,7 +40,6 @@ def marks(files: Iterable[PathlibPath], texts: Entries[str, bytes]) -> dict[Path
 
 
 def is_saved(path: str, text: bytes) -> bool:
-    """Return whether the file on disk has the same text as the editor."""
     try:
         return read_regular(path) == text
     except OSError:
@@ -102,10 +101,7 @@ def units(line: str, column: int, encoding: str = "utf-16") -> int:
     >>> units("🤖: x", 1)
     2
     """
-    before = line[: max(column, 0)]
-    if before.isascii():
-        return len(before)
-    return sum(map(_UNITS[encoding], before))
+    return sum(map(_UNITS[encoding], line[: max(column, 0)]))
 
 
 def column_of(line: str, count: int, encoding: str = "utf-16") -> int:
@@ -114,8 +110,6 @@ def column_of(line: str, count: int, encoding: str = "utf-16") -> int:
     >>> column_of("🤖: x", 2), column_of("ab", 9)
     (1, 2)
     """
-    if line.isascii():
-        return max(0, min(count, len(line)))
     size, passed = _UNITS[encoding], 0
     for column, character in enumerate(line):
         if passed >= count:
@@ -138,6 +132,14 @@ def moved(old: Sequence[str], new: Sequence[str]) -> dict[int, int]:
     kept = {at: at for at in range(head)}
     kept |= {at: at + len(new) - len(old) for at in range(len(old) - tail, len(old))}
     return kept
+
+
+def span_after(span: Span, lines: Entries[int, int]) -> Span | None:
+    """Return a place in a later text, of which `lines` are those that `moved` returns; None on another line."""
+    line, end = lines.get(span.line - 1), None if span.end_line is None else lines.get(span.end_line - 1)
+    if line is None or (span.end_line is not None and end is None):
+        return None
+    return replace(span, line=line + 1, end_line=None if end is None else end + 1)
 
 
 @dataclass(frozen=True, slots=True)
@@ -225,14 +227,6 @@ class Fold:
 
 
 @dataclass(frozen=True, slots=True)
-class Rename:
-    """All changes that a new name needs, or the reason why it is refused."""
-
-    changes: tuple[Change, ...] = ()
-    refusal: str = ""
-
-
-@dataclass(frozen=True, slots=True)
 class Completion:
     """The completions at a place, and the stretch of the line that they replace."""
 
@@ -240,8 +234,8 @@ class Completion:
     span: Span | None = None
 
 
-_TELLING = ("type", "pos", "joint", "tendon", "site", "file", "range")
-"""What a line about an element says of its attributes."""
+_DESCRIBING = ("type", "pos", "joint", "tendon", "site", "file", "range")
+"""The attributes that a line about an element shows."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -264,8 +258,8 @@ class Known:
         'site of arm, in wrist, pos 0 0 0.1'
         """
         of = f" of {self.part}" if self.part else ""
-        where = f", in {self.holder}" if self.holder else ""
-        return f"{self.tag}{of}{where}{', ' + self.words if self.words else ''}"
+        place = f", in {self.holder}" if self.holder else ""
+        return f"{self.tag}{of}{place}{', ' + self.words if self.words else ''}"
 
 
 @dataclass(frozen=True)
@@ -280,9 +274,6 @@ class Names:
     sources: dict[str, Unit] = field(default_factory=dict)
     prefixes: dict[str, str] = field(default_factory=dict)
 
-    def of(self, namespace: str) -> list[Known]:
-        return list(self.known.get(namespace, {}).values())
-
     def find(self, namespace: str, name: str) -> Known | None:
         return self.known.get(namespace, {}).get(name)
 
@@ -291,17 +282,15 @@ class Names:
 
         They come from its source, or from the model, of which those below the prefix are taken.
         """
-        found: dict[str, dict[str, Known]] = {}
+        own: dict[str, dict[str, Known]] = {}
         if (unit := self.sources.get(part)) is not None:
             for each in _of_root(unit.root, "", []):
-                found.setdefault(each.namespace, {})[each.name] = each
-            return Names(found)
-        prefix = self.prefixes.get(part)
-        for namespace, names in self.known.items() if prefix else ():
-            for name, each in names.items():
-                if prefix and name.startswith(prefix) and len(name) > len(prefix):
-                    found.setdefault(namespace, {})[name[len(prefix) :]] = each
-        return Names(found)
+                own.setdefault(each.namespace, {})[each.name] = each
+        elif prefix := self.prefixes.get(part):
+            for namespace, names in self.known.items():
+                inside = {name[len(prefix) :]: each for name, each in names.items() if name.startswith(prefix)}
+                own[namespace] = {name: each for name, each in inside.items() if name}
+        return Names(own)
 
 
 def names_of(plan: Plan, root: _Element | None, composed: Plan | None, library: Library) -> Names:
@@ -310,7 +299,7 @@ def names_of(plan: Plan, root: _Element | None, composed: Plan | None, library: 
     `root` is the tree of that model and `composed` its plan, which may be older than `plan`.
     """
     places = [place for place in plan.walk() if place.model is not None and place.part]
-    parts = sorted(((place.prefix, place.part) for place in places), key=_longest)
+    parts = sorted(((place.prefix, place.part) for place in places), key=lambda each: -len(each[0]))
     sources = {place.part: unit for place in places if (unit := _unit(place, library)) is not None}
     known: dict[str, dict[str, Known]] = {}
     if root is not None:
@@ -328,10 +317,6 @@ def _take(known: dict[str, dict[str, Known]], found: Iterator[Known]) -> None:
         known.setdefault(each.namespace, {}).setdefault(each.name, each)
 
 
-def _longest(prefix: tuple[str, str]) -> int:
-    return -len(prefix[0])
-
-
 def _identity(placed: PlacedModel) -> tuple[str, object]:
     """Return a value that changes whenever the names of a part may change."""
     return placed.prefix, placed.model.path if isinstance(placed.model, Source) else None
@@ -344,32 +329,17 @@ def _unit(placed: PlacedModel, library: Library) -> Unit | None:
 
 
 def _of_root(root: _Element, prefix: str, prefixes: list[tuple[str, str]]) -> Iterator[Known]:
-    """Yield the names of a tree; `prefixes` are those of parts, the longest first."""
     part_of = dict(reversed(prefixes))  # the first of equal ones
     lengths = sorted({len(start) for start in part_of}, reverse=True)
     for namespace, declared in NameIndex.of(root).declared.items():
         for own, node in declared.items():
             name = prefix + own
             part = next((found for end in lengths if (found := part_of.get(name[:end])) is not None), "")
-            yield Known(name, namespace, str(node.tag), "" if part == BASE else part,
-                        prefix_of(_holder(node), prefix), _words(node), node)  # fmt: skip
-
-
-def prefix_of(name: str, prefix: str) -> str:
-    return prefix + name if name and name != WORLD else name
-
-
-def _holder(node: _Element) -> str:
-    for above in node.iterancestors():
-        if above.tag == "body":
-            return str(above.get("name") or "")
-        if above.tag == "worldbody":
-            return WORLD
-    return ""
-
-
-def _words(node: _Element) -> str:
-    return ", ".join(f"{name} {value}" for name in _TELLING if (value := node.get(name)))
+            body = next(node.iterancestors("body", "worldbody"), None)
+            holder = "" if body is None else WORLD if body.tag == "worldbody" else str(body.get("name") or "")
+            holder = prefix + holder if holder not in ("", WORLD) else holder
+            words = ", ".join(f"{name} {value}" for name in _DESCRIBING if (value := node.get(name)))
+            yield Known(name, namespace, str(node.tag), "" if part == BASE else part, holder, words, node)
 
 
 _CLOSING = {"{": "}", "[": "]"}
@@ -447,8 +417,8 @@ class Analysis:
     `is_composed` say which. `tree_of`, `plan_of` and `model_of` are the texts in which they were found. `found` has
     the diagnostics, `files` all files that were read, and `library` the sources as they were read.
 
-    `traced` says where the elements of the model come from. To find out takes as long as the rest, and no diagnostic
-    needs it: it is None until `Workspace.traced` is asked.
+    `traced` says where the elements of the model come from. It takes as long as the rest, and no diagnostic needs it,
+    so it is None until `Workspace.traced` computes it.
     """
 
     path: PathlibPath
@@ -481,8 +451,7 @@ class Analysis:
         """Return the names in the model, and those of parts that it lacks."""
         if self.plan is None:
             return Names()
-        model = self.model
-        root, composed = (None, None) if model is None else (model.unit.root, model.plan)
+        root, composed = (self.model.unit.root, self.model.plan) if self.model is not None else (None, None)
         return names_of(self.plan, root, composed, self.library)
 
     @property
@@ -497,11 +466,13 @@ class Analysis:
         """Return the current place of something in an earlier text, or None if it may have changed since."""
         if span.file != self.file or of == self.text:
             return span
-        lines = moved(lines_of(of), self.lines)
-        line, end = lines.get(span.line - 1), None if span.end_line is None else lines.get(span.end_line - 1)
-        if line is None or (span.end_line is not None and end is None):
-            return None
-        return replace(span, line=line + 1, end_line=None if end is None else end + 1)
+        return span_after(span, moved(lines_of(of), self.lines))
+
+    def all_now(self, spans: Iterable[Span | None], of: str) -> Iterator[Span]:
+        """Yield the current places, without those that may have changed since."""
+        for span in spans:
+            if span is not None and (now := self.now(span, of)) is not None:
+                yield now
 
 
 def shown(path: PathlibPath, folder: PathlibPath) -> str:
@@ -538,7 +509,6 @@ class Question:
 
     @cached_property
     def forms(self) -> list[Form]:
-        """Return what the language allows at the path of the cursor."""
         return forms_at(self.cursor.path, self.data)
 
     @property

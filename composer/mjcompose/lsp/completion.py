@@ -17,7 +17,7 @@ from mjcompose.lsp.analysis import Completion, Item, Known, Question
 from mjcompose.lsp.cursor import Path
 from mjcompose.lsp.language import Key, keys_of, words_of
 from mjcompose.lsp.places import PART, Wanted, fitting, wanted_key
-from mjcompose.lsp.subject import Settable, of_nested, settables, wanted_as_value
+from mjcompose.lsp.subject import Settable, of_nested, sets, settables, wanted_as_value
 from mjcompose.sources.fetching import model_files
 from mjcompose.sources.kinds import KINDS
 from mjcompose.sources.reference import FORMATS
@@ -35,8 +35,8 @@ def offer(question: Question) -> Iterator[Item]:
 
 _NAME = re.compile(r"[A-Za-z_]\w*\Z")
 _IN_EDITS = {
-    "value": "what is there now, after defaults", "name": "the name of the element",
-    "parent": "the name of its parent", "index": "its number among those that are selected, from 0",
+    "value": "the current value, after defaults", "name": "the name of the element",
+    "parent": "the name of its parent", "index": "its number among the selected elements, from 0",
 }  # fmt: skip
 
 
@@ -46,8 +46,8 @@ def begun(question: Question) -> str | None:
     opening = before.rfind("${")
     if opening < 0 or "}" in before[opening:]:
         return None
-    found = _NAME.search(before)
-    return found.group() if found else ""
+    name = _NAME.search(before)
+    return name.group() if name else ""
 
 
 def offer_expressions(question: Question) -> Iterator[Item]:
@@ -63,9 +63,6 @@ def offer_expressions(question: Question) -> Iterator[Item]:
         yield Item(name, "function", f"{count} argument{'s' * (count != '1')}", rank=30, insert=f"{name}(")
     for name, value in CONSTANTS.items():
         yield Item(name, "constant", str(value), rank=30)
-
-
-_COLLECTIONS = {"object", "array"}
 
 
 def offer_keys(question: Question) -> Iterator[Item]:
@@ -86,7 +83,7 @@ def offer_keys(question: Question) -> Iterator[Item]:
 
 
 def _insert(key: Key, question: Question) -> str:
-    """Return the key with its colon. If its value is a mapping or list, an indented line follows."""
+    """Return the key with its colon, followed by an indented line if its value is a mapping."""
     cursor = question.cursor
     if cursor.has_colon:
         return key.name
@@ -96,18 +93,13 @@ def _insert(key: Key, question: Question) -> str:
 
 
 def _is_collection(key: Key) -> bool:
-    types = _types(key)
-    return bool(types) and types <= _COLLECTIONS and "array" not in types
-
-
-def _types(key: Key) -> set[str]:
-    found: set[str] = set()
+    types: set[str] = set()
     for form in key.forms:
-        said: Any = form.schema.get("type", ())
-        found |= {said} if isinstance(said, str) else set(said)
+        declared: Any = form.schema.get("type", ())
+        types |= {declared} if isinstance(declared, str) else set(declared)
         if "enum" in form.schema or "const" in form.schema:
-            found.add("string")
-    return found
+            types.add("string")
+    return types == {"object"}
 
 
 def offer_names(question: Question) -> Iterator[Item]:
@@ -116,11 +108,8 @@ def offer_names(question: Question) -> Iterator[Item]:
     for wanted, is_key in _wanted(question):
         for at, (rank, known) in enumerate(fitting(wanted, analysis.names, analysis.plan)):
             colon = ": " if is_key and not cursor.has_colon else ""
-            is_part = known.namespace == PART
-            yield Item(
-                known.name, "part" if is_part else known.namespace, "part" if is_part else known.detail,
-                rank=rank + min(at, 9000) / 10000, insert=known.name + colon if colon else "",
-            )  # fmt: skip
+            insert, nearness = known.name + colon if colon else "", min(at, 9000) / 10000
+            yield Item(known.name, known.namespace, known.detail, rank=rank + nearness, insert=insert)
 
 
 def _wanted(question: Question) -> Iterator[tuple[Wanted, bool]]:
@@ -152,27 +141,20 @@ def offer_parameters(question: Question) -> Iterator[Item]:
 
 def _at(path: Path, question: Question) -> dict[str, Settable] | None:
     """Return the parameters and variants that the mapping at a path can set, or None for any other mapping."""
-    if path and path[-1] == "with":
+    if path[-1:] == ("with",):
         return of_nested(path[:-1], question)
-    is_matrix = path[:1] == ("matrix",) and (path[1:] == ("axes",) or len(path) == 3)
-    if is_matrix or (path and path[-1] == "when"):
-        return settables(question.data)
-    return None
+    return settables(question.data) if sets(path) and path not in (("params",), ("variants",)) else None
 
 
 _MENAGERIE = "menagerie:"
 _SCHEMES = tuple(form for kind in KINDS for form in kind.forms)
 
 
-def takes_reference(path: tuple[str | int, ...]) -> bool:
-    """Return whether the value at a path is a model reference."""
-    return path == ("extends",) or path == ("base",) or (len(path) > 1 and path[-1] == "model")
-
-
 def offer_references(question: Question) -> Iterator[Item]:
     """Yield the continuations of the reference at the cursor."""
     cursor = question.cursor
-    if cursor.role not in ("value", "either") or not takes_reference(cursor.path):
+    is_reference = cursor.path in (("extends",), ("base",)) or (len(cursor.path) > 1 and cursor.path[-1] == "model")
+    if cursor.role not in ("value", "either") or not is_reference:
         return
     only_recipes = cursor.path == ("extends",)
     if cursor.word.startswith(_MENAGERIE) and not only_recipes:
@@ -183,19 +165,15 @@ def offer_references(question: Question) -> Iterator[Item]:
         kind = FORMATS[PathlibPath(reference).suffix.lower()]
         if (not only_recipes or kind == "recipe") and reference != f"./{question.analysis.path.name}":
             yield Item(reference, "file", kind if kind == "recipe" else kind.upper(), rank=10 + at / 1000)
-    for form in _SCHEMES:
-        scheme = form.scheme
-        if scheme and not only_recipes:
+    for form in () if only_recipes else _SCHEMES:
+        if scheme := form.scheme:
             yield Item(f"{scheme}:", "scheme", form.example, form.meaning, 30, again=scheme == "menagerie")
 
 
 def _files(folder: PathlibPath, word: str) -> Iterator[str]:
     """Yield the model files below the recipe's folder, or below the folder that the text so far leads to."""
-    if word.startswith("../"):
-        above = word.rpartition("/")[0]
-        yield from (f"{above}/{each}" for each in model_files(PathlibPath(os.path.normpath(folder / above))))
-    else:
-        yield from (f"./{each}" for each in model_files(folder))
+    above = word.rpartition("/")[0] if word.startswith("../") else "."
+    yield from (f"{above}/{each}" for each in model_files(PathlibPath(os.path.normpath(folder / above))))
 
 
 def _robots(word: str) -> Iterator[Item]:
@@ -208,12 +186,10 @@ def _robots(word: str) -> Iterator[Item]:
     if slash and name in robots:
         robot = library.get(name)
         for entry in robot.entry_points:
-            usual = entry.name == robot.default_model
-            yield Item(f"{_MENAGERIE}{name}/{entry.name}", "model", "the robot's own model" if usual else "",
-                       rank=5 if usual else 10)  # fmt: skip
+            detail, rank = ("the robot's own model", 5) if entry.name == robot.default_model else ("", 10)
+            yield Item(f"{_MENAGERIE}{name}/{entry.name}", "model", detail, rank=rank)
         return
-    for robot_name in robots:
-        yield Item(f"{_MENAGERIE}{robot_name}", "model", "MuJoCo Menagerie", rank=10)
+    yield from (Item(f"{_MENAGERIE}{robot}", "model", "MuJoCo Menagerie", rank=10) for robot in robots)
 
 
 def offer_selectors(question: Question) -> Iterator[Item]:

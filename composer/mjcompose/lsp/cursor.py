@@ -25,12 +25,12 @@ _CLOSING = {"{": "}", "[": "]"}
 
 @dataclass(frozen=True, slots=True)
 class Cursor:
-    """What is being written at a cursor.
+    """The text that you are writing at a cursor.
 
-    `path` leads to the mapping whose key is being written (`key`), to the value that is being written (`value`), or
-    to a place for a value or a first key (`either`). The kind `text` means that the cursor is in a block of text or
-    a comment. The word covers the columns from `start` to `end`, counted from 0 and without quotes; `word` is the
-    part of it before the cursor. `written` are the keys of the mapping before the cursor. `line` is counted from 0.
+    `path` leads to the mapping of a key that you are writing (`key`), to a value (`value`), or to a place for a value
+    or a first key (`either`). With the role `text`, the cursor is in a block of text or a comment. The word covers the
+    columns from `start` to `end`, counted from 0 and without quotes; `word` is the part of it before the cursor.
+    `written` are the keys of the mapping before the cursor. `line` is counted from 0.
     """
 
     path: Path
@@ -59,7 +59,7 @@ class _Frame:
 
 
 def cursor_at(lines: Sequence[str], line: int, column: int) -> Cursor:
-    """Return what is being written at a place. `line` and `column` are counted from 0.
+    """Return the cursor at a place. `line` and `column` are counted from 0.
 
     >>> cursor_at(["attach:", "  gripper:", "    site: att"], 2, 13).path
     ('attach', 'gripper', 'site')
@@ -80,7 +80,6 @@ class _Scan:
     # -- whole lines -------------------------------------------------------------------------------------------
 
     def line(self, text: str) -> None:
-        """Process a line that ends before the cursor."""
         stripped = text.strip()
         indent = len(text) - len(text.lstrip(" "))
         if self.block is not None:
@@ -202,7 +201,7 @@ class _Scan:
         if self.block is not None and (indent > self.block or (blank and column > self.block)):
             return Cursor(self.path(), "text", "", line, column, column)
         self.block = None
-        if _comment(before) is not None:
+        if _ends_in_comment(before):
             return Cursor(self.path(), "text", "", line, column, column)
         if self.in_flow:
             return self.in_brackets(text, 0, line, column)
@@ -217,13 +216,16 @@ class _Scan:
         if before[at : at + 1] in _CLOSING and at < column:
             return self.in_brackets(text, at, line, column)
         role: Role = "either" if self.stack and self.stack[-1].is_list else "value"
-        cursor = self.word(text, line, column, at, _end_of_value(text, column), role)
+        comment = re.search(r"\s+#", text[column:])
+        end = column + len((text[column:][: comment.start()] if comment else text[column:]).rstrip())
+        cursor = self.word(text, line, column, at, end, role)
         return self.as_key(cursor, text) if role == "either" else cursor
 
     def of_key(self, text: str, line: int, column: int, at: int) -> Cursor:
         """Return the cursor at a word at the start of a line: a key, unless the key above still needs a value."""
         self.settle(at)
-        role: Role = "either" if self.is_open(at) else "key"
+        is_open = bool(self.stack) and self.stack[-1].indent < at and not self.stack[-1].has_value
+        role: Role = "either" if is_open else "key"
         end = at + len(re.match(r"[^\s:#]*", text[at:]).group())  # type: ignore[union-attr]
         return self.as_key(self.word(text, line, column, at, max(end, column), role), text)
 
@@ -239,10 +241,6 @@ class _Scan:
             self.stack.pop()
         while len(self.stack) > 1 and self.stack[-1].is_list and self.stack[-1].has_value:
             self.stack.pop()
-
-    def is_open(self, indent: int) -> bool:
-        """Return whether the innermost step still needs a value and the indent fits one."""
-        return bool(self.stack) and self.stack[-1].indent < indent and not self.stack[-1].has_value
 
     def in_brackets(self, text: str, at: int, line: int, column: int) -> Cursor:
         begin, quote = self.flow(text[:column], at)
@@ -269,19 +267,23 @@ class _Scan:
             closing = text.find(quote, column)
             end = closing if closing >= 0 else end
         end = max(end, column)
-        path = self.path() if role != "key" else self.holder()
         top = self.stack[-1] if self.stack else None
         keys = tuple(top.keys) if top is not None and role == "key" and not top.is_list else ()
-        return Cursor(path, role, text[start:column], line, start, end, quote, whole=text[start:end], written=keys)
+        return Cursor(
+            self.path(role == "key"),
+            role,
+            text[start:column],
+            line,
+            start,
+            end,
+            quote,
+            whole=text[start:end],
+            written=keys,
+        )
 
-    def path(self) -> Path:
-        return tuple(frame.step for frame in self.stack if frame.step is not None)
-
-    def holder(self) -> Path:
-        """Return the path of the mapping to which the next key belongs."""
-        frames = self.stack
-        if frames and not frames[-1].is_list:
-            frames = frames[:-1]
+    def path(self, of_mapping: bool = False) -> Path:
+        """Return the path of the next value, or of the mapping to which the next key belongs."""
+        frames = self.stack[:-1] if of_mapping and self.stack and not self.stack[-1].is_list else self.stack
         return tuple(frame.step for frame in frames if frame.step is not None)
 
 
@@ -296,8 +298,8 @@ def _unquoted(word: str) -> str:
     return word[1:-1] if len(word) > 1 and word[0] in "\"'" and word[-1] == word[0] else word
 
 
-def _comment(before: str) -> int | None:
-    """Return where the comment at the end of a text begins, or None. A `#` in quotes is no comment."""
+def _ends_in_comment(before: str) -> bool:
+    """Return whether a comment begins in a text. A `#` in quotes is no comment."""
     quote = ""
     for at, character in enumerate(before):
         if quote:
@@ -305,12 +307,5 @@ def _comment(before: str) -> int | None:
         elif character in "\"'" and (at == 0 or before[at - 1] in " [{,:"):
             quote = character
         elif character == "#" and (at == 0 or before[at - 1] in " \t"):
-            return at
-    return None
-
-
-def _end_of_value(text: str, column: int) -> int:
-    """Return where a plain value ends: at a comment, or at the end of the line."""
-    found = re.search(r"\s+#", text[column:])
-    end = column + found.start() if found else len(text)
-    return column + len(text[column:end].rstrip())
+            return True
+    return False

@@ -23,7 +23,7 @@ from mjcompose.build.plan.planner import plan_what_remains
 from mjcompose.build.stages import Request, build
 from mjcompose.link.measure import measure_with
 from mjcompose.link.source_check import check_source
-from mjcompose.lsp.analysis import Analysis, Model, Shelf, is_saved, lines_of, moved, shown
+from mjcompose.lsp.analysis import Analysis, Model, Shelf, is_saved, lines_of, moved, shown, span_after
 from mjcompose.model.parse import parse_text
 from mjcompose.model.unit import Watch, nobody
 from mjcompose.mujoco.engine import Session
@@ -48,29 +48,23 @@ def carried(found: Iterable[Diagnostic], file: str, old: Sequence[str], new: Seq
     lines = moved(old, new)
 
     def there(span: Span | None) -> Span | None:
-        if span is None or span.file != file:
-            return span
-        line, end = lines.get(span.line - 1), None if span.end_line is None else lines.get(span.end_line - 1)
-        if line is None or (span.end_line is not None and end is None):
-            return None
-        return replace(span, line=line + 1, end_line=None if end is None else end + 1)
+        return span if span is None or span.file != file else span_after(span, lines)
 
     kept = []
     for each in found:
-        span = there(each.span)
-        fix_at = None if each.fix is None else there(each.fix.span)
-        if (each.span is not None and span is None) or (
-            each.fix is not None and each.fix.span is not None and not fix_at
-        ):
-            continue
-        notes = tuple(Note(note.message, there(note.span)) for note in each.notes)
-        fix = None if each.fix is None else replace(each.fix, span=fix_at)
-        kept.append(replace(each, span=span, notes=notes, fix=fix))
+        span, fix = there(each.span), each.fix
+        if fix is not None and fix.span is not None:
+            fix = replace(fix, span=there(fix.span))
+            if fix.span is None:
+                continue
+        if each.span is None or span is not None:
+            notes = tuple(Note(note.message, there(note.span)) for note in each.notes)
+            kept.append(replace(each, span=span, notes=notes, fix=fix))
     return tuple(kept)
 
 
 def together(now: Sequence[Diagnostic], verified: Sequence[Diagnostic]) -> list[Diagnostic]:
-    """Return the diagnostics of the text and those from MuJoCo. If the text has errors, there is no model to judge."""
+    """Return the diagnostics of the text and those from MuJoCo. If the text has errors, there is no model."""
     if any(each.severity is Severity.ERROR for each in now):
         return list(now)
     return [*now, *(each for each in verified if each not in now)]
@@ -87,14 +81,11 @@ def by_file(
     files: dict[str, list[Diagnostic]] = {own: []}
     for each in found:
         span = each.span
-        if span is None or span.file.startswith("--"):
-            files[own].append(each)
-            continue
-        files.setdefault(span.file, []).append(each)
-        if span.file != own and uses is not None:
-            use = uses.get(span.file) or Span(own, 1, 1, 1, 1)
+        file = own if span is None or span.file.startswith("--") else span.file
+        files.setdefault(file, []).append(each)
+        if file != own and uses is not None:
             notes = (Note("it is found here", span), *each.notes)
-            files[own].append(replace(each, span=use, notes=notes, fix=None))
+            files[own].append(replace(each, span=uses.get(file) or Span(own, 1, 1, 1, 1), notes=notes, fix=None))
     return files
 
 
@@ -104,8 +95,7 @@ def uses_of(analysis: Analysis) -> dict[str, Span]:
     for place in analysis.plan.walk() if analysis.plan is not None else ():
         path = getattr(place.model, "path", None)
         if place.span is not None and path is not None and place.span.file == analysis.file:
-            now = analysis.now(place.span, analysis.plan_of)
-            if now is not None:
+            for now in analysis.all_now([place.span], analysis.plan_of):
                 found.setdefault(shown(path, analysis.folder), now)
     return found
 
@@ -144,13 +134,7 @@ def is_recipe(path: Path, text: str) -> bool:
 
 
 _MOST_TEXT = 1_000_000
-"""The longest recipe that is analyzed, in characters: it takes up to 20 seconds for every letter that you type."""
-
-
-def _too_large(text: str, file: str) -> Diagnostic:
-    message = f"the recipe has {len(text) / 1e6:.1f} MB, and the editor shows no errors above {_MOST_TEXT / 1e6:g} MB"
-    help = "`mjcompose check` shows them"
-    return Diagnostic("yaml-too-large", message, Span(file, 1, 1), severity=Severity.WARNING, help=help)
+"""The longest recipe to analyze, in characters: it takes up to 20 seconds for every letter that you type."""
 
 
 class Workspace:
@@ -174,7 +158,12 @@ class Workspace:
     def analyse(self, path: Path, text: str, texts: Mapping[str, bytes], before: Analysis | None = None) -> Analysis:
         """Return the analysis of a recipe with the texts of the editor. What it lacks now is taken from `before`."""
         if len(text) > _MOST_TEXT:
-            return Analysis(path, self.folder, text, found=(_too_large(text, shown(path, self.folder)),))
+            size = f"{len(text) / 1e6:.1f} MB, and the editor shows no errors above {_MOST_TEXT / 1e6:g} MB"
+            warning = Diagnostic(
+                "yaml-too-large", f"the recipe has {size}", Span(shown(path, self.folder), 1, 1),
+                severity=Severity.WARNING, help="`mjcompose check` shows them",
+            )  # fmt: skip
+            return Analysis(path, self.folder, text, found=(warning,))
         self.shelf.refresh(texts)
         whole = {**texts, os.path.realpath(path): text.encode("utf-8", "replace")}
         with unsaved(whole):
@@ -215,18 +204,15 @@ class Workspace:
         if model is None or analysis.traced is not None:
             return analysis
         if self._latest is None or self._latest[0] is not analysis:
-            self._latest = analysis, self._with_trace(analysis, model)
-        return self._latest[1]
-
-    def _with_trace(self, analysis: Analysis, model: Model) -> Analysis:
-        watch = Trace()
-        with unsaved(model.texts), suppress(TooManyFaults):
-            again = self._composed(model.plan, self.context(), dict(model.library), watch)
+            watch, again = Trace(), None
+            with unsaved(model.texts), suppress(TooManyFaults):
+                again = self._composed(model.plan, self.context(), dict(model.library), watch)
+            whole = analysis
             if again is not None:
-                unit, parts = again
-                traced = Traced(unit, watch, model.plan.separator, self.folder)
-                return replace(analysis, model=replace(model, unit=unit, parts=parts), traced=traced)
-        return analysis
+                traced = Traced(again[0], watch, model.plan.separator, self.folder)
+                whole = replace(analysis, model=replace(model, unit=again[0], parts=again[1]), traced=traced)
+            self._latest = analysis, whole
+        return self._latest[1]
 
     def _composed(
         self, plan: Plan, context: Context, library: Library, watch: Watch = nobody
@@ -240,7 +226,6 @@ class Workspace:
         return None if composed is None else (composed.model, composer.parts)
 
     def _files(self, plan: Plan | None, model: Model | None, context: Context) -> frozenset[Path]:
-        """Return the recipes and models that were read."""
         found = {self.folder / each for each in context.recipes}
         if plan is not None:
             found |= {source.path for source in plan.sources()}
@@ -265,22 +250,19 @@ class Workspace:
         return found
 
     def check_model(self, path: Path, text: str) -> tuple[Diagnostic, ...]:
-        """Return the diagnostics of an MJCF file by itself."""
         sink = Sink()
-        unit = parse_text(
-            text.encode("utf-8", "replace"), sink, file=shown(path, self.folder), directory=path.parent,
-            label=path.stem,
-        )  # fmt: skip
+        content, file = text.encode("utf-8", "replace"), shown(path, self.folder)
+        unit = parse_text(content, sink, file=file, directory=path.parent, label=path.stem)
         if unit is not None:
             check_source(unit, sink)
         return tuple(sink.sorted())
 
 
 PAUSE = 0.4
-"""How many seconds nothing is typed before MuJoCo is asked."""
+"""Seconds without typing before MuJoCo builds the model."""
 _MODELS = (".xml", ".mjcf")
 _MODEL = re.compile(r"<mujoco[\s>]")
-"""What makes a file a model by itself; `<mujocoinclude>` is there to be included."""
+"""The mark of a complete model; other files include those with `<mujocoinclude>`."""
 
 
 @dataclass(eq=False)
@@ -311,6 +293,10 @@ class Document:
             self._lines = self.text, lines_of(self.text)
         return self._lines[1]
 
+    def stop(self) -> None:
+        if self.timer is not None:
+            self.timer.cancel()
+
 
 class Desk:
     """The open documents by path.
@@ -320,13 +306,12 @@ class Desk:
     """
 
     def __init__(
-        self, folder: Path, publish: Callable[[Path, list[Diagnostic]], None], log: Callable[[str], None],
-        changed: Callable[[], None] = lambda: None,
-    ) -> None:  # fmt: skip
+        self, folder: Path, publish: Callable[[Path, list[Diagnostic]], None], log: Callable[[str], None]
+    ) -> None:
         self.folder = folder
         self.documents: dict[Path, Document] = {}
         self.workspace, self.verifier = Workspace(folder), Verifier(folder)
-        self._publish, self._log, self._changed = publish, log, changed
+        self._publish, self._log = publish, log
         self._analysing = ThreadPoolExecutor(1, "analysis")
         self._verifying = ThreadPoolExecutor(1, "verification")
         self._reported: dict[Path, dict[str, list[Diagnostic]]] = {}
@@ -348,8 +333,7 @@ class Desk:
     def close(self, path: Path) -> None:
         document = self.documents.pop(path, None)
         if document is not None:
-            if document.timer is not None:
-                document.timer.cancel()
+            document.stop()
             self._report(path, {})
             self.changed_on_disk([path])
 
@@ -402,7 +386,6 @@ class Desk:
         )
 
     async def using(self, path: Path) -> list[Analysis]:
-        """Return the open recipes that use a model."""
         found = []
         for document in list(self.documents.values()):
             analysis = await self.analysed(document.path, newest=True)
@@ -415,8 +398,7 @@ class Desk:
         return document is not None and document.kind == "model"
 
     def _start(self, document: Document) -> None:
-        if document.timer is not None:
-            document.timer.cancel()
+        document.stop()
         if document.work is None or document.work.done():
             document.work = asyncio.get_running_loop().create_task(self._work(document))
 
@@ -440,7 +422,6 @@ class Desk:
             if document.kind == "recipe" and self.documents.get(document.path) is document:
                 self._report_recipe(document)
         document.work = None
-        self._changed()
         if document.kind == "recipe" and self.documents.get(document.path) is document:
             document.timer = loop.call_later(PAUSE, lambda: loop.create_task(self._verify(document)))
 
@@ -462,8 +443,8 @@ class Desk:
 
     def _are_saved(self, analysis: Analysis, texts: Mapping[str, bytes]) -> bool:
         """Return whether all models of a recipe are saved as the editor has them. MuJoCo reads the files on disk."""
-        used = {os.path.realpath(each) for each in analysis.files if each.suffix.lower() not in RECIPES}
-        return all(is_saved(path, text) for path, text in texts.items() if path in used)
+        models = {os.path.realpath(each) for each in analysis.files if each.suffix.lower() not in RECIPES}
+        return all(is_saved(path, text) for path, text in texts.items() if path in models)
 
     # -- reports -----------------------------------------------------------------------------------------------
 
@@ -494,8 +475,7 @@ class Desk:
     async def shut(self) -> None:
         """Stop all work. Requests get no answers after this."""
         for document in self.documents.values():
-            if document.timer is not None:
-                document.timer.cancel()
+            document.stop()
         self._analysing.shutdown(wait=False, cancel_futures=True)
         self._verifying.shutdown(wait=False, cancel_futures=True)
         self.end()

@@ -1,9 +1,10 @@
-"""All kinds of hover."""
+"""Information about the place at the cursor."""
 
 from __future__ import annotations
 
+import math
 import os
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING
 
 from mjcompose.base.report import counted
@@ -11,22 +12,22 @@ from mjcompose.base.rotation import Pose
 from mjcompose.base.sink import Sink
 from mjcompose.build.plan.plan import PlacedModel, Plan
 from mjcompose.build.plan.read import files_of_source
-from mjcompose.language.expand import Cell, cells, scope_of
+from mjcompose.language.expand import cells, scope_of
 from mjcompose.link import numbers
 from mjcompose.lsp.analysis import Analysis, Hover, Known, Question
 from mjcompose.lsp.language import doc_of, words_of
 from mjcompose.lsp.places import label, matches, part_of_reference, selector_around
-from mjcompose.lsp.subject import in_model, named_at, names_in, of_nested, settables
+from mjcompose.lsp.subject import Settable, in_model, named_at, names_in, of_nested, settables
 from mjcompose.model.grammar import GRAMMAR
 from mjcompose.model.unit import Unit
 from mjcompose.sources.reference import Source
 from mjcompose.text.evaluate import Template
 from mjcompose.text.expression import ExpressionError
-from mjcompose.text.expression_values import Value, shown
+from mjcompose.text.expression_values import shown
 from mjcompose.text.node import Mapping as Located
-from mjcompose.text.node import Node, is_template
+from mjcompose.text.node import is_template
 from mjcompose.tools.explain.explanation import render
-from mjcompose.tools.outline import Joint, world_of
+from mjcompose.tools.outline import world_of
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as _EtreeElement
@@ -49,8 +50,7 @@ def describe(known: Known, analysis: Analysis) -> str:
     composed = traced is not None and node is not None and node in traced.watch.lives
     lines += [f"- {fact}" for fact in _facts(known, traced if composed else None)]
     if traced is not None and composed and node is not None:
-        told = render(traced.element(node)).partition("\n")[2]
-        lines += ["", "```text", told, "```"]
+        lines += ["", "```text", render(traced.element(node)).partition("\n")[2], "```"]
     return "\n".join(lines)
 
 
@@ -98,18 +98,15 @@ def _words(pose: Pose) -> str:
 def _joint(node: _EtreeElement, traced: Traced) -> Iterator[str]:
     name = node.get("name")
     for joint in (each for body in world_of(traced.model, lambda node: None).walk() for each in body.joints):
-        if joint.name == name:
-            yield f"{joint.type} joint{_range(joint)}"
-
-
-def _range(joint: Joint) -> str:
-    if joint.range is None:
-        return ", no limits" if joint.type != "free" else ""
-    low, high = joint.range
-    if joint.type == "slide":
-        return f", range [{low:.6g}, {high:.6g}] m"
-    degrees = [f"{each * 180 / 3.141592653589793:.4g}" for each in joint.range]
-    return f", range [{low:.6g}, {high:.6g}] rad = [{', '.join(degrees)}]°"
+        if joint.name != name:
+            continue
+        limits = ", no limits" if joint.type != "free" else ""
+        if joint.range is not None:
+            low, high = joint.range
+            limits = f", range [{low:.6g}, {high:.6g}] {'m' if joint.type == 'slide' else 'rad'}"
+            if joint.type != "slide":
+                limits += f" = [{math.degrees(low):.4g}, {math.degrees(high):.4g}]°"
+        yield f"{joint.type} joint{limits}"
 
 
 _EXPRESSION_MOST = 12
@@ -131,9 +128,8 @@ def show_expression(question: Question) -> Hover | None:
         lines += [f"| {cell} | **{value}** |" for cell, value in list(values.items())[:_EXPRESSION_MOST]]
         if len(values) > _EXPRESSION_MOST:
             lines.append(f"| … and {len(values) - _EXPRESSION_MOST} more | |")
-    named = settables(question.data)
-    about = [f"- `{name}`: {named[name].detail}{'; ' if named[name].doc else ''}{named[name].doc}"
-             for name in dict.fromkeys(each for each, _, _ in names_in(text)) if name in named]  # fmt: skip
+    declared, used = settables(question.data), dict.fromkeys(name for name, _, _ in names_in(text))
+    about = _settable_lines(declared[name] for name in used if name in declared)
     return Hover("\n".join([*lines, "", *about]), question.word)
 
 
@@ -144,33 +140,16 @@ def values_of(text: str, document: Located) -> dict[str, str]:
     """
     try:
         template = Template.parse(text)
+        values: dict[str, str] = {}
+        for given in [cell.given for cell in cells(document, "", Sink())] or [{}]:
+            name = ", ".join(f"{name} {getattr(node, 'text', '…')}" for name, node in given.items())
+            values[name] = shown(template.value(scope_of(document, given)))
     except ExpressionError:
         return {}
-    found: dict[str, str] = {}
-    for name, scope in scopes(document):
-        try:
-            found[name] = shown(template.value(scope))
-        except ExpressionError:
-            return {}
-    return found
-
-
-def scopes(document: Located) -> Iterator[tuple[str, Mapping[str, Value]]]:
-    """Yield the values of parameters and variants in each cell; without a matrix, their defaults."""
-    every = cells(document, "", Sink())
-    if not every:
-        yield "", scope_of(document, {})
-    for cell in every:
-        yield _label(cell), scope_of(document, cell.given)
-
-
-def _label(cell: Cell) -> str:
-    given: Mapping[str, Node] = cell.given
-    return ", ".join(f"{name} {getattr(node, 'text', '…')}" for name, node in given.items())
+    return values
 
 
 def show_key(question: Question) -> Hover | None:
-    """Return the description of the key or word at the cursor, or None."""
     cursor = question.cursor
     if cursor.role != "value" and cursor.whole:
         text = doc_of((*cursor.path, cursor.whole), question.data)
@@ -184,15 +163,12 @@ _MODEL_MOST = 24
 
 
 def show_model(question: Question) -> Hover | None:
-    """Return information about the model reference at the cursor, or None."""
     plan = question.analysis.plan
     if question.cursor.role == "key" or plan is None:
         return None
     name = part_of_reference(question.path, plan)
-    place = next((each for each in plan.walk() if each.part == name), None)
-    if place is None or place.model is None:
-        return None
-    return Hover("\n".join(_lines(place, question)), question.word)
+    place = next((each for each in plan.walk() if each.part == name and each.model is not None), None)
+    return None if place is None else Hover("\n".join(_lines(place, question)), question.word)
 
 
 def _lines(placed: PlacedModel, question: Question) -> Iterator[str]:
@@ -207,32 +183,28 @@ def _lines(placed: PlacedModel, question: Question) -> Iterator[str]:
         texts = ", ".join(f"`{each.name}`" for each in source.licenses)
         yield f"- license: {source.license or ''}{' ' if source.license else ''}{texts or 'no text was found'}"
     if isinstance(model, Plan):
-        yield from _of_recipe(model, question)
-        return
-    unit = question.analysis.names.sources.get(placed.part)
-    if isinstance(model, Source) and unit is not None:
+        if model.description:
+            yield f"- {model.description}"
+        yield f"- parts: {', '.join(f'`{part}`' for part in model.part_names) or 'none'}"
+        at = question.path[:-1] if question.path != ("base",) else question.path
+        yield from _settable_lines(of_nested(at, question).values())
+    elif model is not None and (unit := question.analysis.names.sources.get(placed.part)) is not None:
         yield from _of_model(model, unit)
 
 
-def _of_recipe(plan: Plan, question: Question) -> Iterator[str]:
-    if plan.description:
-        yield f"- {plan.description}"
-    yield f"- parts: {', '.join(f'`{part}`' for part in plan.part_names) or 'none'}"
-    for each in of_nested(question.path[:-1] if question.path != ("base",) else question.path, question).values():
+def _settable_lines(settables: Iterable[Settable]) -> Iterator[str]:
+    for each in settables:
         yield f"- `{each.name}`: {each.detail}{'; ' if each.doc else ''}{each.doc}"
 
 
 def _of_model(source: Source, unit: Unit) -> Iterator[str]:
     world = world_of(unit, lambda node: None)
     bodies = list(world.walk())[1:]
-    joints = sum(len(body.joints) for body in (world, *bodies))
-    counts = {"body": len(bodies), "joint": joints}
-    for section in ("actuator", "sensor", "keyframe"):
-        found = sum(len(list(each.iterchildren("*"))) for each in unit.root.iterchildren(section))
-        counts[{"keyframe": "key"}.get(section, section)] = found
-    yield "- " + ", ".join(
-        counted(count, word, "bodies" if word == "body" else "") for word, count in counts.items() if count
-    )
+    counts = {"body": len(bodies), "joint": sum(len(body.joints) for body in (world, *bodies))}
+    for word, section in (("actuator", "actuator"), ("sensor", "sensor"), ("key", "keyframe")):
+        counts[word] = sum(len(each.findall("*")) for each in unit.root.iterchildren(section))
+    plurals = {"body": "bodies"}
+    yield "- " + ", ".join(counted(count, word, plurals.get(word, "")) for word, count in counts.items() if count)
     files = list(files_of_source(source))
     size = sum(os.path.getsize(each) for each in files)
     yield f"- {len(files)} files, {size / 1e6:.2f} MB"
@@ -252,13 +224,12 @@ _SELECTOR_MOST = 20
 
 
 def show_selector(question: Question) -> Hover | None:
-    """Return the elements that the selector around the cursor matches, or None."""
     around = selector_around(question)
     found = None if around is None else matches(*around, question.analysis)
     if around is None or found is None:
         return None
-    where = ", of which `where` may take some away" if "where" in around[1] else ""
-    lines = [f"**matches {len(found)} element{'s' * (len(found) != 1)}** of the finished model{where}", ""]
+    where = ", of which `where` may exclude some" if "where" in around[1] else ""
+    lines = [f"**matches {counted(len(found), 'element')}** of the finished model{where}", ""]
     lines += [f"- {label(node)}" for node in found[:_SELECTOR_MOST]]
     if len(found) > _SELECTOR_MOST:
         lines.append(f"- … and {len(found) - _SELECTOR_MOST} more")
@@ -277,13 +248,13 @@ def show_setting(question: Question) -> Hover | None:
     if place not in GRAMMAR.paths or path[-1] not in GRAMMAR.element(place).attributes:
         return None
     lines = [f"**`{'.'.join(map(str, path))}`**", "", doc_of(path, question.data), ""]
-    rows = list(_wishes(tuple(map(str, path)), question))
+    rows = list(_values(tuple(map(str, path)), question))
     if rows:
-        lines += ["| who | wants |", "|---|---|", *rows]
+        lines += ["| part | value |", "|---|---|", *rows]
     return Hover("\n".join(lines), question.word)
 
 
-def _wishes(path: tuple[str, ...], question: Question) -> Iterator[str]:
+def _values(path: tuple[str, ...], question: Question) -> Iterator[str]:
     analysis = question.analysis
     for part, unit in analysis.names.sources.items():
         for element in unit.root.iterfind("/".join(path[:-1])):
@@ -297,8 +268,7 @@ def _wishes(path: tuple[str, ...], question: Question) -> Iterator[str]:
                 yield f"| **the model** | **`{value}`** |"
 
 
-Show = Callable[[Question], Hover | None]
-SHOWS: tuple[Show, ...] = (show_expression, show, show_model, show_setting, show_selector, show_key)
+SHOWS = (show_expression, show, show_model, show_setting, show_selector, show_key)
 
 
 def hover(question: Question) -> Hover | None:

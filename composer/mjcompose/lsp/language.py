@@ -1,4 +1,4 @@
-"""What the language allows at a place of a recipe: a walk along a path through the JSON Schema of recipes."""
+"""The forms of the language at a place of a recipe: a walk along a path through the JSON Schema of recipes."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ _TYPES: dict[str, tuple[type, ...]] = {
     "integer": (int,),
 }  # fmt: skip
 _MOST = 400
-"""How many schemas are looked at for one place: they refer to one another."""
+"""The most schemas for one place: they refer to one another."""
 
 
 @cache
 def whole() -> Schema:
-    """Return the schema of a recipe. The first call takes a moment, because the schema is made then."""
+    """Return the schema of a recipe, which the first call creates."""
     return recipe_schema()
 
 
@@ -92,7 +92,8 @@ def words_of(forms: list[Form]) -> dict[str, str]:
         docs = schema.get("markdownEnumDescriptions") or schema.get("enumDescriptions") or []
         for at, word in enumerate(schema.get("enum", [schema["const"]] if "const" in schema else [])):
             if word is not None:
-                found.setdefault(_written(word), docs[at] if at < len(docs) else form.doc)
+                text = str(word).lower() if isinstance(word, bool) else str(word)
+                found.setdefault(text, docs[at] if at < len(docs) else form.doc)
         if schema.get("type") == "boolean" or form.role.endswith("boolean"):
             found.setdefault("true", "")
             found.setdefault("false", "")
@@ -118,16 +119,11 @@ def kinds_of(forms: list[Form]) -> list[ElementType]:
     return list(found.values())
 
 
-def _written(word: Any) -> str:
-    return {True: "true", False: "false"}.get(word, str(word)) if isinstance(word, bool) else str(word)
-
-
 def _inside(data: Any, step: str | int) -> Any:
-    if isinstance(data, dict) and isinstance(step, str):
-        return data.get(step)
-    if isinstance(data, list) and isinstance(step, int):
-        return data[step] if 0 <= step < len(data) else None
-    return None
+    try:
+        return data[step] if isinstance(data, dict | list) else None  # type: ignore[index]
+    except (LookupError, TypeError):
+        return None
 
 
 def _step(form: Form, step: str | int) -> Iterator[Form]:
@@ -137,18 +133,13 @@ def _step(form: Form, step: str | int) -> Iterator[Form]:
             yield Form(items)
         return
     if isinstance(found := schema.get("properties", {}).get(step), dict):
-        yield Form(found, _carried(form, step))
+        yield Form(found, f"{form.role}@{step}" if form.role else "")  # an attribute has no name of its own
         return
     for pattern, found in schema.get("patternProperties", {}).items():
         if re.search(pattern, step):
             yield Form(found)
     if isinstance(found := schema.get("additionalProperties"), dict):
         yield Form(found)
-
-
-def _carried(form: Form, step: str) -> str:
-    """Return the role of an attribute of an element, which has no name of its own in the schema."""
-    return f"{form.role}@{step}" if form.role else ""
 
 
 def _spread(form: Form, data: Any) -> Iterator[Form]:
@@ -163,17 +154,13 @@ def _spread(form: Form, data: Any) -> Iterator[Form]:
             plain = name.removeprefix("piece.")
             kept = each.role if "@" in each.role and not _ELEMENT.fullmatch(plain) else plain
             waiting.append(Form(whole()["$defs"][name], kept or plain))
-        for branch in (*schema.get("allOf", ()), *(b for b in schema.get("anyOf", ()) if _may_be(b, data))):
-            waiting.append(Form(branch, each.role))
+        possible = [b for b in schema.get("anyOf", ()) if data is None or "type" not in b or _is_type(b["type"], data)]
+        waiting += [Form(branch, each.role) for branch in (*schema.get("allOf", ()), *possible)]
         if (condition := schema.get("if")) is not None:
             holds = None if data is None else _holds(condition, data)
             for word, wanted in (("then", True), ("else", False)):
                 if word in schema and (holds is None or holds is wanted):
                     waiting.append(Form(schema[word], each.role))
-
-
-def _may_be(schema: Schema, data: Any) -> bool:
-    return data is None or "type" not in schema or _is_type(schema["type"], data)
 
 
 def _is_type(types: str | list[str], data: Any) -> bool:
@@ -184,9 +171,7 @@ def _holds(condition: Schema, data: Any) -> bool:
     """Return whether the data fulfils the condition of an `if`. The schema has three kinds of conditions."""
     if "type" in condition and not _is_type(condition["type"], data):
         return False
-    if "const" in condition and data != condition["const"]:
-        return False
-    if "enum" in condition and data not in condition["enum"]:
+    if data != condition.get("const", data) or data not in condition.get("enum", (data,)):
         return False
     if not isinstance(data, dict):
         return True

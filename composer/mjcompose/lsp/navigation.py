@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator
 from collections.abc import Sequence as AbcSequence
 from dataclasses import replace
 from pathlib import Path as File
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any
 
 from mjcompose.base.diagnostic import Span
 from mjcompose.base.sink import Sink
@@ -19,59 +19,46 @@ from mjcompose.lsp import subject
 from mjcompose.lsp.analysis import Analysis, Change, Fold, Hint, Hover, Known, Lens, Question, Symbol, lines_of, shown
 from mjcompose.lsp.cursor import Path
 from mjcompose.lsp.hover import describe, values_of
-from mjcompose.lsp.language import Form, forms_at, forms_below, kinds_of
+from mjcompose.lsp.language import Form, kinds_of
 from mjcompose.lsp.places import PART, is_selector, label, matches, part_called, part_of_reference
 from mjcompose.model.names import NameIndex
 from mjcompose.text.layout import format_recipe
-from mjcompose.text.node import Mapping, Node, Scalar, Sequence, find, is_template, locate, spans, to_python
-
-if TYPE_CHECKING:
-    from lxml.etree import _Element as _EtreeElement
+from mjcompose.text.node import Mapping, Node, Scalar, Sequence, find, is_template, locate, spans
 
 
 def definition(question: Question) -> list[Span]:
-    """Return the places where what is at the cursor is defined."""
-    return list(dict.fromkeys([*_elements(question), *_part(question), *_parameter(question), *_model(question)]))
+    """Return the definitions of the name or reference at the cursor."""
+    return list(dict.fromkeys([*_named(question), *_declared(question), *_model(question)]))
 
 
-def _elements(question: Question) -> Iterator[Span]:
+def _named(question: Question) -> Iterator[Span]:
     for known in subject.named_at(question):
         yield from subject.declared_at(subject.in_model(known, question.analysis), question.analysis)
 
 
-def _part(question: Question) -> Iterator[Span]:
-    at, tree = subject.part_named_at(question), question.analysis.mapping
-    if at is not None and tree is not None and find(tree, at) is not None:
-        span = question.analysis.now(locate(tree, at, key=True), question.analysis.tree_of)
-        yield from () if span is None else (span,)
-
-
-def _parameter(question: Question) -> Iterator[Span]:
-    found = subject.parameter_at(question)
-    if found is None:
-        return
-    name, nested = found
-    tree = question.analysis.mapping if nested is None else subject.nested_document(nested, question)
-    for section in ("params", "variants"):
-        if isinstance(tree, Mapping) and find(tree, (section, name)) is not None:
-            span = question.analysis.now(locate(tree, (section, name), key=True), question.analysis.tree_of)
-            yield from () if span is None else (span,)
+def _declared(question: Question) -> Iterator[Span]:
+    """Yield the key of the part or parameter at the cursor."""
+    analysis = question.analysis
+    tree, paths = analysis.mapping, [at] if (at := subject.part_named_at(question)) is not None else []
+    if (parameter := subject.parameter_at(question)) is not None:
+        name, nested = parameter
+        tree = tree if nested is None else subject.nested_document(nested, question)
+        paths += [("params", name), ("variants", name)]
+    if tree is not None:
+        spans = (locate(tree, path, key=True) for path in paths if find(tree, path) is not None)
+        yield from analysis.all_now(spans, analysis.tree_of)
 
 
 def _model(question: Question) -> Iterator[Span]:
-    """Yield the start of the file that a model reference leads to."""
     plan = question.analysis.plan
     if question.cursor.role == "key" or plan is None:
         return
     if question.path == ("extends",):
         yield from (Span(str(source.path), 1, 1, 1, 1) for source, _ in plan.extended[:1])
     name = part_of_reference(question.path, plan)
-    for place in plan.walk():
-        if place.part == name and place.model is not None:
-            file: File = place.model.path
-            if not (isinstance(place.model, Plan) and place.model.at):
-                yield Span(str(file), 1, 1, 1, 1)
-            return
+    model = next((place.model for place in plan.walk() if place.part == name and place.model is not None), None)
+    if model is not None and not (isinstance(model, Plan) and model.at):
+        yield Span(str(model.path), 1, 1, 1, 1)
 
 
 def folds(lines: AbcSequence[str]) -> list[Fold]:
@@ -111,7 +98,6 @@ def _comments(lines: AbcSequence[str]) -> Iterator[Fold]:
 
 
 _FROM_MODEL_MOST = 4
-"""How many elements are described that one line has become."""
 
 
 def elements_at(path: File, line: int, analysis: Analysis) -> list[Known]:
@@ -125,7 +111,6 @@ def elements_at(path: File, line: int, analysis: Analysis) -> list[Known]:
 
 
 def hover_in_model(path: File, line: int, analyses: Iterable[Analysis]) -> Hover | None:
-    """Return what the element on a line becomes in each recipe, or None."""
     found = [(known, each) for each in analyses for known in elements_at(path, line, each)]
     if not found:
         return None
@@ -146,38 +131,21 @@ _UNITS = {"degree": "deg", "radian": "rad"}
 
 
 def hints(analysis: Analysis) -> list[Hint]:
-    """Return the hints of a recipe whose current text can be read."""
     tree = analysis.mapping
     if tree is None or not analysis.is_current:
         return []
     angle = find(tree, ("angle",))
     unit = _UNITS.get(angle.text, "") if isinstance(angle, Scalar) else ""
-    data = to_python(tree)
-    return list(_walk(tree, data, (), forms_at((), data), _Around(analysis, tree, unit)))
-
-
-class _Around(NamedTuple):
-    analysis: Analysis
-    tree: Mapping
-    unit: str
-
-
-def _walk(node: Node, data: Any, path: Path, forms: list[Form], around: _Around) -> Iterator[Hint]:
-    if isinstance(node, Scalar):
-        if is_template(node.text) and path[:1] != ("params",):
-            yield from _value(node, around.tree)
-    elif isinstance(node, Sequence):
-        for index, item in enumerate(node.items):
-            below = forms_below(forms, index, data[index])
-            yield from _walk(item, data[index], (*path, index), below, around)
-    else:
-        if is_selector(path, data):
-            yield from _count(node, path, data, around.analysis)
-        for name, (_, value) in node.entries.items():
-            if around.unit:
-                yield from _angles(name, value, data, forms, around.unit)
-            below = forms_below(forms, name, data[name])
-            yield from _walk(value, data[name], (*path, name), below, around)
+    hints: list[Hint] = []
+    for at in subject.formed(tree):
+        if at.key is not None and unit:
+            hints += _angles(at.key.name, at.node, at.around, at.above, unit)
+        if isinstance(at.node, Scalar):
+            if is_template(at.node.text) and at.path[:1] != ("params",):
+                hints += _value(at.node, tree)
+        elif isinstance(at.node, Mapping) and is_selector(at.path, at.data):
+            hints += _count(at.node, at.path, at.data, analysis)
+    return hints
 
 
 def _value(node: Scalar, tree: Mapping) -> Iterator[Hint]:
@@ -200,7 +168,7 @@ def _angles(name: str, value: Node, data: dict[str, Any], forms: list[Form], uni
     """Yield the unit of each angle that is written without one."""
     items = value.items if isinstance(value, Sequence) else (value,)
     numbers = [item for item in items if isinstance(item, Scalar)]
-    if len(numbers) != len(items) or not any(isinstance(each.value, int | float) for each in numbers):
+    if len(numbers) != len(items):
         return
     for kind in kinds_of(forms):
         attribute = kind.attributes.get(name)
@@ -247,29 +215,20 @@ _LENSES_MOST = 12
 
 
 def lenses(analysis: Analysis) -> list[Lens]:
-    """Return the commands for the model, and for each cell of the matrix if there are not too many."""
     tree = analysis.mapping
-    return [] if tree is None else list(_of_lenses(tree, analysis))
-
-
-def _of_lenses(tree: Mapping, analysis: Analysis) -> Iterator[Lens]:
-    top = next((name for name in ("recipe", "extends") if name in tree.entries), None)
-    if top is None:
-        return
-    at = analysis.now(locate(tree, (top,), key=True), analysis.tree_of)
-    if at is not None:
-        for command in COMMANDS:
-            yield Lens(at, command, f"mjcompose.{command}", (str(analysis.path),))
-    if "matrix" not in tree.entries:
-        return
-    at = analysis.now(locate(tree, ("matrix",), key=True), analysis.tree_of)
-    if at is None:
-        return
-    named = find(tree, ("name",))
-    every = cells(tree, named.text if isinstance(named, Scalar) else analysis.path.stem, Sink())
-    for cell in every[:_LENSES_MOST]:
-        for command in COMMANDS:
-            yield Lens(at, f"{command} {cell.name}", f"mjcompose.{command}", (str(analysis.path), cell.name))
+    top = next((name for name in ("recipe", "extends") if tree is not None and name in tree.entries), None)
+    if tree is None or top is None:
+        return []
+    lenses, path = [], str(analysis.path)
+    for at in analysis.all_now([locate(tree, (top,), key=True)], analysis.tree_of):
+        lenses += [Lens(at, command, f"mjcompose.{command}", (path,)) for command in COMMANDS]
+    places = [locate(tree, ("matrix",), key=True)] if "matrix" in tree.entries else []
+    for at in analysis.all_now(places, analysis.tree_of):
+        named = find(tree, ("name",))
+        for cell in cells(tree, named.text if isinstance(named, Scalar) else analysis.path.stem, Sink())[:_LENSES_MOST]:
+            lenses += [Lens(at, f"{command} {cell.name}", f"mjcompose.{command}", (path, cell.name))
+                       for command in COMMANDS]  # fmt: skip
+    return lenses
 
 
 def references(question: Question, declaration: bool = True) -> list[Span]:
@@ -281,38 +240,22 @@ def references(question: Question, declaration: bool = True) -> list[Span]:
         found += subject.declared_at(meant, analysis) if declaration else ()
         found += uses_of(meant, analysis)
     if (at := subject.part_named_at(question)) is not None:
-        found += _now([use.span for use in uses_of_part(part_called(at, analysis.plan), analysis)], analysis)
+        uses = [use.span for use in uses_of_part(part_called(at, analysis.plan), analysis)]
+        found += analysis.all_now(uses, analysis.tree_of)
     if (parameter := subject.parameter_at(question)) is not None and parameter[1] is None:
-        found += _now(subject.parameter_uses(parameter[0], analysis.tree), analysis)
+        found += analysis.all_now(subject.parameter_uses(parameter[0], analysis.tree), analysis.tree_of)
     return list(dict.fromkeys(found))
-
-
-def _now(spans: Iterable[Span], analysis: Analysis) -> Iterator[Span]:
-    """Yield places of the tree at their positions in the current text."""
-    for span in spans:
-        if (now := analysis.now(span, analysis.tree_of)) is not None:
-            yield now
 
 
 def uses_of(known: Known, analysis: Analysis) -> Iterator[Span]:
     """Yield the places that refer to an element, in the recipe and in the composed model."""
     for use in subject.uses_in(analysis.tree):
         if use.text == name_there(known, use, analysis) and known.namespace in use.wanted.namespaces:
-            yield from _now([use.span], analysis)
-    traced = analysis.traced
-    if traced is None:
-        return
-    for node, attribute in NameIndex.of(traced.model.root).users(known.namespace, known.name):
-        if (span := _written(node, attribute, analysis)) is not None:
-            yield span
-
-
-def _written(node: _EtreeElement, attribute: str, analysis: Analysis) -> Span | None:
-    traced = analysis.traced
-    if traced is None or node not in traced.watch.lives:
-        return None
-    span = traced.written_at(node, attribute)
-    return None if span is None else analysis.now(span, analysis.model_of)
+            yield from analysis.all_now([use.span], analysis.tree_of)
+    if (traced := analysis.traced) is not None:
+        users = NameIndex.of(traced.model.root).users(known.namespace, known.name)
+        spans = (traced.written_at(node, attribute) for node, attribute in users if node in traced.watch.lives)
+        yield from analysis.all_now(spans, analysis.model_of)
 
 
 def name_there(known: Known, use: subject.Use, analysis: Analysis) -> str | None:
@@ -339,36 +282,29 @@ def uses_of_part(part: str, analysis: Analysis) -> Iterator[subject.Use]:
 
 
 _DEPTH = 4
-_TELLING = ("model", "type", "to", "select", "default")
+_DESCRIBING = ("model", "type", "to", "select", "default")
 _NAMING = ("name", "id", "to")
 
 
 def symbols(analysis: Analysis) -> list[Symbol]:
     """Return the outline down to elements and their settings; of half-written text, what can be read."""
-    found = _of_symbols(analysis.tree, 0) if isinstance(analysis.tree, Mapping) else ()
-    return list(_standing(found, analysis))
+    return list(_symbols(analysis.tree, 0, analysis)) if isinstance(analysis.tree, Mapping) else []
 
 
-def _standing(found: Iterable[Symbol], analysis: Analysis) -> Iterator[Symbol]:
-    for each in found:
-        span, whole = (analysis.now(place, analysis.tree_of) for place in (each.span, each.whole))
-        if span is not None:
-            yield replace(each, span=span, whole=whole or span, children=tuple(_standing(each.children, analysis)))
-
-
-def _of_symbols(node: Node, depth: int) -> Iterator[Symbol]:
-    if depth >= _DEPTH:
-        return
+def _symbols(node: Node, depth: int, analysis: Analysis) -> Iterator[Symbol]:
+    entries: list[tuple[str, str, Span, Node]] = []
     if isinstance(node, Mapping):
         for name, (key, value) in node.entries.items():
             kind = "section" if depth == 0 else "value" if isinstance(value, Scalar) else "element"
-            whole = _around(key.span, value)
-            yield Symbol(name, kind, key.span, whole, _detail(value), tuple(_of_symbols(value, depth + 1)))
+            entries.append((name, kind, key.span, value))
     elif isinstance(node, Sequence):
-        for index, item in enumerate(node.items):
-            if not isinstance(item, Scalar):
-                yield Symbol(_label(item, index), "element", item.span, _around(item.span, item), _detail(item),
-                             tuple(_of_symbols(item, depth + 1)))  # fmt: skip
+        items = ((index, item) for index, item in enumerate(node.items) if not isinstance(item, Scalar))
+        entries += [(_label(item, index), "element", item.span, item) for index, item in items]
+    for name, kind, place, value in entries if depth < _DEPTH else ():
+        span, whole = (analysis.now(each, analysis.tree_of) for each in (place, _around(place, value)))
+        if span is not None:
+            below = tuple(_symbols(value, depth + 1, analysis))
+            yield Symbol(name, kind, span, whole or span, _detail(value), below)
 
 
 def _around(first: Span, node: Node) -> Span:
@@ -392,5 +328,5 @@ def _label(node: Node, index: int) -> str:
 def _detail(node: Node) -> str:
     if isinstance(node, Scalar):
         return node.text if len(node.text) <= 60 else f"{node.text[:59]}…"
-    found = (find(node, (key,)) for key in _TELLING)
+    found = (find(node, (key,)) for key in _DESCRIBING)
     return next((each.text for each in found if isinstance(each, Scalar)), "")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import replace
 from functools import cache
 from typing import TYPE_CHECKING, Any
@@ -20,8 +20,7 @@ from mjcompose.model.grammar import GRAMMAR
 from mjcompose.model.names import WORLD
 from mjcompose.model.pattern import BadPattern
 from mjcompose.model.select import Selection, name_of
-from mjcompose.model.selector import Selector, paths_of
-from mjcompose.model.unit import Unit
+from mjcompose.model.selector import paths_of
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as Node
@@ -30,7 +29,7 @@ if TYPE_CHECKING:
 
 
 def selector_around(question: Question) -> tuple[Path, dict[str, Any]] | None:
-    """Return the innermost selector around a cursor: its path and what is written there."""
+    """Return the path and the data of the innermost selector around a cursor."""
     path = question.path
     for length in range(len(path), 0, -1):
         written = question.at(path[:length])
@@ -52,23 +51,19 @@ def matches(path: Path, written: dict[str, Any], analysis: Analysis) -> list[Nod
     selector = read_selector({**written, **({"where": {}} if "where" in written else {})}, path, "", [])
     if selector is None:
         return None
-    own = own_part(without_variant(path))
+    own, model = own_part(without_variant(path)), analysis.model
+    if own:
+        unit, separator = analysis.names.sources.get(part_called(own, analysis.plan)), "/"
+    else:
+        unit, separator = None if model is None else model.unit, analysis.separator
+    parts = model.parts if model is not None and not own else {}
     try:
-        if own:
-            unit = analysis.names.sources.get(part_called(own, analysis.plan))
-            return None if unit is None else _selected(unit, selector, "/")
-        model = analysis.model
-        return None if model is None else _selected(model.unit, selector, analysis.separator, model.parts)
+        return None if unit is None else Selection(unit.root, unit.classes, separator, parts).of(selector)
     except BadPattern:
         return None
 
 
-def _selected(unit: Unit, selector: Selector, separator: str, parts: Mapping[Node, str] | None = None) -> list[Node]:
-    return Selection(unit.root, unit.classes, separator, parts or {}).of(selector)
-
-
 def label(node: Node) -> str:
-    """Return the name of an element for lists."""
     name = name_of(node)
     return f"`{name}`" if name else f"an unnamed `<{node.tag}>`"
 
@@ -79,11 +74,10 @@ PART, KEY = "part", "key"
 
 @dataclass(frozen=True, slots=True)
 class Wanted:
-    """The names that are allowed at a place: those of these namespaces, the most likely one first.
+    """The names that are allowed at a place, by namespace, the most likely one first.
 
-    With `tags`, only elements with these tags are allowed. `of` is the path of the part inside which the names are
-    looked up, `not_of` that of a part which is not allowed itself. `part` is the name of the part from which the
-    names must come. With `pattern`, a pattern over names is allowed too.
+    With `tags`, only elements with these tags are allowed. Names come from the part at the path `of` or with the name
+    `part`; `not_of` is the path of a part that is not allowed. With `pattern`, a pattern is allowed too.
     """
 
     namespaces: tuple[str, ...]
@@ -103,7 +97,7 @@ _OF_ELEMENTS: tuple[tuple[Path, Wanted], ...] = (
 
 @cache
 def _rows() -> tuple[tuple[Path, Wanted], ...]:
-    """Return which names the keys of recipes take, from what they declare. A name may stand for a list of one."""
+    """Return which names the keys of recipes take, as they declare. A name is also a list of one."""
     rows: dict[Path, Wanted] = {}
     for at, name in name_scopes(Recipe).items():
         rows[at] = Wanted(name.scope, pattern=name.glob)
@@ -114,10 +108,8 @@ def _rows() -> tuple[tuple[Path, Wanted], ...]:
 
 @cache
 def _rows_inside_parts() -> tuple[Path, ...]:
-    """Return the keys whose names, or those below them, are the part's own."""
     declared = (at for at, name in name_scopes(Recipe).items() if name.inside is not None)
-    whole = ((*part, key) for part in (("attach", ANY), (BASE,)) for key in ("edit", "drop"))
-    return (*declared, *whole)
+    return (*declared, *((*part, key) for part in (("attach", ANY), (BASE,)) for key in ("edit", "drop")))
 
 
 _PLACES = ("site", "body", "frame")
@@ -129,9 +121,8 @@ def wanted_value(path: Path, forms: list[Form], around: Any) -> Wanted | None:
     if not path:
         return None
     if (inner := _in_place(path)) is not None:
-        at, rest = inner
-        found = wanted_value(rest, forms, around)
-        return None if found is None or found.of else replace(found, of=at, not_of=())
+        found = wanted_value(inner[1], forms, around)
+        return None if found is None or found.of else replace(found, of=inner[0], not_of=())
     found = next((wanted for row, wanted in _rows() if _fits(row, path)), None)
     if found is None and len(path) > 2 and path[-2] == FROM and path[0] == "keyframe":
         return Wanted((KEY,), part=str(path[-1]))
@@ -163,18 +154,15 @@ def fitting(wanted: Wanted, names: Names, plan: Plan | None) -> Iterator[tuple[i
     """Yield the names that are allowed, each with a rank. The most likely come first."""
     if wanted.of or wanted.part is not None:
         names = names.own(part_called(wanted.of, plan) if wanted.part is None else wanted.part)
-    itself = prefix_of(wanted.not_of, plan) if wanted.not_of else None
+    itself = step.prefix if (step := part_at(wanted.not_of, plan)) is not None else None
     for rank, namespace in enumerate(wanted.namespaces):
         if namespace == PART:
             yield from ((rank, Known(part, PART, PART)) for part in names.parts)
             continue
-        for each in names.known.get(namespace, {}).items():
-            name, known = each
-            if itself and name.startswith(itself):
-                continue
-            if wanted.tags and known.tag not in wanted.tags and known.name != WORLD:
-                continue
-            yield rank, replace(known, name=name)
+        for name, known in names.known.get(namespace, {}).items():
+            fits = not wanted.tags or known.tag in wanted.tags or known.name == WORLD
+            if fits and not (itself and name.startswith(itself)):
+                yield rank, replace(known, name=name)
 
 
 def without_variant(path: Path) -> Path:
@@ -194,11 +182,6 @@ def own_part(path: Path) -> Path:
     return () if row is None else path[: len(row) - 1]
 
 
-def prefix_of(at: Path, plan: Plan | None) -> str | None:
-    step = part_at(at, plan)
-    return None if step is None else step.prefix
-
-
 def part_called(at: Path, plan: Plan | None) -> str:
     """Return the name of the part at a path, as keyframes and selectors write it."""
     step = part_at(at, plan)
@@ -216,18 +199,7 @@ def part_of_reference(path: Path, plan: Plan) -> str | None:
 
 
 def part_at(at: Path, plan: Plan | None) -> AttachPart | None:
-    parts = plan.members if plan is not None else ()
-    return next((step for step in parts if step.at == at), None)
-
-
-def namespaces_of(tag: str) -> tuple[str, ...]:
-    """Return the namespaces of the elements that a tag of a selector means."""
-    found = {GRAMMAR.element(path).family for path in paths_of(tag)}
-    return tuple(sorted(name for name in found if name))
-
-
-def tags_of(tag: str) -> frozenset[str]:
-    return frozenset(path.rpartition("/")[2] for path in paths_of(tag))
+    return next((step for step in (plan.members if plan is not None else ()) if step.at == at), None)
 
 
 def _fits(row: Path, path: Path) -> bool:
@@ -245,7 +217,9 @@ def _selector(path: Path, forms: list[Form]) -> Wanted | None:
         return Wanted(("default",), pattern=True)
     if last in NARROWING or not paths_of(last):
         return None
-    return Wanted(namespaces_of(last), tags_of(last), pattern=True)
+    families = {GRAMMAR.element(path).family for path in paths_of(last)}
+    tags = frozenset(path.rpartition("/")[2] for path in paths_of(last))
+    return Wanted(tuple(sorted(name for name in families if name)), tags, pattern=True)
 
 
 def _of_mjcf(path: Path, forms: list[Form], around: Any) -> Wanted | None:
@@ -256,7 +230,9 @@ def _of_mjcf(path: Path, forms: list[Form], around: Any) -> Wanted | None:
         if attribute is None:
             continue
         if attribute.refers_by:
-            return _by_type(attribute.refers_by, around)
+            # A sibling such as `objtype` names the namespace.
+            family = GRAMMAR.objtypes.get(str(around.get(attribute.refers_by) if isinstance(around, dict) else ""))
+            return Wanted((family,) if family else tuple(dict.fromkeys(GRAMMAR.objtypes.values())))
         if attribute.refers and not attribute.refers.startswith("attached:"):
             return Wanted((attribute.refers,))
     if name in ("site", "geom", "sidesite") and any(form.role.startswith("step.tendon.spatial") for form in forms):
@@ -266,10 +242,3 @@ def _of_mjcf(path: Path, forms: list[Form], around: Any) -> Wanted | None:
     if name == "parent" and len(path) == 3 and path[0] == "default":
         return Wanted(("default",))
     return None
-
-
-def _by_type(attribute: str, around: Any) -> Wanted | None:
-    """Return the namespace that a sibling such as `objtype` names, or all of them if it names none."""
-    said = around.get(attribute) if isinstance(around, dict) else None
-    namespace = GRAMMAR.objtypes.get(str(said or ""))
-    return Wanted(tuple(dict.fromkeys(GRAMMAR.objtypes.values())) if namespace is None else (namespace,))

@@ -10,6 +10,7 @@ import asyncio
 import contextlib
 import json
 import os
+import re
 import subprocess
 import sys
 from collections.abc import Callable, Iterable
@@ -19,7 +20,6 @@ from typing import Any, BinaryIO
 from lsprotocol import types as lsp
 
 from mjcompose.base.codes import address
-from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Diagnostic, Severity, Span
 from mjcompose.base.processes import Process
 from mjcompose.base.report import printable
@@ -37,8 +37,8 @@ Answer = Callable[[Any, int, str], None]
 class Frames:
     """A stream of valid frames, as `readline` and `read` of a binary file give it.
 
-    `structure` makes the objects of a message, and raises an exception for what the protocol does not have. `answer`
-    takes the id of a request (None where there is none), a code and a sentence.
+    `structure` creates the objects of a message; it raises an exception if the protocol does not have them. `answer`
+    takes the id of a request or None, a code and a sentence.
     """
 
     def __init__(self, stream: BinaryIO, structure: Structure, answer: Answer) -> None:
@@ -61,23 +61,21 @@ class Frames:
 
     def _next(self) -> bytes | None:
         """Return the next valid message, or None at the end of the stream."""
-        while True:
-            length = self._length()
-            if length is None:
-                return None
+        while (length := self._length()) is not None:
             if length > _MOST:
                 self._answer(None, INVALID_REQUEST, f"a message has {length} bytes, more than {_MOST}")
-                if not self._skip(length):
-                    return None
+                while length and (piece := self._stream.read(min(length, 1 << 20))):
+                    length -= len(piece)
                 continue
             body = self._stream.read(length)
             if len(body) < length:
                 return None
             if self._is_valid(body):
                 return body
+        return None
 
     def _length(self) -> int | None:
-        """Read the head of a frame, and return its length. One without a valid length is answered, and passed over."""
+        """Read the head of a frame, and return its length. Answer frames without a valid length, and skip them."""
         found: list[bytes] = []
         is_head = False
         while line := self._stream.readline(_MOST_LINE):
@@ -91,19 +89,11 @@ class Frames:
             text = found[0] if len(found) == 1 else b""
             if text.isdigit() and len(text) < 16 and int(text):
                 return int(text)
-            said = ", ".join(each.decode("ascii", "replace")[:40] for each in found[:3])
-            wrong = f"`{said}` is not the length of a message"
+            shown = ", ".join(each.decode("ascii", "replace")[:40] for each in found[:3])
+            wrong = f"`{shown}` is not the length of a message"
             self._answer(None, PARSE_ERROR, wrong if found else "a message has no `Content-Length`")
             found, is_head = [], False
         return None
-
-    def _skip(self, length: int) -> bool:
-        while length > 0:
-            piece = self._stream.read(min(length, 1 << 20))
-            if not piece:
-                return False
-            length -= len(piece)
-        return True
 
     def _is_valid(self, body: bytes) -> bool:
         """Return whether a message can be handled; answer it otherwise."""
@@ -115,16 +105,15 @@ class Frames:
         number = message.get("id") if isinstance(message, dict) else None
         if isinstance(number, bool) or not isinstance(number, int | str):
             number = None
-        code, wrong = self._fault(message, number, body)
-        if wrong is not None:
-            self._answer(number, code, wrong)
-        return wrong is None
+        if (fault := self._fault(message, number, body)) is not None:
+            self._answer(number, *fault)
+        return fault is None
 
-    def _fault(self, message: Any, number: int | str | None, body: bytes) -> tuple[int, str | None]:
+    def _fault(self, message: Any, number: int | str | None, body: bytes) -> tuple[int, str] | None:
         if not isinstance(message, dict) or message.get("jsonrpc") != "2.0":
             return INVALID_REQUEST, "a message is an object with `jsonrpc` 2.0"
         if "method" not in message:
-            return (INVALID_REQUEST, None if "id" in message else "a message has neither a `method` nor an `id`")
+            return None if "id" in message else (INVALID_REQUEST, "a message has neither a `method` nor an `id`")
         method = message["method"]
         if not isinstance(method, str) or ("id" in message and number is None):
             return INVALID_REQUEST, "a method is a text, and the `id` of a request a text or a whole number"
@@ -135,7 +124,7 @@ class Frames:
             self._structure(body)
         except Exception:
             return INVALID_PARAMS, f"the parameters of `{method}` are not as the protocol says"
-        return 0, None
+        return None
 
 
 _SEVERITIES = {
@@ -157,6 +146,9 @@ _SYMBOLS = {
 }  # fmt: skip
 
 
+_WORD = re.compile(r"\S+|\s")
+
+
 class Converter:
     """Converts places to the units in which the editor counts. `lines` gives the lines of a file, `uri` its address."""
 
@@ -175,19 +167,19 @@ class Converter:
 
     def range(self, span: Span) -> lsp.Range:
         """Return a span as a range. A span without an end covers the word that begins there."""
-        lines = self._lines(self.path(span))
-        line = min(max(span.line - 1, 0), max(len(lines) - 1, 0))
-        text = lines[line] if lines else ""
+        lines = self._lines(self.path(span)) or [""]
+        line = min(max(span.line - 1, 0), len(lines) - 1)
+        text = lines[line]
         start = min(span.column - 1, len(text)) if span.line - 1 == line else len(text)
         if span.end_line is None or span.end_column is None:
-            last, end = line, _word_end(text, start)
+            word = _WORD.match(text, start)
+            last, end = line, len(text) if word is None else word.end()
         else:
-            last = min(max(span.end_line - 1, line), max(len(lines) - 1, 0))
-            end = min(span.end_column - 1, len(lines[last]) if lines else 0)
-        end_text = lines[last] if lines else ""
+            last = min(max(span.end_line - 1, line), len(lines) - 1)
+            end = min(span.end_column - 1, len(lines[last]))
         return lsp.Range(
             lsp.Position(line, analysis.units(text, start, self.encoding)),
-            lsp.Position(last, analysis.units(end_text, max(end, start) if last == line else end, self.encoding)),
+            lsp.Position(last, analysis.units(lines[last], max(end, start) if last == line else end, self.encoding)),
         )
 
     def column(self, lines: list[str], position: lsp.Position) -> int:
@@ -196,7 +188,6 @@ class Converter:
         return analysis.column_of(text, position.character, self.encoding)
 
     def meets(self, found: Diagnostic, path: Path, place: lsp.Range) -> bool:
-        """Return whether a diagnostic is shown at a place of a file."""
         own = self.diagnostic(found, path).range
         return own.start <= place.end and place.start <= own.end
 
@@ -267,30 +258,12 @@ class Converter:
         command = lsp.Command(found.title, found.command, arguments=list(found.arguments))
         return lsp.CodeLens(self.range(found.span), command)
 
-    def fold(self, found: analysis.Fold) -> lsp.FoldingRange:
-        return lsp.FoldingRange(found.first, found.last, kind=found.kind)
-
 
 def _words(found: Diagnostic) -> str:
     """Return the message, the notes and the help on lines of their own, as in a terminal."""
     notes = [note.message for note in found.listed() if note.span is None]
     help = [f"help: {found.help}"] if found.help else []
     return printable("\n".join([found.message, *notes, *help]))
-
-
-def _word_end(text: str, start: int) -> int:
-    end = start
-    while end < len(text) and not text[end].isspace():
-        end += 1
-    return end if end > start else min(start + 1, len(text))
-
-
-@dataclass(frozen=True, slots=True)
-class Said:
-    """The output of a command, and whether the command succeeded."""
-
-    text: str
-    ok: bool
 
 
 class Errands:
@@ -300,28 +273,27 @@ class Errands:
         self.folder = folder
         self._views: dict[tuple[str, ...], Process] = {}
 
-    async def run(self, verb: str, recipe: str, cell: str | None = None) -> Said:
-        """Run `view`, `build` or `check` for a recipe, or for one cell of its matrix."""
+    async def run(self, verb: str, recipe: str, cell: str | None = None) -> tuple[str, bool]:
+        """Run `view`, `build` or `check` for a recipe or a cell of its matrix; return its output and its success."""
         words = [verb, recipe, *(("--pick", cell) if cell is not None else ())]
         if verb == "build":
             words += ["-o", str(self.folder / "build" / f"{cell or Path(recipe).stem}.zip")]
         run = self._view if verb == "view" else self._done
         return await asyncio.get_running_loop().run_in_executor(None, run, words)
 
-    def _done(self, words: list[str]) -> Said:
+    def _done(self, words: list[str]) -> tuple[str, bool]:
         process = self._start(words)
         out, _ = process.communicate()
-        return Said(out.strip() or f"{words[0]}: done", process.returncode == 0)
+        return out.strip() or f"{words[0]}: done", process.returncode == 0
 
-    def _view(self, words: list[str]) -> Said:
+    def _view(self, words: list[str]) -> tuple[str, bool]:
         """Start `view` and return its first line of output, which is the address."""
-        key = tuple(words)
-        if (known := self._views.pop(key, None)) is not None:
+        if (known := self._views.pop(tuple(words), None)) is not None:
             known.end()
-        process = self._views[key] = self._start(words)
+        process = self._views[tuple(words)] = self._start(words)
         assert process.stdout is not None
         line = process.stdout.readline().strip()
-        return Said(line or "the model cannot be shown: see its diagnostics", line.startswith("http"))
+        return line or "the model cannot be shown: see its diagnostics", line.startswith("http")
 
     def _start(self, words: list[str]) -> Process:
         if words[0] == "build":

@@ -12,18 +12,22 @@ from mjcompose.base.sink import Sink
 from mjcompose.build.plan.plan import Plan
 from mjcompose.language.attach import RESERVED
 from mjcompose.lsp import subject
-from mjcompose.lsp.analysis import Analysis, Change, Question, Rename
+from mjcompose.lsp.analysis import Analysis, Change, Question
 from mjcompose.lsp.cursor import Path
 from mjcompose.lsp.places import PART, part_called
 from mjcompose.text.faults import quoted, word
 from mjcompose.text.load import load
-from mjcompose.text.node import Mapping, Scalar, find, locate
+from mjcompose.text.node import Mapping, Scalar, find, locate, walk
 
 _CHOICE = re.compile(r"\{([^{}]*)\}")
 
 
 class NotSure(Exception):
     """Raised for a pattern that would match other names under the new key, and that cannot be rewritten."""
+
+
+class Refused(Exception):
+    """A reason why a name cannot be changed."""
 
 
 def renamed(text: str, old: str, new: str, separator: str, pattern: bool) -> str | None:
@@ -75,10 +79,6 @@ def _fits(step: str, name: str) -> bool:
     return any(_fits(head + option + tail, name) for option in found[1].split(","))
 
 
-class NotReadable(Exception):
-    """Raised for a recipe that may include this one but cannot be read."""
-
-
 _USABLE = re.compile(r"[A-Za-z_]\w*")
 
 
@@ -91,45 +91,44 @@ def renameable(question: Question) -> Span | None:
         return question.word
     if parameter is None or parameter[1] is not None or parameter[0] not in subject.settables(question.data):
         return None
-    for span in subject.parameter_uses(parameter[0], question.analysis.tree):
-        if span.line == question.line + 1 and span.column - 1 <= question.column <= (span.end_column or 0) - 1:
-            return span
-    return None
+    line, column = question.line + 1, question.column + 1
+    uses = subject.parameter_uses(parameter[0], question.analysis.tree)
+    return next((at for at in uses if at.line == line and at.column <= column <= (at.end_column or 0)), None)
 
 
-def rename(question: Question, new: str, others: Iterable[Analysis]) -> Rename:
-    """Return all changes that a new name needs. `others` are the recipes that may include this one."""
+def rename(question: Question, new: str, others: Iterable[Analysis]) -> list[Change]:
+    """Return all changes that a new name needs; `others` are the recipes that may include this one. Raises Refused."""
     at, parameter = subject.part_named_at(question), subject.parameter_at(question)
     if renameable(question) is None:
-        return Rename(refusal="only parts, parameters and variants of a recipe without faults of YAML can be renamed")
+        raise Refused("only parts, parameters and variants can be renamed, in a recipe without errors in its YAML")
     try:
         if at is not None and len(at) == 2:
-            return _rename_part(str(at[1]), new, question.analysis, others)
-        assert parameter is not None
-        return _rename_parameter(parameter[0], new, question, others)
+            changes = _rename_part(str(at[1]), new, question.analysis, others)
+        else:
+            assert parameter is not None
+            changes = _rename_parameter(parameter[0], new, question, others)
     except NotSure as pattern:
-        return Rename(refusal=f"`{pattern}` would mean other names afterwards: change it first")
-    except NotReadable as file:
-        return Rename(refusal=f"`{file}` may use it and cannot be read as it is: put that right first")
+        raise Refused(f"`{pattern}` would match other names afterwards: change it first") from None
+    return list(dict.fromkeys(changes))
 
 
 # -- parts -----------------------------------------------------------------------------------------------------
 
 
-def _rename_part(old: str, new: str, analysis: Analysis, others: Iterable[Analysis]) -> Rename:
+def _rename_part(old: str, new: str, analysis: Analysis, others: Iterable[Analysis]) -> list[Change]:
     if (lower := _extended_with(("attach", old), analysis)) is not None:
-        return Rename(refusal=f"`{old}` is a part of `{lower}`, which this recipe extends: rename it there")
+        raise Refused(f"`{old}` is a part of `{lower}`, which this recipe extends: rename it there")
     tree = analysis.mapping
     attach = None if tree is None else find(tree, ("attach",))
     if not new or new == RESERVED or any(each.isspace() for each in new) or analysis.separator in new:
-        return Rename(refusal=f"`{new}` cannot be the key of a part")
+        raise Refused(f"`{new}` cannot be the key of a part")
     if isinstance(attach, Mapping) and new in attach.entries:
-        return Rename(refusal=f"there is a part `{new}` already")
+        raise Refused(f"there is a part `{new}` already")
     changes = list(_in_recipe(analysis, "", "", old, new))
     for other in others:
         for outer, prefix in _inclusions(other, analysis):
             changes += _in_recipe(other, outer, prefix, old, new)
-    return Rename(tuple(dict.fromkeys(changes)))
+    return changes
 
 
 def _inclusions(other: Analysis, analysis: Analysis) -> Iterator[tuple[str, str]]:
@@ -138,7 +137,7 @@ def _inclusions(other: Analysis, analysis: Analysis) -> Iterator[tuple[str, str]
     if other.path == analysis.path:
         return
     if plan is None or not other.is_current or other.plan_of != other.text:
-        raise NotReadable(other.file)
+        raise Refused(f"`{other.file}` may use it and has errors: fix these first")
     if any(source.path == analysis.path for source, _ in plan.extended):
         yield "", ""
     for place in plan.walk():
@@ -162,8 +161,8 @@ def _in_recipe(analysis: Analysis, outer: str, prefix: str, old: str, new: str) 
         if found is not None:
             yield _written(use.span, found, analysis)
     if has_names:
-        for path, node in subject.scalars(tree):
-            if path[-1:] == ("xml",):
+        for path, _, node in walk(tree):
+            if path[-1:] == ("xml",) and isinstance(node, Scalar):
                 yield from _in_fragment(node, prefix + old + separator, prefix + new + separator)
 
 
@@ -204,15 +203,15 @@ def _written(span: Span, text: str, analysis: Analysis) -> Change:
 # -- parameters ------------------------------------------------------------------------------------------------
 
 
-def _rename_parameter(old: str, new: str, question: Question, others: Iterable[Analysis]) -> Rename:
+def _rename_parameter(old: str, new: str, question: Question, others: Iterable[Analysis]) -> list[Change]:
     analysis = question.analysis
     for section in ("params", "variants"):
         if (lower := _extended_with((section, old), analysis)) is not None:
-            return Rename(refusal=f"`{old}` is set in `{lower}`, which this recipe extends: rename it there")
+            raise Refused(f"`{old}` is set in `{lower}`, which this recipe extends: rename it there")
     if not _USABLE.fullmatch(new):
-        return Rename(refusal=f"`{new}` cannot be the name of a parameter")
+        raise Refused(f"`{new}` cannot be the name of a parameter")
     if new in subject.settables(question.data):
-        return Rename(refusal=f"there is a parameter or variant `{new}` already")
+        raise Refused(f"there is a parameter or variant `{new}` already")
     changes = [Change(span, new) for span in subject.parameter_uses(old, analysis.tree)]
     for other in others:
         for part, _ in _inclusions(other, analysis):
@@ -222,7 +221,7 @@ def _rename_parameter(old: str, new: str, question: Question, others: Iterable[A
                 path = (*at, "with", old)
                 if find(other.mapping, path) is not None:
                     changes.append(Change(locate(other.mapping, path, key=True), new))
-    return Rename(tuple(dict.fromkeys(changes)))
+    return changes
 
 
 def _extended_with(path: Path, analysis: Analysis) -> str | None:

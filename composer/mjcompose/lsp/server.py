@@ -10,7 +10,7 @@ import os
 import signal
 import sys
 import traceback
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Iterable
 from pathlib import Path
 from typing import Any, BinaryIO, cast
 
@@ -20,14 +20,14 @@ from pygls.exceptions import JsonRpcException
 from pygls.lsp.server import LanguageServer
 from pygls.uris import from_fs_path, to_fs_path
 
-from mjcompose.base.diagnostic import Diagnostic
+from mjcompose.base.diagnostic import Diagnostic, Span
 from mjcompose.base.files import read_regular, unsaved
 from mjcompose.base.version import __version__
 from mjcompose.lsp import language
 from mjcompose.lsp.actions import Offer, actions
 from mjcompose.lsp.analysis import Analysis, Question, lines_of
 from mjcompose.lsp.completion import complete
-from mjcompose.lsp.desk import Desk
+from mjcompose.lsp.desk import Desk, Document
 from mjcompose.lsp.hover import hover
 from mjcompose.lsp.navigation import (
     COMMANDS,
@@ -42,7 +42,7 @@ from mjcompose.lsp.navigation import (
     symbols,
 )
 from mjcompose.lsp.protocol import Converter, Errands, Frames
-from mjcompose.lsp.rename import rename, renameable
+from mjcompose.lsp.rename import Refused, rename, renameable
 
 _TURN = 0.001
 """How many seconds an analysis may keep Python for itself while an editor waits for an answer."""
@@ -51,7 +51,7 @@ _TRIGGERS = [":", " ", "/", "{", "[", "$", ",", ".", "*", '"', "'"]
 
 
 class Server(LanguageServer):
-    """The server of one editor. It has a desk once the editor has named its folder."""
+    """The server of one editor; its desk exists once the editor has named its folder."""
 
     def __init__(self) -> None:
         super().__init__("mjcompose", __version__, text_document_sync_kind=lsp.TextDocumentSyncKind.Full)
@@ -74,9 +74,9 @@ class Server(LanguageServer):
             os.fsencode(name)
         except UnicodeEncodeError:  # no file can be called that
             name = name.encode("ascii", "replace").decode()
-        found = self.desk.folder / name
-        self.uris[found] = uri
-        return found
+        file = self.desk.folder / name
+        self.uris[file] = uri
+        return file
 
     def uri(self, path: Path) -> str:
         return self.uris.get(path) or from_fs_path(str(path)) or ""
@@ -93,28 +93,41 @@ class Server(LanguageServer):
 
     def publish(self, path: Path, found: list[Diagnostic]) -> None:
         shown = [self.converter.diagnostic(each, path) for each in found]
-        document = self.desk.documents.get(path)
-        version = None if document is None else document.seen
+        version = document.seen if (document := self.desk.documents.get(path)) is not None else None
         self.text_document_publish_diagnostics(lsp.PublishDiagnosticsParams(self.uri(path), shown, version))
 
     def say(self, text: str) -> None:
         """Write to the log of the editor. Errors of a provider are logged and do not end the server."""
         self.window_log_message(lsp.LogMessageParams(lsp.MessageType.Error, text))
 
-    async def analysis(self, params: Any) -> Analysis | None:
-        """Return the analysis of the current text of the recipe that `params` names."""
-        return await self.desk.analysed(self.path(params.text_document.uri), newest=True)
+    def recipe(self, params: Any) -> Document:
+        """Return the open recipe that `params` names. Raises NotOpen."""
+        document = self.desk.documents.get(self.path(params.text_document.uri))
+        if document is None or document.kind != "recipe":
+            raise NotOpen
+        return document
 
-    async def question(self, params: Any, newest: bool = False, *, traced: bool = False) -> Question | None:
-        """Return the question about the place in `params`, or None if no recipe is open there."""
-        path = self.path(params.text_document.uri)
-        analysis = await self.desk.analysed(path, newest, traced=traced)
-        document = self.desk.documents.get(path)
-        if analysis is None or document is None:
-            return None
-        lines = document.lines
-        column = self.converter.column(lines, params.position)
-        return Question(analysis, lines, params.position.line, column)
+    async def analysis(self, params: Any, newest: bool = True, *, traced: bool = False) -> Analysis:
+        """Return the analysis of the recipe that `params` names. Raises NotOpen."""
+        analysis = await self.desk.analysed(self.path(params.text_document.uri), newest, traced=traced)
+        if analysis is None:
+            raise NotOpen
+        return analysis
+
+    async def question(
+        self, params: Any, newest: bool = True, *, traced: bool = False, position: lsp.Position | None = None
+    ) -> Question:
+        """Return the question about a position in a recipe, or about the one in `params`. Raises NotOpen."""
+        analysis = await self.analysis(params, newest, traced=traced)
+        lines, at = self.recipe(params).lines, position or params.position
+        return Question(analysis, lines, at.line, self.converter.column(lines, at))
+
+    def locations(self, spans: Iterable[Span]) -> list[lsp.Location]:
+        return [self.converter.location(span) for span in spans]
+
+
+class NotOpen(Exception):
+    """The editor names no open recipe: the answer is empty."""
 
 
 server = Server()
@@ -132,6 +145,8 @@ def _feature(name: str, options: Any = None) -> Callable[[Handler], Handler]:
                     return await handler(own, params)
             except JsonRpcException:
                 raise
+            except NotOpen:
+                return None
             except Exception:
                 own.say(traceback.format_exc())
                 return None
@@ -190,13 +205,12 @@ async def shut(own: Server, params: None) -> None:
     await own.desk.shut()
 
 
-# -- what is asked ---------------------------------------------------------------------------------------------
+# -- requests --------------------------------------------------------------------------------------------------
 
 
 @_feature(lsp.TEXT_DOCUMENT_COMPLETION, lsp.CompletionOptions(trigger_characters=_TRIGGERS))
-async def completion(own: Server, params: lsp.CompletionParams) -> lsp.CompletionList | None:
-    question = await own.question(params)
-    return None if question is None else own.converter.completion(complete(question))
+async def completion(own: Server, params: lsp.CompletionParams) -> lsp.CompletionList:
+    return own.converter.completion(complete(await own.question(params, newest=False)))
 
 
 @_feature(lsp.TEXT_DOCUMENT_HOVER)
@@ -205,95 +219,73 @@ async def hovered(own: Server, params: lsp.HoverParams) -> lsp.Hover | None:
     if own.desk.is_model(path):
         found = hover_in_model(path, params.position.line, await own.desk.using(path))
     else:
-        question = await own.question(params, newest=True, traced=True)
-        found = None if question is None else hover(question)
+        found = hover(await own.question(params, traced=True))
     return None if found is None else own.converter.hover(found)
 
 
 @_feature(lsp.TEXT_DOCUMENT_DEFINITION)
-async def defined(own: Server, params: lsp.DefinitionParams) -> list[lsp.Location] | None:
-    question = await own.question(params, newest=True, traced=True)
-    return None if question is None else [own.converter.location(each) for each in definition(question)]
+async def defined(own: Server, params: lsp.DefinitionParams) -> list[lsp.Location]:
+    return own.locations(definition(await own.question(params, traced=True)))
 
 
 @_feature(lsp.TEXT_DOCUMENT_REFERENCES)
-async def referred(own: Server, params: lsp.ReferenceParams) -> list[lsp.Location] | None:
+async def referred(own: Server, params: lsp.ReferenceParams) -> list[lsp.Location]:
     path = own.path(params.text_document.uri)
     if own.desk.is_model(path):
-        spans = references_in_recipes(path, params.position.line, await own.desk.using(path))
-        return [own.converter.location(each) for each in spans]
-    question = await own.question(params, newest=True, traced=True)
-    if question is None:
-        return None
-    return [own.converter.location(each) for each in references(question, params.context.include_declaration)]
+        return own.locations(references_in_recipes(path, params.position.line, await own.desk.using(path)))
+    return own.locations(references(await own.question(params, traced=True), params.context.include_declaration))
 
 
 @_feature(lsp.TEXT_DOCUMENT_PREPARE_RENAME)
 async def may_rename(own: Server, params: lsp.PrepareRenameParams) -> lsp.Range | None:
-    question = await own.question(params, newest=True)
-    span = None if question is None else renameable(question)
+    span = renameable(await own.question(params))
     return None if span is None else own.converter.range(span)
 
 
 @_feature(lsp.TEXT_DOCUMENT_RENAME, lsp.RenameOptions(prepare_provider=True))
-async def renamed(own: Server, params: lsp.RenameParams) -> lsp.WorkspaceEdit | None:
-    question = await own.question(params, newest=True)
-    if question is None:
-        return None
-    found = rename(question, params.new_name, await own.desk.including(question.analysis.path))
-    if found.refusal:
-        raise JsonRpcException(found.refusal, lsp.LSPErrorCodes.RequestFailed)
-    return own.converter.edit(found.changes)
+async def renamed(own: Server, params: lsp.RenameParams) -> lsp.WorkspaceEdit:
+    question = await own.question(params)
+    try:
+        changes = rename(question, params.new_name, await own.desk.including(question.analysis.path))
+    except Refused as refused:
+        raise JsonRpcException(str(refused), lsp.LSPErrorCodes.RequestFailed) from None
+    return own.converter.edit(changes)
 
 
 @_feature(lsp.TEXT_DOCUMENT_CODE_ACTION, lsp.CodeActionOptions([lsp.CodeActionKind.QuickFix, "refactor.rewrite"]))
-async def acted(own: Server, params: lsp.CodeActionParams) -> list[lsp.CodeAction] | None:
+async def acted(own: Server, params: lsp.CodeActionParams) -> list[lsp.CodeAction]:
     path = own.path(params.text_document.uri)
-    analysis, document = await own.desk.analysed(path, True), own.desk.documents.get(path)
-    if analysis is None or document is None:
-        return None
-    start = params.range.start
-    question = Question(analysis, document.lines, start.line, own.converter.column(document.lines, start))
+    question = await own.question(params, position=params.range.start)
     here = [each for each in own.desk.found(path) if own.converter.meets(each, path, params.range)]
     return [own.converter.action(each, path) for each in actions(Offer(question, tuple(here)))]
 
 
 @_feature(lsp.TEXT_DOCUMENT_DOCUMENT_SYMBOL)
-async def outlined(own: Server, params: lsp.DocumentSymbolParams) -> list[lsp.DocumentSymbol] | None:
-    analysis = await own.analysis(params)
-    return None if analysis is None else [own.converter.symbol(each) for each in symbols(analysis)]
+async def outlined(own: Server, params: lsp.DocumentSymbolParams) -> list[lsp.DocumentSymbol]:
+    return [own.converter.symbol(each) for each in symbols(await own.analysis(params))]
 
 
 @_feature(lsp.TEXT_DOCUMENT_FOLDING_RANGE)
-async def folded(own: Server, params: lsp.FoldingRangeParams) -> list[lsp.FoldingRange] | None:
-    document = own.desk.documents.get(own.path(params.text_document.uri))
-    if document is None or document.kind != "recipe":
-        return None
-    return [own.converter.fold(each) for each in folds(document.lines)]
+async def folded(own: Server, params: lsp.FoldingRangeParams) -> list[lsp.FoldingRange]:
+    return [lsp.FoldingRange(each.first, each.last, kind=each.kind) for each in folds(own.recipe(params).lines)]
 
 
 @_feature(lsp.TEXT_DOCUMENT_INLAY_HINT)
-async def hinted(own: Server, params: lsp.InlayHintParams) -> list[lsp.InlayHint] | None:
-    analysis = await own.analysis(params)
-    if analysis is None:
-        return None
+async def hinted(own: Server, params: lsp.InlayHintParams) -> list[lsp.InlayHint]:
     first, last = params.range.start.line + 1, params.range.end.line + 1
-    return [own.converter.hint(each) for each in hints(analysis) if first <= each.span.line <= last]
+    found = hints(await own.analysis(params))
+    return [own.converter.hint(each) for each in found if first <= each.span.line <= last]
 
 
 @_feature(lsp.TEXT_DOCUMENT_CODE_LENS)
-async def lensed(own: Server, params: lsp.CodeLensParams) -> list[lsp.CodeLens] | None:
-    analysis = await own.analysis(params)
-    return None if analysis is None else [own.converter.lens(each) for each in lenses(analysis)]
+async def lensed(own: Server, params: lsp.CodeLensParams) -> list[lsp.CodeLens]:
+    return [own.converter.lens(each) for each in lenses(await own.analysis(params))]
 
 
 @_feature(lsp.TEXT_DOCUMENT_FORMATTING)
-async def laid_out(own: Server, params: lsp.DocumentFormattingParams) -> list[lsp.TextEdit] | None:
-    path = own.path(params.text_document.uri)
-    document = own.desk.documents.get(path)
-    if document is None or document.kind != "recipe":
-        return None
-    return [own.converter.text_edit(each) for each in formatted(document.text, str(path))]
+async def laid_out(own: Server, params: lsp.DocumentFormattingParams) -> list[lsp.TextEdit]:
+    document = own.recipe(params)
+    return [own.converter.text_edit(each) for each in formatted(document.text, str(document.path))]
 
 
 # -- commands --------------------------------------------------------------------------------------------------
@@ -302,11 +294,10 @@ async def laid_out(own: Server, params: lsp.DocumentFormattingParams) -> list[ls
 def _command(verb: str) -> None:
     @server.command(f"mjcompose.{verb}")
     async def run(own: Server, *arguments: str) -> str:
-        """What the command says, as a terminal shows it; `view` goes on until the editor ends."""
-        said = await own.errands.run(verb, *arguments)
-        kind = lsp.MessageType.Info if said.ok else lsp.MessageType.Error
-        own.window_show_message(lsp.ShowMessageParams(kind, said.text))
-        return said.text
+        """Return the output of the command, as in a terminal; `view` runs until the editor ends."""
+        text, ok = await own.errands.run(verb, *arguments)
+        own.window_show_message(lsp.ShowMessageParams(lsp.MessageType.Info if ok else lsp.MessageType.Error, text))
+        return text
 
 
 for _verb in COMMANDS:
@@ -326,17 +317,16 @@ def _structured(body: bytes) -> object:
     return json.loads(body, object_hook=server.protocol.structure_message)
 
 
-def _answer(number: int | str | None, code: int, words: str) -> None:
-    """Send an error. A message is written in one piece, so other threads may write too."""
-    said = {"jsonrpc": "2.0", "id": number, "error": {"code": code, "message": words}}
-    body = json.dumps(said).encode()
+def _answer(number: int | str | None, code: int, message: str) -> None:
+    """Send an error in one piece, because other threads write too."""
+    body = json.dumps({"jsonrpc": "2.0", "id": number, "error": {"code": code, "message": message}}).encode()
     with contextlib.suppress(BrokenPipeError):
         sys.stdout.buffer.write(b"Content-Length: %d\r\n\r\n" % len(body) + body)
         sys.stdout.buffer.flush()
 
 
 def _leave(number: int, frame: object) -> None:
-    """End at once: threads that read from the editor or wait for MuJoCo do not hear signals."""
+    """End at once: threads that read from the editor or wait for MuJoCo do not receive signals."""
     with contextlib.suppress(Exception):
         server.errands.end()
         server.desk.end()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import Any
+from typing import Any, NamedTuple
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Span
@@ -19,7 +19,7 @@ from mjcompose.sources.context import Context
 from mjcompose.sources.fetching import Fetching
 from mjcompose.text.evaluate import Template
 from mjcompose.text.expression import ExpressionError
-from mjcompose.text.node import Mapping, Node, Scalar, Sequence, to_python
+from mjcompose.text.node import Key, Mapping, Node, Scalar, Sequence, to_python, walk
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,53 +30,56 @@ class Use:
     span: Span
     path: Path
     wanted: Wanted
-    is_key: bool = False
+
+
+class Formed(NamedTuple):
+    """A value of a recipe. `forms` are the ways to write it; `above` and `around` are forms and data outside of it."""
+
+    path: Path
+    key: Key | None
+    node: Node
+    data: Any
+    forms: list[Form]
+    above: list[Form]
+    around: Any
+
+
+def formed(tree: Node | None) -> Iterator[Formed]:
+    """Yield the values of a recipe with what the language allows there, in the order of the text."""
+    if isinstance(tree, Mapping):
+        data = to_python(tree)
+        forms = forms_at((), data)
+        yield from _below(Formed((), None, tree, data=data, forms=forms, above=[], around=None))
+
+
+def _below(at: Formed) -> Iterator[Formed]:
+    yield at
+    node, data = at.node, at.data
+    if isinstance(node, Sequence):
+        for index, item in enumerate(node.items):
+            forms, above = forms_below(at.forms, index, data[index]), [*at.forms, *at.above]
+            inner = Formed((*at.path, index), None, item, data=data[index], forms=forms, above=above, around=at.around)
+            yield from _below(inner)
+    elif isinstance(node, Mapping):
+        for name, (key, value) in node.entries.items():
+            forms = forms_below(at.forms, name, data[name])
+            inner = Formed((*at.path, name), key, value, data=data[name], forms=forms, above=at.forms, around=data)
+            yield from _below(inner)
 
 
 def uses_in(tree: Node | None) -> Iterator[Use]:
     """Yield the names in a recipe, in the order of the text."""
-    if isinstance(tree, Mapping):
-        data = to_python(tree)
-        yield from _walk(tree, data, (), forms_at((), data), [], None)
-
-
-def _walk(node: Node, data: Any, path: Path, forms: list[Form], above: list[Form], around: Any) -> Iterator[Use]:
-    if isinstance(node, Scalar):
-        wanted = wanted_value(path, above, around) if path and isinstance(node.value, str) else None
-        if wanted is not None:
-            yield Use(node.text, node.span, path, wanted)
-    elif isinstance(node, Sequence):
-        for index, item in enumerate(node.items):
-            inner = data[index]
-            below = forms_below(forms, index, inner)
-            yield from _walk(item, inner, (*path, index), below, [*forms, *above], around)
-    else:
-        wanted = wanted_key(path)
-        for name, (key, value) in node.entries.items():
-            if wanted is not None:
-                yield Use(name, key.span, (*path, name), wanted, True)
-            inner = data[name]
-            yield from _walk(value, inner, (*path, name), forms_below(forms, name, inner), forms, data)
-
-
-def scalars(node: Node | None, path: Path = ()) -> Iterator[tuple[Path, Scalar]]:
-    """Yield every value of a tree with its path."""
-    if isinstance(node, Scalar):
-        yield path, node
-    elif isinstance(node, Sequence):
-        for index, item in enumerate(node.items):
-            yield from scalars(item, (*path, index))
-    elif node is not None:
-        for name, (_, value) in node.entries.items():
-            yield from scalars(value, (*path, name))
+    for at in formed(tree):
+        if at.key is not None and (wanted := wanted_key(at.path[:-1])) is not None:
+            yield Use(at.key.name, at.key.span, at.path, wanted)
+        wanted = wanted_value(at.path, at.above, at.around) if isinstance(at.node, Scalar) else None
+        if wanted is not None and isinstance(at.node, Scalar) and isinstance(at.node.value, str):
+            yield Use(at.node.text, at.node.span, at.path, wanted)
 
 
 @dataclass(frozen=True, slots=True)
 class Settable:
-    """A parameter or an axis of variants.
-
-    It has its default as it is written, and the allowed values if they are listed.
-    """
+    """A parameter or an axis of variants. `default` is as written; `values` are the allowed ones, if listed."""
 
     name: str
     kind: str
@@ -100,16 +103,13 @@ class Settable:
 def settables(data: Any) -> dict[str, Settable]:
     """Return the declared parameters and axes by name. Half-written declarations are left out."""
     found: dict[str, Settable] = {}
-    if not isinstance(data, dict):
-        return found
     for name, written in _entries(data, "params"):
-        said = written if isinstance(written, dict) else {"default": written}
-        choices = said.get("choices")
+        entry = written if isinstance(written, dict) else {"default": written}
+        choices, default = entry.get("choices"), entry.get("default")
         values = tuple(map(text, choices)) if isinstance(choices, list) else ()
-        default = said.get("default")
-        if isinstance(default, bool):
-            values = ("true", "false")
-        found[name] = Settable(name, "parameter", text(default), values, text(said.get("unit")), text(said.get("doc")))
+        values = ("true", "false") if isinstance(default, bool) else values
+        unit, doc = text(entry.get("unit")), text(entry.get("doc"))
+        found[name] = Settable(name, "parameter", text(default), values, unit, doc)
     for name, written in _entries(data, "variants"):
         values = tuple(written) if isinstance(written, dict) else ()
         found[name] = Settable(name, "variant", values[0] if values else "", values)
@@ -117,27 +117,22 @@ def settables(data: Any) -> dict[str, Settable]:
 
 
 def of_nested(at: Path, question: Question) -> dict[str, Settable]:
-    """Return the parameters and axes of the nested recipe of the part at a path."""
     tree = nested_document(at, question)
     return {} if tree is None else settables(to_python(tree))
 
 
 def nested_document(at: Path, question: Question) -> Mapping | None:
-    """Return the tree of the nested recipe of the part at a path, or None."""
-    analysis = question.analysis
-    if analysis.plan is None:
+    step = part_at(at, question.analysis.plan)
+    if step is None or not isinstance(step.model, Plan):
         return None
-    step = part_at(at, analysis.plan)
-    model = None if step is None else step.model
-    if not isinstance(model, Plan):
-        return None
-    node = read_recipe(model.path, Context(folder=analysis.folder, fetching=Fetching(offline=True)))
+    context = Context(folder=question.analysis.folder, fetching=Fetching(offline=True))
+    node = read_recipe(step.model.path, context)
     return node if isinstance(node, Mapping) else None
 
 
-def _entries(data: dict[str, Any], section: str) -> list[tuple[str, Any]]:
-    found = data.get(section)
-    return list(found.items()) if isinstance(found, dict) else []
+def _entries(data: Any, section: str) -> list[tuple[str, Any]]:
+    entries = data.get(section) if isinstance(data, dict) else None
+    return list(entries.items()) if isinstance(entries, dict) else []
 
 
 def text(value: Any) -> str:
@@ -163,13 +158,8 @@ def parameter_at(question: Question) -> tuple[str, Path | None] | None:
             return cursor.whole, None
         if cursor.path[-1:] == ("with",):
             return cursor.whole, cursor.path[:-1]
-    if "${" not in cursor.whole:
-        return None
     at = question.column - cursor.start
-    for name, start, end in names_in(cursor.whole):
-        if start <= at <= end:
-            return name, None
-    return None
+    return next(((name, None) for name, start, end in names_in(cursor.whole) if start <= at <= end), None)
 
 
 def names_in(template: str) -> list[tuple[str, int, int]]:
@@ -182,15 +172,27 @@ def names_in(template: str) -> list[tuple[str, int, int]]:
 
 def parameter_uses(name: str, tree: Node | None) -> list[Span]:
     """Return the places where a recipe uses one of its own parameters or variants."""
-    found = [span for _, node in scalars(tree) for each, span in _names_of(node) if each == name]
-    return [*_keys(tree, (), name), *found]
+    if tree is None:
+        return []
+    keys = [at.key.span for at in walk(tree) if at.key is not None and at.key.name == name and sets(at.path[:-1])]
+    scalars = (at.node for at in walk(tree) if isinstance(at.node, Scalar))
+    return [*keys, *(span for node in scalars for each, span in _names_of(node) if each == name)]
+
+
+def sets(path: Path) -> bool:
+    """Return whether the keys of the mapping at a path are parameters or variants of the recipe."""
+    if path in (("params",), ("variants",), ("matrix", "axes")) or path[-1:] == ("when",):
+        return True
+    return path[:1] == ("matrix",) and len(path) == 3
 
 
 def _names_of(node: Scalar) -> Iterator[tuple[str, Span]]:
     """Yield the names in the expressions of a value, each with its place."""
     if node.block is None:
         begin = node.span.column + (0 if node.plain else 1)
-        for name, start, end in names_in(_written(node)):
+        width = (node.span.end_column or node.span.column) - node.span.column
+        has_escapes = width not in (len(node.text), len(node.text) + 2)  # their length in the file is not known
+        for name, start, end in [] if has_escapes else names_in(node.text):
             yield name, replace(node.span, column=begin + start, end_column=begin + end)
         return
     line, column = node.block
@@ -200,26 +202,7 @@ def _names_of(node: Scalar) -> Iterator[tuple[str, Span]]:
         yield name, Span(node.span.file, row, column + last, row, column + last + end - start)
 
 
-def _keys(node: Node | None, path: Path, name: str) -> list[Span]:
-    if isinstance(node, Sequence):
-        return [span for at, item in enumerate(node.items) for span in _keys(item, (*path, at), name)]
-    if not isinstance(node, Mapping):
-        return []
-    sets = path in (("params",), ("variants",), ("matrix", "axes")) or path[-1:] == ("when",)
-    sets = sets or (path[:1] == ("matrix",) and len(path) == 3)
-    own = [node.entries[name][0].span] if sets and name in node.entries else []
-    return own + [span for key, (_, value) in node.entries.items() for span in _keys(value, (*path, key), name)]
-
-
-def _written(node: Scalar) -> str:
-    """Return the characters of a value in the file. They are known only for a value without escapes."""
-    span = node.span
-    width = (span.end_column or span.column) - span.column
-    return node.text if width in (len(node.text), len(node.text) + 2) else ""
-
-
 def wanted_as_value(question: Question) -> Wanted | None:
-    """Return which names the value at the cursor can be."""
     path = question.path
     if question.cursor.role not in ("value", "either") or not path:
         return None
@@ -267,12 +250,8 @@ def declared_at(known: Known, analysis: Analysis) -> Iterator[Span]:
         life = traced.watch.life(node)
         named = traced.written_at(node, "class" if node.tag == "default" else "name") if known.name else None
         places = [named] if named is not None else [each.span for each in traced.written(life)]
-        for span in dict.fromkeys(places):
-            if span is not None and (now := analysis.now(span, analysis.model_of)) is not None:
-                yield now
-        return
-    unit = unit_of(known, analysis)
-    if unit is not None:
+        yield from analysis.all_now(dict.fromkeys(places), analysis.model_of)
+    elif (unit := unit_of(known, analysis)) is not None:
         yield unit.origins.span(node, unit.file, "name")
 
 

@@ -20,7 +20,7 @@ from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Diagnostic, Fix, Note, Span
 from mjcompose.base.limits import advice, in_force
 from mjcompose.base.sink import Sink
-from mjcompose.text.faults import MAX_KEY, quoted
+from mjcompose.text.faults import MAX_KEY, for_lone_key, quoted
 from mjcompose.text.node import Key, Mapping, Marks, Node, Scalar, Sequence, resolve
 
 FREE_EXPANSION = 10_000  # nodes that aliases may add, in addition to one for each character of the text
@@ -94,7 +94,6 @@ class Builder:
 
     @property
     def in_flow(self) -> bool:
-        """Whether the events ended inside `[ ]` or `{ }`."""
         return bool(self._stack) and self._stack[-1].flow
 
     def build(self, events: Iterable[Any]) -> Node | None:
@@ -110,11 +109,8 @@ class Builder:
                 line = start.line + 1
                 # Nearly every event is a scalar on one line without properties: this path is kept short.
                 simple = end.line + 1 == line and event.anchor is None and event.tag is None
-                span = (
-                    Span(file, line, start.column + 1, end_line=line, end_column=end.column + 1)
-                    if simple
-                    else marks.span(event)
-                )
+                column, last = start.column + 1, end.column + 1
+                span = Span(file, line, column, end_line=line, end_column=last) if simple else marks.span(event)
                 text = event.value if restore is None else self._restored(event.value, span)
                 frame = stack[-1] if stack else None
                 if frame is not None and frame.entries is not None and frame.key is None:
@@ -140,26 +136,18 @@ class Builder:
             elif kind is DocumentStartEvent and self._root is not None:
                 message = "a second YAML document begins here; a file holds one"
                 help = "move what follows `---` into a file of its own, or remove the `---`"
-                self._sink.error("yaml-documents", message, self._marks.span(event), help=help)
+                self._sink.error("yaml-documents", message, marks.span(event), help=help)
                 return self._root
             if self._total > self._most:
                 message = f"more than {self._most} values in one file"
-                self._sink.error("yaml-too-large", message, self._marks.span(event), help=advice("yaml-values"))
+                self._sink.error("yaml-too-large", message, marks.span(event), help=advice("yaml-values"))
                 return None
         for lone in self._lone:  # if reading stops, this is the reason
             self._sink.add(lone)
-        return self._whole()
-
-    def _whole(self) -> Node | None:
-        """Return the tree of a file that was read to its end, or None after reporting an empty file."""
         root = self._root
         if root is None or (isinstance(root, Scalar) and root.plain and not root.text):
-            self._sink.error(
-                "yaml-empty",
-                f"`{self._file}` holds nothing" + (" but comments" if self._text.lstrip().startswith("#") else ""),
-                Span(self._file, 1, 1),
-                help=self._empty,
-            )
+            content = "only comments" if self._text.lstrip().startswith("#") else "nothing"
+            self._sink.error("yaml-empty", f"`{file}` contains {content}", Span(file, 1, 1), help=self._empty)
             return None
         return root
 
@@ -182,13 +170,10 @@ class Builder:
             frame.key = None
 
     def _begin(self, event: Any, mapping: bool) -> bool:
-        is_key = False
-        if self._stack:
-            parent = self._stack[-1]
-            if parent.entries is not None and parent.key is None:
-                self._refuse_key(event, "a mapping" if mapping else "a list")
-                parent.key = _DROPPED
-                is_key = True
+        parent = self._stack[-1] if self._stack else None
+        is_key = parent is not None and parent.entries is not None and parent.key is None
+        if parent is not None and is_key:
+            self._refuse_key(event, "a mapping" if mapping else "a list", parent)
         if len(self._stack) >= self._deepest:
             message = f"more than {self._deepest} lists and mappings within each other"
             self._sink.error("yaml-too-deep", message, self._marks.span(event), help=advice("yaml-depth"))
@@ -197,20 +182,11 @@ class Builder:
         if event.anchor is not None or event.tag is not None:
             column += self._marks.properties(event)
         tag = None if event.tag is None else (event.tag, self._marks.tag(event))
-        self._stack.append(
-            _Frame(
-                {} if mapping else None,
-                None if mapping else [],
-                bool(event.flow_style),
-                line=line,
-                column=column,
-                total=self._total,
-                first_end=column + 1,
-                anchor=event.anchor,
-                tag=tag,
-                is_key=is_key,
-            )
-        )
+        entries: dict[str, tuple[Key, Node]] | None = {} if mapping else None
+        self._stack.append(_Frame(
+            entries, None if mapping else [], bool(event.flow_style), line=line, column=column, total=self._total,
+            first_end=column + 1, anchor=event.anchor, tag=tag, is_key=is_key,
+        ))  # fmt: skip
         self._total += 1
         return True
 
@@ -233,14 +209,12 @@ class Builder:
             self._add(node, frame.height)
 
     def _restored(self, text: str, span: Span) -> str:
-        """Return a scalar's original text."""
         try:
             return text if self._restore is None else self._restore(text)
         except UnicodeDecodeError:
-            self._sink.error(
-                "yaml-syntax", "an escape here is half of a surrogate pair, which is not a character", span,
-                help="write both halves, as in `\\ud83d\\ude00`, or the character itself",
-            )  # fmt: skip
+            help = "write both halves, as in `\\ud83d\\ude00`, or the character itself"
+            message = "an escape here is half of a surrogate pair, which is not a character"
+            self._sink.error("yaml-syntax", message, span, help=help)
             return text.encode("utf-8", "replace").decode("utf-8")
 
     def _resolved(self, text: str, span: Span) -> bool | int | float | str | None:
@@ -269,10 +243,10 @@ class Builder:
         frame.key, frame.key_end = _DROPPED, None
         if frame.has_lone:
             return
-        if type(event) is ScalarEvent and self._restore is None:
-            end: Any = event.end_mark
-            frame.key_end, frame.is_quoted = end.index, bool(event.style)
         if type(event) is ScalarEvent:
+            if self._restore is None:
+                end: Any = event.end_mark
+                frame.key_end, frame.is_quoted = end.index, bool(event.style)
             if event.tag not in (None, "!", _STANDARD + "str"):
                 self._refuse_tag(event.tag, self._marks.tag(event))
             if event.anchor is not None:
@@ -280,16 +254,12 @@ class Builder:
         entries = frame.entries if frame.entries is not None else {}
         found = entries.get(name)
         if name == "<<" and type(event) is ScalarEvent and not event.style:
-            self._sink.error(
-                "yaml-merge-key", "the merge key `<<` is not part of the language", span,
-                help="write the keys out, or use `extends` or `variants`, which merge recipes",
-            )  # fmt: skip
+            help = "write the keys out, or use `extends` or `variants`, which merge recipes"
+            self._sink.error("yaml-merge-key", "the merge key `<<` is not part of the language", span, help=help)
         elif found is not None:
-            self._sink.error(
-                "yaml-duplicate-key", f"the key `{name}` is written twice in this mapping", span,
-                notes=[Note("it is first written here", found[0].span)],
-                help="keep one of the two, or give one of them another name",
-            )  # fmt: skip
+            message, help = f"the key `{name}` appears twice in this mapping", "remove or rename one of the two"
+            notes = [Note("it first appears here", found[0].span)]
+            self._sink.error("yaml-duplicate-key", message, span, notes=notes, help=help)
         else:
             frame.key = Key(name, span)
 
@@ -300,13 +270,11 @@ class Builder:
             return
         if ":" in self._text[end : event.start_mark.index] or len(key.name) > MAX_KEY:
             return
-        from mjcompose.text.faults import advice
-
         before = next(reversed(frame.entries or {}), None)
         frame.key, frame.has_lone = _DROPPED, True
         text = " ".join(key.name.split())  # it may span several lines
-        message = f"`{text}` stands in `{{ }}` without a colon"
-        help = advice(text, frame.is_quoted, before)
+        message = f"`{text}` is in `{{ }}` without a colon"
+        help = for_lone_key(text, frame.is_quoted, before)
         self._lone.append(Diagnostic("yaml-syntax", message, key.span, help=help))
 
     def _alias(self, event: Any) -> bool:
@@ -314,40 +282,29 @@ class Builder:
         span = self._marks.span(event)
         anchored = self._anchors.get(name)
         if any(frame.anchor == name for frame in self._stack):
-            self._sink.error(
-                "yaml-alias-bomb", f"the alias `*{name}` stands inside of what it names, without end", span
-            )
+            message = f"the alias `*{name}` is inside the value that it names, without end"
+            self._sink.error("yaml-alias-bomb", message, span)
             return False
         if anchored is None:
-            self._sink.error(
-                "yaml-alias", f"`*{name}` is an alias in YAML, and nothing before it is marked `&{name}`", span,
-                help=f"if the text itself is meant, quote it: {quoted('*' + name)}", fix=Fix(quoted("*" + name)),
-            )  # fmt: skip
+            message, text = f"`*{name}` is an alias in YAML, and no anchor `&{name}` precedes it", quoted(f"*{name}")
+            self._sink.error("yaml-alias", message, span, help=f"if it is text, quote it: {text}", fix=Fix(text))
             anchored = _Anchored(Scalar(f"*{name}", span, f"*{name}", plain=True), 1, 0)
         frame = self._stack[-1] if self._stack else None
         if frame is not None and frame.entries is not None and frame.key is None:
             if isinstance(anchored.node, Scalar):
                 self._key(event, anchored.node.text, span, frame=frame)
             else:
-                self._refuse_key(event, "an alias of a list or mapping")
-                frame.key = _DROPPED
+                self._refuse_key(event, "an alias of a list or mapping", frame)
             return True
         self._total += anchored.size
         self._expanded += anchored.size
         if self._expanded > FREE_EXPANSION + len(self._text) or self._total > self._most:
-            self._sink.error(
-                "yaml-alias-bomb",
-                f"with `*{name}` the aliases of this file stand for {self._expanded} values, far more than are written",
-                span,
-            )
+            message = f"with `*{name}` the aliases of this file expand to {self._expanded} values, far more than it has"
+            self._sink.error("yaml-alias-bomb", message, span)
             return False
         if len(self._stack) + anchored.height > self._deepest:
-            self._sink.error(
-                "yaml-too-deep",
-                f"with `*{name}` there are more than {self._deepest} lists and mappings within each other",
-                span,
-                help=advice("yaml-depth"),
-            )
+            message = f"with `*{name}` there are more than {self._deepest} lists and mappings within each other"
+            self._sink.error("yaml-too-deep", message, span, help=advice("yaml-depth"))
             return False
         # The contents keep their own place; the value itself is placed at the alias.
         self._add(replace(anchored.node, span=span), anchored.height)
@@ -362,26 +319,20 @@ class Builder:
         if tag not in _SCALAR_TAGS:
             self._refuse_tag(tag, self._marks.tag(event))
         elif type(value) not in _SCALAR_TAGS[tag]:
-            self._sink.error(
-                "yaml-tag", f"`{text}` is not what its tag `{_shown(tag)}` says", span,
-                help=f"remove the tag `{_shown(tag)}`",
-            )  # fmt: skip
+            message = f"`{text}` does not fit its tag `{_shown(tag)}`"
+            self._sink.error("yaml-tag", message, span, help=f"remove the tag `{_shown(tag)}`")
         return value
 
     def _refuse_tag(self, tag: str, span: Span) -> None:
-        self._sink.error(
-            "yaml-tag", f"the tag `{_shown(tag)}` is not part of the language", span,
-            help=f"remove `{_shown(tag)}`; if it is meant as text, quote the whole value",
-        )  # fmt: skip
+        help = f"remove `{_shown(tag)}`; if it is text, quote the whole value"
+        self._sink.error("yaml-tag", f"the tag `{_shown(tag)}` is not part of the language", span, help=help)
 
-    def _refuse_key(self, event: Any, kind: str) -> None:
-        template = kind == "a mapping" and self._text.startswith("{{", event.start_mark.index - 1)
-        self._sink.error(
-            "yaml-key", f"{kind} cannot be a key", self._marks.span(event),
-            help='text with braces must be quoted; an expression is written "${…}"'
-            if template
-            else "a key is text; quote it if it begins with `[`, `{` or `*`",
-        )  # fmt: skip
+    def _refuse_key(self, event: Any, kind: str, holder: _Frame) -> None:
+        help = "a key is text; quote it if it begins with `[`, `{` or `*`"
+        if kind == "a mapping" and self._text.startswith("{{", event.start_mark.index - 1):
+            help = 'quote text with braces; write an expression as "${…}"'
+        self._sink.error("yaml-key", f"{kind} cannot be a key", self._marks.span(event), help=help)
+        holder.key = _DROPPED
 
 
 def _shown(tag: str) -> str:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 import operator
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import fields
 from functools import lru_cache
 
 from mjcompose.base.dataclass import dataclass
@@ -42,7 +43,7 @@ def evaluate(tree: Expression, scope: Mapping[str, Value]) -> Value:
     if isinstance(tree, Constant):
         return tree.value
     if isinstance(tree, Name):
-        return _name(tree, scope)
+        return scope[tree.name] if tree.name in scope else _constant(tree)
     if isinstance(tree, Item):
         return _item(tree, scope)
     if isinstance(tree, Vector):
@@ -52,8 +53,7 @@ def evaluate(tree: Expression, scope: Mapping[str, Value]) -> Value:
     if isinstance(tree, Comparison):
         return _comparison(tree, scope)
     if isinstance(tree, Choice):
-        chosen = tree.yes if _boolean(tree.condition, "if", scope) else tree.no
-        return evaluate(chosen, scope)
+        return evaluate(tree.yes if _boolean(tree.condition, "if", scope) else tree.no, scope)
     if isinstance(tree, Call):
         return _call(tree, scope)
     return _binary(tree, scope)
@@ -63,29 +63,13 @@ def names(tree: Expression) -> Iterator[Name]:
     """Yield every name in an expression, including constants such as `pi`."""
     if isinstance(tree, Name):
         yield tree
-    for child in _children(tree):
-        yield from names(child)
+    for value in (getattr(tree, each.name) for each in fields(tree)):
+        for child in value if isinstance(value, tuple) else (value,):
+            if isinstance(child, Expression):
+                yield from names(child)
 
 
-def _children(tree: Expression) -> Iterable[Expression]:
-    if isinstance(tree, Item):
-        return (tree.vector,)
-    if isinstance(tree, Vector):
-        return tree.items
-    if isinstance(tree, Unary):
-        return (tree.operand,)
-    if isinstance(tree, Binary):
-        return (tree.left, tree.right)
-    if isinstance(tree, Comparison):
-        return tree.operands
-    if isinstance(tree, Choice):
-        return (tree.condition, tree.yes, tree.no)
-    return tree.arguments if isinstance(tree, Call) else ()
-
-
-def _name(tree: Name, scope: Mapping[str, Value]) -> Value:
-    if tree.name in scope:
-        return scope[tree.name]
+def _constant(tree: Name) -> Value:
     if tree.name in CONSTANTS:
         return CONSTANTS[tree.name]
     if tree.name.lower() in ("true", "false"):
@@ -158,8 +142,7 @@ def _comparison(tree: Comparison, scope: Mapping[str, Value]) -> bool:
     values = [evaluate(operand, scope) for operand in tree.operands]
     for symbol, left, right in zip(tree.operators, values, values[1:], strict=False):
         if kind(left) != kind(right):
-            message = f"`{symbol}` of {kind(left)} and {kind(right)}"
-            raise ExpressionError(message, tree.at)
+            raise ExpressionError(f"`{symbol}` of {kind(left)} and {kind(right)}", tree.at)
         if symbol not in ("==", "!=") and kind(left) not in ("a number", "text"):
             raise ExpressionError(f"`{symbol}` needs numbers or text, got {kind(left)}", tree.at)
         if not _ORDER[symbol](left, right):
@@ -171,21 +154,15 @@ def _call(tree: Call, scope: Mapping[str, Value]) -> Value:
     function = FUNCTIONS[tree.function]
     count = len(tree.arguments)
     if count < function.least or (function.most is not None and count > function.most):
-        wanted = (
-            f"at least {function.least}"
-            if function.most is None
-            else str(function.least) if function.least == function.most else f"{function.least} or {function.most}"
-        )  # fmt: skip
-        raise ExpressionError(f"`{tree.function}` takes {wanted} numbers, got {count}", tree.at)
+        takes = f"at least {function.least}" if function.most is None else f"{function.least} or {function.most}"
+        takes = str(function.least) if function.least == function.most else takes
+        raise ExpressionError(f"`{tree.function}` takes {takes} numbers, got {count}", tree.at)
     arguments = [_number(argument, f"`{tree.function}`", scope) for argument in tree.arguments]
     return _checked(tree, lambda: function.apply(*arguments), arguments)
 
 
 def _checked(tree: Binary | Call, work: Callable[[], int | float], of: Sequence[int | float]) -> int | float:
-    """Compute a number; a result that is not finite, or too large, is an error of the expression.
-
-    `of` are the operands.
-    """
+    """Return a finite number that is not too large; `of` are the operands. Raises `ExpressionError`."""
     try:
         value = work()
     except ZeroDivisionError:
@@ -224,8 +201,7 @@ class Template:
         >>> Template.parse("${2 * reach}").value({"reach": 0.25})
         0.5
         """
-        # Expressions give at least a character as a rule, and counting the characters of too many would take
-        # minutes.
+        # Most expressions give at least one character, and counting the characters of too many would take minutes.
         if (count := text.count(OPENING)) > (most := in_force().string):
             at = text.index(OPENING)
             message = f"the text has {count} expressions; {most} are allowed"
@@ -248,7 +224,15 @@ class Template:
 
     def value(self, scope: Mapping[str, Value]) -> Value:
         """Evaluate the text with these names: a single expression gives a value of any type, anything else a text."""
-        values = [piece if isinstance(piece, str) else _evaluated(piece, scope) for piece in self.pieces]
+        values: list[Value] = []
+        for piece in self.pieces:
+            if isinstance(piece, str):
+                values.append(piece)
+                continue
+            try:
+                values.append(evaluate(piece[1], scope))
+            except ExpressionError as error:
+                raise error.moved(piece[0]) from None
         if len(values) == 1:
             return values[0]
         texts = [shown(value) for value in values]
@@ -271,14 +255,6 @@ class Template:
         """The name, if the text is only `${name}`."""
         piece = self.pieces[0] if len(self.pieces) == 1 else ""
         return piece[1].name if not isinstance(piece, str) and isinstance(piece[1], Name) else None
-
-
-def _evaluated(piece: tuple[int, Expression], scope: Mapping[str, Value]) -> Value:
-    at, tree = piece
-    try:
-        return evaluate(tree, scope)
-    except ExpressionError as error:
-        raise error.moved(at) from None
 
 
 def _closing(text: str, start: int) -> int:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from typing import NamedTuple, TypeAlias
 
 from mjcompose.base.dataclass import dataclass
@@ -174,18 +175,16 @@ def _unreadable(text: str, at: int) -> ExpressionError:
 
 
 def _run_on(text: str, start: int) -> ExpressionError:
-    found = re.compile(r"[\w.]+").match(text, start)
-    assert found is not None
-    word = found.group()
-    unit = next((unit for unit in ("deg", "rad") if word.endswith(unit)), None)
-    number = word.removesuffix(unit) if unit else ""
-    help = f"units stand outside of expressions; write `rad({number})` for radians" if unit == "deg" else None
-    return ExpressionError(f"`{word}` is not a number", (start, found.end()), help)
+    word = re.split(r"[^\w.]", text[start:], maxsplit=1)[0]
+    number = word.removesuffix("deg")
+    help = f"write units outside of expressions, or `rad({number})` for radians" if number != word else None
+    return ExpressionError(f"`{word}` is not a number", (start, start + len(word)), help)
 
 
 _MAX_DEPTH = 50
 # From loose to tight, each level left to right; `**` binds tighter than a sign before it and goes right to left.
-_LEVELS = (("+", "-"), ("*", "/", "//", "%"))
+_LEVELS = (("or",), ("and",), ("not",), ("+", "-"), ("*", "/", "//", "%"))
+_NEGATION = 2
 _COMPARISONS = ("<", "<=", ">", ">=", "==", "!=")
 
 
@@ -228,11 +227,10 @@ class _Parser:
     def unexpected(self, wanted: str) -> ExpressionError:
         token = self.next
         if token.kind == "end":
-            return ExpressionError(
-                f"the expression ends where {wanted} should come", (max(token.start - 1, 0), token.start)
-            )
+            end = max(token.start - 1, 0), token.start
+            return ExpressionError(f"the expression ends without {wanted}", end)
         help = "compare with each: `a == 1 or a == 2`" if token.text in ("in", "not") else None
-        return ExpressionError(f"`{token.text}` stands where {wanted} should", token.at, help)
+        return ExpressionError(f"`{token.text}` is in the place of {wanted}", token.at, help)
 
     def descend(self) -> None:
         self.depth += 1
@@ -241,9 +239,9 @@ class _Parser:
 
     def choice(self) -> Expression:
         self.descend()
-        value = self.disjunction()
+        value = self.level(0)
         if self.take("if"):
-            condition = self.disjunction()
+            condition = self.level(0)
             if self.take("else") is None:
                 raise self.unexpected("`else`")
             other = self.choice()
@@ -251,57 +249,42 @@ class _Parser:
         self.depth -= 1
         return value
 
-    def disjunction(self) -> Expression:
-        left = self.conjunction()
-        while self.take("or"):
-            right = self.conjunction()
-            left = Binary("or", left, right, at=_over(left, right))
-        return left
-
-    def conjunction(self) -> Expression:
-        left = self.negation()
-        while self.take("and"):
-            right = self.negation()
-            left = Binary("and", left, right, at=_over(left, right))
-        return left
-
-    def negation(self) -> Expression:
-        signs = []
-        while token := self.take("not"):
-            signs.append(token)
-        return _signed(signs, self.comparison())
-
     def comparison(self) -> Expression:
-        operands = [self.level(0)]
+        operands = [self.level(_NEGATION + 1)]
         operators: list[str] = []
         while token := self.take(*_COMPARISONS):
             operators.append(token.kind)
-            operands.append(self.level(0))
+            operands.append(self.level(_NEGATION + 1))
         if not operators:
             return operands[0]
         return Comparison(tuple(operators), tuple(operands), at=_over(operands[0], operands[-1]))
 
     def level(self, number: int) -> Expression:
+        if number == _NEGATION:
+            return self.prefixed(self.comparison, "not")
         if number == len(_LEVELS):
-            return self.signed()
+            return self.prefixed(self.power, "-", "+")
         left = self.level(number + 1)
         while token := self.take(*_LEVELS[number]):
             right = self.level(number + 1)
             left = Binary(token.kind, left, right, at=_over(left, right))
         return left
 
-    def signed(self) -> Expression:
+    def prefixed(self, operand: Callable[[], Expression], *operators: str) -> Expression:
         signs = []
-        while token := self.take("-", "+"):
+        while token := self.take(*operators):
             signs.append(token)
-        return _signed(signs, self.power())
+        value = operand()
+        for token in reversed(signs):
+            value = Unary(token.kind, value, _over(token, value))
+        return value
 
     def power(self) -> Expression:
         base = self.item()
         if self.take("**") is None:
             return base
         self.descend()
-        exponent = self.signed()
+        exponent = self.prefixed(self.power, "-", "+")
         self.depth -= 1
         return Binary("**", base, exponent, at=_over(base, exponent))
 
@@ -311,7 +294,7 @@ class _Parser:
             sign = self.take("-")
             token = self.take("number")
             if token is None or not token.text.isdigit():
-                raise ExpressionError("an index is a whole number that is written", _over(opened, self.next))
+                raise ExpressionError("an index must be a whole number, as digits", _over(opened, self.next))
             index = -int(token.text) if sign else int(token.text)
             value = Item(value, index, at=_over(value, self.expect("]", opened)))
         return value
@@ -337,8 +320,7 @@ class _Parser:
 
     def call(self, name: Token, opened: Token) -> Expression:
         if name.text not in FUNCTIONS:
-            known = ", ".join(FUNCTIONS)
-            message = f"the function `{name.text}` does not exist; those that exist: {known}"
+            message = f"the function `{name.text}` does not exist; the functions are {', '.join(FUNCTIONS)}"
             raise ExpressionError(message, name.at)
         arguments, end = self.items(opened, ")")
         return Call(name.text, arguments, (name.start, end))
@@ -363,12 +345,6 @@ def _number(token: Token) -> int | float:
     value = float(token.text)
     if value in (float("inf"), float("-inf")):
         raise ExpressionError(f"`{token.text}` is too large for a number", token.at)
-    return value
-
-
-def _signed(signs: list[Token], value: Expression) -> Expression:
-    for token in reversed(signs):
-        value = Unary(token.kind, value, _over(token, value))
     return value
 
 

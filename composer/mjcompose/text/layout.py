@@ -19,17 +19,14 @@ _PROPERTIES = {"Anchor", "Tag"}
 class Unusual(Exception):
     """A form of YAML without a canonical layout; `line` counts from 1."""
 
-    def __init__(self, what: str, line: int) -> None:
-        super().__init__(what)
+    def __init__(self, message: str, line: int) -> None:
+        super().__init__(message)
         self.line = line
 
 
-def read(text: str) -> Document:
-    """Return the syntax of a text in which `load` found no fault. Raises `Unusual`. No I/O."""
-    return _Reader(tokens(text)).document()
-
-
 class _Reader:
+    """Reads the syntax of a text in which `load` found no fault. Raises `Unusual`."""
+
     def __init__(self, found: list[Token]) -> None:
         self.tokens = found
         self.at = 0
@@ -55,7 +52,6 @@ class _Reader:
         return waiting.pop(0) if waiting and not waiting[0].own_line else None
 
     def rest(self) -> list[Comment]:
-        """Return all comments before the next token."""
         waiting, self.next.comments = self.next.comments, []
         return waiting
 
@@ -68,14 +64,12 @@ class _Reader:
         root = Entry(0)
         self.value(root, in_mapping=False)
         if not isinstance(root.value, Collection):
-            raise Unusual("the file holds a single value", 1)
+            raise Unusual("the file contains a single value", 1)
         tail: list[Comment] = []
         while self.next.kind != "StreamEnd":
             tail += self.rest()
             self.take()
-        header: list[Comment] = root.inner
-        parted = False
-        entries = root.value.entries
+        header, parted, entries = root.inner, False, root.value.entries
         if entries and not root.value.flow:
             header, parted = _header(entries[0])
         return Document(preface, header, parted, head=root.head, root=root.value, tail=[*tail, *self.rest()])
@@ -87,8 +81,7 @@ class _Reader:
         pins = self.pins
         while self.next.kind in _PROPERTIES:
             entry.inner += self.rest()
-            self.pins += self.next.kind == "Anchor"
-            properties.append(self.take().text)
+            properties.append(self.anchor_or_tag())
             beside = self.beside()
             if entry.head is None:
                 entry.head = beside
@@ -109,20 +102,22 @@ class _Reader:
             entry.value.properties = shown
         entry.pinned |= self.pins > pins
 
+    def anchor_or_tag(self) -> str:
+        self.pins += self.next.kind == "Anchor"
+        return self.take().text
+
     def leaf(self) -> Leaf:
         self.pins += self.next.kind == "Alias"
         token = self.take()
         return Leaf(token.text, depth=token.depth, ended=token.ended)
 
     def key(self, entry: Entry) -> None:
-        """Read a key, up to and with its `:`."""
         pins = self.pins
         self.take()
         properties = []
         while self.next.kind in _PROPERTIES:
             entry.lead += self.rest()
-            self.pins += self.next.kind == "Anchor"
-            properties.append(self.take().text)
+            properties.append(self.anchor_or_tag())
         if self.next.kind not in ("Scalar", "Alias") or self.next.line != self.next.end_line:
             raise Unusual("a key here is not a name on one line", self.next.line + 1)
         entry.lead += self.rest()
@@ -130,27 +125,22 @@ class _Reader:
         entry.key.properties = " ".join(properties)
         entry.pinned = self.pins > pins
 
-    def entry(self) -> Entry:
+    def entry(self, result: Collection) -> Entry:
         token = self.next
-        return Entry(token.column, lead=self.rest(), blank=token.blank)
+        entry = Entry(token.column, lead=self.rest(), blank=token.blank)
+        result.entries.append(entry)
+        return entry
 
     def block(self, mapping: bool) -> Collection:
         column = self.next.column
         self.take()
         result = Collection(mapping, flow=False)
         while self.next.kind != "BlockEnd":
-            entry = self.entry()
-            result.entries.append(entry)
             if not mapping:
-                self.item(entry)
+                self.item(result)
                 continue
-            if self.next.kind != "Key":
-                raise Unusual("a value stands without its key", self.next.line + 1)
-            self.key(entry)
-            if self.next.kind == "Value":
-                entry.lead += self.rest()
-                self.take()
-                self.value(entry, in_mapping=True)
+            entry = self.entry(result)
+            self.pair(entry, in_mapping=True)
             entry.trail = self.beside()
         result.tail = self.tail(column)
         self.take()
@@ -161,13 +151,22 @@ class _Reader:
         column = self.next.column
         result = Collection(mapping=False, flow=False)
         while self.next.kind == "BlockEntry":
-            entry = self.entry()
-            result.entries.append(entry)
-            self.item(entry)
+            self.item(result)
         result.tail = self.tail(column + 1)
         return result
 
-    def item(self, entry: Entry) -> None:
+    def pair(self, entry: Entry, in_mapping: bool) -> None:
+        """Read a key, and its value if it has one."""
+        if self.next.kind != "Key":
+            raise Unusual("a value has no key", self.next.line + 1)
+        self.key(entry)
+        if self.next.kind == "Value":
+            entry.lead += self.rest()
+            self.take()
+            self.value(entry, in_mapping=in_mapping)
+
+    def item(self, result: Collection) -> None:
+        entry = self.entry(result)
         self.take()
         self.value(entry, in_mapping=False)
         entry.trail = self.beside()
@@ -192,10 +191,9 @@ class _Reader:
         waiting: list[Comment] = []
         while self.next.kind not in _ENDS:
             token = self.next
-            entry = self.entry()
-            self.hand_over(entry.lead, result)
-            entry.lead = [*waiting, *entry.lead]
-            entry.breaks = token.line != line
+            comments = self.rest()
+            self.hand_over(comments, result)
+            entry = Entry(token.column, lead=[*waiting, *comments], blank=token.blank, breaks=token.line != line)
             result.entries.append(entry)
             self.member(entry, result.mapping)
             line = self.tokens[self.at - 1].end_line
@@ -215,20 +213,14 @@ class _Reader:
 
     def member(self, entry: Entry, mapping: bool) -> None:
         """Read one entry of a collection in brackets, up to its comma."""
-        if self.next.kind == "Value":
-            raise Unusual("a value stands without its key", self.next.line + 1)
         if self.next.kind == "Key" and not mapping:  # `[a: 1]` is a list of mappings with one key each
             pair = Entry(self.next.column)
             self.member(pair, mapping=True)
             entry.lead += pair.lead
             entry.value = Collection(mapping=True, flow=True, entries=[pair])
             entry.pinned = pair.pinned
-        elif self.next.kind == "Key":
-            self.key(entry)
-            if self.next.kind == "Value":
-                entry.lead += self.rest()
-                self.take()
-                self.value(entry, in_mapping=False)
+        elif self.next.kind in ("Key", "Value"):
+            self.pair(entry, in_mapping=False)
         elif mapping:
             entry.key = self.leaf()
         else:
@@ -270,10 +262,8 @@ def lines_of(leaf: Leaf, indent: int) -> list[str]:
     if len(lines) == 1:
         return [_quoted(leaf.text)]
     margin = " " * (indent + INDENT)
-    inner = (f"{margin}{_cut(line.lstrip(' '))}" for line in lines[1:-1])
-    return [
-        _cut(lines[0]), *(line if line.strip(" ") else "" for line in inner), margin + lines[-1].lstrip(" "),
-    ]  # fmt: skip
+    inner = [f"{margin}{_cut(line.lstrip(' '))}" if line.strip(" ") else "" for line in lines[1:-1]]
+    return [_cut(lines[0]), *inner, margin + lines[-1].lstrip(" ")]
 
 
 def _cut(line: str) -> str:
@@ -367,30 +357,22 @@ class _Writer:
         if value is not None and value.properties:
             start += f" {value.properties}"
         self.lines.append(start)
+        self.beside(entry.head, shift)
+        self.comments(entry.inner, indent + INDENT)
         if isinstance(value, Collection) and not value.flow:
-            self.beside(entry.head, shift)
-            self.comments(entry.inner, indent + INDENT)
             self.nested(entry, value, indent)
-        elif value is not None and (value != Leaf("", value.properties)):
+        elif value is not None and value != Leaf("", value.properties):
             below = entry.head is not None or bool(entry.inner)
-            self.beside(entry.head, shift)
-            self.comments(entry.inner, indent + INDENT)
             if below:
                 self.lines.append(" " * (indent + INDENT))
             else:
                 self.lines[-1] += " "
             self.value(value, indent, INDENT if below else 0)
-        else:
-            self.beside(entry.head, shift)
-            self.comments(entry.inner, indent + INDENT)
         self.beside(entry.trail, shift)
 
     def nested(self, entry: Entry, value: Collection, indent: int) -> None:
         """Write a block below its key; in a list, beside its dash."""
-        compact = (
-            entry.key is None and not (value.properties or entry.head or entry.inner) and not value.entries[0].lead
-        )
-        if not compact:
+        if entry.key is not None or value.properties or entry.head or entry.inner or value.entries[0].lead:
             self.block(value, indent + INDENT)
             return
         value.entries[0].blank = False
@@ -465,26 +447,19 @@ def _inline(node: Collection) -> str | None:
     """Return a collection in brackets on one line, or None if it spans several."""
     if node.broken:
         return None
-    texts = [_inline_entry(entry) for entry in node.entries]
-    if None in texts:
+    texts = [text for entry in node.entries if (text := _inline_entry(entry)) is not None]
+    if len(texts) < len(node.entries):
         return None
-    inside = ", ".join(text for text in texts if text is not None)
+    inside = ", ".join(texts)
     return f"{{{inside}}}" if node.mapping else f"[{inside}]"
 
 
 def _inline_entry(entry: Entry) -> str | None:
     value = entry.value
-    text: str | None = ""
-    if isinstance(value, Collection):
-        text = _inline(value)
-    elif value is not None:
-        first, *others = lines_of(value, 0)
-        text = None if others else first
-    if text is None:
-        return None
     if value is None:
         return _start(entry)  # the space separates the colon from the following text
-    return (_start(entry) + text).rstrip(" ")
+    lines = [_inline(value)] if isinstance(value, Collection) else lines_of(value, 0)
+    return None if len(lines) > 1 or lines[0] is None else (_start(entry) + lines[0]).rstrip(" ")
 
 
 def difference(one: Node, other: Node) -> str | None:
@@ -496,23 +471,20 @@ def difference(one: Node, other: Node) -> str | None:
     while waiting:
         a, b, path, shown = waiting.pop()
         if isinstance(a, Scalar) and isinstance(b, Scalar):
-            if (a.text, a.plain, repr(a.value)) != (b.text, b.plain, repr(b.value)):
-                return shown
-        elif isinstance(a, Sequence) and isinstance(b, Sequence) and len(a.items) == len(b.items):
-            for index, (x, y) in enumerate(zip(a.items, b.items, strict=True)):
-                waiting.append((x, y, (*path, "*"), f"{shown}[{index}]"))
-        elif isinstance(a, Mapping) and isinstance(b, Mapping) and _same_keys(a, b, path):
-            for name, (_, value) in a.entries.items():
+            same = (a.text, a.plain, repr(a.value)) == (b.text, b.plain, repr(b.value))
+        elif isinstance(a, Sequence) and isinstance(b, Sequence):
+            same = len(a.items) == len(b.items)
+            pairs = enumerate(zip(a.items, b.items, strict=False))
+            waiting += [(x, y, (*path, "*"), f"{shown}[{index}]") for index, (x, y) in pairs]
+        elif isinstance(a, Mapping) and isinstance(b, Mapping):
+            same = a.entries.keys() == b.entries.keys() and (is_free(path) or list(a.entries) == list(b.entries))
+            for name, (_, value) in a.entries.items() if same else ():
                 waiting.append((value, b.entries[name][1], (*path, name), f"{shown}.{name}".lstrip(".")))
         else:
+            same = False
+        if not same:
             return shown
     return None
-
-
-def _same_keys(a: Mapping, b: Mapping, path: Path) -> bool:
-    if is_free(path):
-        return a.entries.keys() == b.entries.keys()
-    return list(a.entries) == list(b.entries)
 
 
 _LINE_BREAK = re.compile(r"\r\n|\n")
@@ -532,12 +504,10 @@ def format_recipe(source: bytes, file: str, sink: Sink) -> bytes | None:
     text = decode(source, file, sink)
     assert text is not None
     try:
-        document = read(text)
+        document = _Reader(tokens(text)).document()
     except Unusual as unusual:
-        sink.error(
-            "cannot-format", f"`{file}` is left as it is: {unusual}", Span(file, unusual.line, 1),
-            help="write it in the usual form",
-        )  # fmt: skip
+        message, place = f"`{file}` is left unchanged: {unusual}", Span(file, unusual.line, 1)
+        sink.error("cannot-format", message, place, help="write it in the usual form")
         return None
     put_in_order(document.root)
     first = _LINE_BREAK.search(text)
@@ -545,24 +515,20 @@ def format_recipe(source: bytes, file: str, sink: Sink) -> bytes | None:
     result = end.join([*write(document), ""])
     changed = _changed(node, text, result, file=file)
     if changed is not None:
-        sink.error(
-            "cannot-format", f"`{file}` is left as it is: in the canonical layout it would not say the same",
-            Span(file, 1, 1), notes=(Note(changed),),
-            help="please report it: this is a fault of `mjcompose fmt`, not of the recipe",
-        )  # fmt: skip
+        message = f"`{file}` is left unchanged: the canonical layout would change its meaning"
+        help = "please report it: this is a bug of `mjcompose fmt`, not of the recipe"
+        sink.error("cannot-format", message, Span(file, 1, 1), notes=(Note(changed),), help=help)
         return None
     mark = "\ufeff" if source.startswith(b"\xef\xbb\xbf") else ""
     return (mark + result).encode("utf-8")
 
 
 def _changed(node: Node, text: str, result: str, file: str) -> str | None:
-    """Return what changed, or None if nothing did."""
     again = load(result, file, Sink())
     if again is None:
         return "it could not be read again"
-    found = difference(node, again)
-    if found is not None:
-        return f"`{found}` would be another value" if found else "it would be another value"
+    if (place := difference(node, again)) is not None:
+        return f"`{place}` would be another value" if place else "it would be another value"
     if sorted(comments(tokens(text))) != sorted(comments(tokens(result))):
         return "a comment would be lost"
     return None

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from typing import Any
+from typing import Any, NamedTuple
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Span
@@ -158,29 +158,40 @@ class Sequence:
 Node = Scalar | Mapping | Sequence
 
 
+class Visit(NamedTuple):
+    """A value in a tree."""
+
+    path: tuple[str | int, ...]
+    key: Key | None
+    node: Node
+
+
+def walk(node: Node, path: tuple[str | int, ...] = (), key: Key | None = None) -> Iterator[Visit]:
+    """Yield every value with its path and its key, if it has one. A collection comes before its contents."""
+    yield Visit(path, key, node)
+    if isinstance(node, Sequence):
+        for index, item in enumerate(node.items):
+            yield from walk(item, (*path, index))
+    elif isinstance(node, Mapping):
+        for name, (key, value) in node.entries.items():
+            yield from walk(value, (*path, name), key)
+
+
 def texts(node: Node) -> Iterator[str]:
     """Yield every key and value as written."""
-    if isinstance(node, Scalar):
-        yield node.text
-    elif isinstance(node, Sequence):
-        for item in node.items:
-            yield from texts(item)
-    else:
-        for name, (_, value) in node.entries.items():
-            yield name
-            yield from texts(value)
+    for _, key, value in walk(node):
+        if key is not None:
+            yield key.name
+        if isinstance(value, Scalar):
+            yield value.text
 
 
 def spans(node: Node) -> Iterator[Span]:
     """Yield the place of every key and value."""
-    yield node.span
-    if isinstance(node, Sequence):
-        for item in node.items:
-            yield from spans(item)
-    elif isinstance(node, Mapping):
-        for key, value in node.entries.values():
+    for _, key, value in walk(node):
+        if key is not None:
             yield key.span
-            yield from spans(value)
+        yield value.span
 
 
 def to_python(node: Node) -> Any:
@@ -230,25 +241,12 @@ def locate(node: Node, path: tuple[str | int, ...], key: bool = False) -> Span:
 
 def check_characters(node: Node, sink: Sink) -> None:
     """Report every key and value with a character that cannot occur in a name, a path or a value of a model."""
-    waiting = [node]
-    while waiting:
-        node = waiting.pop()
-        if isinstance(node, Mapping):
-            for key, value in node.entries.values():
-                if odd := NOT_XML.search(key.name):
-                    _refuse(odd.group(), key.span, sink)
-                waiting.append(value)
-        elif isinstance(node, Sequence):
-            waiting += node.items
-        elif odd := NOT_XML.search(node.text):
-            _refuse(odd.group(), node.span, sink)
-
-
-def _refuse(character: str, span: Span, sink: Sink) -> None:
-    sink.error(
-        "yaml-syntax", f"an escape here is the character {code_point(character)}, which XML cannot hold", span,
-        help="leave it out",
-    )  # fmt: skip
+    for _, key, value in walk(node):
+        texts = [(key.name, key.span)] if key is not None else []
+        for text, span in [*texts, (value.text, value.span)] if isinstance(value, Scalar) else texts:
+            if odd := NOT_XML.search(text):
+                message = f"this escape is the character {code_point(odd.group())}, which XML cannot contain"
+                sink.error("yaml-syntax", message, span, help="remove it")
 
 
 OPENING = "${"
