@@ -71,7 +71,7 @@ def test_options_that_differ_are_an_error_until_it_is_said_what_holds(
         arm.to_xml_string()
     assert [fault.code for fault in caught.value.diagnostics] == ["option-conflict"]
     assert "`conflict='base'`" in str(caught.value) and "recipe" not in str(caught.value)
-    with pytest.warns(mjcf.MjcfWarning, match="the model's values stand") as told:
+    with pytest.warns(mjcf.MjcfWarning, match="the model's values stay") as told:
         text = arm.to_xml_string(conflict="base")
     assert len(told) == 1 and told[0].filename == __file__
     assert str(told[0].message).startswith(f"{__file__}:")

@@ -1,9 +1,7 @@
 """Passes: settings that a model has only once, and which value wins.
 
-Pass: the sections that a model has only once. A setting of a part that the model does not take is reported.
-
 The model takes the base's value if the base writes one, else the value that all parts that write the setting agree
-on, else MuJoCo's default. A setting that the recipe writes itself cannot conflict.
+on, else MuJoCo's default. A setting that the recipe writes itself cannot conflict. Other conflicts are reported.
 """
 
 from __future__ import annotations
@@ -17,8 +15,7 @@ from lxml.etree import _Element as Node
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Cause, Note, Span
 from mjcompose.link import numbers
-from mjcompose.link.linking import Linking, Part
-from mjcompose.link.numbers import read
+from mjcompose.link.linking import Linking, Part, shown_name
 from mjcompose.link.settings import merge_sizes, model_autolimits
 from mjcompose.model.classes import text_in_effect
 from mjcompose.model.files import file_attributes
@@ -47,13 +44,19 @@ class WrittenSetting(NamedTuple):
 def written_settings(unit: Unit) -> dict[str, WrittenSetting]:
     """Return every setting in the unit's own tree by its path. If a section repeats, the last value wins."""
     found: dict[str, WrittenSetting] = {}
-    for section in unit.root.iterchildren(*SINGLETONS):
-        _note(section, str(section.tag), unit, found=found)
+    waiting = [(section, str(section.tag)) for section in unit.root.iterchildren(*SINGLETONS)][::-1]
+    while waiting:
+        element, path = waiting.pop()
+        for name, value in element.items():
+            if value and not value.isspace():
+                span = partial(unit.origins.span, element, unit.file, str(name))
+                found[f"{path}/{name!s}"] = WrittenSetting(str(value), span)
+        waiting += [(child, f"{path}/{child.tag!s}") for child in element.iterchildren("*", reversed=True)]
     return found
 
 
 def requested_settings(unit: Unit) -> dict[str, WrittenSetting]:
-    """Return the settings a unit asks for: its own, and for a nested recipe the defaults that its parts agree on."""
+    """Return the settings a unit requests: its own, and for a nested recipe the defaults that its parts agree on."""
     own = written_settings(unit)
     if not unit.adopted:
         return own
@@ -69,18 +72,6 @@ def requested_settings(unit: Unit) -> dict[str, WrittenSetting]:
     return found
 
 
-def _note(element: Node, path: str, unit: Unit, found: dict[str, WrittenSetting]) -> None:
-    for name, value in element.items():
-        if value and not value.isspace():
-            found[f"{path}/{name!s}"] = WrittenSetting(str(value), partial(_span, unit, element, str(name)))
-    for child in element.iterchildren("*"):
-        _note(child, f"{path}/{child.tag!s}", unit, found=found)
-
-
-def _span(unit: Unit, element: Node, name: str) -> Span:
-    return unit.origins.span(element, unit.file, name)
-
-
 @cache
 def default_of(path: str) -> str | None:
     """Return MuJoCo's default of a setting, or None if it has none or computes it."""
@@ -92,12 +83,6 @@ def default_of(path: str) -> str | None:
     if isinstance(value, bool):
         return "true" if value else "false"
     return " ".join(map(str, value)) if isinstance(value, (list, tuple)) else str(value)
-
-
-def is_default(path: str, value: str) -> bool:
-    """Return whether the value is MuJoCo's default of the setting."""
-    default = default_of(path)
-    return default is not None and equal_values(default, value)
 
 
 @lru_cache(4096)
@@ -116,16 +101,13 @@ def merge_values(path: str, have: WrittenSetting | None, wanted: WrittenSetting)
 
     A value that is not written gives way. Of steps and tolerances the smaller is used, of iterations the larger.
     """
-    # MuJoCo 4.0 takes of a `timestep` of 0.003 and one of 0.004 the smaller one, whoever writes it, and 0.004 where the
-    # other model has it not written.
+    # Of a `timestep` of 0.003 and one of 0.004 MuJoCo 4.0 takes the smaller one, whichever model writes it. It takes
+    # 0.004 if the other model does not write a `timestep`.
     if have is None:
         return wanted.value
     name = path.rsplit("/", 1)[1]
-    if name in _SMALLER_IS_SAFER:
-        return min(have.value, wanted.value, key=lambda text: numbers.read(text)[0])
-    if name in _LARGER_IS_SAFER:
-        return max(have.value, wanted.value, key=lambda text: numbers.read(text)[0])
-    return None
+    safer = min if name in _SMALLER_IS_SAFER else max if name in _LARGER_IS_SAFER else None
+    return None if safer is None else safer(have.value, wanted.value, key=lambda text: numbers.read(text)[0])
 
 
 def set_value(unit: Unit, path: str, value: str) -> Node:
@@ -150,28 +132,30 @@ def common_settings(
 ) -> tuple[dict[str, Adopted], dict[str, list[tuple[str, WrittenSetting]]]]:
     """Return the settings that the parts agree on, and those that they do not agree on, by path.
 
-    `base` and `parts` are what each unit asks for, the parts by what messages call them; `overridden` are the paths
-    that the recipe sets itself. What the parts do not agree on comes with who writes which value.
+    `base` and `parts` are the settings that each unit requests, the parts by their names in messages; `overridden` are
+    the paths that the recipe sets itself. Each setting that the parts do not agree on has the value of each part.
     """
-    asked: dict[str, list[tuple[str, WrittenSetting]]] = {}
+    requested: dict[str, list[tuple[str, WrittenSetting]]] = {}
     for name, opinions in parts:
         for path, wanted in opinions.items():
             if path not in base and path not in overridden:
-                asked.setdefault(path, []).append((name, wanted))
-    found: dict[str, Adopted] = {}
-    for path, given in list(asked.items()):
+                requested.setdefault(path, []).append((name, wanted))
+    common: dict[str, Adopted] = {}
+    for path, given in list(requested.items()):
         first = given[0][1]
         if all(equal_values(first.value, wanted.value) for _, wanted in given):
             names = tuple(
                 name for owner, wanted in given for name in ([owner + inner for inner in wanted.parts] or [owner])
             )
-            found[path] = Adopted(path, first.value, names, at=first.span, is_written=not is_default(path, first.value))
-            del asked[path]
-    return found, asked
+            default = default_of(path)
+            is_written = default is None or not equal_values(default, first.value)
+            common[path] = Adopted(path, first.value, names, at=first.span, is_written=is_written)
+            del requested[path]
+    return common, requested
 
 
 def of_base(adopted: tuple[Adopted, ...], now: Opinions, overridden: Collection[str]) -> tuple[Adopted, ...]:
-    """Return the settings from the parts of a base that is a recipe, if it still asks for the same values `now`."""
+    """Return the settings from the parts of a base that is a recipe, if it still requests the same values `now`."""
     return tuple(
         each
         for each in adopted
@@ -204,54 +188,59 @@ class _Wish:
         return None if self.have is None else self.have.span()
 
     def difference(self, wanted: str) -> str:
-        return f"{wanted} `{self.wanted.value}`, {_model_has(self.have, default_of(self.path))}"
+        default = default_of(self.path)
+        if self.have is not None:
+            owner = f"`{self.have.parts[0]}`" if self.have.parts else "the model"
+            has = f"{owner} has `{self.have.value}`"
+        else:
+            has = "the model leaves it to MuJoCo"
+            if default is not None:
+                has = f"the model has `{default}`, MuJoCo's default"
+        return f"{wanted} `{self.wanted.value}`, {has}"
 
 
 def agreement(linking: Linking) -> None:
     """Compare what every unit writes, take what the parts agree on, then merge the sizes."""
     if not linking.parts:
         return
-    model = requested_settings(linking.base)
-    asked = [(part, requested_settings(part.unit)) for part in linking.parts]
-    common, disagreed = _note_common(linking, model, asked)
+    base, overridden = linking.base, linking.request.overridden_options
+    model = requested_settings(base)
+    requests = [(part, requested_settings(part.unit)) for part in linking.parts]
+    common, disagreed = common_settings(model, [(part.called, wanted) for part, wanted in requests], overridden)
+    base.adopted = (*of_base(base.adopted, model, overridden), *common.values())
     if linking.request.conflict == "mujoco":  # as in MuJoCo, a default gives way, wherever it is written
-        unwritten = {each.path for each in linking.base.adopted if not each.is_written}
+        unwritten = {each.path for each in base.adopted if not each.is_written}
         model = {path: have for path, have in model.items() if path not in unwritten}
     elif linking.request.conflict == "error":
         for path, given in disagreed.items():
             owner, first = given[0]
             model[path] = first._replace(parts=(owner,))
-    found = [(part, [*_wishes(linking, wanted, model, common=common)]) for part, wanted in asked]
-    open_ones = [wish for _, wishes in found for wish in wishes if wish.settled is None]
-    for part, wishes in found:
-        _report_merged(linking, part, [wish for wish in wishes if wish.settled is not None])
-        _report(linking, part, [wish for wish in wishes if wish.settled is None], all_wishes=open_ones)
+    wishes = [(part, [*_wishes(linking, wanted, model, common=common)]) for part, wanted in requests]
+    conflicts = [wish for _, of_part in wishes for wish in of_part if wish.settled is None]
+    for part, of_part in wishes:
+        if merged := [wish for wish in of_part if wish.settled is not None]:
+            message, notes, span, cause = _message_of(part, merged)
+            message += f"; merged to `{merged[0].settled}`" if len(merged) == 1 else "; they are merged"
+            linking.sink.warning("option-conflict", message, span, notes=notes, cause=cause)
+        _report(linking, part, [wish for wish in of_part if wish.settled is None], all_wishes=conflicts)
     merge_sizes(linking)
 
 
-def _note_common(
-    linking: Linking, now: Opinions, asked: list[tuple[Part, dict[str, WrittenSetting]]]
-) -> tuple[dict[str, Adopted], dict[str, list[tuple[str, WrittenSetting]]]]:
-    """Return the settings that the parts agree on, which the base notes, and those that they do not agree on."""
-    base, overridden = linking.base, linking.request.overridden_options
-    parts = [(part.called, wanted) for part, wanted in asked]
-    found, disagreed = common_settings(now, parts, overridden)
-    base.adopted = (*of_base(base.adopted, now, overridden), *found.values())
-    return found, disagreed
-
-
 def _wishes(
-    linking: Linking, asked: Opinions, model: dict[str, WrittenSetting], common: Mapping[str, Adopted]
+    linking: Linking, requested: Opinions, model: dict[str, WrittenSetting], common: Mapping[str, Adopted]
 ) -> Iterator[_Wish]:
-    """Yield the settings that a part asks for and the model does not have. Later parts see the results of merges.
+    """Yield the settings that a part requests and the model does not have. Later parts see the results of merges.
 
-    What the parts agree on is written on the way, so that settings stand in the order in which parts write them.
+    Common settings are written on the way, in the order in which parts write them.
     """
-    for path, wanted in asked.items():
+    for path, wanted in requested.items():
         if path in linking.request.overridden_options:
             continue
         if path in common:
-            _adopt(linking, common[path])
+            adopted = common[path]
+            if adopted.is_written:
+                element = set_value(linking.base, path, adopted.value)
+                linking.base.origins.settings.setdefault(element, {})[path.rsplit("/", 1)[1]] = adopted.at
             continue
         have = model.get(path)
         current = have.value if have is not None else default_of(path)
@@ -264,40 +253,26 @@ def _wishes(
             model[path] = wanted._replace(value=settled)
 
 
-def _adopt(linking: Linking, adopted: Adopted) -> None:
-    if adopted.is_written:
-        element = set_value(linking.base, adopted.path, adopted.value)
-        linking.base.origins.settings.setdefault(element, {})[adopted.path.rsplit("/", 1)[1]] = adopted.at
-
-
 def _report(linking: Linking, part: Part, wishes: list[_Wish], all_wishes: list[_Wish]) -> None:
     """Report all settings of a part in one finding with one help text for all parts. Equal parts share a finding."""
     if not wishes:
         return
     message, notes, span, cause = _message_of(part, wishes)
     if linking.request.conflict == "base":
-        stands = ", which stands" if len(wishes) == 1 else "; the model's values stand"
-        linking.sink.warning("option-conflict", f"{message}{stands}", span, notes=notes, cause=cause)
+        stays = ", which stays" if len(wishes) == 1 else "; the model's values stay"
+        linking.sink.warning("option-conflict", f"{message}{stays}", span, notes=notes, cause=cause)
         return
-    asked: dict[str, str] = {}
+    wanted: dict[str, str] = {}
     for wish in all_wishes:
-        asked.setdefault(wish.path, wish.wanted.value)
+        wanted.setdefault(wish.path, wish.wanted.value)
     sections = dict.fromkeys(wish.section for wish in wishes)
-    others = [f"leave those of the part out: `drop: [{', '.join(sections)}]`"]
+    others = [f"drop the settings of the part: `drop: [{', '.join(sections)}]`"]
     if linking.request.conflict == "error" and _would_merge(all_wishes):
         others.append("write `conflict: mujoco`")
-    sentence, *lines = resolving_settings(asked, linking.request.overridden_options).split("\n")
+    sentence, *lines = resolving_settings(wanted, linking.request.overridden_options).split("\n")
     help = "\n".join([f"{sentence}; or {', or '.join(others)}", *lines])
     subjects = (part.called, *(wish.path for wish in wishes))
     linking.sink.error("option-conflict", message, span, notes=notes, help=help, cause=cause, subjects=subjects)
-
-
-def _report_merged(linking: Linking, part: Part, wishes: list[_Wish]) -> None:
-    if not wishes:
-        return
-    message, notes, span, cause = _message_of(part, wishes)
-    message += f"; merged to `{wishes[0].settled}`" if len(wishes) == 1 else "; they are merged"
-    linking.sink.warning("option-conflict", message, span, notes=notes, cause=cause)
 
 
 def _message_of(part: Part, wishes: list[_Wish]) -> tuple[str, list[Note], Span, Cause]:
@@ -311,14 +286,15 @@ def _message_of(part: Part, wishes: list[_Wish]) -> tuple[str, list[Note], Span,
         names = ", ".join(wish.shown for wish in wishes[:_NAMED])
         more = f" and {len(wishes) - _NAMED} more settings" if len(wishes) > _NAMED else ""
         message = f"`{part.called}` wants other values than the model has of {names}{more}"
-        notes = [Note(_note_of(wish), wish.written()) for wish in wishes]
+        notes = [
+            Note(
+                wish.difference(f"{wish.shown}: it wants") + (f"; merged to `{wish.settled}`" if wish.settled else ""),
+                wish.written(),
+            )
+            for wish in wishes
+        ]
     same = [[wish.path, wish.wanted.value, wish.settled] for wish in wishes]
     return message, notes, first.wanted.span(), Cause(str(same), f"`{part.called}`")
-
-
-def _note_of(wish: _Wish) -> str:
-    said = wish.difference(f"{wish.shown}: it wants")
-    return said if wish.settled is None else f"{said}; merged to `{wish.settled}`"
 
 
 def _would_merge(wishes: Iterable[_Wish]) -> bool:
@@ -335,21 +311,13 @@ def _would_merge(wishes: Iterable[_Wish]) -> bool:
     return True
 
 
-def _model_has(have: WrittenSetting | None, current: str | None) -> str:
-    if have is not None:
-        return f"{f'`{have.parts[0]}`' if have.parts else 'the model'} has `{have.value}`"
-    if current is not None:
-        return f"the model has `{current}`, MuJoCo's default"
-    return "the model leaves it to MuJoCo"
-
-
 def resolving_settings(wanted: Mapping[str, str], settled: Collection[str]) -> str:
-    """Return what to write in a recipe to resolve all conflicts.
+    """Return advice for a recipe that resolves all conflicts.
 
-    `wanted` has the value that one part asks for, by path; `settled` are the paths that the recipe sets already.
+    `wanted` has the value that one part requests, by path; `settled` are the paths that the recipe sets already.
 
     >>> resolving_settings({"option/cone": "elliptic", "option/flag/gravity": "disable"}, ())
-    'say in the recipe which it is, for example `option: {cone: elliptic, flag: {gravity: disable}}`'
+    'set it in the recipe, for example `option: {cone: elliptic, flag: {gravity: disable}}`'
     """
     tree: dict[str, Any] = {}
     for path, value in wanted.items():
@@ -362,13 +330,13 @@ def resolving_settings(wanted: Mapping[str, str], settled: Collection[str]) -> s
     written_already = {path.split("/")[0] for path in settled}
     new = [f"{section}: {_flow(values)}" for section, values in tree.items() if section not in written_already]
     grown = [
-        f"say which it is in the recipe's `{section}`, for example `{_flow(values)[1:-1]}`"
+        f"set it in the recipe's `{section}`, for example `{_flow(values)[1:-1]}`"
         for section, values in tree.items()
         if section in written_already
     ]
     if len(new) > 1:
-        return "\n".join(["; ".join([*grown, "say in the recipe which it is, for example as follows"]), *new])
-    return "; ".join([*grown, *(f"say in the recipe which it is, for example `{each}`" for each in new)])
+        return "\n".join(["; ".join([*grown, "set it in the recipe, for example as follows"]), *new])
+    return "; ".join([*grown, *(f"set it in the recipe, for example `{each}`" for each in new)])
 
 
 def _flow(tree: Mapping[str, Any]) -> str:
@@ -384,12 +352,11 @@ _LIMITED_BY = {
     "actrange": "actlimited",
 }
 _IGNORED_BY = {"range": ("free",), "actuatorfrcrange": ("free", "ball")}
-"""Types of joints that these do not limit: MuJoCo (3.12 to 4.0) does not look at them there."""
-_SECTIONS = ("worldbody", "tendon", "actuator")
+"""Types of joints that these do not limit: MuJoCo (3.12 to 4.0) ignores them there."""
 
 
 def autolimits(linking: Linking) -> None:
-    """Check the units that set `autolimits="false"` in a model that does not, where such a range would limit.
+    """Check the units that set `autolimits="false"` in a model that does not, in which such a range would limit.
 
     If all units set it, the model does too, and MuJoCo (3.12 to 4.0) reports the range: "joint has `range` but not
     `limited`".
@@ -398,28 +365,26 @@ def autolimits(linking: Linking) -> None:
         return
     for unit in linking.units:
         if unit.settings.autolimits == "false":
-            for section in unit.root.iterchildren(*_SECTIONS):
+            for section in unit.root.iterchildren("worldbody", "tendon", "actuator"):
                 for element in section.iterdescendants("*"):
-                    _check(linking, unit, element)
+                    _check_limits(linking, unit, element)
 
 
-def _check(linking: Linking, unit: Unit, element: Node) -> None:
+def _check_limits(linking: Linking, unit: Unit, element: Node) -> None:
     kind = kind_of(element)
     joint = text_in_effect(element, kind, "type", classes=unit.classes) if element.tag == "joint" else None
     for name, limited in _LIMITED_BY.items():
         if name not in kind.attributes or limited not in kind.attributes or joint in _IGNORED_BY.get(name, ()):
             continue
-        if not any(read(text_in_effect(element, kind, name, classes=unit.classes) or "")):
+        if not any(numbers.read(text_in_effect(element, kind, name, classes=unit.classes) or "")):
             continue
         if (text_in_effect(element, kind, limited, classes=unit.classes) or "auto") == "auto":
-            called = (
-                f"{element.tag} `{element.get('name')}`" if element.get("name") else f"`<{element.tag}>` without a name"
-            )
+            tag = element.tag if element.get("name") else f"`<{element.tag}>`"
             linking.sink.error(
                 "mujoco-rejects",
-                f'{called} has `{name}` but not `{limited}`, and its file sets `autolimits="false"`',
+                f'{tag} {shown_name(element)} has `{name}` but not `{limited}`, and its file sets `autolimits="false"`',
                 linking.span(unit, element, name),
-                help=f'write `{limited}="true"` or `{limited}="false"` beside it',
+                help=f'add `{limited}="true"` or `{limited}="false"`',
             )
 
 
@@ -427,7 +392,7 @@ _NAME = "passthrough"
 
 
 def passthrough(linking: Linking) -> None:
-    """Let the model say what its textures are used to; refuse units of which some ask for it and some do not."""
+    """Set `passthrough` of the model as its units with textures do; refuse units that differ."""
     if not linking.parts or not any(map(_wants_passthrough, linking.units)):
         return
     asking: list[tuple[Unit, Node]] = []
@@ -437,7 +402,16 @@ def passthrough(linking: Linking) -> None:
         if (texture := next(textures, None)) is not None:
             (asking if _wants_passthrough(unit) else others).append((unit, texture))
     if asking and others:
-        _refuse(linking, asking[0][0], *others[0])
+        unit, (other, texture) = asking[0][0], others[0]
+        compiler = next(each for each in unit.root.iterchildren("compiler") if each.get(_NAME))
+        linking.sink.error(
+            "compiler-setting",
+            f"`{_NAME}` of `{unit.label}` cannot be kept in a composition with `{other.label}`, whose textures are "
+            "loaded",
+            linking.span(unit, compiler, _NAME),
+            notes=(Note("such a texture", linking.span(other, texture)),),
+            help="set it in all of them, or in none",
+        )
     for compiler in linking.base.root.iterchildren("compiler"):
         compiler.attrib.pop(_NAME, "")
     if asking:
@@ -447,14 +421,3 @@ def passthrough(linking: Linking) -> None:
 def _wants_passthrough(unit: Unit) -> bool:
     said = [each.get(_NAME) for each in unit.root.iterchildren("compiler") if each.get(_NAME)]
     return bool(said) and said[-1] == "textures"
-
-
-def _refuse(linking: Linking, unit: Unit, other: Unit, texture: Node) -> None:
-    compiler = next(each for each in unit.root.iterchildren("compiler") if each.get(_NAME))
-    linking.sink.error(
-        "compiler-setting",
-        f"`{_NAME}` of `{unit.label}` cannot be kept in a composition with `{other.label}`, whose textures are loaded",
-        linking.span(unit, compiler, _NAME),
-        notes=(Note("such a texture", linking.span(other, texture)),),
-        help="let all of them say it, or none",
-    )

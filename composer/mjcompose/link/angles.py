@@ -3,8 +3,6 @@
 The model is in degrees only if every unit is; otherwise it is in radians. MuJoCo's own arithmetic converts degrees
 to radians, so the values stay identical to the bit; the conversion from radians to degrees cannot guarantee that.
 
-Passes: a `<flexcomp>` in the world of a unit, with its joint defaults and a `quat` that stretches it.
-
 MuJoCo gives a flex the joint defaults of its body, or those of the top class if the flex is in the world; no frame
 and no class of its own can change that. So the joint settings for a flex in the world stay in the top class, and
 every other class reverts them. A flex that would get other defaults than it has alone is an error.

@@ -48,7 +48,7 @@ def bodies(linking: Linking) -> None:
 
 
 class _AttachmentOrder:
-    """The order in which parts can be attached. Each part is looked at again only when what it waits for is there.
+    """The order in which parts can be attached. Each part is tried again only when the model has what it waits for.
 
     A part waits for the part that has its place, for an entry of `add` that makes it, or for the body that another
     attachment makes. Entries are carried out as late as possible, in the order of the parts.
@@ -62,7 +62,7 @@ class _AttachmentOrder:
         self.nowhere: list[int] = []
         """A heap of the parts whose place an entry may make now."""
         self.until: dict[object, list[Part]] = {}
-        """By the root of another part, or by the kind and the name of an element: who waits for it."""
+        """The waiting parts, by the root of another part, or by the kind and the name of an element."""
         for part in linking.parts:
             self._look(part)
 
@@ -74,34 +74,40 @@ class _AttachmentOrder:
         return [self.linking.parts[number] for number in ready]
 
     def attached(self, part: Part) -> None:
-        """Look at the parts that wait for one that is attached now."""
+        """Try the parts that wait for a part that is attached now."""
         del self.waiting[part]
-        self._there(part.unit.root)
-        self._there(("body", part.prefix))
+        self._exists(part.unit.root, ("body", part.prefix))
 
-    def _there(self, what: object) -> None:
-        for part in self.until.pop(what, ()):
-            self._look(part)
+    def _exists(self, *awaited: object) -> None:
+        for each in awaited:
+            for part in self.until.pop(each, ()):
+                self._look(part)
 
     def _look(self, part: Part) -> None:
+        """Find the element to attach a part to, or let the part wait for it."""
         if part not in self.waiting:
             return
-        if _find_mount(self.linking, part):
-            self.ready.add(self.numbers[part])
-        elif part.mount is not None:
-            self.until.setdefault(part.mount.getroottree().getroot(), []).append(part)
+        linking, place = self.linking, part.place
+        if place.kind == "world":
+            part.mount = linking.base.section("worldbody")
         else:
-            self.until.setdefault((part.place.kind, part.place.name), []).append(part)
+            part.mount = linking.names.find(place.kind, str(place.name))
+        root = None if part.mount is None else part.mount.getroottree().getroot()
+        if root is linking.base.root:
+            self.ready.add(self.numbers[part])
+        elif root is not None:
+            self.until.setdefault(root, []).append(part)
+        else:
+            self.until.setdefault((place.kind, place.name), []).append(part)
             heappush(self.nowhere, self.numbers[part])
 
     def _make(self, part: Part) -> None:
-        """Let the recipe add the place of a part, or wait for what this is added to."""
+        """Let the recipe add the place of a part, or wait for the element that it is added to."""
         later, place = self.linking.later_places, part.place
         if later is None or part.mount is not None:
             return
-        made = later.make(place.kind, str(place.name))
-        for name in made:
-            self._there(name)
+        made = list(later.make(place.kind, str(place.name)))
+        self._exists(*made)
         if made or (holder := later.waits_for(place.kind, str(place.name))) is None:
             return
         node = self.linking.names.find(*holder)
@@ -141,18 +147,26 @@ def _report_ring(linking: Linking, waiting: list[Part]) -> None:
 
 
 def _report_lost(linking: Linking, lost: Iterable[Part]) -> None:
-    """Report places that do not exist, and the first part that waits for what is added to itself."""
+    """Report places that do not exist, and the first part that waits for an element that is added to itself."""
     later = linking.later_places
-    waiting = []
+    waits = False
     for part in lost:
-        added = None if later is None else later.target_of(part.place.kind, str(part.place.name))
+        place = part.place
+        added = None if later is None else later.target_of(place.kind, str(place.name))
         if added is None:
             _report_missing_place(linking, part)
-        elif any(linking.names.find(kind, added[0]) is not None for kind in ("body", "frame")):
-            waiting.append((part, *added))
-        # What is added to nothing is reported where that is carried out.
-    for part, to, span in waiting[:1]:
-        _report_wait_for_itself(linking, part, to, added=span)
+        # An entry that adds to nothing is reported when it is carried out.
+        elif not waits and any(linking.names.find(kind, added[0]) is not None for kind in ("body", "frame")):
+            waits = True
+            linking.sink.error(
+                "attach-cycle",
+                f"`{part.called}` is attached to the {place.kind} `{place.name}`, which is added to `{added[0]}`, and "
+                f"that is attached to `{part.called}`",
+                place.span or part.span,
+                notes=(Note(f"the {place.kind} is added here", added[1]),),
+                help="add or attach one of them to the base or to the world",
+                subjects=(part.called, place.name),
+            )
 
 
 def _report_missing_place(linking: Linking, part: Part) -> None:
@@ -192,29 +206,6 @@ def _report_missing_place(linking: Linking, part: Part) -> None:
     )
 
 
-def _report_wait_for_itself(linking: Linking, part: Part, to: str, added: Span) -> None:
-    """Report that a part is attached to an element that is added to this part or to a part attached to it."""
-    linking.sink.error(
-        "attach-cycle",
-        f"`{part.called}` is attached to the {part.place.kind} `{part.place.name}`, which is added to `{to}`, and that "
-        f"is attached to `{part.called}`",
-        part.place.span or part.span,
-        notes=(Note(f"the {part.place.kind} is added here", added),),
-        help="one of them must stand on the base or in the world",
-        subjects=(part.called, part.place.name),
-    )
-
-
-def _find_mount(linking: Linking, part: Part) -> bool:
-    """Find the element to attach to. Return False if it is not in the model yet."""
-    if part.place.kind == "world":
-        part.mount = linking.base.section("worldbody")
-        return True
-    assert part.place.name is not None
-    part.mount = linking.names.find(part.place.kind, part.place.name)
-    return part.mount is not None and part.mount.getroottree().getroot() is linking.base.root
-
-
 class _PartAttachment:
     """Attaches one part. The next element goes into `parent`, with `pose`, which the recipe has at `written`."""
 
@@ -234,14 +225,14 @@ class _PartAttachment:
         if part.sense is not None:
             self._add_sensing_body(part.sense)
         if self.offset:
-            if self.pose:  # a frame has one pose, so the site's and the recipe's offset from it take two
+            if self.pose:  # a frame has one pose, so the site's pose and the recipe's offset need two
                 self._enter("frame", {})
             self.pose, self.written = self.offset, part.place.written
         moves = bool(part.joints or part.mocap)
         if moves:
             self._add_moving_body()
-        # In MuJoCo 4.0 the `childclass` of a `<frame>` counts for what stands in it, and a frame without a pose changes
-        # no bit of the bodies inside.
+        # In MuJoCo 4.0 the `childclass` of a `<frame>` applies to its contents, and a frame without a pose changes no
+        # bit of the bodies inside.
         frame = self.parent.makeelement("frame", {**self.pose, "childclass": part.top_class})
         self._move_world(frame)
         if next(frame.iterchildren("*"), None) is not None:
@@ -263,33 +254,31 @@ class _PartAttachment:
         return None if top is last else top
 
     def _find_pose(self) -> None:
-        """Set the parent and the pose of the place. What cannot be attached there is reported."""
+        """Set the parent and the pose of the place. Report a part that cannot be attached there."""
         part, linking = self.part, self.linking
         if part.place.kind == "site":
             holder = self.parent.getparent()
             assert holder is not None
-            # A site holds nothing: the part hangs beside it, with its pose.
+            # A site has no content: the part is attached next to it, with its pose.
             self.parent, self.pose = holder, effective_pose(self.parent, linking.base.classes)
         if (scaled := scaled_above(self.parent)) is not None:
             self._report_place(
-                "it is inside a frame that scales, and the part would be scaled with it",
+                "it is inside a frame that would scale the part",
                 Note("the frame", linking.span(linking.base, scaled, "scale")),
                 "attach the part outside the frame, or apply the scale to the source",
             )
-        if part.place.kind != "world" and not part.floats:
-            aligned = _aligned_by(linking, self.parent)
-            if aligned is not None:
-                self._report_place(
-                    "MuJoCo aligns its body with the inertia, and would no longer with something on it",
-                    Note("the free joint that is aligned", linking.span(linking.base, aligned)),
-                    'write `align="false"` on the free joint in the source, or in a copy of it',
-                )
+        if part.place.kind != "world" and not part.floats and (joint := _aligned_by(linking, self.parent)) is not None:
+            self._report_place(
+                "MuJoCo aligns its body with the inertia, which an attached part would prevent",
+                Note("the free joint that is aligned", linking.span(linking.base, joint)),
+                'write `align="false"` on the free joint in the source, or in a copy of it',
+            )
         if part.floats and part.sense is not None:
             linking.sink.error(
                 "attach-place",
-                f"`{part.called}` floats freely, so that nothing carries it and `sense` has nothing to measure",
+                f"`{part.called}` floats freely: no body carries it, and `sense` has nothing to measure",
                 part.sense.span,
-                help="leave `sense` out, or let the part hang on its place",
+                help="omit `sense`, or fix the part to its place",
                 subjects=(part.called,),
             )
         if part.floats and part.place.kind != "world":  # a floating part cannot be below a body
@@ -350,7 +339,7 @@ class _PartAttachment:
         unit, origins = self.part.unit, self.linking.base.origins
         body = self._enter("body", {"name": sense.name})
         site = self._add("site", {"name": sense.name})
-        # What a class of the place says is meant for other sites.
+        # The classes of the place are for other sites.
         if self.linking.base.classes.give("site", *_GIVEN):
             site.attrib.update({"class": MAIN, "pos": "0 0 0", "quat": "1 0 0 0"})
         made = [("body", sense.name, body), ("site", sense.name, site)]
@@ -388,7 +377,7 @@ class _PartAttachment:
                     unit.origins.owners.setdefault(child, owner)
             frame.extend([*above(worldbody, unit.header), *worldbody])
             unit.root.remove(worldbody)
-        # The comments at the top of a file stand once, above the first part that is made of it.
+        # The comments at the top of a file are written once, above the first part that is made of it.
         first = next(each for each in self.linking.parts if each.unit.file == unit.file)
         if unit.header and first is self.part:
             for comment in reversed(unit.header):
@@ -396,7 +385,7 @@ class _PartAttachment:
 
 
 def _bound_mass(linking: Linking, body: Node) -> None:
-    """Give the body of an attachment the least mass that the base asks for every body, if it has none of its own."""
+    """Give the body of an attachment the base's least mass of every body, if it has no mass of its own."""
     # MuJoCo 4.0 raises mass and moments of each body to `boundmass` and `boundinertia`, those of 0, too.
     least, moment = linking.base.settings.boundmass, linking.base.settings.boundinertia
     if (float(least) or float(moment)) and not any(has_mass(geom, linking.base.classes) for geom in own(body, "geom")):
@@ -412,9 +401,8 @@ def _aligned_by(linking: Linking, mount: Node) -> Node | None:
     by_default = str(linking.notes.aligned).lower()
     for child in through_frames(body):
         align = child.get("align") or "auto"
-        if child.tag not in JOINTS or joint_type(child, linking.base.classes) != "free":
-            continue
-        if (by_default if align == "auto" else align) == "true":
+        is_free = child.tag in JOINTS and joint_type(child, linking.base.classes) == "free"
+        if is_free and (by_default if align == "auto" else align) == "true":
             return child
     return None
 
@@ -432,7 +420,7 @@ def effective_pose(site: Node, classes: Classes) -> dict[str, str]:
         tag = default_tag(site)
         inherited = {name: value[0] for name in ("pos", "fromto") if (value := found.lookup(tag, name))}
         turned = found.orientation(tag)
-        # Any orientation takes the place of any other: with `<site euler="90 0 0"/>` in the class, MuJoCo 4.0 compiles
+        # Any orientation replaces any other: with `<site euler="90 0 0"/>` in the class, MuJoCo 4.0 compiles
         # `<site quat="1 0 0 0"/>` to 1 0 0 0.
         if turned and written.keys().isdisjoint(ORIENTATIONS):
             inherited[turned[0]] = turned[1]
@@ -440,7 +428,7 @@ def effective_pose(site: Node, classes: Classes) -> dict[str, str]:
     ends = numbers.read(written.pop("fromto", ""))
     if len(ends) == 6 and not any(map(math.isnan, ends)):
         # The z axis points from the second end to the first: MuJoCo 4.0 turns `<site fromto="0 0 0 1 0 0" …/>` as it
-        # does `<site zaxis="-1 0 0"/>`. Six `nan` take back what a class says.
+        # does `<site zaxis="-1 0 0"/>`. Six `nan` revert a class.
         start, end = ends[:3], ends[3:]
         middle = [0.5 * (a + b) for a, b in zip(start, end, strict=True)]
         along = [a - b for a, b in zip(start, end, strict=True)]
