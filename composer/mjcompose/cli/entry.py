@@ -26,6 +26,8 @@ def main() -> None:
     end_in_order()
     end_in_a_second()
     rarely_collecting()
+    # Pydantic would search all installed packages for its plugins, which takes as long as reading a large recipe.
+    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
     try:
         from mjcompose.base.limits import in_force
 

@@ -5,21 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Iterable, Mapping
 from functools import cached_property
-from typing import Any, NoReturn
-
-from lxml.etree import _Element as Node
+from typing import TYPE_CHECKING, Any, NoReturn
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Fault, Note, Path
 from mjcompose.base.sink import Sink
 from mjcompose.base.suggest import did_you_mean, exists_note
-from mjcompose.build.compose.editing import Editing, is_angular
-from mjcompose.build.compose.keys import without_keys
 from mjcompose.link import numbers
-from mjcompose.link.inertia import MEASURED, has_mass, write_inertias
 from mjcompose.link.key_layout import joint_type
-from mjcompose.link.linking import Linking
-from mjcompose.link.measure import Survey, Unmeasurable, compile_unaligned
 from mjcompose.model.classes import childclass_of, own
 from mjcompose.model.files import Settings
 from mjcompose.model.grammar import Attribute
@@ -29,6 +22,12 @@ from mjcompose.text.evaluate import Template
 from mjcompose.text.expression import ExpressionError, UnknownName
 from mjcompose.text.expression_values import Value
 from mjcompose.text.node import Scalar, find, is_template, locate
+
+if TYPE_CHECKING:
+    from lxml.etree import _Element as Node
+
+    from mjcompose.build.compose.editing import Editing
+    from mjcompose.link.measure import Survey
 
 
 def report_unusable(editing: Editing, node: Node, fault: Fault, it: str | None = None) -> NoReturn:
@@ -163,6 +162,8 @@ class Values:
 
     def angles(self, attribute: Attribute, count: int) -> Iterable[int]:
         """Return which of the numbers of an attribute of this element are angles."""
+        from mjcompose.build.compose.editing import is_angular
+
         if attribute.angle in ("orientation-euler", "replicate"):
             return range(count)
         if attribute.angle == "orientation-axisangle":
@@ -257,6 +258,10 @@ class Masses:
     @cached_property
     def _survey(self) -> tuple[Survey | None, str]:
         """Return what MuJoCo computes for the model, or None and the reason why it gives no masses."""
+        from mjcompose.build.compose.keys import without_keys
+        from mjcompose.link.linking import Linking
+        from mjcompose.link.measure import Unmeasurable, compile_unaligned
+
         editing = self.editing
         unit = editing.linking.flat()
         aside = Sink()
@@ -274,6 +279,10 @@ class Masses:
 
         Without `rules` those that change all bodies.
         """
+        from mjcompose.build.compose.keys import without_keys
+        from mjcompose.link.inertia import MEASURED, write_inertias
+        from mjcompose.link.linking import Linking
+
         editing = self.editing
         unit = editing.linking.flat()
         if all(getattr(unit.settings, name) == getattr(_DEFAULT, name) for name in rules or MEASURED):
@@ -287,6 +296,8 @@ class Masses:
 
     def _inertial(self, body: Node) -> Node | None:
         """Return the effective `<inertial>` of a body, or None."""
+        from mjcompose.link.inertia import has_mass
+
         inertials = own(body, "inertial")
         geoms = own(body, "geom")
         # With `inertiafromgeom="true"` an `<inertial>` holds only on bodies whose geoms have no mass: this weighs 2 kg.
@@ -298,6 +309,8 @@ class Masses:
         return inertials[-1] if inertials else None
 
     def _scale(self, body: Node, factor: float, at: Path) -> None:
+        from mjcompose.link.inertia import has_mass
+
         editing = self.editing
         inertial = self._inertial(body)
         if inertial is not None:

@@ -5,17 +5,19 @@ Few recipes need it, so the module that does the work is imported here only when
 
 from __future__ import annotations
 
-from typing import Annotated, Any, ClassVar, Literal
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 from pydantic import BeforeValidator, Field
 
 from mjcompose.base.diagnostic import Path
-from mjcompose.build.plan.plan import in_words
-from mjcompose.build.verbs.values import Entry
 from mjcompose.language.edit import For, Verb
 from mjcompose.language.forms.model import Model
 from mjcompose.language.forms.rules import OneOf
 from mjcompose.language.forms.scalars import whole
+
+if TYPE_CHECKING:
+    from mjcompose.build.verbs.values import Entry
+
 
 _METHODS = ("hull", "fit", "decompose", "spheres")
 _Vertices = Annotated[int, Field(ge=4, le=10_000), BeforeValidator(whole)]
@@ -97,6 +99,8 @@ class Collision(Verb):
         entry.records += make_collision_geoms(entry.editing, entry.workshop, entry.found, how=self, at=at)
 
     def words(self) -> str:
+        from mjcompose.build.plan.plan import in_words
+
         return f"collide with {in_words(self.method, self.wanted)}"
 
 

@@ -7,18 +7,14 @@ activation. The attributes of the new kind are written from these.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import Annotated, Any, ClassVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
-from lxml.etree import _Element as Node
 from pydantic import Field, GetCoreSchemaHandler, GetJsonSchemaHandler, ValidationInfo
 from pydantic_core import CoreSchema, core_schema
 
 from mjcompose.base.diagnostic import Fault, Note, Path
 from mjcompose.base.suggest import closest, exists_note, renaming
-from mjcompose.build.compose.actuators import INPUTS, PLUGIN, ActuatorModel, actuator_models
-from mjcompose.build.compose.editing import Editing
 from mjcompose.build.compose.values import UnusableValue, Values, report_unusable
-from mjcompose.build.verbs.values import Entry
 from mjcompose.language.assign import Checker
 from mjcompose.language.edit import For, Verb, listed
 from mjcompose.language.element_schema import attribute_schema
@@ -30,10 +26,17 @@ from mjcompose.language.value import read_value
 from mjcompose.language.wording import kind_of
 from mjcompose.link import numbers
 from mjcompose.link.key_layout import element_of
-from mjcompose.link.keyframes import part_keys
 from mjcompose.model.classes import levels
 from mjcompose.model.grammar import GRAMMAR, Attribute, to_text
 from mjcompose.model.unit import texts
+
+if TYPE_CHECKING:
+    from lxml.etree import _Element as Node
+
+    from mjcompose.build.compose.actuators import ActuatorModel
+    from mjcompose.build.compose.editing import Editing
+    from mjcompose.build.verbs.values import Entry
+
 
 _PARAMETERS = ("gainprm", "biasprm", "dynprm")
 # What a control of an actuator is, in words. An integrator makes of a rate what the gain is for.
@@ -150,6 +153,8 @@ class Convert(Verb):
         return f"convert to {self.to}{listed({name: each for name, each in self.written.items() if name != _TO})}"
 
     def carry_out(self, entry: Entry, at: Path) -> None:
+        from mjcompose.build.compose.actuators import actuator_models
+
         editing, found = entry.editing, entry.found
         to, written = self.to, self.written
         models = actuator_models(editing.linking, editing.sink, found)
@@ -307,6 +312,8 @@ def _lost_attributes(to: str, model: ActuatorModel, wrong: list[str]) -> Iterato
 
 def _rewrite(editing: Editing, node: Node, to: str, written: Mapping[str, str], wrong: list[str]) -> None:
     """Make the actuator one of the new kind with these attributes, without those that it cannot have."""
+    from mjcompose.build.compose.actuators import PLUGIN
+
     editing.forget(node)
     instance = node.get("instance")
     for name in {*wrong, *_replaced(written)}:
@@ -331,6 +338,8 @@ def _drop_instance(root: Node, name: str) -> None:
 
 def _lost_in_keys(editing: Editing, node: Node) -> Iterator[str]:
     """Yield in words the keyframe values of a control or activation whose meaning changes."""
+    from mjcompose.link.keyframes import part_keys
+
     found = [key for part in part_keys(editing.linking).values() for key in part.keys]
     for vector in ("ctrl", "act"):
         names = {
@@ -376,6 +385,8 @@ def _written_for(
     editing: Editing, node: Node, to: str, model: ActuatorModel, given: Mapping[str, str], at: Path
 ) -> tuple[dict[str, str], list[str]]:
     """Return the attributes that give the new kind the same model, and in words what it cannot express."""
+    from mjcompose.build.compose.actuators import PLUGIN
+
     if to == "general":
         return _general(editing, model), [_gain_and_bias(model)] if model.gain == PLUGIN else []
     lost = _lost_with(to, model)
@@ -466,6 +477,8 @@ def _in_classes(editing: Editing) -> bool:
 
 def _general(editing: Editing, model: ActuatorModel) -> dict[str, str]:
     """Return all attributes of the model, with all numbers if classes may set some, else without trailing zeros."""
+    from mjcompose.build.compose.actuators import PLUGIN
+
     whole = _in_classes(editing)
     laws = ("fixed", "none") if model.gain == PLUGIN else (model.gain, model.bias)
     made = {"gaintype": laws[0], "biastype": laws[1], "dyntype": model.dynamics}
@@ -535,6 +548,8 @@ def _unlimited(editing: Editing, node: Node, to: str, limited: str | None) -> di
 
 
 def _control_of(to: str, model: ActuatorModel, written: Mapping[str, str]) -> str:
+    from mjcompose.build.compose.actuators import INPUTS
+
     if to == "general":
         return model.control
     if to == "pid":
@@ -548,6 +563,8 @@ def _in_words(control: str, otherwise: str) -> str:
 
 def _gain_and_bias(model: ActuatorModel) -> str:
     """Return the gains in words."""
+    from mjcompose.build.compose.actuators import PLUGIN
+
     if model.gain == PLUGIN:
         return "its plugin, which computes the force"
     if model.form == "position" or model.gain == "pid":

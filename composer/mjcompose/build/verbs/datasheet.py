@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated, Any, ClassVar, Literal, NoReturn
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, NoReturn
 
-from lxml.etree import _Element as Node
 from pydantic import Field
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Fault, Path
 from mjcompose.base.suggest import did_you_mean, exists_note
-from mjcompose.build.compose.editing import Editing
 from mjcompose.build.compose.values import UnusableValue, report_unusable
-from mjcompose.build.verbs.values import SET, Change, Entry
 from mjcompose.language.assign import Changed
 from mjcompose.language.datasheets import SHEETS, Sheet, library
 from mjcompose.language.edit import For, Verb, listed
@@ -22,6 +19,13 @@ from mjcompose.language.forms.scalars import Name, NotNegative, Positive, Unit
 from mjcompose.link import numbers
 from mjcompose.link.key_layout import joint_type
 from mjcompose.model.edit import assign
+
+if TYPE_CHECKING:
+    from lxml.etree import _Element as Node
+
+    from mjcompose.build.compose.editing import Editing
+    from mjcompose.build.verbs.values import Entry
+
 
 _SERVOS, _PLAIN = ("position", "velocity"), ("motor",)
 
@@ -59,6 +63,8 @@ class Datasheet(Verb):
     """whether it gives its peak or its rated torque"""
 
     def carry_out(self, entry: Entry, at: Path) -> None:
+        from mjcompose.build.verbs.values import SET, Change
+
         editing = entry.editing
         sheet = _sheet(editing, self.model, (*at, "model"))
         effort = sheet.effort

@@ -6,22 +6,22 @@ Attributes that an element then lacks are reported when its entry is done.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated, Any, ClassVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
-from lxml.etree import _Element as Node
 from pydantic import Field
 
 from mjcompose.base.diagnostic import Fault, Note, Path
-from mjcompose.build.compose.editing import Editing
-from mjcompose.build.compose.values import UnusableValue
-from mjcompose.build.verbs.values import SET, Entry, change_all
 from mjcompose.language.assign import Changed, Values, changes_of, flat
 from mjcompose.language.edit import Verb
 from mjcompose.language.forms.model import WHOLE
 from mjcompose.language.fragment import report_clashing, report_missing
-from mjcompose.model.classes import chain
-from mjcompose.model.edit import assign
-from mjcompose.model.select import kind_of
+
+if TYPE_CHECKING:
+    from lxml.etree import _Element as Node
+
+    from mjcompose.build.compose.editing import Editing
+    from mjcompose.build.verbs.values import Entry
+
 
 # An actuator must have one of these: else MuJoCo 4.0 says "missing transmission target for actuator".
 _MOVED = ("joint", "jointinparent", "tendon", "site", "body", "cranksite")
@@ -36,6 +36,8 @@ class Set(Verb):
     """attributes and their new values"""
 
     def carry_out(self, entry: Entry, at: Path) -> None:
+        from mjcompose.build.verbs.values import SET, change_all
+
         going, values = _parted(self.written)
         if going:
             _take_out(entry, going, at)
@@ -81,6 +83,10 @@ def _take_out(entry: Entry, going: Mapping[str, Any], at: Path) -> None:
 
 def _remove(editing: Editing, found: list[Node], going: Mapping[str, Any], at: Path) -> None:
     """Remove attributes. Report one that no selected element writes."""
+    from mjcompose.build.compose.values import UnusableValue
+    from mjcompose.model.edit import assign
+    from mjcompose.model.select import kind_of
+
     for name, inner in going.items():
         path = (*at, name)
         if isinstance(inner, Mapping):
@@ -106,6 +112,8 @@ def _remove(editing: Editing, found: list[Node], going: Mapping[str, Any], at: P
 
 def _missing_attributes(editing: Editing, node: Node) -> list[Fault]:
     """Return a fault for each required attribute that an element lacks."""
+    from mjcompose.model.select import kind_of
+
     kind = kind_of(node)
     present = [str(name) for name in node.keys()]  # noqa: SIM118 (an element is not a mapping)
     if kind.takes_class:
@@ -122,6 +130,8 @@ def _report_newly_missing(
     editing: Editing, before: Mapping[Node, list[Fault]], names: tuple[str, ...], at: Path
 ) -> None:
     """Report the first element that lacks something now that it did not lack `before`."""
+    from mjcompose.build.compose.values import UnusableValue
+
     for node, lacked in before.items():
         for fault in _missing_attributes(editing, node):
             if fault in lacked:
@@ -141,6 +151,8 @@ def _report_newly_missing(
 
 
 def _by_class(editing: Editing, node: Node, name: str) -> bool:
+    from mjcompose.model.classes import chain
+
     return any(step.lookup(str(node.tag), name) for step in chain(node, editing.classes))
 
 

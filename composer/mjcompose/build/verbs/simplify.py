@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Annotated, ClassVar
+from typing import TYPE_CHECKING, Annotated, ClassVar
 
 from pydantic import BeforeValidator, Field
 
 from mjcompose.base.diagnostic import Path
-from mjcompose.build.plan.plan import in_words
-from mjcompose.build.verbs.values import Entry
 from mjcompose.language.edit import For, Verb
 from mjcompose.language.forms.scalars import whole
+
+if TYPE_CHECKING:
+    from mjcompose.build.verbs.values import Entry
 
 
 class Simplify(Verb):
@@ -31,6 +32,8 @@ class Simplify(Verb):
         entry.records += simplify_meshes(entry.editing, entry.workshop, entry.found, faces=self.faces, at=at)
 
     def words(self) -> str:
+        from mjcompose.build.plan.plan import in_words
+
         return in_words("simplify", {"faces": self.faces})
 
 
