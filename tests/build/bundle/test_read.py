@@ -65,7 +65,7 @@ def test_what_is_not_there_is_told(tmp_path: Path) -> None:
 
 def test_binary_is_told_to_be_no_bundle(tmp_path: Path) -> None:
     (tmp_path / "a.mjb").write_bytes(bytes(100))
-    with pytest.raises(ReadError, match="is MuJoCo's binary form, which has no files to be read"):
+    with pytest.raises(ReadError, match="is MuJoCo's binary form, not a bundle: load it"):
         read(tmp_path / "a.mjb")
 
 

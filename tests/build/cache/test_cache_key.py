@@ -14,7 +14,6 @@ from mjcompose.build.cache.cache_key import (
     Files,
     FileState,
     differences,
-    environment_parts,
     file_state,
     now,
 )
@@ -61,16 +60,21 @@ def test_a_package_of_another_version_is_a_change(tmp_path: Path) -> None:
     assert cache._changes(Answer("", (), (found, other))) == ["the package `lxml` was 0.1, and is another version now"]
 
 
-def test_what_leads_a_package_to_other_files_is_asked() -> None:
+def variables_in_key(environment: dict[str, str], store: Path) -> dict[str, str]:
+    parts = BuildOptions().key(Path("cell.yaml"), store, environment, store).parts
+    return {name: value for name, value in parts.items() if name.startswith("the variable")}
+
+
+def test_what_leads_a_package_to_other_files_is_asked(tmp_path: Path) -> None:
     """As this variable leads `robot_descriptions` to another commit, in another folder."""
-    parts = environment_parts({"ROBOT_DESCRIPTION_COMMIT": "abc", "COLUMNS": "80"})
+    parts = variables_in_key({"ROBOT_DESCRIPTION_COMMIT": "abc", "COLUMNS": "80"}, tmp_path)
     assert parts == {"the variable `ROBOT_DESCRIPTION_COMMIT`": "abc"}
 
 
 @pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.name)
-def test_every_variable_of_a_kind_of_source_is_asked(kind: SourceKind) -> None:
+def test_every_variable_of_a_kind_of_source_is_asked(kind: SourceKind, tmp_path: Path) -> None:
     environment = dict.fromkeys(kind.variables, "x")
-    assert environment_parts(environment) == {f"the variable `{name}`": "x" for name in kind.variables}
+    assert variables_in_key(environment, tmp_path) == {f"the variable `{name}`": "x" for name in kind.variables}
 
 
 def test_differences() -> None:

@@ -138,7 +138,7 @@ def test_edits_that_empty_newer_keys_are_found(
     assert wrong(f"{CONVERTED}{{{key}}}") == []
     monkeypatch.setattr(keyframes.Reference, "row", emptying)
     (found,) = wrong(f"{CONVERTED}{{{key}}}")
-    assert found.message.startswith("`ctrl` of the actuator `m` is 0, and 0.3 is meant, in the key ")
+    assert found.message.startswith("`ctrl` of the actuator `m` is 0, not 0.3, in the key ")
     assert found.span is not None
     assert (found.span.file, found.span.line) == ("recipe.yaml", line)
 
@@ -160,7 +160,7 @@ def test_another_order_inside_of_a_replicate_is_found(wrong: Wrong, monkeypatch:
     monkeypatch.setattr(key_layout._Reader, "_inner", _as_a_block)
     found = wrong("base: ./posts.xml\nadd: [{to: post, body: {name: flag, joint: {name: new}, geom: {size: 0.02}}}]")
     assert [each.message for each in found] == [
-        "`qpos` of the joint `pj0` is 0, and 0.1 is meant, in the key `k` of the finished model"
+        "`qpos` of the joint `pj0` is 0, not 0.1, in the key `k` of the finished model"
     ]
     assert found[0].span is not None and found[0].span.file == "posts.xml"
 

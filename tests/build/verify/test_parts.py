@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from pathlib import Path
 
 import pytest
@@ -36,7 +37,7 @@ def test_the_answer_comes_back_as_differences(
         for name, text in (("part", PART.format(damping)), ("whole", WHOLE)):
             answer, _ = session.ask(Request(tmp_path, text=text, keep=name))
             assert answer["ok"], answer
-        answer = session.call(compare_part, ["part", "whole"], question.to_json())
+        answer = session.call(compare_part, ["part", "whole"], asdict(question))
     assert answer["ok"], answer
     found = differences_of(answer["value"])
     assert [(one.kind, one.name, one.expected, one.actual) for one in found] == expected
@@ -52,5 +53,5 @@ def test_a_body_that_the_composition_does_not_have_has_no_answer(tmp_path: Path)
     with Session() as session:
         for name, text in (("part", PART.format(1)), ("whole", WHOLE)):
             session.ask(Request(tmp_path, text=text, keep=name))
-        gone = session.call(compare_part, ["part", "whole"], PartQuestion(prefix="p/", body="gone").to_json())
+        gone = session.call(compare_part, ["part", "whole"], asdict(PartQuestion(prefix="p/", body="gone")))
     assert gone["ok"] and gone["value"] is None

@@ -155,8 +155,8 @@ def test_an_index_of_another_model_is_told(folder: Path, check: Check) -> None:
 
     _manifest(folder, change)
     assert check()[1] == [
-        "error bundle-manifest: the joints of the compiled `out` are not those of its manifest",
-        "error bundle-manifest: the keyframes of the compiled `out` are not those of its manifest",
+        "error bundle-manifest: the joints of the compiled `out` are not the joints of its manifest",
+        "error bundle-manifest: the keyframes of the compiled `out` are not the keyframes of its manifest",
     ]
 
 
@@ -186,7 +186,7 @@ def test_a_union_has_no_parts_of_its_own(folder: Path, check: Check) -> None:
 
     _manifest(folder, change)
     (told,) = check()[1]
-    assert told.startswith("warning part-not-compared: `out` is the union of 4 models: its parts are compared")
+    assert told.startswith("warning part-not-compared: `out` is the union of 4 models: its parts are not compared")
 
 
 def test_a_manifest_that_names_no_input_and_no_body_harms_nobody(folder: Path, check: Check) -> None:

@@ -185,7 +185,7 @@ def test_warnings_are_at_the_line_that_loads(cell: Path, tmp_path: Path) -> None
 
 def test_an_index_of_another_model_is_an_error(cell: Path) -> None:
     change(cell, "index", lambda index: {**index, "joints": index["joints"][::-1]})
-    with pytest.raises(mjcompose.LoadError, match="the joints of the compiled .* are not those of its manifest"):
+    with pytest.raises(mjcompose.LoadError, match="the joints of the compiled .* are not the joints of its manifest"):
         mjcompose.load(cell)
     with pytest.warns(mjcompose.BundleWarning):
         assert mjcompose.load(cell, allow_changes=True).index.qpos["left/turn"] == 0

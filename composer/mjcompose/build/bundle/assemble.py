@@ -7,7 +7,7 @@ import posixpath
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import field
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from lxml.etree import _Element as Node
 
@@ -50,26 +50,27 @@ from mjcompose.sources.reference import Source
 from mjcompose.text.node import spans
 
 if TYPE_CHECKING:
+    from pydantic import BaseModel
+
     from mjcompose.build.verify.outcome import Outcome
     from mjcompose.mujoco.engine import Compiled
     from mjcompose.mujoco.index import Index
 
+_Model = TypeVar("_Model", bound="BaseModel")
 _OF_BODIES = {"joint": ("joint", "freejoint"), "camera": ("camera",)}
 _SECTIONS = {"actuator": "actuator", "sensor": "sensor", "key": "keyframe"}
 
 
 def written_in(model: Unit, index: Index, place: Callable[[Span], str]) -> dict[tuple[str, int], tuple[str, str]]:
     """Return tag and place by kind and number, without copies that MuJoCo made and the unnamed elements among them."""
-    names = {
-        "joint": [each.name for each in index.joints],
-        "actuator": [each.name for each in index.actuators],
-        "sensor": [each.name for each in index.sensors],
-        "camera": [each.name for each in index.cameras],
-        "key": [each.name for each in index.keyframes],
-    }
+    kinds = {
+        "joint": index.joints, "actuator": index.actuators, "sensor": index.sensors, "camera": index.cameras,
+        "key": index.keyframes,
+    }  # fmt: skip
     found: dict[tuple[str, int], tuple[str, str]] = {}
-    for kind, compiled in names.items():
-        for number, node in _matching_elements(list(_elements(model.root, kind)), compiled):
+    for kind, compiled in kinds.items():
+        names = [each.name for each in compiled]  # type: ignore[attr-defined]  # each kind has names
+        for number, node in _matching_elements(list(_elements(model.root, kind)), names):
             found[kind, number] = (str(node.tag), place(model.origins.span(node, model.file)))
     return found
 
@@ -153,20 +154,16 @@ class Portable:
         A file that is neither below the recipe nor part of an origin is named relative to the reference of its
         model, as the recipe writes it.
         """
-        known = self.named.get(path)
-        if known is None:
-            known = self.named[path] = as_text(self._name(path))
-        return known
-
-    def _name(self, path: Path) -> str:
-        real = Path(real_path(path))
-        if (origin := self.origin_of(real)) is not None:
-            root, known = origin
-            inside = real.relative_to(root).as_posix()
-            return known.named(inside)
-        if real.is_relative_to(self.folder):
-            return real.relative_to(self.folder).as_posix()
-        return self._beside(real)
+        if path not in self.named:
+            real = Path(real_path(path))
+            if (origin := self.origin_of(real)) is not None:
+                name = origin[1].named(real.relative_to(origin[0]).as_posix())
+            elif real.is_relative_to(self.folder):
+                name = real.relative_to(self.folder).as_posix()
+            else:
+                name = self._beside(real)
+            self.named[path] = as_text(name)
+        return self.named[path]
 
     def origin_of(self, real: Path) -> tuple[Path, Fetched] | None:
         """Return the origin of a file; the innermost if origins are nested."""
@@ -175,31 +172,24 @@ class Portable:
 
     def place(self, span: Span) -> str:
         """Return a place in a source or a recipe as FILE:LINE."""
-        return f"{self.name(self.path(span.file))}:{span.line}"
+        return f"{self.name(self.context.folder / span.file)}:{span.line}"
 
     def text(self, message: str) -> str:
         """Return a message with portable names for its files."""
         for shown in sorted(self.texts, key=len, reverse=True):
             if shown in message:
-                message = message.replace(shown, self.name(self.path(shown)))
+                message = message.replace(shown, self.name(self.context.folder / shown))
         return message
 
     def texts_on_disk(self) -> list[Path]:
         """Return the models and recipes that the composition was read from, if they are files."""
-        return [path for shown in self.texts if os.path.isfile(path := self.path(shown))]
-
-    def path(self, shown: str) -> Path:
-        """Return the file of that name in messages."""
-        return self.context.folder / shown
+        return [path for shown in self.texts if os.path.isfile(path := self.context.folder / shown)]
 
     def _beside(self, real: Path) -> str:
         """Return a name that goes through the nearest model with a path reference."""
-        near: tuple[int, str] | None = None
-        for folder, written in self.models:
-            way = Path(os.path.relpath(real, real_path(folder))).as_posix()
-            if near is None or way.count("../") < near[0]:
-                near = (way.count("../"), posixpath.normpath(posixpath.join(written, way)))
-        return real.name if near is None else near[1]
+        ways = [(Path(os.path.relpath(real, real_path(folder))).as_posix(), at) for folder, at in self.models]
+        near = min(ways, key=lambda each: each[0].count("../"), default=None)
+        return real.name if near is None else posixpath.normpath(posixpath.join(near[1], near[0]))
 
 
 _OF_THE_LOCK = ("lock-stale", "source-changed")
@@ -221,15 +211,15 @@ def assemble(plan: Plan, model: Unit, uses: Iterable[FileUse], context: Context)
         return None
     except (OSError, BundleError) as error:
         file = getattr(error, "filename", None) or getattr(error, "path", None)
-        what = "a file of the model" if file is None else f"`{context.shown(Path(file))}`"
+        called = "a file of the model" if file is None else f"`{context.shown(Path(file))}`"
         why = getattr(error, "strerror", None)
-        context.sink.error("file-unreadable", f"{what} cannot be bundled: {why.lower() if why else error}")
+        context.sink.error("file-unreadable", f"{called} cannot be bundled: {why.lower() if why else error}")
         return None
 
 
 @dataclass(frozen=True, slots=True)
 class ManifestInput:
-    """What a manifest says about how a model was made.
+    """How a model was made, for its manifest.
 
     `compiled` is the result of MuJoCo, None if the model was not compiled; `cell` the name of its cell; `pictured`
     says that a picture will be next to it.
@@ -259,6 +249,9 @@ def add_manifest(bundle: Bundle, making: ManifestInput, context: Context) -> Bun
         _input(source, licenses.of[label], names, table=making.tables.get(source.read_as, ()))
         for label, source in named
     )
+    by_license: dict[str, list[str]] = {}
+    for each, member in zip(inputs, making.members, strict=True):
+        by_license.setdefault(each.license or UNKNOWN, []).append(member.part)
     renamed = renamed_in(model, making.members)
     index = None
     if compiled is not None and compiled.index is not None:
@@ -276,24 +269,20 @@ def add_manifest(bundle: Bundle, making: ManifestInput, context: Context) -> Bun
         params={name: value for name, value in plan.scope.items() if name not in plan.variants},
         seed=plan.randomize.seed if plan.randomize else None,
         sample=plan.sample if plan.randomize else None,
-        draws=tuple(_draw(each) for each in making.drawn),
+        draws=tuple(_as(Draw, each, component=each.start) for each in making.drawn),
         inputs=inputs,
         parts=tuple(_part(member, number, renamed) for number, member in enumerate(making.members)),
-        adopted=tuple(
-            Adopted(setting=each.setting, value=each.value, parts=each.parts, origin=names.place(each.span))
-            for each in model.adopted
-            if each.is_written
-        ),
+        adopted=tuple(_as(Adopted, each, origin=names.place(each.span)) for each in model.adopted if each.is_written),
         read=tuple(Read(path=path, sha256=digest) for path, digest in _read(bundle, making, names)),
-        licenses=_by_license(inputs, making.members),
+        licenses={license: tuple(parts) for license, parts in sorted(by_license.items())},
         files=files_of(bundle),
         merged=making.merged,
         picture=picture_of(plan.name) if making.pictured else None,
-        made=tuple(_generated_shape(each, names) for each in making.shapes),
-        checks=tuple(
-            Check(name=each.name, kind=each.kind, values=dict(each.values), origin=names.place(each.span))
-            for each in making.checks
+        made=tuple(
+            _as(GeneratedShape, each, geom=each.of, origin=names.place(each.span), **each.error)
+            for each in making.shapes
         ),
+        checks=tuple(_as(Check, each, origin=names.place(each.span)) for each in making.checks),
         index=index,
         warnings=tuple(
             f"{each.code}: {names.text(each.message)}"
@@ -306,7 +295,9 @@ def add_manifest(bundle: Bundle, making: ManifestInput, context: Context) -> Bun
 
 def portable(plan: Plan, model: Unit, context: Context) -> Portable:
     """Return the names of a plan's files for its manifest."""
-    return Portable(plan.path, plan.sources(), _origins(plan), model=model, context=context)
+    recipes = [source for each in plan.plans() for source in (each.source, *(source for source, _ in each.extended))]
+    origins = (None if source is None else source.origin for source in recipes)
+    return Portable(plan.path, plan.sources(), origins, model=model, context=context)
 
 
 def _read(bundle: Bundle, making: ManifestInput, portable: Portable) -> list[tuple[str, str]]:
@@ -318,7 +309,7 @@ def _read(bundle: Bundle, making: ManifestInput, portable: Portable) -> list[tup
     }
     files = {
         *portable.texts_on_disk(),
-        *map(portable.path, {*_files_of(making.plan)}),
+        *(portable.context.folder / file for file in {*_files_of(making.plan)}),
         *(path for _, source in sources(making.plan) for path in (source.path, *source.licenses)),
         *(Path(use.source) for use in making.uses if use.content is None),
     }
@@ -337,20 +328,6 @@ def _files_of(plan: Plan) -> Iterator[str]:
         yield from (span.file for span in spans(each.document))
 
 
-def _by_license(inputs: tuple[Input, ...], members: tuple[PartRecord, ...]) -> dict[str, tuple[str, ...]]:
-    found: dict[str, list[str]] = {}
-    for each, member in zip(inputs, members, strict=True):
-        found.setdefault(each.license or UNKNOWN, []).append(member.part)
-    return {license: tuple(parts) for license, parts in sorted(found.items())}
-
-
-def _origins(plan: Plan) -> Iterator[Fetched | None]:
-    """Yield the origins of the recipes of a plan."""
-    for each in plan.plans():
-        yield each.source.origin if each.source is not None else None
-        yield from (source.origin for source, _ in each.extended)
-
-
 def sources(plan: Plan) -> Iterator[tuple[str, Source]]:
     """Yield every source file of a plan and its nested recipes, with the prefix of its part (or the base's name)."""
     for place in plan.walk():
@@ -366,79 +343,32 @@ def _licenses(named: Iterable[tuple[str, Source]]) -> Licenses:
     return license_files(found)
 
 
+def _as(of: type[_Model], record: object, **changed: Any) -> _Model:
+    """Return an entry of the manifest: the attributes of a record that have the names of its fields, some changed."""
+    same = {name: getattr(record, name) for name in of.model_fields if name not in changed}
+    return of(**same, **changed)
+
+
 def _input(source: Source, licenses: tuple[str, ...], portable: Portable, table: tuple[ReadRow, ...]) -> Input:
-    origin = source.origin
-    return Input(
-        path=as_text(_path_of(source, portable)),
-        reference=source.reference,
-        kind=source.kind.name,
-        sha256=remembered_sha256(source.path),
-        origin=None
-        if origin is None
-        else Origin(id=origin.id, commit=origin.commit, tree=origin.tree, sha256=origin.sha256),
-        license=license_of(source),
-        licenses=licenses,
-        package=source.package,
-        version=source.version,
-        urdf=tuple(
-            OfUrdf(
-                what=row.what,
-                count=row.count,
-                became=row.became or None,
-                why=row.why or None,
-                origin=portable.place(row.span),
-            )
-            for row in table
-        ),
-    )
-
-
-def _path_of(source: Source, portable: Portable) -> str:
-    """Return a path relative to the source's origin."""
     if source.origin is None:
-        return portable.name(source.path)
-    return Path(os.path.relpath(real_path(source.path), real_path(source.origin.root))).as_posix()
+        origin, path = None, portable.name(source.path)
+    else:
+        origin = _as(Origin, source.origin)
+        path = Path(os.path.relpath(real_path(source.path), real_path(source.origin.root))).as_posix()
+    urdf = (
+        _as(OfUrdf, row, became=row.became or None, why=row.why or None, origin=portable.place(row.span))
+        for row in table
+    )
+    return _as(
+        Input, source, path=as_text(path), kind=source.kind.name, sha256=remembered_sha256(source.path), origin=origin,
+        license=license_of(source), licenses=licenses, urdf=tuple(urdf),
+    )  # fmt: skip
 
 
 def _part(member: PartRecord, number: int, renamed: Renamed) -> Part:
     pose = member.pose
-    return Part(
-        part=member.part,
-        input=number,
-        prefix=member.prefix,
-        body=member.body,
-        pos=None if pose is None else pose.pos,
-        quat=None if pose is None else pose.quat,
-        keys=member.keys,
-        welded=member.welded,
-        stands=member.is_fixed_in_world,
-        changed=member.changed,
-        replaced_keys=member.replaced_keys,
-        obscure=member.obscure or member.reduced,
-        subtree=member.subtree,
+    return _as(
+        Part, member, input=number, pos=None if pose is None else pose.pos, quat=None if pose is None else pose.quat,
+        stands=member.is_fixed_in_world, obscure=member.obscure or member.reduced,
         renamed={kind: dict(names) for kind, names in renamed.get(member.part, {}).items()},
-    )
-
-
-def _generated_shape(made: GeneratedShapes, names: Portable) -> GeneratedShape:
-    return GeneratedShape(
-        mesh=made.mesh,
-        geom=made.of,
-        how=made.how,
-        shapes=made.shapes,
-        **made.error,  # type: ignore[arg-type]  # measured, and checked where it was kept
-        made_with=dict(made.made_with),
-        key=made.key,
-        origin=names.place(made.span),
-    )
-
-
-def _draw(drawn: Drawn) -> Draw:
-    return Draw(
-        field=drawn.field,
-        element=drawn.element,
-        attribute=drawn.attribute,
-        component=drawn.start,
-        operation=drawn.operation,
-        value=drawn.value,  # type: ignore[arg-type]  # vectors of vectors are not drawn
-    )
+    )  # fmt: skip

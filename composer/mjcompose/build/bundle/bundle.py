@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import hashlib
+import json
 import os
 import re
 import struct
@@ -30,9 +31,7 @@ class OutputError(DiagnosticError):
 
 _FULL = {errno.ENOSPC, getattr(errno, "EDQUOT", errno.ENOSPC)}
 _HELP = {
-    errno.EACCES: "choose a place that you may write to",
-    errno.EPERM: "choose a place that you may write to",
-    errno.EROFS: "choose a place that you may write to",
+    **dict.fromkeys((errno.EACCES, errno.EPERM, errno.EROFS), "choose a place that you may write to"),
     **dict.fromkeys(_FULL, "make room on the disk, or choose another place"),
     errno.ENAMETOOLONG: "choose a shorter name",
 }
@@ -235,6 +234,25 @@ class Bundle:
         return whole.hexdigest()
 
 
+def raise_error(error: OSError) -> None:
+    """Raise an error of `os.walk`, which otherwise passes over it."""
+    raise error
+
+
+def to_text(data: object) -> bytes:
+    """Return the bytes of a JSON file in a bundle: indented by two spaces, with a final newline."""
+    return (json.dumps(data, indent=2, ensure_ascii=False, allow_nan=False) + "\n").encode()
+
+
+def files_in(manifest: bytes) -> set[str] | None:
+    """Return the files that a manifest lists, including the manifest; None for any other text."""
+    try:
+        data = json.loads(manifest)
+        return {MANIFEST, *(str(each["path"]) for each in data["files"])}
+    except (ValueError, KeyError, TypeError, RecursionError):
+        return None
+
+
 def check_paths(paths: Iterable[str]) -> None:
     """Raise BundleError for the first path that is invalid or conflicts with an earlier one.
 
@@ -276,11 +294,8 @@ def _fault(path: str) -> str | None:
         return "it leads out of the bundle"
     if "" in parts or "." in parts:
         return "it has an empty segment"
-    try:
-        path.encode()
-    except UnicodeEncodeError:
-        return "it is not Unicode text"
-    return None
+    is_text = path.encode("utf-8", "replace").decode() == path
+    return None if is_text else "it is not Unicode text"
 
 
 LICENSES = "LICENSES"
@@ -304,7 +319,6 @@ def license_files(licenses: Mapping[str, Iterable[Path]], read: Callable[[Path],
     """
     files: dict[str, bytes] = {}
     of: dict[str, tuple[str, ...]] = {}
-    taken: set[str] = set()
     placed: dict[tuple[str, bytes], str] = {}
     known: dict[Path, bytes] = {}
     for label, sources in sorted(licenses.items()):
@@ -314,22 +328,16 @@ def license_files(licenses: Mapping[str, Iterable[Path]], read: Callable[[Path],
                 known[file] = read(file)
             name, content = _segment(file.name), known[file]
             if (name, content) not in placed:
-                path = _free(f"{license_folder(label)}/{name}", file.suffix, taken)
+                path, number = f"{license_folder(label)}/{name}", 1
+                stem = path.removesuffix(file.suffix)
+                while path.casefold() in map(str.casefold, files):
+                    number += 1
+                    path = f"{stem}-{number}{file.suffix}"
                 placed[name, content] = path
                 files[path] = content
             paths[placed[name, content]] = None
         of[label] = tuple(paths)
     return Licenses(files, of)
-
-
-def _free(path: str, suffix: str, taken: set[str]) -> str:
-    """Return the path, with a number if it is taken."""
-    stem, number = path.removesuffix(suffix), 1
-    while path.casefold() in taken:
-        number += 1
-        path = f"{stem}-{number}{suffix}"
-    taken.add(path.casefold())
-    return path
 
 
 def license_folder(label: str) -> str:

@@ -29,31 +29,16 @@ def text_alone(model: Unit, uses: Iterable[FileUse], out: str, folder: Path) -> 
     """
     target = folder / out
     start = folder if out == "-" else target.parent
+    help = f"write a folder (`{target.stem}/`) or an archive (`{target.stem}.zip`)"
     for use in uses:
         if use.content is not None:
-            raise OutputError(
-                "output-kind",
-                f"text alone cannot hold `{use.path}`, which was made for this model",
-                f"write a folder (`{target.stem}/`) or an archive (`{target.stem}.zip`)",
-            )
+            message = f"text alone cannot hold `{use.path}`, which was made for this model"
+            raise OutputError("output-kind", message, help)
         path = Path(os.path.relpath(use.source, start)).as_posix()
-        if not _is_text(path):
-            raise OutputError(
-                "output-kind",
-                f"text alone cannot name `{path}`: that path is not UTF-8",
-                f"write a folder (`{target.stem}/`) or an archive (`{target.stem}.zip`)",
-            )
+        if any("\ud800" <= char <= "\udfff" for char in path):  # a byte that cannot be decoded
+            raise OutputError("output-kind", f"text alone cannot name `{path}`: that path is not UTF-8", help)
         use.element.set(use.attribute, path)
     return write(model.root)
-
-
-def _is_text(path: str) -> bool:
-    """Return whether a path is valid UTF-8; in other paths, undecodable bytes are surrogates."""
-    return not any("\ud800" <= char <= "\udfff" for char in path)
-
-
-Stored = dict[tuple[str, int], list[str]]
-"""The paths of files that may replace equal ones, by suffix and size."""
 
 
 def collect(model: Unit, uses: Iterable[FileUse], sink: Sink, shown: Callable[[Path], str] = str) -> dict[str, bytes]:
@@ -62,16 +47,23 @@ def collect(model: Unit, uses: Iterable[FileUse], sink: Sink, shown: Callable[[P
     A missing file is reported where the model names it, under the name `shown`.
     """
     files: dict[str, bytes] = {}
-    stored: Stored = {}
-    stands_at: dict[str, str | None] = {}
-    room = _Room()
+    stored: dict[tuple[str, bytes], str] = {}  # shared files, by suffix and content: an equal file is stored once
+    paths: dict[str, str | None] = {}
+    limits, size = in_force(), 0
     for use in uses:
-        if use.path not in stands_at:
-            if not room.has(use):
-                room.report(model, use, sink)
+        if use.path not in paths:
+            with suppress(OSError):  # unreadable files are reported when they are read
+                size += os.stat(use.source).st_size if use.content is None else len(use.content)
+            if len(paths) + 1 >= limits.output_files or size > limits.output_size:
+                _report_limit(model, use, sink, is_count=len(paths) + 1 >= limits.output_files)
                 break
-            stands_at[use.path] = _store(model, use, files, stored=stored, sink=sink, shown=shown)
-        path = stands_at[use.path]
+            content = read(model, use, sink, shown=shown)
+            paths[use.path] = None if content is None else use.path
+            if content is not None:
+                if use.shared:
+                    paths[use.path] = stored.setdefault((use.path.rsplit(".", 1)[-1], content), use.path)
+                files[str(paths[use.path])] = content
+        path = paths[use.path]
         if path is None or path == use.path:
             continue
         if use.element.tag in NAMED_AFTER_FILE and not use.element.get("name"):
@@ -80,25 +72,11 @@ def collect(model: Unit, uses: Iterable[FileUse], sink: Sink, shown: Callable[[P
     return files
 
 
-class _Room:
-    """The remaining size of a bundle, counted by file sizes before files are read."""
-
-    def __init__(self) -> None:
-        limits = in_force()
-        self.files, self.size = limits.output_files, limits.output_size
-
-    def has(self, use: FileUse) -> bool:
-        with suppress(OSError):  # unreadable files are reported when they are read
-            self.size -= os.stat(use.source).st_size if use.content is None else len(use.content)
-        self.files -= 1
-        return self.files > 0 and self.size >= 0
-
-    def report(self, model: Unit, use: FileUse, sink: Sink) -> None:
-        name = "output-files" if self.files <= 0 else "output-size"
-        most = written(name, getattr(in_force(), name.replace("-", "_")))
-        what = "files" if name == "output-files" else "in its files"
-        span = model.origins.span(use.element, model.file, use.attribute)
-        sink.error("limit-exceeded", f"the bundle would have more than {most} {what}", span, help=advice(name))
+def _report_limit(model: Unit, use: FileUse, sink: Sink, is_count: bool) -> None:
+    name, of = ("output-files", "files") if is_count else ("output-size", "in its files")
+    most = written(name, getattr(in_force(), name.replace("-", "_")))
+    span = model.origins.span(use.element, model.file, use.attribute)
+    sink.error("limit-exceeded", f"the bundle would have more than {most} {of}", span, help=advice(name))
 
 
 def check_files(model: Unit, uses: Iterable[FileUse], sink: Sink, shown: Callable[[Path], str] = str) -> None:
@@ -124,31 +102,11 @@ def read(model: Unit, use: FileUse, sink: Sink, shown: Callable[[Path], str] = s
             return None
     if xml_faults.is_pointer(content):
         called = f"`{shown(Path(use.source))}`"
-        report = f"{called} is not the file itself but where Git LFS has it"
+        message = f"{called} is not the file itself but where Git LFS has it"
         span = model.origins.span(use.element, model.file, use.attribute)
-        sink.error("asset-missing", report, span, help=xml_faults.HELP, cause=Cause(f"lfs: {span.file}", called))
+        sink.error("asset-missing", message, span, help=xml_faults.HELP, cause=Cause(f"lfs: {span.file}", called))
         return None
     return content
-
-
-def _store(
-    model: Unit, use: FileUse, files: dict[str, bytes], stored: Stored, sink: Sink, shown: Callable[[Path], str]
-) -> str | None:
-    """Return the path of a file's bytes in the bundle: its own path, or that of an equal file of the same kind."""
-    content = read(model, use, sink, shown=shown)
-    if content is None:
-        return None
-    if not use.shared:
-        files[use.path] = content
-        return use.path
-    suffix = use.path.rsplit(".", 1)[-1]
-    alike = stored.setdefault((suffix, len(content)), [])
-    for path in alike:
-        if files[path] == content:
-            return path
-    alike.append(use.path)
-    files[use.path] = content
-    return use.path
 
 
 _LOOKED_FOR = 100

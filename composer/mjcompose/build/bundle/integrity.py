@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from typing import Any
+from itertools import zip_longest
 
 from mjcompose.base.diagnostic import Note
 from mjcompose.base.sink import Sink
@@ -11,8 +10,6 @@ from mjcompose.build.bundle.bundle import MANIFEST, Bundle
 from mjcompose.build.bundle.manifest import FORMAT, Index, Manifest, faults_of, from_json, newer_format
 
 _SHOWN = 8
-_HOW_WRITTEN = {"origin", "type"}
-_KINDS = tuple(Index.model_fields)
 
 
 def manifest_of(text: bytes | None, shown: str, sink: Sink) -> Manifest | None:
@@ -25,21 +22,14 @@ def manifest_of(text: bytes | None, shown: str, sink: Sink) -> Manifest | None:
     except ValueError as error:
         newer = newer_format(error)
         if newer is not None:
-            sink.error(
-                "bundle-manifest",
-                f"the manifest of `{shown}` was written by a newer mjcompose: its format is {newer},"
-                f" this one knows {FORMAT}",
-                help="update mjcompose",
-            )
+            written = f"was written by a newer mjcompose: its format is {newer}, this one knows {FORMAT}"
+            sink.error("bundle-manifest", f"the manifest of `{shown}` {written}", help="update mjcompose")
             return None
         faults = faults_of(error)
         more = [Note(f"and {len(faults) - _SHOWN} more")] if len(faults) > _SHOWN else []
-        sink.error(
-            "bundle-manifest",
-            f"the manifest of `{shown}` cannot be read",
-            notes=[*map(Note, faults[:_SHOWN]), *more],
-            help="a bundle of another version of mjcompose needs that version",
-        )
+        help = "a bundle of another version of mjcompose needs that version"
+        notes = [*map(Note, faults[:_SHOWN]), *more]
+        sink.error("bundle-manifest", f"the manifest of `{shown}` cannot be read", notes=notes, help=help)
         return None
 
 
@@ -50,14 +40,10 @@ def check_files(bundle: Bundle, manifest: Manifest, shown: str, sink: Sink) -> N
         if path not in bundle.files:
             sink.error("bundle-changed", f"`{path}` is not in `{shown}`, and its manifest lists it")
         elif bundle.digest(path) != file.sha256:
-            sink.error(
-                "bundle-changed",
-                f"`{path}` in `{shown}` is not the file that its manifest lists",
-                notes=[
-                    Note(f"expected sha256 {file.sha256}, {file.size} bytes"),
-                    Note(f"found sha256 {bundle.digest(path)}, {len(bundle.files[path])} bytes"),
-                ],
-            )
+            expected = Note(f"expected sha256 {file.sha256}, {file.size} bytes")
+            found = Note(f"found sha256 {bundle.digest(path)}, {len(bundle.files[path])} bytes")
+            message = f"`{path}` in `{shown}` is not the file that its manifest lists"
+            sink.error("bundle-changed", message, notes=[expected, found])
     for path in bundle.files:
         if path != MANIFEST and path not in listed:
             sink.error("bundle-changed", f"`{path}` is in `{shown}`, and its manifest does not list it")
@@ -65,26 +51,16 @@ def check_files(bundle: Bundle, manifest: Manifest, shown: str, sink: Sink) -> N
 
 def check_index(expected: Index, actual: Index, shown: str, sink: Sink) -> None:
     """Report where the compiled model has another order, other addresses or other limits than its manifest."""
-    for kind in _KINDS:
-        said, found = (_plain(kind, getattr(index, kind)) for index in (expected, actual))
-        if said == found:
-            continue
-        sink.error(
-            "bundle-manifest",
-            f"the {kind} of the compiled `{shown}` are not those of its manifest",
-            notes=[
-                Note(f"{kind} {number}: expected {a or 'nothing'}, found {b or 'nothing'}")
-                for number, (a, b) in enumerate(_both(said, found))
-                if a != b
-            ][:_SHOWN],
+    for kind in Index.model_fields:
+        how_written = {"origin", "type"} if kind == "actuators" else {"origin"}
+        said, found = (
+            [each.model_dump_json(exclude=how_written) for each in getattr(index, kind)] for index in (expected, actual)
         )
-
-
-def _plain(kind: str, entries: Sequence[Any]) -> list[str]:
-    """Return entries as text, without their origin and type of writing."""
-    return [each.model_dump_json(exclude=_HOW_WRITTEN if kind == "actuators" else {"origin"}) for each in entries]
-
-
-def _both(first: Sequence[str], second: Sequence[str]) -> Iterator[tuple[str | None, str | None]]:
-    for number in range(max(len(first), len(second))):
-        yield (first[number] if number < len(first) else None, second[number] if number < len(second) else None)
+        notes = [
+            Note(f"{kind} {number}: expected {a}, found {b}")
+            for number, (a, b) in enumerate(zip_longest(said, found, fillvalue="nothing"))
+            if a != b
+        ]
+        if notes:
+            message = f"the {kind} of the compiled `{shown}` are not the {kind} of its manifest"
+            sink.error("bundle-manifest", message, notes=notes[:_SHOWN])

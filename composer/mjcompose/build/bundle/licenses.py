@@ -32,15 +32,11 @@ def license_rows(plan: Plan, context: Context) -> list[Row]:
     from mjcompose.build.bundle.assemble import sources  # what was built before needs none of this
     from mjcompose.sources.license import is_empty, license_of
 
-    return [
-        Row(
-            label,
-            source.reference,
-            license_of(source),
-            files=tuple(context.shown(file) for file in source.licenses if not is_empty(file)),
-        )
-        for label, source in sources(plan)
-    ]
+    rows = []
+    for label, source in sources(plan):
+        files = tuple(context.shown(file) for file in source.licenses if not is_empty(file))
+        rows.append(Row(label, source.reference, license_of(source), files))
+    return rows
 
 
 def license_table(rows: Iterable[Row]) -> str:

@@ -1,9 +1,7 @@
 """The table of all models in a folder, and conditions on its rows.
 
-Write a table as CSV, and read its texts back.
-
-A spreadsheet takes a text that begins with `=` for a formula, and runs it. So such a text, which may come from somebody
-else's recipe, is written with a `'` before it, and so is one that begins with `'` itself. Numbers stay as they are.
+A spreadsheet runs a text that begins with `=` as a formula. Such a text may come from somebody else's recipe, so it is
+written with a `'` before it, and so is a text that begins with `'` itself. Numbers stay as they are.
 """
 
 from __future__ import annotations
@@ -12,7 +10,7 @@ import csv
 import os
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from io import TextIOWrapper
 from pathlib import Path, PurePosixPath
 from typing import IO, Any, TextIO, TypeVar
@@ -23,7 +21,7 @@ from mjcompose.base.files import TooLarge, open_regular
 from mjcompose.base.suggest import did_you_mean, exists_note
 from mjcompose.build.bundle.bundle import Location
 from mjcompose.text.evaluate import evaluate, names
-from mjcompose.text.expression import ExpressionError, UnknownName, parse
+from mjcompose.text.expression import ExpressionError, parse
 from mjcompose.text.expression_values import CONSTANTS, FUNCTIONS, Value
 from mjcompose.text.expression_values import kind as value_kind
 
@@ -57,10 +55,10 @@ def unescape_formula(text: str) -> str:
 
 
 def _is_number(text: str) -> bool:
-    try:
-        return float(text) is not None and text.isascii() and text == text.strip()
-    except ValueError:
-        return False
+    with suppress(ValueError):
+        float(text)
+        return text.isascii() and text == text.strip()
+    return False
 
 
 def _text(value: Any) -> Any:
@@ -73,7 +71,6 @@ MODELS = "models.csv"
 _PART = re.compile(r"models-\d+-of-\d+\.\w+")
 _BATCH = 1000
 Item = TypeVar("Item")
-_FORMS = (".csv", ".parquet")
 SIZES = ("nq", "nv", "nu", "nbody", "njnt", "ngeom", "nsensor", "nkey")
 COLUMNS: Mapping[str, type] = {
     "model": str, "cell": str, "sample": int, "path": str, "sha256": str, "mujoco": str, "checks": int,
@@ -111,7 +108,12 @@ def rows(path: Location, shown: str) -> Iterator[Row]:
     if isinstance(path, str):
         yield from _rows_at(path, shown)
         return
-    for file in _files(path, shown):
+    if not os.path.exists(path):
+        raise ListingError("file-not-found", f"`{shown}` does not exist")
+    files = [path]
+    if os.path.isdir(path):
+        files = _indexes({each.name: each for each in path.iterdir() if each.name.startswith("models")}, shown)
+    for file in files:
         with _readable(str(file)), open_regular(file) as stream:
             yield from _rows(stream, str(file), file.parent)
 
@@ -121,12 +123,10 @@ def _rows_at(address: str, shown: str) -> Iterator[Row]:
 
     try:
         with open_remote(address) as (fs, path):
-            found = (
-                [path] if fs.isfile(path) else _indexes({each.rpartition("/")[2]: each for each in fs.ls(path, False)})
-            )
-            if not found:
-                raise _none(shown)
-            for file in found:
+            files = [path]
+            if not fs.isfile(path):
+                files = _indexes({each.rpartition("/")[2]: each for each in fs.ls(path, False)}, shown)
+            for file in files:
                 folder = address.rstrip("/") if file != path else address.rpartition("/")[0]
                 with _readable(f"{folder}/{file.rpartition('/')[2]}"), fs.open(file) as stream:
                     yield from _rows(stream, file, folder)
@@ -139,7 +139,7 @@ def _readable(file: str) -> Iterator[None]:
     try:
         yield
     except (OSError, UnicodeError, csv.Error, TypeError, AttributeError) as error:
-        reason = getattr(error, "strerror", None) or "it is no such table"
+        reason = getattr(error, "strerror", None) or "it is no table of models"
         if isinstance(error, TooLarge):
             reason = str(error)
         raise ListingError("file-unreadable", f"`{file}` cannot be read: {reason}") from error
@@ -185,33 +185,15 @@ def _of_parquet(stream: IO[bytes], file: str) -> tuple[Sequence[str], Iterator[M
     return table.schema_arrow.names, (row for batch in table.iter_batches(_BATCH) for row in batch.to_pylist())
 
 
-def _files(path: Path, shown: str) -> list[Path]:
-    if not os.path.isdir(path):
-        if not os.path.exists(path):
-            raise ListingError("file-not-found", f"`{shown}` does not exist")
-        return [path]
-    found = _indexes({each.name: each for each in path.iterdir() if each.name.startswith("models")})
-    if not found:
-        raise _none(shown)
-    return found
-
-
-def _indexes(names: Mapping[str, Item]) -> list[Item]:
+def _indexes(names: Mapping[str, Item], shown: str) -> list[Item]:
     """Return the index of a folder and its parts: CSV, or Parquet if there is no CSV."""
-    for form in _FORMS:
-        parts = sorted((name for name in names if _PART.fullmatch(name) and name.endswith(form)), key=_in_order)
-        if found := [names[name] for name in (f"models{form}", *parts) if name in names]:
+    for form in (".csv", ".parquet"):
+        parts = (name for name in names if _PART.fullmatch(name) and name.endswith(form))
+        in_order = sorted(parts, key=lambda name: (len(name), name))
+        if found := [names[name] for name in (f"models{form}", *in_order) if name in names]:
             return found
-    return []
-
-
-def _in_order(name: str) -> tuple[int, str]:
-    return len(name), name
-
-
-def _none(shown: str) -> ListingError:
-    help = "`mjcompose build RECIPE --all -o 'FOLDER/{name}/'` writes one"
-    return ListingError("file-not-found", f"`{shown}` has no index of models, `{MODELS}`", help)
+    help = "run `mjcompose build RECIPE --all -o 'FOLDER/{name}/'`, which writes it"
+    raise ListingError("file-not-found", f"`{shown}` has no index of models, `{MODELS}`", help)
 
 
 def _value(name: str, text: Any) -> Value:
@@ -223,10 +205,8 @@ def _value(name: str, text: Any) -> Value:
     if text in ("true", "false"):
         return text == "true"
     for kind in (int, float):
-        try:
+        with suppress(ValueError):
             return kind(text)
-        except ValueError:
-            continue
     return text
 
 
@@ -290,14 +270,11 @@ class Condition:
             if count == self.count:
                 words = [each for each in self._known if each.isidentifier()]
                 several = [each for each in self._known if each.startswith(f"{name}[")]
-                note = (
-                    Note(f"drawn for several: {', '.join(several[:3])}")
-                    if several
-                    else exists_note("column", words, name)
+                note = Note(f"drawn for several: {', '.join(several[:3])}")
+                notes = (note if several else exists_note("column", words, name),)
+                raise ListingError(
+                    "unknown-name", f"no model has a column `{name}`", did_you_mean(name, words), notes=notes
                 )
-                raise ListingError("unknown-name", f"no model has a column `{name}`", did_you_mean(name, words),
-                                   notes=(note,))  # fmt: skip
 
     def _fault(self, error: ExpressionError) -> ListingError:
-        assert not isinstance(error, UnknownName)  # missing names are counted
         return ListingError("expression", f"`{self.text}`, character {error.at[0] + 1}: {error.message}", error.help)

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError
 
 from mjcompose.base.version import __version__
-from mjcompose.build.bundle.bundle import MANIFEST, Bundle
+from mjcompose.build.bundle.bundle import MANIFEST, Bundle, to_text
 from mjcompose.mujoco.arrays import BY_WORD
 
 if TYPE_CHECKING:
@@ -413,11 +413,7 @@ def to_json(manifest: Manifest) -> bytes:
     for each in data["inputs"]:
         if not each["urdf"]:
             del each["urdf"]
-    return _text(data)
-
-
-def _text(data: Any) -> bytes:
-    return (json.dumps(data, indent=2, ensure_ascii=False, allow_nan=False) + "\n").encode()
+    return to_text(data)
 
 
 def with_read(manifest: bytes, recipe: str, hashes: Mapping[str, str]) -> bytes:
@@ -426,7 +422,7 @@ def with_read(manifest: bytes, recipe: str, hashes: Mapping[str, str]) -> bytes:
     data["recipe"]["sha256"] = recipe
     for each in data["read"]:
         each["sha256"] = hashes.get(each["path"], each["sha256"])
-    return _text(data)
+    return to_text(data)
 
 
 def from_json(text: bytes | str) -> Manifest:

@@ -1,8 +1,7 @@
 """A bundle is read from a folder or an archive that may come from anyone.
 
-Make sure that an untrusted bundle reads only its own files, and no more of them than the limits allow.
-
-This checks what its model names before MuJoCo opens it.
+An untrusted bundle reads only its own files, and no more of them than the limits allow. The files that its model names
+are checked before MuJoCo opens it.
 """
 
 from __future__ import annotations
@@ -27,7 +26,7 @@ from mjcompose.base.diagnostic import Diagnostic, DiagnosticError
 from mjcompose.base.files import open_regular, read_regular
 from mjcompose.base.limits import in_force
 from mjcompose.base.sink import Sink
-from mjcompose.build.bundle.bundle import MANIFEST, MODEL, Bundle, BundleError, check_paths
+from mjcompose.build.bundle.bundle import MANIFEST, MODEL, Bundle, BundleError, check_paths, raise_error
 from mjcompose.model.parse import all_admitted, parse_file
 
 ZIP_FAULTS: tuple[type[Exception], ...] = (
@@ -100,22 +99,19 @@ def read(
         if path.is_dir():
             files = _read_folder(path, limits, shown)
         elif path.suffix.lower() == ".mjb" and path.exists():
-            raise ReadError(
-                "file-unreadable",
-                f"`{shown}` is MuJoCo's binary form, which has no files to be read:"
-                " `mjcompose.load` holds it against its manifest",
-            )
+            message = f"`{shown}` is MuJoCo's binary form, not a bundle: load it with `mjcompose.load`"
+            raise ReadError("file-unreadable", message)
         elif path.suffix.lower() == ".xml" and path.exists():
-            raise ReadError(
-                "file-unreadable",
-                f"`{shown}` is text alone, which has no manifest: a bundle is a folder, a `.zip` or an `.mjz`",
-            )
+            message = f"`{shown}` is text alone, which has no manifest: a bundle is a folder, a `.zip` or an `.mjz`"
+            raise ReadError("file-unreadable", message)
         elif path.exists():
             files = _read_archive(path if content is None else BytesIO(content), limits, shown)
         else:
             raise ReadError("file-not-found", f"the file or folder `{shown}` does not exist")
         bundle = Bundle(files, _model(files, path, shown))
-        _check_size(bundle, path, shown)
+        texts = (content for name, content in files.items() if name.endswith(".xml"))
+        if any(map(_EXPANDS.search, (files[bundle.model], *texts))):
+            _check_size(bundle, path, shown)
         return bundle
     except BundleError as error:
         raise ReadError("file-unreadable", f"`{shown}` is not a bundle: {error}") from error
@@ -125,9 +121,6 @@ def read(
 
 def _check_size(bundle: Bundle, path: Path, shown: str) -> None:
     """Raise ReadError for a model that is too large once it is expanded."""
-    texts = (content for name, content in bundle.files.items() if name.endswith(".xml"))
-    if not any(map(_EXPANDS.search, (bundle.files[bundle.model], *texts))):
-        return
     from mjcompose.model.parse import parse_text  # few models of bundles expand
 
     found = Sink()
@@ -140,7 +133,7 @@ def _check_size(bundle: Bundle, path: Path, shown: str) -> None:
 
 def _read_folder(folder: Path, limits: ReadLimits, shown: str) -> dict[str, bytes]:
     sizes: dict[str, int] = {}
-    for parent, folders, names in os.walk(folder, onerror=_raise):
+    for parent, folders, names in os.walk(folder, onerror=raise_error):
         for name in [*folders, *names]:
             file = Path(parent) / name
             status = file.lstat()
@@ -179,10 +172,9 @@ def _check_entries(entries: list[zipfile.ZipInfo], shown: str, limits: ReadLimit
     sizes: dict[str, int] = {}
     for entry in entries:
         path = entry.filename
-        mode = entry.external_attr >> 16
         if path in sizes:
             raise ReadError("file-unreadable", f"`{shown}` has `{path}` twice")
-        if stat.S_IFMT(mode) not in (0, stat.S_IFREG):
+        if stat.S_IFMT(entry.external_attr >> 16) not in (0, stat.S_IFREG):
             raise ReadError("file-unreadable", f"`{path}` in `{shown}` is a link or no ordinary file")
         if entry.flag_bits & 1:
             raise ReadError("file-unreadable", f"`{path}` in `{shown}` is encrypted")
@@ -227,7 +219,3 @@ def _models(files: Mapping[str, bytes]) -> list[str]:
         for name in _NAMED.findall(content)
     }
     return sorted(path for path in models if posixpath.basename(path) not in named)
-
-
-def _raise(error: OSError) -> None:
-    raise error

@@ -1,15 +1,11 @@
-"""Bundles at addresses, and bundles that share a folder of assets.
-
-Outputs and bundles at addresses such as `s3://bucket/cell.zip`, accessed through `fsspec`.
+"""Bundles at addresses such as `s3://bucket/cell.zip`, through `fsspec`, and bundles that share a folder of assets.
 
 An object store has no folders and cannot rename: a bundle there is complete if its manifest exists, which is
 written last and removed first. A single file is written in one step.
 
-Bundles as neighbouring folders that share one folder of assets: `NAME/model.xml` refers to `../assets/…`.
-
-A shared asset is named after its content too, so that it is the same file for all models, independent of which
-models are written, in which order and by how many processes. Other files (manifest, licenses, submodels) are not
-shared.
+Neighboring folders can share one folder of assets: `NAME/model.xml` refers to `../assets/…`. The name of a shared asset
+contains a hash of its content, so it is the same file for all models, whichever of them are written, in which order and
+by how many processes. Other files (manifest, licenses, submodels) are not shared.
 """
 
 from __future__ import annotations
@@ -20,7 +16,7 @@ import os
 import re
 import zipfile
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path, PurePosixPath
 from typing import Any, TypeAlias
 
@@ -28,7 +24,7 @@ from lxml import etree
 
 from mjcompose.base.diagnostic import DiagnosticError, hide
 from mjcompose.base.files import read_regular
-from mjcompose.build.bundle.bundle import MANIFEST, Bundle, OutputError
+from mjcompose.build.bundle.bundle import MANIFEST, Bundle, OutputError, files_in, to_text
 from mjcompose.build.bundle.manifest import from_json
 from mjcompose.build.bundle.staging import staged_file, write_folder
 from mjcompose.model.files import CUBE, NAMED_AFTER_FILE, file_attributes, stem
@@ -88,14 +84,10 @@ def deliver_folder(folder: Path, address: str) -> None:
     """Write a bundle to an address, replacing an earlier one. Raises OutputError."""
     with _writing(address) as (fs, path):
         there = {each[len(path) + 1 :] for each in fs.find(path)}
-        known = _listed(fs, f"{path}/{MANIFEST}") if MANIFEST in there else None
-        if there and (known is None or there - known):
-            foreign = sorted(there - (known or set()))
-            raise OutputError(
-                "output-unwritable",
-                f"replacing `{hide(address)}` would delete files that mjcompose did not write: `{foreign[0]}`",
-                "move them elsewhere, or choose another address",
-            )
+        known = _listed(fs, f"{path}/{MANIFEST}") if MANIFEST in there else set()
+        if foreign := sorted(there - known):
+            message = f"replacing `{hide(address)}` would delete files that mjcompose did not write: `{foreign[0]}`"
+            raise OutputError("output-unwritable", message, "move them elsewhere, or choose another address")
         new = {each.relative_to(folder).as_posix(): each for each in folder.rglob("*") if os.path.isfile(each)}
         if MANIFEST in there:
             fs.rm_file(f"{path}/{MANIFEST}")
@@ -134,7 +126,11 @@ def stamps(address: str) -> list[list[object]]:
             found = fs.find(path, detail=True) if fs.isdir(path) else {path: fs.info(path)}
     except RemoteError:
         return []
-    return [[name, about.get("size"), _state(about)] for name, about in sorted(found.items())]
+    keys = ("ETag", "etag", "md5", "mtime", "created")
+    return [
+        [name, about.get("size"), str(next((about[key] for key in keys if key in about), ""))]
+        for name, about in sorted(found.items())
+    ]
 
 
 def download(address: str, folder: Path, files: int, size: int) -> Path:
@@ -150,15 +146,12 @@ def download(address: str, folder: Path, files: int, size: int) -> Path:
             return folder / name
         found = {each[len(path) + 1 :]: about["size"] for each, about in fs.find(path, detail=True).items()}
         _check(sum(found.values()), len(found), files, most=size)
-        above = path
         for each in sorted(found):
             _fetch(fs, f"{path}/{each}", folder / "models" / name, inside=each)
-        beside = [each for each in _listed(fs, f"{path}/{MANIFEST}") or () if each.startswith("../")]
+        beside = [each for each in _listed(fs, f"{path}/{MANIFEST}") if each.startswith("../")]
         for each in beside:
             up = each.count("../")
-            above, inside = path, each.removeprefix("../" * up)
-            for _ in range(up):
-                above = above.rpartition("/")[0]
+            above, inside = path.rsplit("/", up)[0], each.removeprefix("../" * up)
             if inside.startswith(f"{ASSETS}/") and ".." not in PurePosixPath(inside).parts and up <= 2:
                 _check(fs.info(f"{above}/{inside}")["size"], len(beside), files, most=size)
                 _fetch(fs, f"{above}/{inside}", (folder / "models", folder)[up - 1], inside=inside)
@@ -184,19 +177,11 @@ def _put(fs: FileSystem, path: str, content: bytes) -> None:
         fs.pipe_file(path, content)
 
 
-def _listed(fs: FileSystem, path: str) -> set[str] | None:
-    """Return the files in a manifest, including the manifest, or None if it is not a manifest."""
-    import json
-
-    try:
-        manifest = json.loads(fs.cat_file(path))
-        return {MANIFEST, *(str(each["path"]) for each in manifest["files"])}
-    except (OSError, ValueError, KeyError, TypeError, RecursionError):
-        return None
-
-
-def _state(about: dict[str, Any]) -> str:
-    return str(next((about[key] for key in ("ETag", "etag", "md5", "mtime", "created") if key in about), ""))
+def _listed(fs: FileSystem, path: str) -> set[str]:
+    """Return the files in a manifest, including the manifest; nothing if it is not a manifest."""
+    with suppress(OSError):
+        return files_in(fs.cat_file(path)) or set()
+    return set()
 
 
 ASSETS = "assets"
@@ -215,19 +200,14 @@ def write_shared(bundle: Bundle, out: Path, above: int = 1) -> tuple[Path, ...]:
     own, assets = split_shared_assets(bundle, above)
     folder = out.parents[above - 1] / ASSETS
     for name, content in assets.items():
-        path = folder / name
-        if not _is_there(path, content):
+        path, is_there = folder / name, False
+        with suppress(OSError):
+            is_there = os.stat(path).st_size == len(content) and read_regular(path, is_source=False) == content
+        if not is_there:
             with staged_file(path) as stage:
                 stage.write_bytes(content)
     write_folder(own, out)
     return tuple(folder / name for name in assets)
-
-
-def _is_there(path: Path, content: bytes) -> bool:
-    try:
-        return os.stat(path).st_size == len(content) and read_regular(path, is_source=False) == content
-    except OSError:
-        return False
 
 
 def split_shared_assets(bundle: Bundle, above: int = 1) -> tuple[Bundle, dict[str, bytes]]:
@@ -238,7 +218,8 @@ def split_shared_assets(bundle: Bundle, above: int = 1) -> tuple[Bundle, dict[st
     for element, attribute, path in list(file_attributes(root)):
         if path not in bundle.files:
             continue
-        moved[path] = _name(path, bundle.digest(path))
+        file = PurePosixPath(path)
+        moved[path] = f"{file.stem}-{bundle.digest(path)[:16]}{file.suffix}"
         if element.tag in NAMED_AFTER_FILE and not element.get("name") and attribute not in CUBE:
             element.set("name", stem(path))
         element.set(attribute, beside + moved[path])
@@ -258,17 +239,15 @@ def with_shared_assets(files: Mapping[str, bytes], folder: Path) -> dict[str, by
         manifest = from_json(files.get(MANIFEST, b""))
     except ValueError:  # the reader of the bundle reports it
         return dict(files)
-    model = manifest.model
-    listed = (each.path for each in manifest.files)
-    beside = {path: parts for path in listed if (parts := _SHARED.fullmatch(path))}
-    if not beside or model not in files:
-        return dict(files)
+    model, found = manifest.model, dict(files)
+    shared = filter(None, (_SHARED.fullmatch(each.path) for each in manifest.files))
+    names = {parts[0]: f"{ASSETS}/{parts[2]}" for parts in shared}
+    if not names or model not in files:
+        return found
     try:
         root = etree.fromstring(files[model])
     except etree.XMLSyntaxError:  # likewise
-        return dict(files)
-    found = dict(files)
-    names = {path: f"{ASSETS}/{parts[2]}" for path, parts in beside.items()}
+        return found
     for path, inside in names.items():
         file = folder / path
         if os.path.isfile(file) and not file.is_symlink():
@@ -277,21 +256,12 @@ def with_shared_assets(files: Mapping[str, bytes], folder: Path) -> dict[str, by
         if path in names:
             element.set(attribute, names[path])
     text = write(root)
-    if _listed_digest(files[MANIFEST], model) == hashlib.sha256(files[model]).hexdigest():
-        found[MANIFEST] = _with_shared(files[MANIFEST], names, model, text=text)
-    else:  # which the reader reports
-        found[MANIFEST] = _with_shared(files[MANIFEST], names, model, text=None)
+    digest = hashlib.sha256(files[model]).hexdigest()
+    is_listed = any(each.path == model and each.sha256 == digest for each in manifest.files)
+    # The reader reports a model that is not the listed one.
+    found[MANIFEST] = _with_shared(files[MANIFEST], names, model, text=text if is_listed else None)
     found[model] = text
     return found
-
-
-def _name(path: str, digest: str) -> str:
-    file = PurePosixPath(path)
-    return f"{file.stem}-{digest[:16]}{file.suffix}"
-
-
-def _listed_digest(manifest: bytes, path: str) -> str | None:
-    return next((str(each["sha256"]) for each in json.loads(manifest)["files"] if each["path"] == path), None)
 
 
 def _with_shared(manifest: bytes, names: Mapping[str, str], model: str, text: bytes | None) -> bytes:
@@ -303,4 +273,4 @@ def _with_shared(manifest: bytes, names: Mapping[str, str], model: str, text: by
             each["sha256"], each["size"] = hashlib.sha256(text).hexdigest(), len(text)
     once = {each["path"]: each for each in data["files"]}
     data["files"] = [once[path] for path in sorted(once)]
-    return (json.dumps(data, indent=2, ensure_ascii=False, allow_nan=False) + "\n").encode()
+    return to_text(data)

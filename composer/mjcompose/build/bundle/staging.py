@@ -19,7 +19,16 @@ from typing import TYPE_CHECKING
 from mjcompose.base import files as sources
 from mjcompose.base.files import read_regular
 from mjcompose.base.scratch import locked_folder, scratch, sweep_once
-from mjcompose.build.bundle.bundle import LARGEST_MANIFEST, MANIFEST, Bundle, OutputError, unwritable_error
+from mjcompose.build.bundle.bundle import (
+    LARGEST_MANIFEST,
+    MANIFEST,
+    Bundle,
+    OutputError,
+    files_in,
+    raise_error,
+    to_text,
+    unwritable_error,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -114,11 +123,11 @@ def check_is_no_source(out: Path, option: str | None = None, inputs: Iterable[st
         raise OutputError("output-unwritable", message, "choose another output") from error
     if source is None:
         return
-    what = f"{written} is one of the files that this model is built from"
+    message = f"{written} is one of the files that this model is built from"
     if is_inside:
         name = os.path.basename(source)
-        what = f"the folder {written} holds files that this model is built from, such as `{name}`"
-    raise OutputError("output-unwritable", what, "choose another output")
+        message = f"the folder {written} holds files that this model is built from, such as `{name}`"
+    raise OutputError("output-unwritable", message, "choose another output")
 
 
 def check_kind(target: Path, out: Path, option: str | None = None) -> None:
@@ -129,12 +138,11 @@ def check_kind(target: Path, out: Path, option: str | None = None) -> None:
     except (OSError, ValueError):
         return  # reported where it is written
     if stat.S_ISDIR(mode):
-        what = f"cannot write {written}: a folder of that name is there"
-        raise OutputError("output-unwritable", what, "choose another name, or remove the folder")
+        message = f"cannot write {written}: a folder of that name is there"
+        raise OutputError("output-unwritable", message, "choose another name, or remove the folder")
     if not stat.S_ISREG(mode):
-        what = f"cannot write {written}: it is not an ordinary file"
-        help = "choose the name of a file; where a command has standard output, it is `-`"
-        raise OutputError("output-unwritable", what, help)
+        help = "choose the name of a file; a command that can write to standard output calls it `-`"
+        raise OutputError("output-unwritable", f"cannot write {written}: it is not an ordinary file", help)
 
 
 @contextlib.contextmanager
@@ -143,7 +151,7 @@ def stage_beside(target: Path) -> Iterator[Path]:
 
     It is in a locked folder that is removed after the block. Leftovers of killed processes are removed as well.
     """
-    sweep_once(target.parent, _is_stage, _put_back)
+    sweep_once(target.parent, lambda name: _STAGE.fullmatch(name) is not None, _put_back)
     with locked_folder(sibling(target, "tmp")) as folder:
         yield folder / "new-output"
 
@@ -165,10 +173,6 @@ def _swap(stage: Path, target: Path) -> None:
 def backup_path(stage: Path) -> Path:
     """Return where an older output is kept while the new one replaces it; after a kill it is restored from there."""
     return stage.with_name(_OLD)
-
-
-def _is_stage(name: str) -> bool:
-    return _STAGE.fullmatch(name) is not None
 
 
 def _put_back(folder: Path) -> None:
@@ -239,36 +243,27 @@ def _check_replaceable(target: Path, out: Path) -> None:
     if not os.path.exists(target):
         return
     if not os.path.isdir(target):
-        raise OutputError(
-            "output-unwritable",
-            f"cannot write the folder `{out}`: a file of that name is there",
-            "choose another name, or remove the file",
-        )
+        message = f"cannot write the folder `{out}`: a file of that name is there"
+        raise OutputError("output-unwritable", message, "choose another name, or remove the file")
     present = _files_in(target)
     if not present:
         return
     known = _own_files(target)
     if known is None:
-        raise OutputError(
-            "output-unwritable",
-            f"the folder `{out}` is not empty and was not made by mjcompose",
-            "choose a new or empty folder",
-        )
+        message = f"the folder `{out}` is not empty and was not made by mjcompose"
+        raise OutputError("output-unwritable", message, "choose a new or empty folder")
     foreign = sorted(path for path in present - known if path.rsplit("/", 1)[-1] not in _LITTER)
     if foreign:
         listed = ", ".join(f"`{path}`" for path in foreign[:3])
         more = f" and {len(foreign) - 3} more" if len(foreign) > 3 else ""
-        raise OutputError(
-            "output-unwritable",
-            f"replacing the folder `{out}` would delete files that mjcompose did not write: {listed}{more}",
-            "move them elsewhere, or choose another folder",
-        )
+        message = f"replacing the folder `{out}` would delete files that mjcompose did not write: {listed}{more}"
+        raise OutputError("output-unwritable", message, "move them elsewhere, or choose another folder")
 
 
 def _files_in(folder: Path) -> set[str]:
     """Return all files and links below a folder as paths with forward slashes."""
     found: set[str] = set()
-    for parent, folders, files in os.walk(folder, onerror=_raise):
+    for parent, folders, files in os.walk(folder, onerror=raise_error):
         links = [name for name in folders if (Path(parent) / name).is_symlink()]
         found.update((Path(parent) / name).relative_to(folder).as_posix() for name in [*files, *links])
     return found
@@ -278,16 +273,12 @@ def _own_files(folder: Path) -> set[str] | None:
     """Return the files in the manifest of an earlier output, including the manifest, or None without a manifest."""
     file = folder / MANIFEST
     with contextlib.suppress(OSError, ValueError, TypeError, KeyError, RecursionError):
-        if file.is_symlink():
-            return None
-        manifest = json.loads(read_regular(file, LARGEST_MANIFEST, is_source=False))
-        if isinstance(manifest["mjcompose"], str) and isinstance(manifest["manifest"], int):
-            return {MANIFEST, *(str(entry["path"]) for entry in manifest["files"])}
+        if not file.is_symlink():
+            text = read_regular(file, LARGEST_MANIFEST, is_source=False)
+            manifest = json.loads(text)
+            if isinstance(manifest["mjcompose"], str) and isinstance(manifest["manifest"], int):
+                return files_in(text)
     return None
-
-
-def _raise(error: OSError) -> None:
-    raise error
 
 
 def write_mjb(
@@ -312,7 +303,9 @@ def write_mjb(
             raise OutputError("output-unwritable", f"cannot write `{out}`: {compiled.error}")
         if MANIFEST in bundle.files:
             with staged_file(manifest_beside(out)) as beside:
-                beside.write_bytes(_manifest(bundle.files[MANIFEST], out.name, stage.read_bytes()))
+                content, manifest = stage.read_bytes(), json.loads(bundle.files[MANIFEST])
+                listed = {"path": out.name, "sha256": hashlib.sha256(content).hexdigest(), "size": len(content)}
+                beside.write_bytes(to_text({**manifest, "model": out.name, "files": [listed]}))
 
 
 def manifest_beside(out: Path) -> Path:
@@ -339,11 +332,3 @@ def with_version(out: str, version: str | None = None) -> str:
 
         version = metadata.version("mujoco")
     return out.replace("{mujoco}", version)
-
-
-def _manifest(text: bytes, name: str, content: bytes) -> bytes:
-    """Return the bundle's manifest with the compiled form as only file."""
-    manifest = json.loads(text)
-    manifest["model"] = name
-    manifest["files"] = [{"path": name, "sha256": hashlib.sha256(content).hexdigest(), "size": len(content)}]
-    return (json.dumps(manifest, indent=2, ensure_ascii=False, allow_nan=False) + "\n").encode()

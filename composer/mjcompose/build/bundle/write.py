@@ -1,15 +1,9 @@
 """A bundle in the form that the output's name selects.
 
-Compress files for a zip, so that each is compressed only once.
-
-The level depends on the name alone: the usual one for MJCF and other text; a low one for meshes, which is several
-times faster and nearly as good; none for images and archives, which are compressed already.
-
-A bundle as a zip that is a valid MJZ, which MuJoCo opens directly.
-
-The same bundle gives the same bytes, whatever the clock, the time zone, the umask or the folder.
-
-(Compressed bytes still depend on the zlib of Python; `Bundle.sha256` does not.)
+A zip is a valid MJZ, which MuJoCo opens directly. The same bundle gives the same bytes, whatever the clock, the time
+zone, the umask or the folder. (Compressed bytes still depend on the zlib of Python; `Bundle.sha256` does not.) Each
+file is compressed once, at a level that depends on its name alone: the usual level for MJCF and other text; a low level
+for meshes, which is several times faster and nearly as good; none for images and archives.
 """
 
 from __future__ import annotations
@@ -152,14 +146,11 @@ def write_packed(
 ) -> None:
     """Write a bundle, given its paths and its compressed files."""
     if model.endswith(".xml") and model not in (MODEL, f"{out.stem}.xml"):  # MuJoCo opens only MJCF
-        raise OutputError(
-            "output-kind",
-            f"MuJoCo opens `{MODEL}` or `{out.stem}.xml` in `{out.name}`, and the model is `{model}`",
-            f"name the archive `{PurePosixPath(model).stem}{out.suffix}`",
-        )
+        message = f"MuJoCo opens `{MODEL}` or `{out.stem}.xml` in `{out.name}`, and the model is `{model}`"
+        raise OutputError("output-kind", message, f"name the archive `{PurePosixPath(model).stem}{out.suffix}`")
     moment = moment_of(environment)
     with staged_file(out) as stage, zipfile.ZipFile(stage, "w") as archive:
-        for path in sorted(paths, key=lambda path: _rank(path, model)):
+        for path in sorted(paths, key=lambda path: (1 if path == model else 0 if path.endswith(".xml") else 2, path)):
             info = zipfile.ZipInfo(path, moment)
             # Otherwise Python 3.14 writes names in code page 437 if it can.
             info.flag_bits = 0 if path.isascii() else _UTF8
@@ -181,12 +172,6 @@ def _copy(archive: zipfile.ZipFile, info: zipfile.ZipInfo, packed: Packed) -> No
     archive.start_dir = archive.fp.tell()
 
 
-def _rank(path: str, model: str) -> tuple[int, str]:
-    if path == model:
-        return 1, path
-    return (0 if path.endswith(".xml") else 2), path
-
-
 def write_text(bundle: Bundle, out: Path) -> None:
     """Write only the model's MJCF to `out`, without manifest and licenses.
 
@@ -195,11 +180,9 @@ def write_text(bundle: Bundle, out: Path) -> None:
     """
     needed = needed_files(bundle)
     if needed:
-        raise OutputError(
-            "output-kind",
-            f"one XML file cannot hold the {len(needed)} files that the model needs, such as `{needed[0]}`",
-            f"write a folder (`{out.with_suffix('')}/`) or an archive (`{out.with_suffix('.mjz')}`)",
-        )
+        message = f"one XML file cannot hold the {len(needed)} files that the model needs, such as `{needed[0]}`"
+        help = f"write a folder (`{out.with_suffix('')}/`) or an archive (`{out.with_suffix('.mjz')}`)"
+        raise OutputError("output-kind", message, help)
     with staged_file(out) as stage:
         stage.write_bytes(bundle.files[bundle.model])
 
@@ -244,20 +227,16 @@ def write_usd(
         except OSError as error:
             raise unwritable_error("a temporary folder", error) from error
         if exported.missing is not None:
-            raise OutputError(
-                "usd-missing",
-                f"writing `{out.name}` needs the Python package `mujoco-usd-converter`: {exported.missing}",
-                'run `pip install "mjcompose[usd]"` in an environment with Python 3.12 or older',
-            )
+            message = f"writing `{out.name}` needs the Python package `mujoco-usd-converter`: {exported.missing}"
+            help = 'run `pip install "mjcompose[usd]"` in an environment with Python 3.12 or older'
+            raise OutputError("usd-missing", message, help)
         if exported.error is not None:
             raise OutputError("output-unwritable", f"cannot write `{out}`: {' '.join(exported.error.split())}")
         if exported.textures:
-            raise OutputError(
-                "output-kind",
-                f"one USD layer cannot hold the {len(exported.textures)} textures of the model,"
-                f" such as `{exported.textures[0]}`",
-                f"write a package, which holds them: `{out.with_suffix('.usdz')}`",
-            )
+            count, first = len(exported.textures), exported.textures[0]
+            message = f"one USD layer cannot hold the {count} textures of the model, such as `{first}`"
+            help = f"write a package, which holds them: `{out.with_suffix('.usdz')}`"
+            raise OutputError("output-kind", message, help)
     for warning in exported.warnings:
         warn(warning)
 
@@ -286,11 +265,8 @@ def origin_of_output(out: Path | str) -> OutputOrigin | None:
     """Return what the manifest of an output says, or None if there is no readable one."""
     try:
         manifest = json.loads(_manifest(out))
-        values = {**manifest["params"], **manifest["variants"]}
-        if manifest["cell"] is not None:
-            values["cell"] = manifest["cell"]
-        if manifest["sample"] is not None:
-            values["sample"] = manifest["sample"]
+        chosen = {name: manifest[name] for name in ("cell", "sample") if manifest[name] is not None}
+        values = {**manifest["params"], **manifest["variants"], **chosen}
         return OutputOrigin(str(manifest["recipe"]["path"]), values)
     except (OSError, ValueError, KeyError, TypeError, RecursionError, NotImplementedError, zipfile.BadZipFile):
         return None  # any other file: `staged_file` decides whether it may be replaced
@@ -327,15 +303,14 @@ def write(
     """
     form = form_of(out)
     path = Path(out)
-    match form:
-        case OutputForm.FOLDER:
-            write_folder(bundle, path)
-        case OutputForm.ARCHIVE:
-            write_archive(bundle, path, environment, packing=packing)
-        case OutputForm.TEXT:
-            write_text(bundle, path)
-        case OutputForm.MJB:
-            write_mjb(bundle, path, session=session)
-        case OutputForm.USD:
-            write_usd(bundle, path, environment, warn=warn, session=session)
+    if form == OutputForm.FOLDER:
+        write_folder(bundle, path)
+    elif form == OutputForm.ARCHIVE:
+        write_archive(bundle, path, environment, packing=packing)
+    elif form == OutputForm.TEXT:
+        write_text(bundle, path)
+    elif form == OutputForm.MJB:
+        write_mjb(bundle, path, session=session)
+    else:
+        write_usd(bundle, path, environment, warn=warn, session=session)
     return form

@@ -1,13 +1,9 @@
-"""The key of a model in the cache, and why a model is built again.
+"""The key of a model in the build cache: everything that determines the result besides the contents of files.
 
-The key of a model in the build cache: everything that determines the result besides the contents of files.
-
-A model is looked up twice. The first key, before anything is read, has the path of the recipe, the options and the
+The cache is searched twice. The first key, before anything is read, has the path of the recipe, the options and the
 versions, and the recipe is one of the files that must be unchanged; this takes a quarter of the time for reading
-and planning the recipe. The second key, after planning, is `of_plan`, with the concrete recipe in place of the path
+and planning the recipe. The second key, after planning, is `of_plan`, with the concrete recipe instead of the path
 and the given values; it still matches if the recipe file changed in ways that do not matter.
-
-Explain why a model is built again: what changed in its key.
 
 Files of `--set-file` are in the key with their contents, so that the changed value can be named.
 """
@@ -21,7 +17,7 @@ import os
 import stat
 import sys
 import time
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import field
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -44,17 +40,13 @@ if TYPE_CHECKING:
 _PACKAGE = os.path.dirname(os.path.dirname(os.path.dirname(os.path.realpath(__file__))))
 
 
-def _stamp() -> str:
-    """Return a hash of the sizes and times of the package's files, which is faster than reading them."""
-    return hashlib.sha256(repr(list(_files())).encode()).hexdigest()
-
-
 def tool_version(store: Path) -> str:
     """Return the version and a hash of all files of the package.
 
-    In a checkout the code changes without the version. The hash is stored by the files' sizes and times.
+    In a checkout the code changes without the version. The hash is stored by a hash of the files' sizes and times,
+    which is faster to compute.
     """
-    stamp = _stamp()
+    stamp = hashlib.sha256(repr(list(_files())).encode()).hexdigest()
     known = blobs.get(store, "asked", stamp)
     if known is not None:
         return known.decode()
@@ -69,17 +61,6 @@ def tool_version(store: Path) -> str:
     return version
 
 
-def python_version() -> str:
-    """Return the version of the interpreter, and the place of its packages."""
-    return f"{sys.version.split()[0]} in {sys.prefix}"
-
-
-def environment_parts(environment: Mapping[str, str]) -> dict[str, str]:
-    """The variables that decide which file a model reference stands for, or what reads a model back."""
-    names = sorted({CONSUMERS, *(name for kind in KINDS for name in kind.variables)})
-    return {f"the variable `{name}`": environment[name] for name in names if name in environment}
-
-
 def _files() -> Iterator[tuple[str, int, int]]:
     """Yield path, size and time of each file that affects builds."""
     yield from _below(_PACKAGE)
@@ -89,10 +70,9 @@ def _files() -> Iterator[tuple[str, int, int]]:
 
 
 def _below(folder: str) -> Iterator[tuple[str, int, int]]:
-    try:
+    entries: list[os.DirEntry[str]] = []
+    with contextlib.suppress(OSError):
         entries = sorted(os.scandir(folder), key=lambda entry: entry.name)
-    except OSError:
-        return
     for entry in entries:
         if entry.is_dir():
             if entry.name != "__pycache__":
@@ -151,7 +131,10 @@ class Files:
         stamp, is_folder = stamped
         key = path, stamp
         if key not in self._states:
-            self._states[key] = _licenses(path) if is_folder else _sha256(path)
+            try:
+                self._states[key] = license_names(path) if is_folder else _sha256(path)
+            except OSError:
+                self._states[key] = ABSENT
         settled = max(stamp[1], stamp[2]) + _SETTLED < time.time_ns()
         return FileState(path, self._states[key], stamp if settled else None)
 
@@ -197,18 +180,8 @@ def now() -> int:
 
 
 def _sha256(path: str) -> str:
-    try:
-        with open_regular(path) as stream:
-            return hashlib.file_digest(stream, "sha256").hexdigest()
-    except OSError:
-        return ABSENT
-
-
-def _licenses(folder: str) -> str:
-    try:
-        return license_names(folder)
-    except OSError:
-        return ABSENT
+    with open_regular(path) as stream:
+        return hashlib.file_digest(stream, "sha256").hexdigest()
 
 
 @dataclass(frozen=True, slots=True)
@@ -275,11 +248,13 @@ class BuildOptions:
             parts["`--target`"] = self.target
         if self.text_beside is not None:
             parts["the folder of the text"] = os.fspath(self.text_beside)
+        # Variables that decide which file a model reference names, or which program reads a model back.
+        variables = sorted({CONSUMERS, *(name for kind in KINDS for name in kind.variables)})
         parts |= {
             "the current folder": os.fspath(folder),
             "mjcompose": tool_version(store),
-            "Python": python_version(),
-            **environment_parts(environment),
+            "Python": f"{sys.version.split()[0]} in {sys.prefix}",
+            **{f"the variable `{name}`": environment[name] for name in variables if name in environment},
             **self.choices,
         }
         return CacheKey(os.path.abspath(folder / recipe), parts)
@@ -345,22 +320,20 @@ def differences(before: Mapping[str, str], after: Mapping[str, str]) -> tuple[st
     >>> differences({"`payload`": "1", "mjcompose": "a"}, {"`payload`": "2", "`--dedup`": "yes", "mjcompose": "a"})
     ('`--dedup` is given', '`payload` was 1, is 2')
     """
-    return tuple(_changes(before, after))
-
-
-def _changes(before: Mapping[str, str], after: Mapping[str, str]) -> Iterable[str]:
+    changes: list[str] = []
     for name in sorted({*before, *after}):
         was, now = before.get(name), after.get(name)
         if was == now:
             continue
         if name.startswith(_OPTION):
-            yield from value_changes(name, was, now)
+            changes += value_changes(name, was, now)
         elif was is None:
-            yield f"{name} is given" if now == GIVEN else f"{name} is {now}"
+            changes.append(f"{name} is given" if now == GIVEN else f"{name} is {now}")
         elif now is None:
-            yield f"{name} is no longer given" if was == GIVEN else f"{name} was {was}"
+            changes.append(f"{name} is no longer given" if was == GIVEN else f"{name} was {was}")
         else:
-            yield f"{name} was {was}, is {now}"
+            changes.append(f"{name} was {was}, is {now}")
+    return tuple(changes)
 
 
 def name_of(file: object) -> str:
@@ -371,13 +344,9 @@ def name_of(file: object) -> str:
 def content_of(data: bytes) -> str:
     """Return the content of such a file for a key: its text, or its sha256 if it is large or not text. No I/O."""
     if len(data) <= _MOST:
-        try:
+        with contextlib.suppress(UnicodeDecodeError):
             return _TEXT + data.decode()
-        except UnicodeDecodeError:
-            pass
-    from hashlib import sha256
-
-    return sha256(data).hexdigest()
+    return hashlib.sha256(data).hexdigest()
 
 
 def value_changes(name: str, was: str | None, now: str | None) -> Iterator[str]:

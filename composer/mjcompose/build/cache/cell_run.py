@@ -6,7 +6,6 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import asdict, replace
 from pathlib import Path
-from types import TracebackType
 from typing import TYPE_CHECKING, Protocol
 
 from mjcompose.base import files
@@ -24,7 +23,7 @@ from mjcompose.build.cache.builder import (
     result_from_cache,
     shown_input_files,
 )
-from mjcompose.build.cache.cache import Package, Record, open_cache
+from mjcompose.build.cache.cache import Cache, Package, Record, open_cache
 from mjcompose.build.cache.cache_key import BuildOptions, CacheKey, FileState
 from mjcompose.build.verify.outcome import Outcome
 from mjcompose.language.expand import Cell
@@ -60,7 +59,7 @@ class CellResult:
 
 @dataclass(slots=True)
 class CellMaker:
-    """Makes one cell after another with one session, so that each source file is read once."""
+    """Makes cells with one session, which reads each source file once."""
 
     maker: Maker
     given: dict[str, Node]
@@ -74,44 +73,29 @@ class CellMaker:
 
     def make(self, cell: Cell) -> CellResult:
         """Return the cell, from the cache or built, with its errors."""
-        return self._made(cell, *self._recalled(cell))
+        made = self.known(cell, builds=True)
+        assert made is not None
+        return made
 
-    def known(self, cell: Cell) -> CellResult | None:
-        """Return the cell if the cache has it."""
-        own, made, outcomes, why = self._recalled(cell)
-        return None if made is None else self._made(cell, own, made, outcomes=outcomes, why=why)
-
-    def _recalled(self, cell: Cell) -> tuple[Context, BuildResult | None, list[Outcome], tuple[str, ...]]:
-        own = replace(self.maker.context, sink=Sink(), timings=[])
+    def known(self, cell: Cell, *, builds: bool = False) -> CellResult | None:
+        """Return the cell if the cache has it, or `builds` it."""
+        own, key = replace(self.maker.context, sink=Sink(), timings=[]), self._key(cell)
         outcomes: list[Outcome] = []
-        made, why = self.maker.recall(self._key(cell), own, outcomes)
-        return own, made, outcomes, why
-
-    def _made(
-        self, cell: Cell, own: Context, result: BuildResult | None, outcomes: list[Outcome], why: tuple[str, ...]
-    ) -> CellResult:
+        result, why = self.maker.recall(key, own, outcomes)
         if result is None:
+            if not builds:
+                return None
+            choice = ModelChoice({**self.given, **cell.given}, cell.name, cell.sample)
             with interruptible():
-                result = self.maker.make(
-                    own,
-                    self.session,
-                    ModelChoice({**self.given, **cell.given}, cell.name, cell.sample),
-                    key=self._key(cell),
-                    why=why,
-                    outcomes=outcomes,
-                )
+                result = self.maker.make(own, self.session, choice, key=key, why=why, outcomes=outcomes)
         files = shown_input_files(result, own)
         if result is not None and self.finish is not None:
             result = self.finish(result, self.maker, own, self.session)
         return CellResult(
-            cell,
-            None if result is None else result.summary(),
-            result is None or own.sink.has_errors,
-            diagnostics=tuple(own.sink.diagnostics),
-            outcomes=tuple(outcomes),
-            files=frozenset(files),
+            cell, None if result is None else result.summary(), result is None or own.sink.has_errors,
+            diagnostics=tuple(own.sink.diagnostics), outcomes=tuple(outcomes), files=frozenset(files),
             timings=tuple(own.timings),
-        )
+        )  # fmt: skip
 
     def keep(
         self, result: CellResult, record: Record, inputs: Sequence[FileState], packages: Iterable[Package]
@@ -121,13 +105,9 @@ class CellMaker:
             self.keep_record(result.cell, record, inputs, packages=packages, result=result.result)
 
     def keep_record(
-        self,
-        cell: Cell,
-        record: Record,
-        inputs: Sequence[FileState],
-        packages: Iterable[Package],
+        self, cell: Cell, record: Record, inputs: Sequence[FileState], packages: Iterable[Package],
         result: BuildResult | None = None,
-    ) -> None:
+    ) -> None:  # fmt: skip
         """Store the record of a cell that was written elsewhere, if its inputs are the same here."""
         cache, key = self.maker.cache, self._key(cell)
         if cache is None or key is None:
@@ -166,14 +146,10 @@ def make_recipe(maker: Maker, session: Session, given: dict[str, Node]) -> Recip
         with interruptible():
             made = maker.make(context, session, ModelChoice(given), key=key, why=why, outcomes=outcomes)
     return RecipeResult(
-        tuple(context.sink.diagnostics),
-        tuple(outcomes),
-        frozenset(shown_input_files(made, context)),
-        timings=tuple(context.timings),
-        failed=made is None,
-        cells=made.cells if made else 0,
+        tuple(context.sink.diagnostics), tuple(outcomes), frozenset(shown_input_files(made, context)),
+        timings=tuple(context.timings), failed=made is None, cells=made.cells if made else 0,
         cells_at=made.cells_at if made else None,
-    )
+    )  # fmt: skip
 
 
 def context_for_worker(context: Context) -> Context:
@@ -183,6 +159,21 @@ def context_for_worker(context: Context) -> Context:
         context, sink=Sink(), timings=[], concrete={},
         fetching=None if how is None else replace(how, progress=quiet),
     )  # fmt: skip
+
+
+OnKeep = Callable[[Record, Sequence[FileState]], None]
+"""Gets everything that the cache stores."""
+
+
+@contextmanager
+def _working(job: Job | RecipeJob, on_keep: OnKeep | None) -> Iterator[tuple[Cache | None, Session]]:
+    """Yield the cache and the session of a worker, with the limits and the sources of this run."""
+    cache = None if job.store is None else open_cache(job.store, job.context.sink)
+    if cache is not None:
+        cache.on_keep = on_keep
+    with files.run(), allow(**asdict(job.limits)), Session(remembers=True) as session:
+        files.current().note(job.noted)
+        yield cache, session
 
 
 @dataclass(frozen=True, slots=True)
@@ -210,20 +201,13 @@ class Job:
         )  # fmt: skip
 
     @contextmanager
-    def opened(
-        self, on_keep: Callable[[Record, Sequence[FileState]], None] | None = None
-    ) -> Iterator[Callable[[Cell], CellResult]]:
-        """Yield, in a worker, the function that makes a cell; `on_keep` gets everything that the cache stores."""
-        sink = self.context.sink
-        cache = None if self.store is None else open_cache(self.store, sink)
-        if cache is not None:
-            cache.on_keep = on_keep
-        maker = Maker(self.recipe, self.options, cache, context=self.context, form=self.form, place=self.place)
-        with files.run(), allow(**asdict(self.limits)), Session(remembers=True) as session:
-            files.current().note(self.noted)
+    def opened(self, on_keep: OnKeep | None = None) -> Iterator[Callable[[Cell], CellResult]]:
+        """Yield, in a worker, the function that makes a cell."""
+        with _working(self, on_keep) as (cache, session):
+            maker = Maker(self.recipe, self.options, cache, context=self.context, form=self.form, place=self.place)
             making = CellMaker(maker, self.given, session, finish=self.finish)
             making.begin()
-            yield lambda cell: replace(making.make(cell), of_run=tuple(sink.diagnostics))
+            yield lambda cell: replace(making.make(cell), of_run=tuple(self.context.sink.diagnostics))
 
 
 @dataclass(frozen=True, slots=True)
@@ -238,20 +222,14 @@ class RecipeJob:
     noted: tuple[str, ...] = ()
 
     @contextmanager
-    def opened(
-        self, on_keep: Callable[[Record, Sequence[FileState]], None] | None = None
-    ) -> Iterator[Callable[[Path], RecipeResult]]:
+    def opened(self, on_keep: OnKeep | None = None) -> Iterator[Callable[[Path], RecipeResult]]:
         """Yield, in a worker, the function that makes a recipe."""
-        cache = None if self.store is None else open_cache(self.store, self.context.sink)
-        if cache is not None:
-            cache.on_keep = on_keep
+        with _working(self, on_keep) as (cache, session):
 
-        def make(recipe: Path) -> RecipeResult:
-            own = replace(self.context, sink=Sink(), timings=[], concrete={})
-            return make_recipe(Maker(recipe, self.options, cache, context=own), session, self.given)
+            def make(recipe: Path) -> RecipeResult:
+                own = replace(self.context, sink=Sink(), timings=[], concrete={})
+                return make_recipe(Maker(recipe, self.options, cache, context=own), session, self.given)
 
-        with files.run(), allow(**asdict(self.limits)), Session(remembers=True) as session:
-            files.current().note(self.noted)
             yield make
 
 
@@ -288,9 +266,7 @@ class CellRun:
     def __enter__(self) -> CellRun:
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self._held.close()
 
     def made(self, cells: Sequence[Cell]) -> Iterator[CellResult]:
@@ -311,23 +287,20 @@ class CellRun:
     def _made(self, cells: Sequence[Cell]) -> Iterator[CellResult]:
         if self.crew is not None:
             self._fetch(cells[0])
-            yield from self._all_taken(cells, self.crew.results(self.making, cells))
-            return
-        self.making.begin()
-        count = min(len(cells), self.jobs or min(cores(), max(1, len(cells) // _CELLS_A_PROCESS)))
-        self._pool = self._held.enter_context(Pool[Cell, CellResult](count - 1, _MODULES))
-        if count > 1:
-            self._fetch(cells[0])
-        results = self._pool.results(Job.of(self.making).opened, cells, self.making.make)
-        yield from self._all_taken(cells, results)
-
-    def _all_taken(self, cells: Sequence[Cell], results: Iterator[CellResult | Died]) -> Iterator[CellResult]:
+            results = self.crew.results(self.making, cells)
+        else:
+            self.making.begin()
+            count = min(len(cells), self.jobs or min(cores(), max(1, len(cells) // _CELLS_A_PROCESS)))
+            self._pool = self._held.enter_context(Pool[Cell, CellResult](count - 1, _MODULES))
+            if count > 1:
+                self._fetch(cells[0])
+            results = self._pool.results(Job.of(self.making).opened, cells, self.making.make)
         for cell, result in zip(cells, results, strict=True):
             yield self._taken(_lost(cell, result) if isinstance(result, Died) else result)
 
     def _fetch(self, cell: Cell) -> None:
-        """Read and fetch what a cell needs. Most cells need the same sources, and workers take them from here."""
-        from mjcompose.build import stages  # which a run whose cells are all known does not need
+        """Read and fetch the sources of a cell. Most cells need the same sources, and workers take them from here."""
+        from mjcompose.build import stages  # a run whose cells are all known does not need it
 
         making, maker = self.making, self.making.maker
         request = stages.Request(maker.recipe, {**making.given, **cell.given}, cell.name, sample=cell.sample)
@@ -335,21 +308,17 @@ class CellRun:
             stages.planned(request, replace(maker.context, sink=Sink()))
 
     def _taken(self, result: CellResult) -> CellResult:
+        """Add what a cell reports about the run as a whole, with one time for each stage, to the maker's context."""
         maker = self.making.maker
-        _add_up(maker.context.timings, result.timings)
+        seconds: dict[str, float] = {}
+        for stage, took in (*maker.context.timings, *result.timings):
+            seconds[stage] = seconds.get(stage, 0.0) + took
+        maker.context.timings[:] = seconds.items()
         for each in result.of_run:
             maker.context.sink.add(each)
         if maker.cache is not None and result.result is not None and result.result.is_new:
             maker.cache.grown = True
         return result
-
-
-def _add_up(whole: list[tuple[str, float]], more: Iterable[tuple[str, float]]) -> None:
-    """Add the times of one cell to those of the run, with one entry for each stage."""
-    seconds: dict[str, float] = {}
-    for stage, took in (*whole, *more):
-        seconds[stage] = seconds.get(stage, 0.0) + took
-    whole[:] = seconds.items()
 
 
 def _lost(cell: Cell, died: Died) -> CellResult:

@@ -69,25 +69,25 @@ def with_samples(path: Path, matrix: Matrix, given: dict[str, Node], context: Co
         elif cells:
             found.append(cell)
         if len(found) > in_force().models:
-            sink.error(
-                "limit-exceeded",
-                f"there are more than {in_force().models} models in all",
-                locate(concrete, ("randomize",)),
-                help=advice("models"),
-            )
+            message = f"there are more than {in_force().models} models in all"
+            sink.error("limit-exceeded", message, locate(concrete, ("randomize",)), help=advice("models"))
             break
-    _check_names(found, sink)
+    seen: set[str] = set()
+    for cell in found:
+        if cell.name in seen:
+            message = f"a cell of the matrix is called `{cell.name}`, as a sample of another is"
+            sink.error("name-clash", message, cell.span, help="give the cell another name")
+            break
+        seen.add(cell.name)
     return found if sink.error_count == before else []
 
 
 def _samples(concrete: Mapping, cell: Cell) -> Iterator[Cell]:
     written = find(concrete, ("randomize", "samples"))
     count = written.value if isinstance(written, Scalar) else None
-    whole = isinstance(count, int | float) and not isinstance(count, bool) and 0 < count <= in_force().samples
-    if not whole:
+    if not isinstance(count, int | float) or isinstance(count, bool) or not 0 < count <= in_force().samples:
         yield cell  # planning reports its errors
         return
-    assert isinstance(count, int | float)
     for sample in range(int(count) + 1):
         yield replace(cell, name=sample_name(cell.name, sample), sample=sample, is_sample=True)
 
@@ -105,23 +105,13 @@ def _check_axes(concrete: Mapping, cell: Cell, sink: Sink) -> None:
                        help="draw relative to it, with `scale` or `offset`, or take it out of the axes")  # fmt: skip
 
 
-def _check_names(found: Iterable[Cell], sink: Sink) -> None:
-    seen: set[str] = set()
-    for cell in found:
-        if cell.name in seen:
-            message = f"a cell of the matrix is called `{cell.name}`, as a sample of another is"
-            sink.error("name-clash", message, cell.span, help="give the cell another name")
-            return
-        seen.add(cell.name)
-
-
 def cells_of(
     recipe: Path, context: Context, given: dict[str, Node] | None = None, *, worlds: bool = False
 ) -> list[Cell]:
-    """Return what `--all` builds, in order, with all names and values checked.
+    """Return the cells that `--all` builds, in order, with all names and values checked.
 
-    These are the cells of the matrix, each with its samples if the recipe draws some and they are not `worlds` of
-    one model. The result is empty after errors, which go to the sink.
+    If the recipe draws samples, each cell is followed by its samples, unless they are `worlds` of one model. The
+    result is empty after errors, which go to the sink.
     """
     if use_lock(recipe, context) is None:
         return []

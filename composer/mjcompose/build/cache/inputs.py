@@ -7,6 +7,7 @@ import os
 import re
 from collections.abc import Collection, Iterable, Iterator
 from dataclasses import field
+from functools import cache
 from importlib import metadata
 from pathlib import Path
 
@@ -64,7 +65,6 @@ class Inputs:
     """Lists the inputs of builds; the inputs of a source are looked up once."""
 
     _of_sources: dict[Path, tuple[str, ...]] = field(default_factory=dict)
-    _packages: dict[str, tuple[tuple[str, str, str], ...]] = field(default_factory=dict)
 
     def recipes(self, plan: Plan) -> tuple[str, ...]:
         """Return the recipe files of a plan: its own, extended and nested ones."""
@@ -79,13 +79,12 @@ class Inputs:
         """
         found = self._planned(built.plan, built.plan.sources(), context)
         model = built.composed.model
-        found.update(dict.fromkeys(os.path.abspath(context.folder / name) for name in model.origins.texts))
-        used: list[str] = [use.source for use in built.composed.files if use.content is None]
-        found.update(dict.fromkeys(map(os.path.abspath, used)))
+        used = [*(context.folder / name for name in model.origins.texts)]
+        used += [Path(use.source) for use in built.composed.files if use.content is None]
         if context.fetching is not None and context.fetching.lock_file is not None:
             folder = shapes_folder(context.fetching.lock_file)
-            kept = (folder / f"{each.key}.json" for each in built.composed.shapes)
-            found.update(dict.fromkeys(map(os.path.abspath, kept)))
+            used += [folder / f"{each.key}.json" for each in built.composed.shapes]
+        found.update(dict.fromkeys(map(os.path.abspath, used)))
         recipes = self.recipes(built.plan)
         return tuple(path for path in found if path not in recipes)
 
@@ -99,15 +98,12 @@ class Inputs:
         return tuple(found)
 
     def _planned(self, plan: Plan, sources: Iterable[Source], context: Context) -> dict[str, None]:
-        found: dict[str, None] = {}
-        for each in plan.plans():
-            found.update(dict.fromkeys(map(os.path.abspath, files_of_recipe(each, context))))
-        for source in sources:
-            found.update(dict.fromkeys(self._of(source)))
-        found.update(dict.fromkeys(file for each in LOADED.values() for file in each.files))
+        found = [os.path.abspath(file) for each in plan.plans() for file in files_of_recipe(each, context)]
+        found += [file for source in sources for file in self._of(source)]
+        found += [file for each in LOADED.values() for file in each.files]
         if context.fetching is not None and context.fetching.lock_file is not None:
-            found[os.path.abspath(context.fetching.lock_file)] = None
-        return found
+            found.append(os.path.abspath(context.fetching.lock_file))
+        return dict.fromkeys(found)
 
     def packages(self, plan: Plan) -> Iterator[tuple[str, str, str]]:
         """Yield the packages that affect the result, and those that contain sources."""
@@ -117,9 +113,7 @@ class Inputs:
         named += packages_of(plan)
         named += OF_URDF if any(each.format == "urdf" for each in known) else ()
         for name in dict.fromkeys([*PACKAGES, *named]):
-            if name not in self._packages:
-                self._packages[name] = tuple(_installed(name))
-            yield from self._packages[name]
+            yield from _installed(name)
 
     def _of(self, source: Source) -> tuple[str, ...]:
         if source.path not in self._of_sources:
@@ -142,12 +136,12 @@ def may_move(context: Context) -> bool:
     return any(fetching.pin(each.id) is None and (each.pin or "?") not in each.id for each in fetched)
 
 
-def _installed(package: str) -> Iterator[tuple[str, str, str]]:
-    """Yield name, version, and a file whose path contains the version; nothing if the package is not installed."""
+@cache
+def _installed(package: str) -> tuple[tuple[str, str, str], ...]:
+    """Return name, version, and a file whose path contains the version; nothing if the package is not installed."""
     try:
         found = metadata.distribution(package)
     except metadata.PackageNotFoundError:
-        return
+        return ()
     folder = getattr(found, "_path", None)
-    if folder is not None:
-        yield package, found.version, str(Path(folder) / "METADATA")
+    return () if folder is None else ((package, found.version, str(Path(folder) / "METADATA")),)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 import os
 import tempfile
@@ -29,10 +30,6 @@ def index_row(cell: Cell, result: BuildResult, path: str, checks: int) -> Row:
     sizes = result.sizes or {}
     sample = cell.sample if cell.is_sample else None
     about = [cell.name, cell.cell, sample, path.replace(os.sep, "/"), result.sha256, result.mujoco, checks]
-    return [*about, *(sizes.get(name) for name in SIZES)], _values(cell, result)
-
-
-def _values(cell: Cell, result: BuildResult) -> dict[str, Value]:
     given = {name: value for name, value in cell.values().items() if value is not None}
     found: dict[str, Value] = {}
     for name, value in {**given, **(result.draws or {})}.items():
@@ -40,7 +37,7 @@ def _values(cell: Cell, result: BuildResult) -> dict[str, Value]:
             found |= {f"{column(name)}[{number}]": each for number, each in enumerate(value)}
         else:
             found[column(name)] = value
-    return found
+    return [*about, *(sizes.get(name) for name in SIZES)], found
 
 
 _BATCH = 1000
@@ -105,7 +102,8 @@ class RunTable:
             [(name, types.get(kind, pyarrow.int64())) for name, kind in zip(columns, kinds, strict=True)]
         )
         with parquet.ParquetWriter(stage, schema) as writer:
-            for rows in _batches(self._read()):
+            rest = self._read()
+            while rows := list(itertools.islice(rest, _BATCH)):
                 filled = [
                     [None if each is None else kind(each) for each in column]
                     for kind, column in zip(kinds, zip(*rows, strict=True), strict=True)
@@ -122,14 +120,3 @@ def check_parquet() -> None:
 
 def _kind(value: Value) -> type:
     return str if isinstance(value, str | bool) else int if isinstance(value, int) else float
-
-
-def _batches(rows: Iterator[list[Any]]) -> Iterator[list[list[Any]]]:
-    batch: list[list[Any]] = []
-    for row in rows:
-        batch.append(row)
-        if len(batch) == _BATCH:
-            yield batch
-            batch = []
-    if batch:
-        yield batch

@@ -1,4 +1,4 @@
-"""The checks of a recipe and of its nested recipes are run."""
+"""Run the checks of a recipe and of its nested recipes."""
 
 from __future__ import annotations
 
@@ -43,20 +43,11 @@ class NestedRecipe:
     others: tuple[str, ...] = ()
     keys: str | None = ""
 
-    @property
-    def whole(self) -> bool:
-        """Whether the whole model belongs to the recipe."""
-        return not self.prefix and not self.others
-
     def scope(self) -> dict[str, object]:
-        """Return the fields of a `kinds.scope.Scope` as JSON data."""
-        return {
-            "prefix": self.prefix,
-            "others": list(self.others),
-            "separator": self.plan.separator,
-            "keys": self.keys,
-            "whole": self.whole,
-        }
+        """Return the fields of a `Scope` of checks as JSON data."""
+        whole, separator = not self.prefix and not self.others, self.plan.separator
+        fields = {"prefix": self.prefix, "others": list(self.others), "separator": separator}
+        return {**fields, "keys": self.keys, "whole": whole}
 
     def frame(self, members: Sequence[PartRecord]) -> dict[str, object] | None:
         """Return the body and pose of its world in the model, or None if the pose is unknown.
@@ -149,7 +140,7 @@ class Checks:
         }
         about = f"check `{recipe.part}{check.name}`"
         if check.needs_world and asked["frame"] is None:
-            message = f"{about}: it is not known where the world of this recipe stands in the model, for it has no base"
+            message = f"{about}: the world of this recipe has no known place in the model, because it has no base"
             help = "move the check to the recipe around it"
             context.sink.error("check-failed", message, _place(check, recipe), help=help)
             return True, {}
@@ -158,8 +149,7 @@ class Checks:
         if not answer.ok:
             code = CRASHES.get(answer.crash or "", "mujoco-crash")
             notes = [Note("no check behind it was run")] if answer.crash else []
-            message = f"{about}: {answer.error or answer.crash}"
-            context.sink.error(code, message, _place(check, recipe), notes=notes)
+            context.sink.error(code, f"{about}: {answer.error or answer.crash}", _place(check, recipe), notes=notes)
             return not answer.crash, {}
         for finding in map(from_json, answer.value["findings"]):
             report(finding, check, recipe, context=context)

@@ -1,4 +1,4 @@
-"""MuJoCo compiles a bundle, and its verdict is reported in the recipe and its sources."""
+"""Compile a bundle in MuJoCo, and report its verdict in the recipe and its sources."""
 
 from __future__ import annotations
 
@@ -76,7 +76,7 @@ def compile_and_report(
         span = None if element is None else model.origins.span(element, model.file, attribute)
         said = _with_sources(warning.message, model, context)
         context.sink.warning("mujoco-warning", f"MuJoCo warns: {said}", span, cause=Cause(said, _words_for(element)))
-    if verified.error is not None and verified.code is not None:
+    if verified.error is not None:
         fault = verified.error
         message = _with_sources(fault.message, model, context)
         if verified.crash:
@@ -86,19 +86,15 @@ def compile_and_report(
             report(translate(message, element), element, model, context=context, at=at)
         return None
     version = verified.compiled.mujoco_version
-    if version is None or version_key(version) <= version_key(
-        GRAMMAR.versions[-1]
-    ):  # a newer one may have more attributes
+    # A newer version may have more attributes.
+    if version is None or version_key(version) <= version_key(GRAMMAR.versions[-1]):
         for element, name in unread(model.root, version):
             _report_unread(element, name, model, context=context)
     for flex in unmoved_flexes(model.root, version):
-        context.sink.warning(
-            "not-supported",
-            f"MuJoCo {version} leaves the flex `{flex.get('name')}` where it would be without the frame around it",
-            model.origins.span(flex, model.file),
-            help="build with MuJoCo 4.0, which moves it, or put it into a body",
-            cause=Cause("left behind", _words_for(flex)),
-        )
+        message = f"MuJoCo {version} ignores the frame around the flex `{flex.get('name')}`"
+        help = "build with MuJoCo 4.0, which moves it, or put it into a body"
+        span, cause = model.origins.span(flex, model.file), Cause("left behind", _words_for(flex))
+        context.sink.warning("not-supported", message, span, help=help, cause=cause)
     return verified.compiled
 
 
@@ -132,8 +128,11 @@ def _element(fault: Fault, bundle: Bundle, model: Unit) -> Node | None:
     if said.plugin is not None:
         instances = model.root.findall("extension/plugin/instance")  # the first ones; others have no name
         return instances[said.plugin] if said.plugin < len(instances) else None
-    named = [each for each in model.root.iter("*") if each.get("name") == fault.name] if fault.name else []
-    named = named or [each for each in model.root.iterfind(".//replicate//*") if _is_copy(fault.name, each)]
+    name = fault.name or ""
+    named = [each for each in model.root.iter("*") if each.get("name") == name] if name else []
+    if name and not named:  # MuJoCo numbers the names of copies
+        copies = [(each, str(each.get("name") or name)) for each in model.root.iterfind(".//replicate//*")]
+        named = [each for each, own in copies if name.startswith(own) and name.removeprefix(own)[-1:].isdigit()]
     named = named or [
         each for each in model.root.iter("*") if each.get("file") and basename(str(each.get("file"))) in said.names
     ]
@@ -142,12 +141,6 @@ def _element(fault: Fault, bundle: Bundle, model: Unit) -> Node | None:
     if not named and said.section is not None:
         named = model.root.findall(said.section)
     return named[0] if len(named) == 1 else None
-
-
-def _is_copy(name: str | None, element: Node) -> bool:
-    """Return whether MuJoCo gives this name to a copy of the element."""
-    own = element.get("name")
-    return bool(name and own and name.startswith(own) and name.removeprefix(own)[-1:].isdigit())
 
 
 def _is_another(found: Node | None, fault: Fault) -> bool:
@@ -205,13 +198,9 @@ class Verified:
         return self.error is None
 
     @property
-    def code(self) -> str | None:
-        """The code of the diagnostic that reports `error`; None if there is no error."""
-        if self.error is None:
-            return None
-        if self.crash is None:
-            return "mujoco-rejects"
-        return CRASHES.get(self.crash, "mujoco-crash")
+    def code(self) -> str:
+        """The code of the diagnostic that reports `error`."""
+        return "mujoco-rejects" if self.crash is None else CRASHES.get(self.crash, "mujoco-crash")
 
 
 class OutsideFilesError(Exception):
@@ -235,32 +224,27 @@ def verify(
     If the bundle may come from anyone, `stranger` is its name in messages; it is then compiled only if it
     names no files outside of itself. A failing first forward step is an error too. With a `session`, `keep`
     names the compiled model for later calls. Raises OutputError if the bundle cannot be written to a
-    temporary folder, and StrangerError.
+    temporary folder, and OutsideFilesError.
     """
     try:
         with _written(bundle, session) as (folder, is_reused):
             if stranger is not None and (found := files_outside(folder, bundle.model, stranger)):
                 raise OutsideFilesError(found)
             compiled = engine.compile(
-                folder,
-                bundle.model,
-                wants=("index",),
-                keep=keep,
-                folder_is_reused=is_reused,
-                limits=limits,
+                folder, bundle.model, wants=("index",), keep=keep, folder_is_reused=is_reused, limits=limits,
                 session=session,
-            )
+            )  # fmt: skip
     except OSError as error:
         raise unwritable_error("a temporary folder", error) from error
     warnings = tuple(parse(text) for text in compiled.warnings)
+    fault = None
     if compiled.crash is not None:
-        return Verified(compiled, Fault(compiled.error or compiled.crash), compiled.crash, warnings=warnings)
-    if compiled.error is not None:
-        return Verified(compiled, parse(compiled.error), None, warnings=warnings)
-    if compiled.forward is not None:
+        fault = Fault(compiled.error or compiled.crash)
+    elif compiled.error is not None:
+        fault = parse(compiled.error)
+    elif compiled.forward is not None:
         fault = Fault(f"the model compiles, but its first forward step fails: {compiled.forward}")
-        return Verified(compiled, fault, None, warnings=warnings)
-    return Verified(compiled, None, None, warnings=warnings)
+    return Verified(compiled, fault, compiled.crash, warnings)
 
 
 @contextmanager
@@ -271,7 +255,14 @@ def _written(bundle: Bundle, session: engine.Session | None) -> Iterator[tuple[P
             write_files(bundle, folder)
             yield folder, False
         return
-    folder = session.standing(_named(bundle))
+    # A hash of the files, their bytes and how the model refers to them. No version of MuJoCo uses more.
+    whole = hashlib.sha256(bundle.model.encode())
+    for path in bundle.files:
+        if path not in (bundle.model, MANIFEST):
+            whole.update(f"\0{path}\0{bundle.digest(path)}".encode())
+    for section in _OF_FILES:
+        whole.update(_MATERIAL.sub(b"", b"\0".join(section.findall(bundle.files[bundle.model]))))
+    folder = session.standing(whole.hexdigest())
     if os.path.exists(folder):
         (folder / bundle.model).write_bytes(bundle.files[bundle.model])
     else:
@@ -280,14 +271,3 @@ def _written(bundle: Bundle, session: engine.Session | None) -> Iterator[tuple[P
         write_files(bundle, stage)
         stage.rename(folder)
     yield folder, True
-
-
-def _named(bundle: Bundle) -> str:
-    """Return a hash of the files, their bytes and what the model says of them. No version of MuJoCo uses more."""
-    whole = hashlib.sha256(bundle.model.encode())
-    for path in bundle.files:
-        if path not in (bundle.model, MANIFEST):
-            whole.update(f"\0{path}\0{bundle.digest(path)}".encode())
-    for section in _OF_FILES:
-        whole.update(_MATERIAL.sub(b"", b"\0".join(section.findall(bundle.files[bundle.model]))))
-    return whole.hexdigest()

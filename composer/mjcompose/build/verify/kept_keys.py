@@ -1,8 +1,8 @@
-"""Compare the keys of the compiled model with what they were meant to be.
+"""Compare the keys of the compiled model with the keys of sources and recipes.
 
-Sources are asked alone: MuJoCo compiles each bare (`key_meaning.py`) and says by name what each number of its keys is
-of. Poses in the world move with their part. Recipes say the rest, except where edits make numbers meaningless. How the
-linker lays keys out is of no account here.
+MuJoCo compiles each source alone and bare, and gives for each number of its keys the name of the element that has it.
+Poses in the world move with their part. Recipes give the other numbers, except if edits make them meaningless. The
+linker's own layout of keys is not used here.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ _CALLED = {"joint": "joint", "actuator": "actuator", "body": "mocap body"}
 
 
 class Value(NamedTuple):
-    """Numbers that a key is meant to have, and where they are written; none if MuJoCo has computed them."""
+    """The expected numbers of a key, and where they are written; empty if MuJoCo has computed them."""
 
     numbers: Sequence[float]
     within: Within
@@ -41,11 +41,11 @@ class Value(NamedTuple):
 Own = tuple[Any, str, int]
 """A joint, actuator or mocap body: its element, what a flex calls it, and which of its body it is."""
 Meant = dict[str, dict[Own, list[Value]]]
-"""What a key means, by vector. There are several values for an element that a replicate multiplies."""
+"""The values of a key, by vector. There are several values for an element that a replicate multiplies."""
 
 
 def check_kept_keys(model: Unit, notes: KeyNotes, session: engine.Session, sink: Sink) -> None:
-    """Report numbers of the compiled model's keys that are not what is meant."""
+    """Report numbers of the compiled model's keys that differ from the sources and the recipe."""
     keys = keys_of(model)
     if not keys or not (notes.written or notes.sources):
         return
@@ -55,17 +55,13 @@ def check_kept_keys(model: Unit, notes: KeyNotes, session: engine.Session, sink:
     sources = [each for found in notes.sources.values() for each in found]
     texts = list(dict.fromkeys(each.text for each in sources))
     held = [(at, written) for at, key in enumerate(keys) if (written := _held_key(key, model, notes)) is not None]
-    question = {
-        "texts": [*texts, final.text],
-        "mark": MARK,
-        "held": [{"key": at, "forces": written.forces} for at, written in held],
-    }
+    forces = [{"key": at, "forces": written.forces} for at, written in held]
+    question = {"texts": [*texts, final.text], "mark": MARK, "held": forces}
     answer = engine.call(session, key_rows, [WHOLE], argument=question)
     if not answer.ok or "unlike" in answer.value:
         why = answer.value["unlike"] if answer.ok else answer.error or answer.crash
-        sink.error(
-            "keyframe-wrong", f"the keys of the model cannot be checked: {why}", model.origins.span(keys[0], model.file)
-        )
+        message, span = f"the keys of the model cannot be checked: {why}", model.origins.span(keys[0], model.file)
+        sink.error("keyframe-wrong", message, span)
         return
     described = dict(zip(texts, answer.value["bare"], strict=False))
     meaning = _KeyMeanings(model, notes, {key: (each, described[each.text]) for each in sources for key in each.rows})
@@ -74,8 +70,11 @@ def check_kept_keys(model: Unit, notes: KeyNotes, session: engine.Session, sink:
     for at, key in enumerate(keys):
         meant = meaning.of(key)
         if meant is not None:
-            row = answer.value["keys"][at]
-            computed = _computed_controls(key, model, notes)
+            row, recipe = answer.value["keys"][at], dict(held).get(at)
+            computed: Mapping[Any, Span] = {}  # the actuators whose controls MuJoCo computes
+            if recipe is not None:
+                said = recipe.entries.get("ctrl", {})
+                computed = {node: span for node, span in recipe.held.items() if node not in said}
             wrong = comparison.differences(meant, row, computed, controls=controls.get(at))
             _report(key, list(wrong), model, sink=sink)
 
@@ -85,13 +84,6 @@ def _held_key(key: Node, model: Unit, notes: KeyNotes) -> WrittenKey | None:
     record = model.origins.keys.get(key)
     written = notes.written.get(record.keys[0]) if record is not None and record.keys else None
     return written if written is not None and written.held else None
-
-
-def _computed_controls(key: Node, model: Unit, notes: KeyNotes) -> Mapping[Any, Span]:
-    """Return the actuators whose controls MuJoCo computes, each with its place in the recipe."""
-    written = _held_key(key, model, notes)
-    said = {} if written is None else written.entries.get("ctrl", {})
-    return {} if written is None else {node: span for node, span in written.held.items() if node not in said}
 
 
 @dataclass(slots=True)
@@ -213,12 +205,8 @@ def _value_of(copies: Sequence[Value], within: Within, default: Sequence[float])
 
 def _same(vector: str, one: Sequence[float], other: Sequence[float]) -> bool:
     a, b = _unit(vector, one), _unit(vector, other)
-    if all(abs(x - y) <= _CLOSE * max(1.0, abs(y)) for x, y in zip(a, b, strict=True)):
-        return True
-    turned = [*b[:-4], *(-each for each in b[-4:])]
-    return _turns(vector, len(b)) and all(
-        abs(x - y) <= _CLOSE * max(1.0, abs(y)) for x, y in zip(a, turned, strict=True)
-    )
+    ways = [b, [*b[:-4], *(-each for each in b[-4:])]] if _turns(vector, len(b)) else [b]
+    return any(all(abs(x - y) <= _CLOSE * max(1.0, abs(y)) for x, y in zip(a, way, strict=True)) for way in ways)
 
 
 def _turns(vector: str, width: int) -> bool:
@@ -260,17 +248,14 @@ def _report(key: Node, wrong: Sequence[_Difference], model: Unit, sink: Sink) ->
     notes = [Note(_sentence(each)) for each in wrong[1:4]]
     if len(wrong) > 4:
         notes.append(Note(f"and {len(wrong) - 4} more"))
+    span = first.meant.span or model.origins.span(key, model.file, first.vector)
     sink.error(
-        "keyframe-wrong",
-        f"{_sentence(first)}, in {called} of the finished model",
-        first.meant.span or model.origins.span(key, model.file, first.vector),
-        notes=notes,
-        help="this is a fault of mjcompose: please report it",
-        subjects=(str(key.get("name") or ""),),
-    )
+        "keyframe-wrong", f"{_sentence(first)}, in {called} of the finished model", span, notes=notes,
+        help="this is a fault of mjcompose: please report it", subjects=(str(key.get("name") or ""),),
+    )  # fmt: skip
 
 
 def _sentence(each: _Difference) -> str:
     found, meant = (" ".join(f"{number:.9g}" for number in row) for row in (each.found, each.meant.numbers))
     kind = _CALLED[_KINDS[each.vector]]
-    return f"`{each.vector}` of the {kind} `{each.name}` is {found}, and {meant} is meant"
+    return f"`{each.vector}` of the {kind} `{each.name}` is {found}, not {meant}"

@@ -1,4 +1,4 @@
-"""Each part of a composition is compared with its source, compiled alone."""
+"""Compare each part of a composition with its source, compiled alone."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Note
-from mjcompose.base.rotation import IDENTITY_QUAT, ORIGIN, Quat, Vec3
+from mjcompose.base.rotation import IDENTITY_QUAT, ORIGIN, Pose, Quat, Vec3
 from mjcompose.base.sink import Sink
 from mjcompose.build.bundle.assemble import Renamed
 from mjcompose.build.plan.plan import PartRecord
@@ -31,24 +31,16 @@ from mjcompose.sources.context import Context
 def keep_source(member: PartRecord, session: engine.Session, name: str) -> str | None:
     """Keep the whole source under `name`; return a message if it cannot be read or MuJoCo refuses it."""
     path = member.source.path
-    if member.source.format == "urdf":
-        return _keep_urdf(member, session, name)
-    compiled = engine.compile(path.parent, path.name, keep=name, session=session)
-    return None if compiled.ok else refusal_message(compiled.error or compiled.crash)
-
-
-def _keep_urdf(member: PartRecord, session: engine.Session, name: str) -> str | None:
+    if member.source.format != "urdf":
+        return _keep(session, path.parent, path, text=None, name=name)
     from mjcompose.urdf.read import UrdfReader  # few recipes need it
 
     sink = Sink()
     unit = UrdfReader(member.source, sink, session, is_fixed_in_world=member.is_fixed_in_world).unit()
     if unit is None:
-        found = sink.errors
-        return f"its source cannot be read: {found[0].message}" if found else "its source cannot be read"
+        return _errors_text(sink) if sink.errors else "its source cannot be read"
     with folder_of(unit) as folder:
-        text = write(unit.root).decode()
-        compiled = engine.compile(folder, "source.xml", text=text, keep=name, session=session)
-    return None if compiled.ok else refusal_message(compiled.error or compiled.crash)
+        return _keep(session, folder, Path("source.xml"), text=write(unit.root), name=name)
 
 
 def refusal_message(said: str | None) -> str:
@@ -137,9 +129,6 @@ class PartQuestion:
     welded: bool = False
     cut: bool = False
 
-    def to_json(self) -> dict[str, Any]:
-        return asdict(self)
-
     def mount(self, composed: Model) -> Mount:
         """Return the place of the part. Raises KeyError if the composition lacks the site or body."""
         if not self.posed:
@@ -158,28 +147,16 @@ def compare_part(
     given = PartQuestion(**question)
     if given.body is not None and given.body not in NameTable(composed).ids["body"]:
         return None
+    renamed = given.renamed
+    if given.key_prefix is not None:
+        renamed = {**renamed, "key": {name: given.key_prefix + name for name in NameTable(alone).ids["key"]}}
     found = compare(
-        alone,
-        composed,
-        prefix=given.prefix,
-        hung_on=given.mount(composed),
-        renamed=_renamed(alone, given),
-        keys=Keys(given.keys),
-        roots_in_keys=Roots(given.roots_in_keys),
-        ignore=given.ignore,
-        replaced_keys=given.replaced_keys,
-        tolerance=given.tolerance,
-        cut=given.cut,
-    )
+        alone, composed, prefix=given.prefix, hung_on=given.mount(composed), renamed=renamed, keys=Keys(given.keys),
+        roots_in_keys=Roots(given.roots_in_keys), ignore=given.ignore, replaced_keys=given.replaced_keys,
+        tolerance=given.tolerance, cut=given.cut,
+    )  # fmt: skip
     free = _free(alone, given.prefix) if given.welded else frozenset()
     return [asdict(each) for each in found if not _of_welding(each, free)]
-
-
-def _renamed(alone: Model, given: PartQuestion) -> Mapping[str, Mapping[str, str]]:
-    if given.key_prefix is None:
-        return given.renamed
-    names = NameTable(alone).ids["key"]
-    return {**given.renamed, "key": {name: given.key_prefix + name for name in names}}
 
 
 def _free(alone: Model, prefix: str) -> frozenset[str]:
@@ -193,26 +170,16 @@ def _free(alone: Model, prefix: str) -> frozenset[str]:
 
 def _of_welding(difference: Difference, free: frozenset[str]) -> bool:
     """Return whether the difference only says that a free joint was removed."""
-    if (difference.kind, difference.field) != ("joint", MISSING) and (
-        difference.field not in ("body_dofnum", "body_jntnum")
-    ):
+    counts = difference.field in ("body_dofnum", "body_jntnum")
+    if not counts and (difference.kind, difference.field) != ("joint", MISSING):
         return False
     return difference.name in free or ("#" in free and difference.name.startswith("#"))
 
 
 def differences_of(value: list[dict[str, Any]]) -> list[Difference]:
     """Return the differences that ``compare_part`` returned as JSON data."""
-    return [
-        Difference(
-            each["kind"],
-            each["name"],
-            each["field"],
-            expected=_frozen(each["expected"]),
-            actual=_frozen(each["actual"]),
-            why=each.get("why", ""),
-        )
-        for each in value
-    ]
+    frozen = ("expected", "actual")
+    return [Difference(**{**each, **{name: _frozen(each[name]) for name in frozen}}) for each in value]
 
 
 def _frozen(value: Any) -> Value:
@@ -242,7 +209,7 @@ class PartComparison:
 
 @dataclass(frozen=True, slots=True)
 class Incomparable:
-    """The reason why two models cannot be compared; `lacks_body` says that the second one lacks the given body."""
+    """The reason why two models cannot be compared; `lacks_body` says that the second model lacks the given body."""
 
     why: str
     lacks_body: bool = False
@@ -275,20 +242,40 @@ class PartComparer:
             return PartComparison(member, obscure=member.obscure)
         name = _kept(member)
         if name not in self.alone:
-            self.alone[name] = self._compile(member, name)
+            whole = member.subtree is None
+            self.alone[name] = keep_source(member, self.session, name) if whole else self._take(member, name)
         fault = self.alone[name]
         if fault is not None:
             return PartComparison(member, obscure=fault)
-        given = tuple(excused), tuple(replaced_keys)
-        question = _question(member, *given, self.merged, self.renamed.get(member.part, {}))
+        question = self._question(member, tuple(excused), tuple(replaced_keys))
         found = self._ask(name, WHOLE, question)
         if isinstance(found, Incomparable):
             return PartComparison(member, obscure=found.why)
         return PartComparison(member, (*self.cut.get(name, ()), *found))
 
+    def _question(self, member: PartRecord, excused: tuple[str, ...], replaced_keys: tuple[str, ...]) -> PartQuestion:
+        pose, prefix = member.pose or Pose(), member.prefix
+        renamed = {
+            kind: {gone.removeprefix(prefix): kept for gone, kept in names.items() if gone.startswith(prefix)}
+            for kind, names in self.merged.items()
+        }
+        edited = self.renamed.get(member.part, {})
+        renamed |= {kind: {**names, **renamed.get(kind, {})} for kind, names in edited.items()}
+        keys, key_prefix = Keys.MERGE, None
+        if member.keys is None:
+            keys = Keys.NONE
+        elif member.keys and member.keys == prefix:
+            keys = Keys.PREFIX
+        elif member.keys:
+            key_prefix = member.keys
+        return PartQuestion(
+            prefix, body=member.body, pos=pose.pos, quat=pose.quat, posed=member.pose is not None, renamed=renamed,
+            keys=keys, ignore=excused, replaced_keys=replaced_keys, key_prefix=key_prefix, welded=member.welded,
+        )  # fmt: skip
+
     def _ask(self, alone: str, composed: str, question: PartQuestion) -> tuple[Difference, ...] | Incomparable:
         """Return the differences of two models that the session keeps, or why they cannot be compared."""
-        answer = engine.call(self.session, compare_part, [alone, composed], argument=question.to_json())
+        answer = engine.call(self.session, compare_part, [alone, composed], argument=asdict(question))
         if not answer.ok:
             return Incomparable(answer.error or answer.crash or "it cannot be compared")
         if answer.value is None:
@@ -316,12 +303,6 @@ class PartComparer:
                 break
         return why
 
-    def _compile(self, member: PartRecord, name: str) -> str | None:
-        """Compile the source alone and keep it; return MuJoCo's error message or None."""
-        if member.subtree is not None:
-            return self._take(member, name)
-        return keep_source(member, self.session, name)
-
 
 def _kept(member: PartRecord) -> str:
     """Return a name for the compiled source, shared by all parts with the same source."""
@@ -329,41 +310,6 @@ def _kept(member: PartRecord) -> str:
     taken = "" if member.subtree is None else f"{member.subtree} of {member.keys is None} "
     read = f"{member.source.urdf} {member.source.packages} " if member.source.format == "urdf" else ""
     return f"alone {'' if stands else 'and loose '}{taken}{read}{member.source.path}"
-
-
-def _question(
-    member: PartRecord,
-    excused: tuple[str, ...],
-    replaced_keys: tuple[str, ...],
-    merged: Mapping[str, Mapping[str, str]],
-    edited: Mapping[str, Mapping[str, str]],
-) -> PartQuestion:
-    pose = member.pose
-    renamed = {
-        kind: {gone.removeprefix(member.prefix): kept for gone, kept in names.items() if gone.startswith(member.prefix)}
-        for kind, names in merged.items()
-    }
-    renamed |= {kind: {**names, **renamed.get(kind, {})} for kind, names in edited.items()}
-    keys, key_prefix = Keys.MERGE, None
-    if member.keys is None:
-        keys = Keys.NONE
-    elif member.keys and member.keys == member.prefix:
-        keys = Keys.PREFIX
-    elif member.keys:
-        key_prefix = member.keys
-    return PartQuestion(
-        prefix=member.prefix,
-        body=member.body,
-        pos=ORIGIN if pose is None else pose.pos,
-        quat=IDENTITY_QUAT if pose is None else pose.quat,
-        posed=pose is not None,
-        keys=keys,
-        key_prefix=key_prefix,
-        welded=member.welded,
-        renamed=renamed,
-        ignore=excused,
-        replaced_keys=replaced_keys,
-    )
 
 
 _SHOWN = 8
@@ -379,7 +325,11 @@ def change_sentence(compared: PartComparison) -> str:
     """Return one sentence about a part that differs from its source."""
     found = causes(compared.differences)
     places = len(found)
-    arrays = list(dict.fromkeys(_what(each) for each in found))
+    arrays = list(
+        dict.fromkeys(
+            f"{each.field} {each.kind}" if each.field in (MISSING, EXTRA) else f"`{each.array}`" for each in found
+        )
+    )
     shown = ", ".join(arrays[:4]) + (", …" if len(arrays) > 4 else "")
     return (
         f"`{compared.member.called}` is not what `{compared.member.source.path.name}` is alone: "
@@ -394,9 +344,3 @@ def difference_notes(differences: Sequence[Difference]) -> list[Note]:
     if len(found) > _SHOWN:
         listed.append(Note(f"and {len(found) - _SHOWN} more"))
     return listed
-
-
-def _what(difference: Difference) -> str:
-    if difference.field in (MISSING, EXTRA):
-        return f"{difference.field} {difference.kind}"
-    return f"`{difference.array}`"

@@ -1,4 +1,4 @@
-"""A stored bundle is verified against its manifest and its sources."""
+"""Verify a stored bundle against its manifest and its sources."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ from mjcompose.base.rotation import Pose
 from mjcompose.base.sink import Sink
 from mjcompose.build.bundle.bundle import MANIFEST, Bundle, OutputError
 from mjcompose.build.bundle.integrity import check_files, check_index, manifest_of
-from mjcompose.build.bundle.manifest import Input, Manifest, Part, index_of
+from mjcompose.build.bundle.manifest import Input, Manifest, index_of
 from mjcompose.build.bundle.read import ReadError, read
 from mjcompose.build.plan.plan import PartRecord
 from mjcompose.build.plan.planner import make_plan
-from mjcompose.build.verify.compile import WHOLE, OutsideFilesError, Verified, verify
+from mjcompose.build.verify.compile import WHOLE, OutsideFilesError, verify
 from mjcompose.build.verify.parts import PartComparer, PartComparison, change_sentence, difference_notes
 from mjcompose.model.parse import all_admitted, parse_file
 from mjcompose.sources.context import Context
@@ -145,24 +145,18 @@ def verify_stored(path: Path, context: Context, session: Session, recipe: Path |
     for compared in parts:
         _report(compared, manifest, inputs, context=context)
     if manifest.union is not None:
-        context.sink.warning(
-            "part-not-compared",
-            f"`{shown}` is the union of {manifest.union} models: its parts are compared with their sources in each of"
-            " these, not in the union",
-            help="build the models with `--all`, and verify these",
-        )
+        message = f"`{shown}` is the union of {manifest.union} models: its parts are not compared with their sources"
+        help = "build the models with `--all`, and verify each of them"
+        context.sink.warning("part-not-compared", message, help=help)
     elif manifest.inputs and not parts and manifest.target is None:
-        context.sink.warning(
-            "part-not-compared",
-            f"the manifest of `{shown}` does not say where its parts are attached: none was compared with its source",
-            help="build it again with this version",
-        )
+        message = f"the manifest of `{shown}` does not say where parts are attached: none is compared with its source"
+        context.sink.warning("part-not-compared", message, help="build it again with this version")
     return VerifiedBundle(bundle, manifest, compiled, parts=parts)
 
 
 def _compiled(bundle: Bundle, shown: str, context: Context, session: Session) -> Compiled | None:
     try:
-        verified: Verified = verify(bundle, session=session, keep=WHOLE, stranger=shown)
+        verified = verify(bundle, session=session, keep=WHOLE, stranger=shown)
     except OutsideFilesError as error:
         for each in error.found:
             context.sink.add(each)
@@ -173,33 +167,28 @@ def _compiled(bundle: Bundle, shown: str, context: Context, session: Session) ->
     for warning in verified.warnings:
         said = " ".join(warning.message.split())
         context.sink.warning("mujoco-warning", f"MuJoCo warns about `{shown}`: {said}")
-    if verified.error is None or verified.code is None:
+    if verified.error is None:
         return verified.compiled
     fault = verified.error
     line = "" if fault.line is None else f", line {fault.line} of `{bundle.model}`"
-    what = f" ({fault.element or 'element'} `{fault.name}`{line})" if fault.name else line
-    message = f"`{shown}` does not compile: {' '.join(fault.message.split())}{what}"
-    context.sink.error(verified.code, message)
+    place = f" ({fault.element or 'element'} `{fault.name}`{line})" if fault.name else line
+    context.sink.error(verified.code, f"`{shown}` does not compile: {' '.join(fault.message.split())}{place}")
     return None
 
 
 def _parts(manifest: Manifest, inputs: InputFinder, judge: PartComparer) -> Iterator[PartComparison]:
     for part in manifest.parts:
         found = inputs.find(part.input)
+        member = PartRecord(
+            part.part, part.prefix, Source(Path(), PATH, "") if isinstance(found, str) else found, body=part.body,
+            pose=None if part.pos is None or part.quat is None else Pose(part.pos, part.quat), keys=part.keys,
+            welded=part.welded, is_fixed_in_world=part.stands, changed=part.changed, replaced_keys=part.replaced_keys,
+            obscure=part.obscure, subtree=part.subtree,
+        )  # fmt: skip
         if isinstance(found, str):
-            nowhere = Source(Path(), PATH, "")
-            yield PartComparison(_member(part, nowhere), obscure=part.obscure or found)
+            yield PartComparison(member, obscure=part.obscure or found)
         else:
-            yield judge.compare(_member(part, found), part.changed, part.replaced_keys)
-
-
-def _member(part: Part, source: Source) -> PartRecord:
-    pose = None if part.pos is None or part.quat is None else Pose(part.pos, part.quat)
-    return PartRecord(
-        part.part, part.prefix, source, body=part.body, pose=pose, keys=part.keys, welded=part.welded,
-        is_fixed_in_world=part.stands, changed=part.changed, replaced_keys=part.replaced_keys, obscure=part.obscure,
-        subtree=part.subtree,
-    )  # fmt: skip
+            yield judge.compare(member, part.changed, part.replaced_keys)
 
 
 def _report(compared: PartComparison, manifest: Manifest, inputs: InputFinder, context: Context) -> None:
