@@ -45,7 +45,7 @@ READS_ITSELF = {
         text/key_order.py:_read model/grammar.py:read_data model/history.py:spans
         language/datasheets.py:<module> language/datasheets.py:library
         language/reference_page.py:examples tools/new.py:_action tools/new.py:_read tools/new.py:examples
-        tools/new.py:project targets/table.py:<module> targets/table.py:read_back tools/view/page.py:_engine
+        tools/new.py:_template targets/table.py:<module> targets/table.py:read_back tools/view/page.py:_engine
         tools/view/page.py:_built tools/view/page.py:described
         tools/view/server.py:Server.__init__""",
     "what MuJoCo's process, or another program, has just written into a folder of ours": """

@@ -20,8 +20,6 @@ from mjcompose.sources.context import Context
 from mjcompose.text.faults import quoted, word
 
 RECIPES = (".yaml", ".yml")
-_LINE_BREAK = re.compile(r"\r\n|\n|\r")
-_QUOTES = ("'", '"')
 _CLOSING = {"[": "]", "{": "}"}
 
 
@@ -89,7 +87,7 @@ def _bounds(span: Span, source: str) -> tuple[int, int] | None:
     """Return the positions of a span on one line, or None if it has several; a span without an end is empty."""
     if span.end_line not in (None, span.line):
         return None
-    begins = [0, *(found.end() for found in _LINE_BREAK.finditer(source))]
+    begins = [0, *(found.end() for found in re.finditer(r"\r\n|\n|\r", source))]
     if not 1 <= span.line <= len(begins):
         return None
     start = begins[span.line - 1] + span.column - 1
@@ -100,7 +98,7 @@ def _bounds(span: Span, source: str) -> tuple[int, int] | None:
 
 def _renamed(written: str, fix: Fix, is_yaml: bool) -> str | None:
     """Return another name in the necessary quotes, or None if the old one is not in the text."""
-    quotes = written[:1] if written[:1] in _QUOTES and written[-1:] == written[:1] and len(written) > 1 else ""
+    quotes = written[:1] if written[:1] in ("'", '"') and written[-1:] == written[:1] and len(written) > 1 else ""
     if (written[1:-1] if quotes else written) != fix.replaces:
         return None
     if not is_yaml:
@@ -109,7 +107,6 @@ def _renamed(written: str, fix: Fix, is_yaml: bool) -> str | None:
 
 
 _ROUNDS = 50
-_OF_YAML = "yaml-"
 
 
 @dataclass(slots=True)
@@ -132,13 +129,15 @@ def fix(recipe: Path, context: Context, given: Given | None = None) -> Fixed:
     return _Fixing(recipe, context, given or {}).fixed()
 
 
+@dataclass(slots=True)
 class _Fixing:
-    def __init__(self, recipe: Path, context: Context, given: Given) -> None:
-        self.recipe, self.context, self.given = recipe, context, given
-        self.now: dict[Path, bytes] = {}
-        self.before: dict[Path, bytes] = {}
-        self.useless: set[tuple[str, str, str]] = set()
-        self.at_once: int | None = None
+    recipe: Path
+    context: Context
+    given: Given
+    now: dict[Path, bytes] = field(default_factory=dict)
+    before: dict[Path, bytes] = field(default_factory=dict)
+    useless: set[tuple[str, str, str]] = field(default_factory=set)
+    at_once: int | None = None
 
     def fixed(self) -> Fixed:
         result = Fixed()
@@ -152,7 +151,7 @@ class _Fixing:
             useless = _persisting(left, tried, after)
             if _breaks(left, after):
                 useless = set(map(_identity, tried)) if len(tried) == 1 else set()
-                self.at_once = 1  # trying them one after the other shows which one it was
+                self.at_once = 1  # trying single fixes shows which of them fails
             elif not useless:
                 result.fixed += tried
                 left = after
@@ -184,11 +183,9 @@ class _Fixing:
             if self.at_once is not None and sum(map(len, edits.values())) == self.at_once:
                 break
             edit = edit_of(diagnostic, _decoded(self.text(path))) if self.is_own(path) else None
-            if edit is not None and not any(_overlap(edit, each) for each in edits.setdefault(path, {})):
-                edits[path][edit] = diagnostic
+            if edit is not None and not any(_overlap(edit, each) for each in edits.get(path, ())):
+                edits.setdefault(path, {})[edit] = diagnostic
         for path, each in edits.items():
-            if not each:
-                continue
             mark = b"\xef\xbb\xbf" if self.text(path).startswith(b"\xef\xbb\xbf") else b""
             self.now[path] = mark + applied(_decoded(self.text(path)), each).encode()
         return [diagnostic for each in edits.values() for diagnostic in each.values()]
@@ -215,7 +212,7 @@ def _identity(diagnostic: Diagnostic) -> tuple[str, str, str]:
 def _breaks(before: list[Diagnostic], after: list[Diagnostic]) -> bool:
     """Return whether a file is no longer valid YAML: a corrected name may exist already."""
     known = set(map(_identity, before))
-    return any(each.code.startswith(_OF_YAML) and _identity(each) not in known for each in after)
+    return any(each.code.startswith("yaml-") and _identity(each) not in known for each in after)
 
 
 def _persisting(

@@ -1,4 +1,4 @@
-"""The lock of a recipe: plan all models of the recipe, write their sources to the lock, and say what is new."""
+"""The lock of a recipe: plan all models of the recipe, write their sources to the lock, and report changes."""
 
 from __future__ import annotations
 
@@ -6,14 +6,25 @@ import os
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
-if TYPE_CHECKING:
-    from mjcompose.build.plan.plan import Plan
-    from mjcompose.build.plan.read import Given
-    from mjcompose.sources.context import Context
-    from mjcompose.sources.fetching import Fetching
-    from mjcompose.sources.lock import Disputed, Lock
+from mjcompose.base.codes import OF_FILES
+from mjcompose.base.diagnostic import Note, Severity
+from mjcompose.base.files import read_regular
+from mjcompose.base.sink import Sink
+from mjcompose.base.suggest import did_you_mean, exists_note
+from mjcompose.build.bundle.bundle import OutputError
+from mjcompose.build.bundle.staging import staged_file
+from mjcompose.build.cache.cells import cells_of, choices_of
+from mjcompose.build.plan.locked import lock_changes, lock_of, plan_with_intact_store, use_lock
+from mjcompose.build.plan.matrix import filled_from_first_cell
+from mjcompose.build.plan.parts import parameters_choose
+from mjcompose.build.plan.plan import Plan
+from mjcompose.build.plan.planner import make_plan, plan_what_remains
+from mjcompose.build.plan.read import Given, read_recipe
+from mjcompose.sources.blobs import differences, digest
+from mjcompose.sources.context import Context
+from mjcompose.sources.fetching import Fetching
+from mjcompose.sources.lock import Disputed, Lock, kind_of, shapes_folder, to_text
 
 
 def write_lock(
@@ -23,15 +34,6 @@ def write_lock(
 
     `names` are the sources to upgrade: none for None, all for `()`.
     """
-    from mjcompose.base.files import read_regular
-    from mjcompose.build.bundle.bundle import OutputError
-    from mjcompose.build.bundle.staging import staged_file
-    from mjcompose.build.plan.locked import lock_changes, lock_of, plan_with_intact_store, use_lock
-    from mjcompose.build.plan.matrix import filled_from_first_cell
-    from mjcompose.build.plan.planner import make_plan
-    from mjcompose.sources.blobs import digest
-    from mjcompose.sources.lock import to_text
-
     if not os.path.isfile(context.folder / recipe):
         make_plan(recipe, context)  # which reports what exists instead
         return None
@@ -52,7 +54,11 @@ def write_lock(
     if plan is None:
         return None
     plans = [plan, *_plans_of_cells(recipe, context, given), *_plans_of_variants(recipe, context, whole)]
-    shapes = _shapes(plans, context)
+    shapes: dict[str, bytes] = {}
+    if any(plan.works_on_meshes for plan in plans):
+        from mjcompose.build.compose.preview import shapes_for_plans  # few recipes need it
+
+        shapes = shapes_for_plans(plans, context)
     digests = {key: digest(content) for key, content in shapes.items()}
     after = lock_of(plans, how, how.lock_file.parent, context=context, shapes=digests)
     if before is not None and how.fresh is not None:
@@ -72,26 +78,15 @@ def write_lock(
             return None
         if before is None:
             changes = changes or ["no sources to pin"]
-        changes = changes or ["made with other versions" if before != after else "the same, written anew"]
+        changes = changes or ["made with other versions" if before != after else "the same, written again"]
     return context.shown(how.lock_file), changes
 
 
-def _shapes(plans: list[Plan], context: Context) -> dict[str, bytes]:
-    """What the models make of meshes, by key."""
-    if not any(plan.works_on_meshes for plan in plans):
-        return {}
-    from mjcompose.build.compose.preview import shapes_for_plans  # few recipes need it
-
-    return shapes_for_plans(plans, context)
-
-
 def _wrote_shapes(lock_file: Path, shapes: dict[str, bytes], before: Lock | None, context: Context) -> bool:
-    """Keep what was made of meshes beside the recipe, before the lock says so; False where that cannot be."""
+    """Write converted meshes next to the recipe, before the lock lists them; False if that fails."""
     if not shapes and not (before is not None and before.shapes):
         return True
-    from mjcompose.build.bundle.bundle import OutputError
     from mjcompose.build.compose.preview import write_beside
-    from mjcompose.sources.lock import shapes_folder
 
     try:
         write_beside(shapes_folder(lock_file), shapes)
@@ -103,15 +98,10 @@ def _wrote_shapes(lock_file: Path, shapes: dict[str, bytes], before: Lock | None
 
 def _plans_of_cells(recipe: Path, context: Context, given: Given) -> Iterator[Plan]:
     """Yield the plans of cells: the matrix may select sources that the recipe alone does not name."""
-    from mjcompose.build.cache.cells import cells_of
-    from mjcompose.build.plan.parts import parameters_choose
-    from mjcompose.build.plan.planner import plan_what_remains
-    from mjcompose.build.plan.read import read_recipe
-
     drawn = parameters_choose(read_recipe(context.folder / recipe, context))  # each sample takes time
     for cell in cells_of(recipe, context, dict(given)):
         if cell.sample and not drawn:
-            continue  # its sources are those of the nominal model
+            continue  # the nominal model has the same sources
         plan = plan_what_remains(recipe, context, {**given, **cell.given}, name=cell.name, sample=cell.sample)
         if plan is not None:
             yield plan
@@ -119,12 +109,6 @@ def _plans_of_cells(recipe: Path, context: Context, given: Given) -> Iterator[Pl
 
 def _plans_of_variants(recipe: Path, context: Context, given: Given) -> Iterator[Plan]:
     """Yield the plans of all choices of variants, and warn about sources that are out of reach."""
-    from mjcompose.base.codes import OF_FILES
-    from mjcompose.base.diagnostic import Severity
-    from mjcompose.base.sink import Sink
-    from mjcompose.build.cache.cells import choices_of
-    from mjcompose.build.plan.planner import make_plan
-
     for choice in choices_of(recipe, context):
         own = replace(context, sink=Sink())
         plan = make_plan(recipe, own, {**given, **choice})
@@ -137,8 +121,6 @@ def _plans_of_variants(recipe: Path, context: Context, given: Given) -> Iterator
 
 def _wanted(names: tuple[str, ...], lock: Lock | None, context: Context) -> frozenset[str] | None:
     """Return the sources for some names, or None for all."""
-    from mjcompose.base.suggest import did_you_mean, exists_note
-
     if not names or lock is None:
         return None
     known: dict[str, set[str]] = {}
@@ -160,26 +142,19 @@ def _wanted(names: tuple[str, ...], lock: Lock | None, context: Context) -> froz
 
 def _report_disputes(disputes: Disputed, how: Fetching, context: Context) -> None:
     """Report sources that the two sides of a merge pin differently, for the user to decide."""
-    from mjcompose.base.diagnostic import Note
-
     assert how.lock_file is not None
     shown = context.shown(how.lock_file)
     for id, pins in disputes.items():
         context.sink.error(
             "lock-invalid",
-            f"the two sides of the merge in `{shown}` pin `{id}` otherwise",
+            f"the two sides of the merge in `{shown}` pin `{id}` differently",
             notes=[Note(f"{side}: {pin}") for side, pin in zip(("ours", "theirs"), pins, strict=True)],
-            help=f"run `mjcompose lock {how.recipe} --upgrade-source {id}` to lock it as it is now, or take one side of"
-            " the merge",
+            help=f"run `mjcompose lock {how.recipe} --upgrade-source {id}`, or choose one side of the merge",
         )
 
 
 def _report_changes(before: Lock, after: Lock, fresh: frozenset[str], recipe: Path, context: Context) -> None:
     """Report upstream changes, which are not locked without an explicit request."""
-    from mjcompose.base.diagnostic import Note
-    from mjcompose.sources.blobs import differences
-    from mjcompose.sources.lock import kind_of
-
     for id, now in after.sources.items():
         was = before.sources.get(id)
         if was is None or kind_of(was).is_local or id in fresh:
@@ -189,7 +164,7 @@ def _report_changes(before: Lock, after: Lock, fresh: frozenset[str], recipe: Pa
         if changes := differences(kept, there):
             context.sink.error(
                 "source-changed",
-                f"`{id}` is not what the lock pins",
+                f"`{id}` has other files than the lock pins",
                 notes=[Note(change) for change in changes[:8]],
-                help=f"if that is meant, run `mjcompose lock {recipe} --upgrade-source {now.used_by[0]}`",
+                help=f"to accept the changes, run `mjcompose lock {recipe} --upgrade-source {now.used_by[0]}`",
             )

@@ -14,52 +14,10 @@ from mjcompose.base.version import __version__
 from mjcompose.build.bundle.bundle import OutputError
 from mjcompose.build.bundle.staging import move, resolved_output, staged_folder
 
-_STARTER = """\
-# For completion in your editor: mjcompose schema > recipe.schema.json, and as the first line here:
-#   yaml-language-server: $schema=recipe.schema.json
-recipe: 1                       # the version of the recipe language
-
-name: {name}
-description: A pendulum over a floor; replace it with your own parts.
-angle: degree                   # the unit of the angles in this file; `90deg` and `1.57rad` always work
-
-# The model to start from keeps its own names. Without `base` the model starts empty.
-# base: menagerie:universal_robots_ur5e/ur5e
-
-# Parts, by the prefix that their names get. A model reference is a path relative to this file,
-# package:NAME/path.xml or menagerie:ROBOT/ENTRY; another recipe is a model too.
-# attach:
-#   gripper:
-#     model: menagerie:robotiq_2f85/2f85
-#     site: attachment_site     # or body: / frame:; none of them: the world
-
-option: {{timestep: 0.002, integrator: implicitfast}}
-
-add:
-  - to: world
-    geom: {{name: floor, type: plane, size: [2, 2, 0.1], rgba: [0.8, 0.8, 0.8, 1]}}
-  - to: world
-    light: {{pos: [0, 0, 3], dir: [0, 0, -1]}}
-  - to: world
-    body:
-      name: pendulum
-      pos: [0, 0, 1]
-      joint: [{{name: hinge, type: hinge, axis: [0, 1, 0], range: [-90, 90], damping: 0.1}}]
-      geom: [{{name: rod, type: capsule, fromto: [0, 0, 0, 0, 0, -0.5], size: [0.02]}}]
-      site: [{{name: tip, pos: [0, 0, -0.5]}}]
-
-actuator:
-  motor: {{type: motor, joint: hinge, gear: [1], ctrlrange: [-2, 2]}}
-
-sensor:
-  angle: {{type: jointpos, joint: hinge}}
-  tip_position: {{type: framepos, objtype: site, objname: tip}}
-"""
-
 
 def starter(name: str) -> str:
     """Return the text of a recipe for a model of that name."""
-    return _STARTER.format(name=yaml_name(name))
+    return _template("starter.yaml", {"MODEL": yaml_name(name)})
 
 
 def yaml_name(name: str) -> str:
@@ -68,10 +26,8 @@ def yaml_name(name: str) -> str:
     return name if plain else json.dumps(name, ensure_ascii=False)
 
 
-_SCHEMA_IN_CLONE = b"../schemas/recipe.schema.json"
-_SCHEMA_BESIDE = b"recipe.schema.json"
 _NOT_MODELS = ("README.md", "make_meshes.py")
-"""What belongs to the repository: pages whose links lead into it, and the program that made the meshes."""
+"""Files of the repository: pages whose links lead into it, and the program that made the meshes."""
 
 
 def examples(schema: str) -> dict[str, bytes]:
@@ -83,16 +39,17 @@ def examples(schema: str) -> dict[str, bytes]:
 
 
 def _places() -> tuple[Path, Path]:
-    """Return the folder and the license: beside this file in an installed package, at the top of a clone."""
+    """Return the folder and the license: next to this file in an installed package, at the top of a clone."""
     beside = Path(__file__).with_name("examples")
     root = Path(__file__).parents[3]
     return (beside, beside / "LICENSE") if os.path.isdir(beside) else (root / "recipes", root / "LICENSE")
 
 
 def _read(path: Path) -> bytes:
-    """Return the content. The schema of a recipe is beside it here, and a folder above in the repository."""
+    """Return the content, with the schema next to the recipe instead of a folder above."""
     content = path.read_bytes()
-    return content.replace(_SCHEMA_IN_CLONE, _SCHEMA_BESIDE, 1) if path.suffix == ".yaml" else content
+    is_recipe = path.suffix == ".yaml"
+    return content.replace(b"../schemas/recipe.schema.json", b"recipe.schema.json", 1) if is_recipe else content
 
 
 # The path of each template. In templates, PROJECT, MODEL, VERSION and MUJOCO are placeholders.
@@ -115,12 +72,10 @@ _ACTION = ".github/actions/mjcompose/action.yml"
 
 def project(title: str, model: str, mujoco: str, schema: str) -> dict[str, str]:
     """Return the files of a project by path. `model` is the name of its first model, `schema` the schema of recipes."""
-    package = resources.files(__package__)
     given = {"PROJECT": title, "VERSION": __version__, "MUJOCO": mujoco}
     files = {
-        _filled(path, {"MODEL": model}): _filled(
-            package.joinpath("project", name).read_text(encoding="utf-8"),
-            {**given, "MODEL": yaml_name(model) if name == "recipe.yaml" else model},
+        path.replace("MODEL", model): _template(
+            name, {**given, "MODEL": yaml_name(model) if name == "recipe.yaml" else model}
         )
         for name, path in _FILES.items()
     }
@@ -128,8 +83,8 @@ def project(title: str, model: str, mujoco: str, schema: str) -> dict[str, str]:
 
 
 def needed(model: str) -> frozenset[str]:
-    r"""Return the paths of files that cannot be kept with another content."""
-    return frozenset(_filled(path, {"MODEL": model}) for path in _NEEDED)
+    """Return the paths of files that cannot be kept with another content."""
+    return frozenset(path.replace("MODEL", model) for path in _NEEDED)
 
 
 def lacking(path: str, there: str, own: str) -> list[str]:
@@ -142,8 +97,12 @@ def lacking(path: str, there: str, own: str) -> list[str]:
     return [line for line in own.splitlines() if line not in known] if path in _SHARED else []
 
 
-def _filled(text: str, given: Mapping[str, str]) -> str:
-    """Fill in all placeholders at once, because values may contain one. `MUJOCO_LOG` is another word than `MUJOCO`."""
+def _template(name: str, given: Mapping[str, str]) -> str:
+    """Return a template with all placeholders filled in at once, because values may contain one.
+
+    `MUJOCO_LOG` is another word than `MUJOCO`.
+    """
+    text = resources.files(__package__).joinpath("project", name).read_text(encoding="utf-8")
     return re.sub(rf"\b({'|'.join(given)})\b", lambda found: given[found[0]], text)
 
 
@@ -175,23 +134,16 @@ def write_project(
 
 def _is_kept(place: Path, made: Path, folder: Path, needed: bool) -> bool:
     """Return whether a file exists already. Raises OutputError for anything that blocks the project."""
-    above = place.parent
-    while above != folder:
+    blocked = None
+    for above in (each for each in place.parents if each.is_relative_to(folder) and each != folder):
         if os.path.lexists(above) and not os.path.isdir(above):
-            raise _in_the_way(above, "and no folder")
-        above = above.parent
-    if not os.path.lexists(place):
-        return False
+            blocked = above, "and is no folder"
     if os.path.isdir(place):
-        raise _in_the_way(place, "and a folder")
-    if needed and (not os.path.exists(place) or read_regular(place) != read_regular(made)):
-        raise _in_the_way(place, "with another content than the project needs")
-    return True
-
-
-def _in_the_way(path: Path, what: str) -> OutputError:
-    return OutputError(
-        "output-unwritable",
-        f"`{path}` exists already, {what}: nothing is written",
-        "choose another folder, or move it away",
-    )
+        blocked = place, "and is a folder"
+    exists = os.path.lexists(place)
+    if not blocked and exists and needed and (not os.path.exists(place) or read_regular(place) != read_regular(made)):
+        blocked = place, "with another content than the project needs"
+    if blocked:
+        message = f"`{blocked[0]}` exists already, {blocked[1]}: nothing is written"
+        raise OutputError("output-unwritable", message, "choose another folder, or move it away")
+    return exists

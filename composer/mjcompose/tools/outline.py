@@ -41,13 +41,10 @@ from mjcompose.text.faults import quoted, word
 if TYPE_CHECKING:
     from lxml.etree import _Element as Node
 
-    from mjcompose.build.bundle.manifest import Manifest
-    from mjcompose.sources.reference import Source
-
 
 @dataclass(frozen=True, slots=True)
 class Joint:
-    """A joint; `range` is None without limits, in radians for a hinge or ball joint and in metres for a slide."""
+    """A joint; `range` is None without limits, in radians for a hinge or ball joint and in meters for a slide."""
 
     name: str | None
     type: str
@@ -58,7 +55,7 @@ class Joint:
 class Place:
     """A place for attaching a part: `kind` is `site`, `body` or `frame`.
 
-    `pose` is relative to its body, `world` to the world with all joints at their reference; metres.
+    `pose` is relative to its body, `world` to the world with all joints at their reference; meters.
     """
 
     kind: str
@@ -119,35 +116,26 @@ class Outline:
 def as_data(outline: Outline, depth: int | None = None) -> dict[str, Any]:
     """Return parts, and every body after its parent, with its joints and places.
 
-    `depth` limits the levels of bodies. Metres and radians; poses are relative to the body (`pos`, `quat`) and to
+    `depth` limits the levels of bodies. Meters and radians; poses are relative to the body (`pos`, `quat`) and to
     the world at the reference configuration.
     """
-    return {
-        "name": outline.name,
-        "model": outline.label,
-        "parts": [asdict(part) for part in outline.parts],
-        "bodies": list(_bodies(outline.world, None, depth)),
-    }
+    bodies = list(_bodies(outline.world, None, depth))
+    parts = [asdict(part) for part in outline.parts]
+    return {"name": outline.name, "model": outline.label, "parts": parts, "bodies": bodies}
 
 
 def _bodies(body: Body, parent: str | None, depth: int | None) -> Iterator[dict[str, Any]]:
+    places = [
+        {
+            place.kind: place.name, "pos": place.pose.pos, "quat": place.pose.quat, "world_pos": place.world.pos,
+            "world_quat": place.world.quat,
+        }
+        for place in body.places
+    ]  # fmt: skip
     yield {
-        "name": body.name,
-        "parent": parent,
-        "part": body.part,
-        "copies": body.copies,
-        "joints": [asdict(joint) for joint in body.joints],
-        "places": [
-            {
-                place.kind: place.name,
-                "pos": place.pose.pos,
-                "quat": place.pose.quat,
-                "world_pos": place.world.pos,
-                "world_quat": place.world.quat,
-            }
-            for place in body.places
-        ],
-    }
+        "name": body.name, "parent": parent, "part": body.part, "copies": body.copies,
+        "joints": [asdict(joint) for joint in body.joints], "places": places,
+    }  # fmt: skip
     if depth is None or depth > 0:
         for child in body.children:
             yield from _bodies(child, body.name, None if depth is None else depth - 1)
@@ -160,7 +148,8 @@ _JOINTS = ("joint", "freejoint")
 
 def world_of(unit: Unit, part_of: PartOf) -> Body:
     """Return the world with all bodies below it; `part_of` returns the part of an element by its name in the recipe."""
-    return _Outliner(unit, part_of).world()
+    worlds = list(unit.root.iterchildren("worldbody"))
+    return _Outliner(unit, part_of).body(WORLD, None, holders=worlds, pose=Pose())
 
 
 class _Outliner:
@@ -168,37 +157,24 @@ class _Outliner:
         self.unit, self.part_of = unit, part_of
         self.degrees, self.sequence = unit.settings.angle == "degree", unit.settings.eulerseq
 
-    def world(self) -> Body:
-        worlds = list(self.unit.root.iterchildren("worldbody"))
-        joints, places, children = self.contents(worlds, Pose(), 1)
-        return Body(WORLD, None, joints, places=places, children=children)
-
-    def body(self, node: Node, outside: Pose, copies: int) -> Body:
-        """Return a body; `outside` is the pose of its parent in the world."""
-        name = node.get("name")
-        pose = outside @ self.pose(node)
-        joints, places, children = self.contents([node], pose, copies)
-        own = (Place("body", str(name), Pose(), world=pose),) if name else ()
-        return Body(
-            None if not name else str(name), self.part_of(node), joints, places=(*own, *places),
-            children=children, copies=copies,
-        )  # fmt: skip
-
-    def contents(
-        self, holders: list[Node], world: Pose, copies: int
-    ) -> tuple[tuple[Joint, ...], tuple[Place, ...], tuple[Body, ...]]:
+    def body(self, name: str | None, part: str | None, holders: list[Node], pose: Pose, copies: int = 1) -> Body:
+        """Return a body with the contents of `holders`; `pose` is its pose in the world."""
         joints: list[Joint] = []
-        places: list[Place] = []
         children: list[Body] = []
+        is_named = name is not None and any(holder.tag == "body" for holder in holders)
+        places = [Place("body", str(name), Pose(), world=pose)] if is_named else []
         for node, inside, times in self.members(holders, Pose(), copies):
+            own = node.get("name") or None
             if node.tag in _JOINTS:
-                joints.append(self.joint(node))
+                type = "free" if node.tag == "freejoint" else joint_type(node, self.unit.classes)
+                joints.append(Joint(own, type, self.range(node, type)))
             elif node.tag == "body":
-                children.append(self.body(node, world @ inside, times))
-            elif node.tag in ("site", "frame") and node.get("name"):
-                pose = inside @ self.pose(node)
-                places.append(Place(str(node.tag), str(node.get("name")), pose, world=world @ pose))
-        return tuple(joints), tuple(places), tuple(children)
+                world = pose @ inside @ self.pose(node)
+                children.append(self.body(own, self.part_of(node), holders=[node], pose=world, copies=times))
+            elif node.tag in ("site", "frame") and own:
+                place = inside @ self.pose(node)
+                places.append(Place(str(node.tag), own, place, world=pose @ place))
+        return Body(name, part, tuple(joints), places=tuple(places), children=tuple(children), copies=copies)
 
     def members(self, holders: list[Node], pose: Pose, copies: int) -> Iterator[tuple[Node, Pose, int]]:
         """Yield the contents of bodies, including frames, with the pose of their parent and the number of copies."""
@@ -210,25 +186,20 @@ class _Outliner:
                     count = int(node.get("count") or 1) if node.tag == "replicate" else 1
                     yield from self.members([node], inner, copies * count)
 
-    def joint(self, node: Node) -> Joint:
-        name = str(node.get("name")) if node.get("name") else None
-        type = "free" if node.tag == "freejoint" else joint_type(node, self.unit.classes)
-        return Joint(name, type, None if type == "free" else self.range(node, type))
-
     def range(self, node: Node, type: str) -> tuple[float, float] | None:
         """Return the limits in effect: `limited` decides, and if it is not set, whether a range is written."""
+        if type == "free":
+            return None
         kind, classes = kind_of(node), self.unit.classes
-        text = text_in_effect(node, kind, "range", classes=classes)
         limited = text_in_effect(node, kind, "limited", classes=classes) or "auto"
         if limited == "false" or (limited == "auto" and self.unit.settings.autolimits == "false"):
             return None
-        numbers_of = numbers.read(str(text or ""))
-        if len(numbers_of) != 2 or numbers_of[0] >= numbers_of[1]:
+        limits = numbers.read(str(text_in_effect(node, kind, "range", classes=classes) or ""))
+        if len(limits) != 2 or limits[0] >= limits[1]:
             return None
-        low, high = numbers_of
         if self.degrees and BY_WORD[type].range_unit == "rad":
-            low, high = numbers.joint_radians(low), numbers.joint_radians(high)
-        return low, high
+            limits = [numbers.joint_radians(limit) for limit in limits]
+        return limits[0], limits[1]
 
     def pose(self, node: Node) -> Pose:
         """Return the pose in the parent; for a site, including values from its classes."""
@@ -244,9 +215,15 @@ _NUMBER = re.compile(r"[-+.\d][-+.\deE_]*")
 def render(outline: Outline, depth: int | None = None, color: bool = False) -> str:
     """Return parts, then bodies with their joints, down to `depth` levels; without a final line break."""
     paint = Paint(color)
-    lines = [_head(outline, paint), *_parts(outline.parts, paint), paint("bold", "world")]
-    lines += _below(outline.world, depth, paint)
-    return "\n".join(lines)
+    counts = [counted(len(outline.bodies), "body", "bodies"), counted(len(outline.joints), "joint")]
+    if outline.parts:
+        counts.append(counted(len(outline.parts), "part"))
+    width = max((len(part.name) for part in outline.parts), default=0)
+    lines = [f"{paint('bold', outline.name)}: {', '.join(counts)}"]
+    for part in outline.parts:
+        place = f", on {part.body}" if part.body else ""
+        lines.append(f"  {paint('help', f'{part.name:{width}}')}  {part.model}{paint('dim', place)}")
+    return "\n".join([*lines, paint("bold", "world"), *_below(outline.world, depth, paint)])
 
 
 def render_places(outline: Outline, depth: int | None = None, color: bool = False) -> str:
@@ -257,9 +234,11 @@ def render_places(outline: Outline, depth: int | None = None, color: bool = Fals
     for kind in _ORDER:
         rows += [_place(body, place) for body, place in found if place.kind == kind]
     if len(rows) == 1:
-        return f"{outline.label}: nothing with a name; a part without `site`, `body` and `frame` stands in the world"
+        return f"{outline.label}: nothing with a name; without `site`, `body` and `frame` a part is in the world"
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    head, *lines = (_row(row, widths) for row in rows)
+    head, *lines = (
+        "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows
+    )
     marked = (paint("bold", line[: widths[0]]) + line[widths[0] :] for line in lines)
     return "\n".join([paint("dim", head), *marked])
 
@@ -269,21 +248,6 @@ def _place(body: Body, place: Place) -> tuple[str, str, str, str]:
     name = quoted(place.name) if _NUMBER.fullmatch(place.name) else word(place.name)
     turned = _numbers(place.world.quat)
     return f"{place.kind}: {name}", inside, _numbers(place.world.pos), "" if turned == "1 0 0 0" else turned
-
-
-def _head(outline: Outline, paint: Paint) -> str:
-    bodies, joints = len(outline.bodies), len(outline.joints)
-    counts = [counted(bodies, "body", "bodies"), counted(joints, "joint")]
-    if outline.parts:
-        counts.append(counted(len(outline.parts), "part"))
-    return f"{paint('bold', outline.name)}: {', '.join(counts)}"
-
-
-def _parts(parts: Sequence[Part], paint: Paint) -> Iterator[str]:
-    width = max((len(part.name) for part in parts), default=0)
-    for part in parts:
-        place = f", on {part.body}" if part.body else ""
-        yield f"  {paint('help', f'{part.name:{width}}')}  {part.model}{paint('dim', place)}"
 
 
 def _below(body: Body, depth: int | None, paint: Paint, edge: str = "") -> Iterator[str]:
@@ -316,18 +280,12 @@ def _line(body: Body, parent: Body, paint: Paint) -> str:
 
 def _joint(joint: Joint, paint: Paint) -> str:
     name = f"{paint('code', joint.name)} " if joint.name else ""
-    return f"{name}{joint.type}{paint('dim', _range(joint))}"
-
-
-def _range(joint: Joint) -> str:
     if joint.range is None:
-        return ""
-    unit, values = "m", joint.range
-    if joint.type != "slide":
-        unit, values = "°", (math.degrees(joint.range[0]), math.degrees(joint.range[1]))
-    low, high = (f"{round(each, 1 if unit == '°' else 4):g}" for each in values)
-    space = "" if unit == "°" else " "
-    return f" ±{high}{space}{unit}" if low == f"-{high}" else f" {low}…{high}{space}{unit}"
+        return f"{name}{joint.type}"
+    is_slide = joint.type == "slide"
+    low, high = (f"{round(each, 4):g}" if is_slide else f"{round(math.degrees(each), 1):g}" for each in joint.range)
+    limits = f" ±{high}" if low == f"-{high}" else f" {low}…{high}"
+    return f"{name}{joint.type}{paint('dim', limits + (' m' if is_slide else '°'))}"
 
 
 def _places(body: Body, depth: int | None, level: int) -> Iterator[tuple[Body, Place]]:
@@ -336,10 +294,6 @@ def _places(body: Body, depth: int | None, level: int) -> Iterator[tuple[Body, P
     if depth is None or level < depth:
         for child in body.children:
             yield from _places(child, depth, level + 1)
-
-
-def _row(cells: Sequence[str], widths: Sequence[int]) -> str:
-    return "  ".join(cell.ljust(width) for cell, width in zip(cells, widths, strict=True)).rstrip()
 
 
 def _numbers(values: Sequence[float]) -> str:
@@ -383,8 +337,12 @@ def _of_recipe(path: Path, text: str, context: Context, given: Given | None, sam
     composed = composer.compose(plan)
     if composed is None:
         return None
+    parts = tuple(
+        Part(each.part, context.shown(each.source.path) if each.source.origin is None else each.source.reference,
+             each.body)
+        for each in composed.members
+    )  # fmt: skip
     part_of = _part_of(composed.model, composer.parts, plan.separator)
-    parts = tuple(Part(each.part, _named(each.source, context), each.body) for each in composed.members)
     return Outline(plan.name, text, world_of(composed.model, part_of), parts=parts)
 
 
@@ -403,10 +361,6 @@ def _part_of(model: Unit, parts: dict[Node, str], separator: str) -> PartOf:
     return part_of
 
 
-def _named(source: Source, context: Context) -> str:
-    return context.shown(source.path) if source.origin is None else source.reference
-
-
 def _of_bundle(path: Path, text: str, context: Context) -> Outline | None:
     try:
         bundle = read(path, shown=text)
@@ -422,15 +376,13 @@ def _of_bundle(path: Path, text: str, context: Context) -> Outline | None:
             manifest = from_json(bundle.files[MANIFEST])
         except ValueError:
             context.sink.warning("bundle-manifest", f"the manifest of `{text}` cannot be read: parts are not known")
-    parts: list[Part] = []
-    if manifest is not None:
-        parts = [Part(each.part, manifest.inputs[each.input].reference, each.body) for each in manifest.parts]
-    world = world_of(unit, lambda node: _by_prefix(node, manifest))
-    return Outline(unit.model or unit.label, text, world, parts=tuple(parts))
+    members = () if manifest is None else manifest.parts
+    parts = tuple(Part(each.part, manifest.inputs[each.input].reference, each.body) for each in members if manifest)
 
+    def part_of(node: Node) -> str | None:
+        """Return the part with the longest matching prefix; others may belong to the base or the recipe."""
+        name = str(node.get("name") or "")
+        fitting = [each for each in members if each.prefix and name.startswith(each.prefix)]
+        return max(fitting, key=lambda each: len(each.prefix)).part if fitting else None
 
-def _by_prefix(node: Node, manifest: Manifest | None) -> str | None:
-    """Return the part with the longest matching prefix; an element without one may belong to the base or the recipe."""
-    name = str(node.get("name") or "")
-    fitting = [each for each in (manifest.parts if manifest else ()) if each.prefix and name.startswith(each.prefix)]
-    return max(fitting, key=lambda each: len(each.prefix)).part if fitting else None
+    return Outline(unit.model or unit.label, text, world_of(unit, part_of), parts=parts)

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from functools import cached_property
 from itertools import chain, zip_longest
-from typing import TYPE_CHECKING, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
 from mjcompose.base.diagnostic import Span
 from mjcompose.build.plan.steps import AddElement
@@ -47,12 +47,10 @@ class Places:
     def written(self, side: int, node: Node | None, attribute: str | None) -> list[Span]:
         """Return where an attribute was first written, and where it was changed since."""
         traced = self.sides[side].traced
-        if traced is None or node is None:
-            return []
         if attribute is None:
             span = self.span(side, node, None)
             return [] if span is None else [span]
-        return traced.history(node, attribute)
+        return [] if traced is None or node is None else traced.history(node, attribute)
 
     def class_in_force(self, side: int, node: Node) -> Span | None:
         """Return where the class in force for an element is written."""
@@ -65,11 +63,8 @@ class Places:
 
     def parts_of(self, side: int, node: Node | None) -> Iterator[Part]:
         """Yield the parts that an element belongs to, the outermost first."""
-        traced = self.sides[side].traced
-        if traced is None or node is None:
-            return
-        life = traced.watch.life(node)
-        for each in (life, *life.sources):
+        life = self.life(side, node)
+        for each in () if life is None else (life, *life.sources):
             yield from reversed(each.parts)
 
     def part(self, side: int, node: Node) -> Part | None:
@@ -101,20 +96,14 @@ class Places:
 
     def of_the_same_line(self, node: Node, side: int) -> Node | None:
         """Return the other side's element that was read from the same line of a model, or None if there is none."""
-        here, there = self.sides[side].traced, self.sides[1 - side].traced
-        if here is None or there is None:
+        mine, there = self.life(side, node), self.sides[1 - side].traced
+        if mine is None or there is None:
             return None
-        mine = here.watch.life(node)
-        return next(
-            (
-                life.node
-                for life in there.watch.lives.values()
-                if (life.tag, life.line, life.attributes) == (mine.tag, mine.line, mine.attributes)
-                and life.made_by is None
-                and life.gone is None
-            ),
-            None,
-        )
+        for life in there.watch.lives.values():
+            is_same = (life.tag, life.line, life.attributes) == (mine.tag, mine.line, mine.attributes)
+            if is_same and life.made_by is None and life.gone is None:
+                return life.node
+        return None
 
 
 def _parts(side: Side) -> dict[str, Part]:
@@ -123,25 +112,18 @@ def _parts(side: Side) -> dict[str, Part]:
     return {part.called: part for life in side.traced.watch.lives.values() for part in life.parts}
 
 
-class KeyLines(NamedTuple):
-    """Where the numbers of a key for one joint, actuator or body are written; `holder` is that element."""
-
-    holder: Node | None
-    spans: tuple[Span, ...]
-
-
-def key_lines(elements: Elements, key: Node | None, vector: str, entry: str) -> KeyLines:
-    """Return where the numbers are written, the numbers themselves first; no place if nobody wrote them."""
+def key_lines(elements: Elements, key: Node | None, vector: str, entry: str) -> tuple[Node | None, tuple[Span, ...]]:
+    """Return the element of a key's numbers, and where they are written, the numbers themselves first."""
     traced = elements.traced
     if key is None or vector not in VECTORS:
-        return KeyLines(None, ())
+        return None, ()
     found = [each for each in traced.key_rows(key, vector) if name_of(each[0]) == entry]
     if not found:
         span = traced.written_at(key, vector)
-        return KeyLines(None, () if span is None else (span,))
+        return None, () if span is None else (span,)
     rows = [row for _, row in found]
     reasons = [*(row.reason for row in rows), *(reason for row in rows for reason in row.on_the_way)]
-    return KeyLines(found[0][0], tuple(dict.fromkeys(reason.span for reason in reasons if reason.span)))
+    return found[0][0], tuple(dict.fromkeys(reason.span for reason in reasons if reason.span))
 
 
 _NO_REASON = ("name", "class", "childclass")
@@ -160,15 +142,16 @@ class Causes:
     """
 
     def __init__(self, a: Side, b: Side, found: Contrast) -> None:
-        counts = found.elements
         self.alone: set[tuple[int, str | None]] = {
             (("removed", "added").index(each.what), each.name)
             for each in found.changes
             if each.kind == "body" and each.what in ("removed", "added")
         }
         self.sides = a, b
-        self.a = None if a.traced is None else Elements(a.traced, {kind: n for kind, (n, _) in counts.items()})
-        self.b = None if b.traced is None else Elements(b.traced, {kind: n for kind, (_, n) in counts.items()})
+        self.a, self.b = (
+            None if side.traced is None else Elements(side.traced, {kind: n[at] for kind, n in found.elements.items()})
+            for at, side in enumerate((a, b))
+        )
         self.recipes = Recipes(a), Recipes(b)
         self.written = Written(*self.recipes)
         self.places = Places(a, b, self.recipes)
@@ -182,17 +165,17 @@ class Causes:
     def of(self, change: Change) -> Cause | None:
         """Return the cause of a change, or None if no line is known."""
         before, after = self._nodes(change)
-        for cause in self._candidates(change, before, after):
-            if (found := self._settled(cause)) is not None:
-                return found
-        if before is not None and after is not None:
-            content = self._content(change, before, after)
-            if content is not None:
-                return content
-        for cause in chain(self._around(before, after), self._naming(before, 0), self._naming(after, 1)):
-            if (found := self._settled(cause)) is not None:
-                return found
-        return self.written.only()
+        others = chain(self._around(before, after), self._naming(before, 0), self._naming(after, 1))
+        return (
+            self._first(self._candidates(change, before, after))
+            or self._content(change, before, after)
+            or self._first(others)
+            or self.written.only()
+        )
+
+    def _first(self, causes: Iterable[Cause]) -> Cause | None:
+        settled = (self._settled(cause) for cause in causes)
+        return next((cause for cause in settled if cause is not None), None)
 
     def _candidates(self, change: Change, before: Node | None, after: Node | None) -> Iterator[Cause]:
         if change.kind.partition("/")[0] in SETTINGS:
@@ -216,8 +199,6 @@ class Causes:
             None if self.a is None else self.a.node(change.kind, change.name_before, first),
             None if self.b is None else self.b.node(change.kind, change.name, second),
         )
-
-    # -- whether a line is a reason ----------------------------------------------------------------------------
 
     def _settled(self, cause: Cause, depth: int = 0) -> Cause | None:
         """Return the cause with the lines that differ between A and B, or None if all its lines are the same.
@@ -249,8 +230,6 @@ class Causes:
             return known
         return self.written.twin(side, changed)
 
-    # -- what both have ----------------------------------------------------------------------------------------
-
     def _changed(self, change: Change, before: Node, after: Node) -> Iterator[Cause]:
         wanted = about(change.field).attributes
         for mine, theirs, attributes in self.pairs.candidates(change, before, after, wanted=wanted):
@@ -264,8 +243,10 @@ class Causes:
             yield from self._said(self._known(0, there), self._known(1, part), ("model",))
             yield Cause(f"part `{part.called}`", there.span, part.span)
 
-    def _content(self, change: Change, before: Node, after: Node) -> Cause | None:
+    def _content(self, change: Change, before: Node | None, after: Node | None) -> Cause | None:
         """Return a file with the same name but other bytes, of the element or of an asset that it refers to."""
+        if before is None or after is None:
+            return None
         pairs: list[Pair] = [(before, after, None), *self.pairs.referred(before, after, ASSETS)]
         if change.field in INERTIAL:
             assert self.a is not None and self.b is not None
@@ -320,8 +301,6 @@ class Causes:
         for first, second in reversed(list(zip_longest(*places))):
             yield Cause("`name`", first, second)
 
-    # -- what one of them has ----------------------------------------------------------------------------------
-
     def _one_sided(self, node: Node, side: int) -> Iterator[Cause]:
         """Yield the part or base that came or went with the element, or the element's own line, or what removes it."""
         part = self.places.part(side, node)
@@ -360,11 +339,8 @@ class Causes:
             return
         life = here.watch.life(node)
         for gone in traced.watch.gone:
-            if (
-                gone.tag == life.tag
-                and gone.attributes == life.attributes
-                and isinstance(gone.owner, str) is isinstance(life.owner, str)
-            ):
+            is_same = (gone.tag, gone.attributes) == (life.tag, life.attributes)
+            if is_same and isinstance(gone.owner, str) is isinstance(life.owner, str):
                 yield _cause("removed", None, traced.causes.gone(gone).span, side=1 - side)
 
     def _conditions(self, span: Span | None) -> Iterator[Cause]:
@@ -381,8 +357,6 @@ class Causes:
                 break
             node = above
         return node
-
-    # -- the reason for a part or a file as a whole -----------------------------------------------------------
 
     def _known(self, side: int, part: Part | None) -> Located | None:
         return None if part is None else self.recipes[side].attachment(part)
@@ -412,8 +386,6 @@ class Causes:
         for each in dict.fromkeys([*compilers[0], *compilers[1]]):
             yield Cause(f"`{each.split()[0]}`", compilers[0].get(each), compilers[1].get(each))
 
-    # -- settings and keyframes --------------------------------------------------------------------------------
-
     def _setting(self, change: Change) -> Iterator[Cause]:
         if self.a is None or self.b is None:
             return
@@ -432,13 +404,13 @@ class Causes:
         if self.a is None or self.b is None:
             return
         vector = change.field.removeprefix("key_")
-        mine, theirs = (
+        (mine, ours), (yours, theirs) = (
             key_lines(elements, node, vector, entry=change.entry)
             for elements, node in zip((self.a, self.b), self._nodes(change), strict=True)
         )
-        for before, after in zip_longest(mine.spans, theirs.spans):
+        for before, after in zip_longest(ours, theirs):
             yield Cause("key", before, after)
-        for pair in self.pairs.holding(mine.holder, theirs.holder):
+        for pair in self.pairs.holding(mine, yours):
             yield from self._attribute(*pair)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterator, Mapping
-from itertools import zip_longest
+from itertools import takewhile, zip_longest
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
 from mjcompose.base.dataclass import dataclass
@@ -225,12 +225,18 @@ class Elements:
         """Return the element that holds a setting; if there are several sections, the last one."""
         node: Node | None = self.root
         for tag in path:
-            node = None if node is None else next(iter(list(node.iterchildren(tag))[::-1]), None)
+            node = None if node is None else next(node.iterchildren(tag, reversed=True), None)
         return node
 
     def inside(self, node: Node, *tags: str) -> list[Node]:
         """Return the children of a body with these tags, including those in frames."""
-        return list(_inside(node, tags))
+        found = []
+        for child in node.iterchildren("*"):
+            if child.tag in tags:
+                found.append(child)
+            elif child.tag in ("frame", "replicate"):
+                found += self.inside(child, *tags)
+        return found
 
     def weighs(self, body: Node) -> bool:
         """Return whether a body has an inertial, or a geom with mass."""
@@ -241,12 +247,7 @@ class Elements:
 
     def frames(self, node: Node) -> list[Node]:
         """Return the frames between an element and its body, the innermost first."""
-        found = []
-        for above in node.iterancestors():
-            if above.tag in _HOLDERS:
-                break
-            found.append(above)
-        return found
+        return list(takewhile(lambda above: above.tag not in _HOLDERS, node.iterancestors()))
 
     def carried(self, frame: Node) -> Part | None:
         """Return the part for which the linker created a frame."""
@@ -263,19 +264,10 @@ class Elements:
     def value(self, node: Node, attribute: str) -> tuple[str | None, Node | None]:
         """Return the effective value of an attribute, and the element that writes it: this one or a default class."""
         kind = kind_of(node)
-        known = kind.attributes.get(attribute)
-        if known is None:
+        if attribute not in kind.attributes:
             return None, None
-        steps = levels(node, kind, known, classes=self.traced.classes)
+        steps = levels(node, kind, kind.attributes[attribute], classes=self.traced.classes)
         return value(steps), next((step.writer for step in steps if step.taken), None)
-
-
-def _inside(node: Node, tags: tuple[str, ...]) -> Iterator[Node]:
-    for child in node.iterchildren("*"):
-        if child.tag in tags:
-            yield child
-        elif child.tag in ("frame", "replicate"):
-            yield from _inside(child, tags)
 
 
 INERTIAL = frozenset({"body_mass", "body_inertia", "body_ipos", "body_iquat", "body_subtreemass"})
@@ -319,9 +311,9 @@ class Pairs:
                 yield mine, theirs, ("range", "ref", "type", "axis")
         yield before, after, None
         if change.kind == "tendon":
-            for mine, theirs in zip_longest(before.iterchildren("*"), after.iterchildren("*")):
-                yield mine, theirs, None
-            for mine, theirs in zip(before.iterchildren("*"), after.iterchildren("*"), strict=False):
+            path = list(zip_longest(before.iterchildren("*"), after.iterchildren("*")))
+            yield from ((mine, theirs, None) for mine, theirs in path)
+            for mine, theirs in path:
                 for first, second, _ in self.referred(mine, theirs, _PATH):
                     yield first, second, None
                     yield from self.above(first, second)
@@ -359,14 +351,9 @@ class Pairs:
         if before is None or after is None:
             return
         yield before, after, ("ref",)
-        mine, theirs = _body(before), _body(after)
+        mine, theirs = (
+            node if node.tag == "body" else next(node.iterancestors("body"), None) for node in (before, after)
+        )
         if mine is not None and theirs is not None:
             yield mine, theirs, _POSE
             yield from self.above(mine, theirs)
-
-
-def _body(node: Node | None) -> Node | None:
-    """Return the body itself, or the body of a joint."""
-    if node is None or node.tag == "body":
-        return node
-    return next(node.iterancestors("body"), None)

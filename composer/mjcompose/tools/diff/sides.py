@@ -8,8 +8,7 @@ import json
 import os
 import re
 import shutil
-import subprocess
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Mapping
 from contextlib import ExitStack, suppress
 from dataclasses import field, replace
 from enum import StrEnum
@@ -20,7 +19,6 @@ from mjcompose.base.access import NOTHING
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import DiagnosticError, Span
 from mjcompose.base.files import foreign_format, read_regular
-from mjcompose.base.processes import Process
 from mjcompose.base.scratch import scratch
 from mjcompose.base.sink import Sink
 from mjcompose.build.bundle.assemble import assemble
@@ -48,7 +46,7 @@ from mjcompose.mujoco.messages import CRASHES, Fault, parse
 from mjcompose.sources.blobs import files_below, sha256_of
 from mjcompose.sources.context import Context
 from mjcompose.sources.fetching import Fetching, quiet
-from mjcompose.sources.git_command import CONFINED, NO_SYSTEM, Git, GitFailure, write_tree
+from mjcompose.sources.git_command import Git, GitFailure, write_tree
 from mjcompose.sources.reference import SourceError
 from mjcompose.sources.trust import Trust
 from mjcompose.tools.diff.changes import End
@@ -59,14 +57,11 @@ if TYPE_CHECKING:
     from mjcompose.build.compose.load import Library
     from mjcompose.mujoco.engine import Session
 
-_SECONDS = 600
 _POINTER = 1024
 """Pointers of Git LFS are smaller, in bytes."""
 _LINKS = 5000
 """The most entries that are linked, the nearest first."""
 _OID = re.compile(rb"^oid sha256:([0-9a-f]{64})$", re.MULTILINE)
-# these variables would direct git to another repository or index than that of the folder
-_OWN = ("GIT_DIR", "GIT_WORK_TREE", "GIT_INDEX_FILE", "GIT_PREFIX", "GIT_OBJECT_DIRECTORY")
 
 
 class RevisionError(DiagnosticError):
@@ -100,18 +95,29 @@ def check_out(revision: str, path: Path, into: Path, environment: Mapping[str, s
     `path` need not exist any more. Raises RevisionError.
     """
     near = next(each for each in path.absolute().parents if os.path.isdir(each))
-    git = _Git(near, {name: value for name, value in environment.items() if name not in _OWN})
-    top = Path(git.run("rev-parse", "--show-toplevel", fault=f"`{near}` is not in a git repository"))
-    commit = git.run(
-        "rev-parse", "--verify", "--quiet", "--end-of-options", f"{revision}^{{commit}}",
-        fault=f"the revision `{revision}` does not exist in the repository of `{path.name}`",
-    )  # fmt: skip
-    inside = Path(os.path.relpath(os.path.realpath(near), os.path.realpath(top)), path.absolute().relative_to(near))
-    repository = Path(git.run("rev-parse", "--absolute-git-dir", fault=f"`{near}` is not in a git repository"))
+    git = Git(environment, quiet, limit=600)
+
+    def asked(fault: str, *arguments: str) -> str:
+        try:
+            out = git.run("-C", str(near), "rev-parse", *arguments)
+        except SourceError as error:
+            message = "the git command is not installed: revisions cannot be read"
+            raise RevisionError("git-revision", message, "install git") from error
+        except GitFailure as error:
+            why = str(error).partition("\n")[0].removeprefix("fatal: ")
+            raise RevisionError("git-revision", f"{fault}: {why}" if why else fault) from error
+        return out.decode("utf-8", "surrogateescape").strip("\n")
+
+    outside = f"`{near}` is not in a git repository"
+    top = Path(os.path.realpath(asked(outside, "--show-toplevel")))
+    missing = f"the revision `{revision}` does not exist in the repository of `{path.name}`"
+    commit = asked(missing, *"--verify --quiet --end-of-options".split(), f"{revision}^{{commit}}")
+    inside = Path(os.path.relpath(os.path.realpath(near), top), path.absolute().relative_to(near))
+    repository = Path(asked(outside, "--absolute-git-dir"))
     try:  # byte for byte: runs no filters and hooks, which may come from anyone
-        root = _beside_the_same(Path(os.path.realpath(top)), into)
-        write_tree(Git(git.environment, quiet), repository, commit, target=root)
-        from_lfs(root, _lfs_folder(git))
+        root = _beside_the_same(top, into)
+        write_tree(git, repository, commit, target=root)
+        from_lfs(root, near / asked(outside, "--git-common-dir") / "lfs" / "objects")  # of all work trees
     except (GitFailure, SourceError, OSError) as error:
         fault = f"the files of revision `{revision}` cannot be checked out"
         raise RevisionError("git-revision", f"{fault}: {error}") from error
@@ -133,12 +139,6 @@ def _beside_the_same(top: Path, into: Path) -> Path:
     return into.joinpath(*top.parts[1:])
 
 
-def _lfs_folder(git: _Git) -> Path:
-    """Return where Git LFS stores fetched files, for all work trees of the repository."""
-    common = git.run("rev-parse", "--git-common-dir", fault="it is not in a repository")
-    return git.folder / common / "lfs" / "objects"
-
-
 def from_lfs(folder: Path, objects: Path) -> None:
     """Replace pointers of Git LFS by their files, if LFS has them on this machine."""
     for _, path in files_below(folder):
@@ -152,37 +152,6 @@ def from_lfs(folder: Path, objects: Path) -> None:
         if os.path.isfile(stored) and not stored.is_symlink() and sha256_of(stored) == digest:
             path.unlink()
             shutil.copyfile(stored, path)
-
-
-@dataclass(slots=True)
-class _Git:
-    folder: Path
-    environment: dict[str, str]
-
-    def run(self, *arguments: str, fault: str) -> str:
-        settings = (word for name, value in CONFINED.items() for word in ("-c", f"{name}={value}"))
-        if shutil.which("git", path=self.environment.get("PATH", os.defpath)) is None:
-            raise RevisionError(
-                "git-revision", "the git command is not installed: revisions cannot be read", "install git"
-            )
-        with Process(
-            ["git", *settings, "-C", str(self.folder), *arguments],
-            env={**self.environment, **NO_SYSTEM},
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
-        ) as process:
-            try:
-                out, err = process.communicate(timeout=_SECONDS)
-            except subprocess.TimeoutExpired as error:
-                raise RevisionError("git-revision", f"{fault}: git took longer than {_SECONDS} s") from error
-            finally:
-                process.end()
-        if process.returncode != 0:
-            said = err.decode("utf-8", "replace").strip().splitlines()
-            why = said[0].removeprefix("fatal: ") if said else ""
-            raise RevisionError("git-revision", f"{fault}: {why}" if why else fault)
-        return str(out.decode("utf-8", "surrogateescape")).strip("\n")
 
 
 _URDF = (".urdf", ".xacro")
@@ -257,14 +226,13 @@ def read_operand(text: str, context: Context, opened: ExitStack) -> Operand | No
         context.sink.error("file-not-found", f"the file or folder `{shown}` does not exist{where}", help=help)
         return None
     kind = _kind(path)
-    if kind is None and (foreign := foreign_format(path)) is not None:
-        context.sink.error("source-kind", foreign.message(text), help=foreign.help(text))
-        return None
     if kind is None:
-        context.sink.error(
-            "source-kind", f"`{text}` is neither a recipe nor an MJCF or URDF file nor a bundle",
-            help="name a .yaml, .xml, .urdf, .xacro, .zip, .mjz or a folder, or one of a git revision as `REV:path`",
-        )  # fmt: skip
+        foreign = foreign_format(path)
+        message = f"`{text}` is neither a recipe nor an MJCF or URDF file nor a bundle"
+        help = "name a .yaml, .xml, .urdf, .xacro, .zip, .mjz or a folder, or one of a git revision as `REV:path`"
+        if foreign is not None:
+            message, help = foreign.message(text), foreign.help(text)
+        context.sink.error("source-kind", message, help=help)
         return None
     if path.suffix.lower() in _URDF:
         path = _recipe_of(path, opened)
@@ -340,22 +308,24 @@ class Side:
     def end(self) -> End:
         whole = hashlib.sha256("".join(f"{path}\0{sha}\n" for path, sha in self.digests.items()).encode())
         cells = 0 if self.cell is not None else self.cells
-        outside = _outside(self.operand, self.inputs)
+        root, outside = self.operand.files, set[str]()
+        if root is not None:  # files outside of the repository are as they are now
+            inputs = (Path(os.path.normpath(path)) for path in self.inputs)
+            outside = {os.path.relpath(path, root) for path in inputs if not path.is_relative_to(root)}
         return End(
             self.operand.label, self.operand.kind, whole.hexdigest(), cell=self.cell, cells=cells,
-            outside=outside,
+            outside=tuple(sorted(outside)),
         )  # fmt: skip
 
     def lines(self, file: str) -> list[str]:
         """Return the lines of a file; none if it cannot be read."""
+        if file not in self.texts:
+            try:
+                self.texts[file] = read_regular(self.operand.context.folder / file).decode("utf-8", "replace")
+            except (OSError, ValueError):
+                self.texts[file] = ""
         if file not in self.read:
-            text = self.texts.get(file)
-            if text is None:
-                try:
-                    text = read_regular(self.operand.context.folder / file).decode("utf-8", "replace")
-                except (OSError, ValueError):
-                    text = ""
-            self.read[file] = text.splitlines()
+            self.read[file] = self.texts[file].splitlines()
         return self.read[file]
 
 
@@ -415,22 +385,11 @@ def load_cell(
         return None
     traced = Traced(composed.model, watch, plan.separator, folder=context.folder)
     matrix = read_matrix(operand.path, context, given)
-    cells = len(matrix.cells) if matrix else 0
-    name = None if cell is None else cell.name
-    inputs = tuple(source_files(plan, composed.model, composed.files))
     return Side(
-        operand, kept, _digests(bundle), traced=traced, plan=plan, cell=name, cells=cells, given=values,
-        inputs=inputs, bundle=bundle, excluded=composed.excluded,
+        operand, kept, _digests(bundle), traced=traced, plan=plan, cell=None if cell is None else cell.name,
+        cells=len(matrix.cells) if matrix else 0, given=values,
+        inputs=tuple(source_files(plan, composed.model, composed.files)), bundle=bundle, excluded=composed.excluded,
     )  # fmt: skip
-
-
-def _outside(operand: Operand, inputs: Iterable[Path]) -> tuple[str, ...]:
-    """Return the files of a revision that are not in its repository, from its top: these are as they are now."""
-    root = operand.files
-    if root is None:
-        return ()
-    there = {Path(os.path.normpath(path)) for path in inputs}
-    return tuple(sorted(os.path.relpath(path, root) for path in there if not path.is_relative_to(root)))
 
 
 def _cell(operand: Operand, given: Given, pick: str, sample: int | None) -> Cell | None:
@@ -460,16 +419,10 @@ def _mjcf(operand: Operand, kept: str, session: Session) -> Side | None:
         _refused(fault, compiled.crash, shown, context=context)
         return None
     digest = hashlib.sha256(read_regular(path)).hexdigest()
-    inputs = tuple(_files_of(unit, path))
+    included = (text.path for text in unit.origins.texts.values() if text.path is not None)
+    named = (written_path(unit.settings, element, name) for element, _, name in file_attributes(unit.root))
+    inputs = (path, *included, *(Path(join(str(unit.directory), name)) for name in named))
     return Side(operand, kept, {MODEL: digest}, traced=_traced(unit, context), inputs=inputs)
-
-
-def _files_of(unit: Unit, path: Path) -> Iterator[Path]:
-    """Yield an MJCF file, the files that it includes, and the meshes and other files that it names."""
-    yield path
-    yield from (text.path for text in unit.origins.texts.values() if text.path is not None)
-    for element, _, name in file_attributes(unit.root):
-        yield Path(join(str(unit.directory), written_path(unit.settings, element, name)))
 
 
 def _bundle(operand: Operand, kept: str, session: Session) -> Side | None:
@@ -494,10 +447,10 @@ def _bundle(operand: Operand, kept: str, session: Session) -> Side | None:
         door=NOTHING,
     )  # fmt: skip
     files = [operand.path / name for name in bundle.files] if os.path.isdir(operand.path) else [operand.path]
-    side = Side(operand, kept, _digests(bundle), traced=_traced(unit, context), inputs=tuple(files))
-    side.bundle = bundle
-    side.texts[file] = text.decode("utf-8", "replace")
-    return side
+    return Side(
+        operand, kept, _digests(bundle), traced=_traced(unit, context), inputs=tuple(files), bundle=bundle,
+        texts={file: text.decode("utf-8", "replace")},
+    )  # fmt: skip
 
 
 def _traced(unit: Unit | None, context: Context) -> Traced | None:
@@ -511,9 +464,8 @@ def _traced(unit: Unit | None, context: Context) -> Traced | None:
 def _refused(fault: Fault, crash: str | None, file: str, context: Context) -> None:
     code = "mujoco-rejects" if crash is None else CRASHES.get(crash, "mujoco-crash")
     span = None if fault.line is None else Span(file, fault.line, fault.column or 1)
-    named = f" ({fault.element or 'element'} `{fault.name}`)" if fault.name else ""
-    said = " ".join(fault.message.split())
-    context.sink.error(code, f"`{file}` does not compile: {said}{named}", span)
+    name = f" ({fault.element or 'element'} `{fault.name}`)" if fault.name else ""
+    context.sink.error(code, f"`{file}` does not compile: {' '.join(fault.message.split())}{name}", span)
 
 
 def _digests(bundle: Bundle) -> dict[str, str]:

@@ -13,7 +13,6 @@ from mjcompose.mujoco.arrays import about, is_place, unit
 from mjcompose.tools.diff.changes import SETTINGS, Cause, Change, Count, Diff, End, Group, Move, Value, View
 
 _NAMED = 5
-_NOISE = 1e-12
 _PLURALS = {
     "body": "bodies", "mesh": "meshes", "equality": "equalities", "flex": "flexes", "key": "keyframes",
     "default class": "default classes",
@@ -46,9 +45,7 @@ def sentences(changes: Iterable[Change], between: Between | None = None) -> Iter
 def count(size: Count) -> str:
     """`nq 9 → 16`, `bodies 12 → 13`."""
     word = size.name if size.name.startswith(("n", "total")) and size.name != "numeric" else plural(size.name)
-    if not size.unit:
-        return f"{word} {shown(size.before)} → {shown(size.after)}"
-    return f"{word} {arrow(size.before, size.after, size.unit)}"
+    return f"{word} {arrow(size.before, size.after, size.unit, share=bool(size.unit))}"
 
 
 def moved(moves: Iterable[Move]) -> Iterator[str]:
@@ -56,14 +53,12 @@ def moved(moves: Iterable[Move]) -> Iterator[str]:
     for (vector, kind, by), run in groupby(moves, key=lambda each: (each.vector, each.kind, each.after - each.before)):
         several = list(run)
         first, last = several[0], several[-1]
-        where = f"in {vector}"
+        of = f"of {subject(kind, [each.name for each in several])} in {vector}:"
         if len(several) == 1:
-            yield f"address of {subject(kind, [first.name])} {where}: {first.before} → {first.after}"
+            yield f"address {of} {first.before} → {first.after}"
         else:
-            yield (
-                f"addresses of {subject(kind, [each.name for each in several])} {where}: "
-                f"{first.before}…{last.before} → {first.after}…{last.after} ({_signed(by)})"
-            )
+            shift = f"{by:+d}".replace("-", "−")
+            yield f"addresses {of} {first.before}…{last.before} → {first.after}…{last.after} ({shift})"
 
 
 def subject(kind: str, names: Sequence[str]) -> str:
@@ -84,16 +79,11 @@ def quoted(name: str) -> str:
 
 
 def _quoted(names: Sequence[str]) -> Iterator[str]:
-    """Yield names in backquotes; several unnamed things on one body share the name of the body."""
-    for (place, _), run in groupby(map(_placed, names), key=lambda each: (each[1], each[1] or each[0])):
-        several = [first for first, _ in run]
+    """Yield names in backquotes; several unnamed elements on one body share the name of the body."""
+    split = [name.partition(" ") if name.startswith("#") else (name, "", "") for name in names]
+    for (place, _), run in groupby(split, key=lambda parts: (parts[2], parts[2] or parts[0])):
+        several = [first for first, _, _ in run]
         yield f"{', '.join(several)} {place}" if place else quoted(several[0])
-
-
-def _placed(name: str) -> tuple[str, str]:
-    """Split `#2 of body ...` in two."""
-    first, space, place = name.partition(" ")
-    return (first, place) if name.startswith("#") and space else (name, "")
 
 
 def plural(kind: str) -> str:
@@ -107,7 +97,10 @@ def arrow(before: Value, after: Value, unit: str = "", *, share: bool = True) ->
     if ours == theirs:
         ours, theirs = shown(before, None), shown(after, None)
     change = relative(before, after) if share else None
-    grown = "" if change is None or abs(change) < 5e-4 else f" ({_percent(change)})"
+    grown = ""
+    if change is not None and abs(change) >= 5e-4:
+        percent = f"{'+' if change > 0 else '−'}{abs(100 * change):.3g} %"
+        grown = f" (×{change + 1:.3g})" if change >= 9 else f" ({percent})"
     return f"{ours}{unit if before is not None else ''} → {theirs}{unit if after is not None else ''}{grown}"
 
 
@@ -130,16 +123,6 @@ def relative(before: Value, after: Value) -> float | None:
     return ratios[0] - 1 if ratios[0] > 0 else None
 
 
-def _percent(change: float) -> str:
-    if change >= 9:
-        return f"×{change + 1:.3g}"
-    return f"{'+' if change > 0 else '−'}{abs(100 * change):.3g} %"
-
-
-def _signed(number: int) -> str:
-    return f"{number:+d}".replace("-", "−")
-
-
 def shown(value: Value, digits: int | None = 6) -> str:
     """Return a value as text, lists in brackets; without `digits` every number to the bit."""
     if isinstance(value, bool):
@@ -147,16 +130,12 @@ def shown(value: Value, digits: int | None = 6) -> str:
     if value is None:
         return "none"
     if isinstance(value, tuple):
-        negligible = 0.0 if digits is None else _NOISE * max(map(abs, _numbers(value)), default=0.0)
-        return f"[{', '.join(shown(_without_noise(each, negligible), digits) for each in value)}]"
+        noise = 0.0 if digits is None else 1e-12 * max(map(abs, _numbers(value)), default=0.0)
+        rounded = (0.0 if isinstance(each, float) and abs(each) < noise else each for each in value)
+        return f"[{', '.join(shown(each, digits) for each in rounded)}]"
     if isinstance(value, float):
         return repr(value) if digits is None else f"{value:.{digits}g}"
     return str(value)
-
-
-def _without_noise(value: Value, negligible: float) -> Value:
-    """Return zero for a number that is rounding error beside a larger one."""
-    return 0.0 if isinstance(value, float) and abs(value) < negligible else value
 
 
 def _sentence(alike: Sequence[Change], between: Between | None) -> str:
@@ -169,11 +148,11 @@ def _sentence(alike: Sequence[Change], between: Between | None) -> str:
             return f"part `{prefixes[0]}` is called `{prefixes[1]}`: {len(alike)} names"
         return f"{change.kind} `{change.before}` is called `{change.after}`"
     known = about(change.field)
-    said = unit(change.field, change.form)
+    of_unit = unit(change.field, change.form)
     if between is not None and not change.note:
-        values = between(change.before, change.after, said)
+        values = between(change.before, change.after, of_unit)
     else:
-        values = change.note or arrow(change.before, change.after, said, share=not is_place(change.field))
+        values = change.note or arrow(change.before, change.after, of_unit, share=not is_place(change.field))
     if change.kind.partition("/")[0] in SETTINGS:
         return f"{change.kind} {change.field}: {values}"
     if change.kind == "key":
@@ -202,25 +181,16 @@ def _numbers(value: Value) -> list[float]:
 def as_data(diff: Diff) -> dict[str, Any]:
     """Return everything, element by element; spans have file, line and column. Values are in MuJoCo's units."""
     contrast = diff.contrast
+    groups = [
+        {"cause": None if cause is None else asdict(cause), "changes": list(map(_change, changes))}
+        for cause, changes in ((group.cause, group.changes) for group in diff.groups)
+    ]
     return {
-        "same": diff.same,
-        "identical": contrast.identical,
-        "a": _end(diff.a),
-        "b": _end(diff.b),
-        "files": list(diff.files),
-        "counts": [asdict(each) for each in contrast.counts],
-        "groups": [
-            {
-                "cause": None if group.cause is None else asdict(group.cause),
-                "changes": [_change(each) for each in group.changes],
-            }
-            for group in diff.groups
-        ],
-        "addresses": [asdict(each) for each in contrast.moves],
-        "arrays": list(contrast.arrays),
-        "follows": diff.follows,
-        "views": [asdict(each) for each in diff.views],
-    }
+        "same": diff.same, "identical": contrast.identical, "a": _end(diff.a), "b": _end(diff.b),
+        "files": list(diff.files), "counts": list(map(asdict, contrast.counts)), "groups": groups,
+        "addresses": list(map(asdict, contrast.moves)), "arrays": list(contrast.arrays), "follows": diff.follows,
+        "views": list(map(asdict, diff.views)),
+    }  # fmt: skip
 
 
 def _end(end: End) -> dict[str, Any]:
@@ -240,17 +210,11 @@ def _change(change: Change) -> dict[str, Any]:
         data["before"] = change.before
     if change.what == "changed":
         data |= {
-            "quantity": about(change.field).words,
-            "field": change.field,
-            "before": change.before,
-            "after": change.after,
-            "unit": unit(change.field, change.form) or None,
+            "quantity": about(change.field).words, "field": change.field, "before": change.before,
+            "after": change.after, "unit": unit(change.field, change.form) or None,
             "relative": relative(change.before, change.after),
-        }
-        if change.note:
-            data["note"] = change.note
-        if change.entry:
-            data["entry"] = change.entry
+        }  # fmt: skip
+        data |= {name: text for name, text in (("note", change.note), ("entry", change.entry)) if text}
     return data
 
 
@@ -265,7 +229,7 @@ def verdict(diff: Diff) -> str:
         files = "and so are all files" if diff.same_bytes else "though their files are not"
         return f"the same: the compiled models are equal bit for bit, {files}"
     if diff.same:
-        return "the same in what was asked for; the compiled models are not equal bit for bit"
+        return "the same in the requested scope; the compiled models are not equal bit for bit"
     changes = sum(len(group.changes) for group in diff.groups)
     if not changes:
         contrast = diff.contrast
@@ -285,12 +249,6 @@ def place(cause: Cause) -> str:
     return f"{spans[0]} → {spans[1]}"
 
 
-def heading(cause: Cause) -> str:
-    """Return the place, and in words what its lines do not show."""
-    has_lines = cause.lines_before or cause.lines_after
-    return place(cause) if has_lines else f"{place(cause)}: {cause.words}"
-
-
 def following(diff: Diff) -> str | None:
     """Return how many changes are not listed one by one."""
     if not diff.follows:
@@ -299,54 +257,39 @@ def following(diff: Diff) -> str | None:
     return f"{counted(diff.follows, 'number')} that MuJoCo computes from these {verb} too: --computed lists them"
 
 
-def at_defaults(diff: Diff) -> str | None:
-    """Return a remark that a matrix was compared at its defaults, or None if there is none or a cell was picked."""
-    counts = [end.cells for end in (diff.a, diff.b) if end.cells]
-    if not counts:
-        return None
-    cells = "1 cell" if counts[-1] == 1 else f"{counts[-1]} cells"
-    return f"compared at its defaults: of the {cells} of the matrix, `--pick CELL` compares one"
+def _remarks(diff: Diff) -> Iterator[str]:
+    yield from (end.said_outside for end in (diff.a, diff.b) if end.said_outside)
+    if counts := [end.cells for end in (diff.a, diff.b) if end.cells]:
+        cells = counted(counts[-1], "cell")
+        yield f"compared at its defaults: of the {cells} of the matrix, `--pick CELL` compares one"
 
 
 def _lines(diff: Diff) -> Iterator[str]:
-    yield f"A {diff.a.named}"
-    yield f"B {diff.b.named}"
-    yield verdict(diff)
-    yield from (said for end in (diff.a, diff.b) if (said := end.said_outside))
-    if (narrow := at_defaults(diff)) is not None:
-        yield narrow
     contrast = diff.contrast
+    yield from (f"A {diff.a.named}", f"B {diff.b.named}", verdict(diff), *_remarks(diff))
     if contrast.counts:
-        yield ""
-        yield "the whole model"
-        yield from (f"  {count(each)}" for each in contrast.counts)
+        yield from ("", "the whole model", *(f"  {count(each)}" for each in contrast.counts))
     for group in diff.groups:
-        yield ""
-        yield from _group(group)
+        yield from ("", *_group(group))
     if contrast.moves:
-        yield ""
-        yield "addresses"
-        yield from (f"  {each}" for each in moved(contrast.moves))
+        yield from ("", "addresses", *(f"  {each}" for each in moved(contrast.moves)))
     if contrast.arrays:
-        yield ""
-        yield f"arrays of mjModel that differ: {', '.join(contrast.arrays)}"
+        yield from ("", f"arrays of mjModel that differ: {', '.join(contrast.arrays)}")
     if diff.views:
-        yield ""
-        yield "pictures"
+        yield from ("", "pictures")
         yield from (f"  {each.name}: {view(each)}: {each.before}, {each.after}" for each in diff.views)
     if (more := following(diff)) is not None:
-        yield ""
-        yield more
+        yield from ("", more)
     if diff.same_bytes != diff.same and diff.files:
-        yield ""
-        yield f"files that differ: {', '.join(diff.files)}"
+        yield from ("", f"files that differ: {', '.join(diff.files)}")
 
 
 def _group(group: Group) -> Iterator[str]:
     if group.cause is None:
         yield "without a line of its own"
     else:
-        yield heading(group.cause)
+        has_lines = group.cause.lines_before or group.cause.lines_after
+        yield place(group.cause) if has_lines else f"{place(group.cause)}: {group.cause.words}"
         yield from (f"  - {line}" for line in group.cause.lines_before)
         yield from (f"  + {line}" for line in group.cause.lines_after)
     indent = "    " if group.cause is not None else "  "
@@ -369,43 +312,26 @@ def render_markdown(diff: Diff) -> str:
 
 
 def _lines_markdown(diff: Diff) -> Iterator[str]:
-    yield f"### {_code(diff.a.named)} → {_code(diff.b.named)}"
-    yield ""
-    yield f"**{verdict(diff).capitalize()}.**"
-    for said in (end.said_outside for end in (diff.a, diff.b)):
-        if said:
-            yield from ("", f"<sub>{said}</sub>")
-    if (narrow := at_defaults(diff)) is not None:
-        yield ""
-        yield f"<sub>{narrow[0].upper()}{narrow[1:]}</sub>"
     contrast = diff.contrast
+    yield from (f"### {_code(diff.a.named)} → {_code(diff.b.named)}", "", f"**{verdict(diff).capitalize()}.**")
+    for remark in _remarks(diff):
+        yield from ("", f"<sub>{remark[0].upper()}{remark[1:]}</sub>")
     if contrast.counts:
-        yield ""
-        yield from (f"- {count(each)}" for each in contrast.counts)
+        yield from ("", *(f"- {count(each)}" for each in contrast.counts))
     for group in diff.groups:
-        yield ""
-        yield from _group_markdown(group)
+        yield from ("", *_group_markdown(group))
     if contrast.moves:
-        yield ""
-        yield "#### Addresses"
-        yield ""
-        yield from _list([*moved(contrast.moves)])
+        yield from ("", "#### Addresses", "", *_list([*moved(contrast.moves)]))
     if contrast.arrays:
-        yield ""
-        yield f"Arrays of `mjModel` that differ: {', '.join(map(_code, contrast.arrays))}"
+        yield from ("", f"Arrays of `mjModel` that differ: {', '.join(map(_code, contrast.arrays))}")
     if diff.views:
-        yield ""
-        yield "#### Pictures"
-        yield ""
-        yield "| view | before | after |"
-        yield "|---|---|---|"
+        yield from ("", "#### Pictures", "", "| view | before | after |", "|---|---|---|")
         yield from (
             f"| {_code(each.name)}<br>{view(each)} | ![before](<{each.before}>) | ![after](<{each.after}>) |"
             for each in diff.views
         )
     if (more := following(diff)) is not None:
-        yield ""
-        yield f"<sub>{more}</sub>"
+        yield from ("", f"<sub>{more}</sub>")
 
 
 def _group_markdown(group: Group) -> Iterator[str]:
@@ -417,22 +343,15 @@ def _group_markdown(group: Group) -> Iterator[str]:
         lines = [f"- {line}" for line in group.cause.lines_before] + [f"+ {line}" for line in group.cause.lines_after]
         if lines:
             fence = "`" * max(3, 1 + max(len(each) for each in re.findall("`*", " ".join(lines))))
-            yield f"{fence}diff"
-            yield from lines
-            yield fence
-    yield ""
-    yield from _list(list(sentences(group.changes)))
+            yield from (f"{fence}diff", *lines, fence)
+    yield from ("", *_list(list(sentences(group.changes))))
 
 
-def _list(lines: list[str]) -> Iterator[str]:
-    if len(lines) > _LONG:
-        yield f"<details><summary>{len(lines)} changes</summary>"
-        yield ""
-    for line in lines:
-        yield f"- {_escaped(line)}"
-    if len(lines) > _LONG:
-        yield ""
-        yield "</details>"
+def _list(lines: list[str]) -> list[str]:
+    listed = [f"- {_escaped(line)}" for line in lines]
+    if len(lines) <= _LONG:
+        return listed
+    return [f"<details><summary>{len(lines)} changes</summary>", "", *listed, "", "</details>"]
 
 
 def _escaped(line: str) -> str:
