@@ -429,7 +429,7 @@ TUPLE = '<custom><tuple name="t"><element objtype="key" objname="{}"/></tuple></
         ("home", "merge", None),
         ("home", "prefix", None),
         ("hme", "merge", "the key `hme`, which `<element>` refers to, does not exist"),
-        ("home", "none", "a tuple refers to the key `home`, which `drop: [key]` leaves out"),
+        ("home", "none", "a tuple refers to the key `home`, which `drop: [key]` drops"),
     ],
 )
 def test_tuples_of_keys(workshop: Workshop, name: str, policy: str, message: str | None) -> None:

@@ -92,7 +92,7 @@ def test_it_may_be_an_asset() -> None:
 def test_one_that_is_made_of_itself_is_told() -> None:
     again = TOOL.replace(b"<asset>", b'<asset><model name="again" file="tool.xml"/>')
     model = mjcf.from_xml_string(CELL.format("left"), assets={**_files(1), "tool.xml": again})
-    with pytest.raises(mjcf.MjcfError, match=r"the model `tool.xml` is made of itself"):
+    with pytest.raises(mjcf.MjcfError, match=r"the model `tool.xml` contains itself"):
         model.compile_model()
 
 

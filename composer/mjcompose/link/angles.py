@@ -15,7 +15,7 @@ error from 0.1 % on.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import cast
 
 from lxml import etree
@@ -24,22 +24,21 @@ from lxml.etree import _Element as Node
 from mjcompose.base.diagnostic import Note
 from mjcompose.base.rotation import normalise, quat_from_euler
 from mjcompose.link import numbers
-from mjcompose.link.linking import Flex, Linking, Part
-from mjcompose.model.classes import MAIN, NESTED, Classes, DefaultClass, childclass_of, through_frames, written
+from mjcompose.link.linking import Flex, Linking
+from mjcompose.model.classes import MAIN, NESTED, Classes, childclass_of, through_frames, written
 from mjcompose.model.grammar import GRAMMAR, to_text
 from mjcompose.model.unit import Unit
 
 _TURNED = etree.XPath("(worldbody | default)//*[@euler or @axisangle]")
-_LIMITED = "range"
-# Not `fovy` and `cutoff`: MuJoCo 4.0 reads these in degrees under `<compiler angle="radian"/>`, too. Nor the numbers of
-# keys, which are always in radians.
+# Without `fovy` and `cutoff`, which MuJoCo 4.0 reads in degrees even under `<compiler angle="radian"/>`, and without
+# the numbers of keys, which are always in radians.
 _ANGULAR = ("range", "ref", "springref", "springyield")
 # A ball has no `ref`: MuJoCo 4.0 starts `<joint type="ball" ref="90"/>` at 1 0 0 0.
 _OF_BALLS = ("range", "springyield")
 
 
 def angles(linking: Linking) -> None:
-    """Rewrite each unit that differs from what the model will say."""
+    """Rewrite each unit that differs from the model."""
     unit, sequence = linking.angle, linking.base.settings.eulerseq
     for part in linking.units:
         settings = part.settings
@@ -80,8 +79,8 @@ def _replicate(
     A replicate has no quat, but a rotation about one axis is the same in any sequence that has the axis.
     """
     own = unit.settings.eulerseq
-    # The schema has no `quat` for a `<replicate>`, so that a turn about several axes cannot be written in another
-    # sequence: `euler="90 90 0"` is 0.5 0.5 0.5 0.5 in `xyz` and 0.5 0.5 0.5 -0.5 in `XYZ`.
+    # The schema has no `quat` for a `<replicate>`, so a turn about several axes cannot be written in another sequence:
+    # `euler="90 90 0"` is 0.5 0.5 0.5 0.5 in `xyz` and 0.5 0.5 0.5 -0.5 in `XYZ`.
     if to_radians:
         values = [numbers.orientation_radians(value) for value in values]
     if own != sequence:
@@ -115,7 +114,7 @@ def in_sequence(values: Sequence[float], own: str, sequence: str) -> list[float]
 
 
 def _joints(unit: Unit) -> None:
-    """Convert the ranges and references of hinges, and the ranges of balls, to radians wherever they are written.
+    """Convert the ranges and references of hinges, and the ranges of balls, to radians.
 
     A class may give one value to hinges and to slides: then each hinge gets the converted value on itself.
     """
@@ -130,7 +129,11 @@ def _joints(unit: Unit) -> None:
     }
     given: dict[tuple[Node, str], list[tuple[Node, bool]]] = {}
     own: list[tuple[Node, str]] = []
-    for joint in _joints_of_bodies(unit.root):
+    joints = (joint for worldbody in unit.root.iterchildren("worldbody") for joint in worldbody.iter("joint"))
+    for joint in joints:
+        holder = joint.getparent()
+        if holder is None or holder.tag not in NESTED:
+            continue  # a template in a `<composite>`
         childclass = childclass_of(joint)
         for attribute in _ANGULAR:
             writer: Node | None = joint
@@ -144,52 +147,32 @@ def _joints(unit: Unit) -> None:
                     own.append((joint, attribute))
             else:
                 given.setdefault((writer, attribute), []).append((joint, turns))
-    for flex, body in _flexes(unit.root) if in_classes else ():
+    # The joint defaults of its body apply to the slide joints of a flex's vertices.
+    for flex in unit.root.iter("flexcomp") if in_classes else ():
+        body = next(flex.iterancestors("body", "worldbody"), None)
+        if body is None:
+            continue
         for attribute in _ANGULAR:
             writer = _writer(body, classes, body.get("childclass") or childclass_of(body), attribute=attribute)
             if writer is not None:
                 given.setdefault((writer, attribute), []).append((flex, False))
-    own += _of_classes(given)
-    own += [each for each in _in_unused_classes(unit) if each not in given]
-    for element, attribute in own:
-        _convert(element, attribute, numbers.joint_radians)
-
-
-def _of_classes(given: Mapping[tuple[Node, str], list[tuple[Node, bool]]]) -> Iterator[tuple[Node, str]]:
-    """Yield the angles that classes give to joints: in the class, or on the joints if only some have angles."""
     for (writer, attribute), users in given.items():
         if all(turns for _, turns in users):
-            yield writer, attribute
+            own.append((writer, attribute))
             continue
-        for joint, turns in users:
+        for joint, turns in users:  # the class cannot have the angle if other joints have none
             if turns:
                 joint.set(attribute, str(writer.get(attribute)))
-                yield joint, attribute
-
-
-def _in_unused_classes(unit: Unit) -> Iterator[tuple[Node, str]]:
-    """Yield the angles of classes that no joint uses yet. A joint that is added later reads them in degrees."""
+                own.append((joint, attribute))
+    # Classes that no joint uses yet: a joint that is added later reads their angles in radians.
     for section in unit.root.iterchildren("default"):
         for joint in section.iter("joint"):
             if joint.get("type") != "slide":
-                yield from ((joint, attribute) for attribute in _ANGULAR if joint.get(attribute))
-
-
-def _joints_of_bodies(root: Node) -> Iterator[Node]:
-    """Yield the joints of bodies, without those in a `<composite>`, which are templates for joints."""
-    for worldbody in root.iterchildren("worldbody"):
-        for joint in worldbody.iter("joint"):
-            parent = joint.getparent()
-            if parent is not None and parent.tag in NESTED:
-                yield joint
-
-
-def _flexes(root: Node) -> Iterator[tuple[Node, Node]]:
-    """Yield every flex, and the body whose joint defaults apply to the slide joints of its vertices."""
-    for flex in root.iter("flexcomp"):
-        body = next(flex.iterancestors("body", "worldbody"), None)
-        if body is not None:
-            yield flex, body
+                own += [(joint, name) for name in _ANGULAR if joint.get(name) and (joint, name) not in given]
+    for element, attribute in own:
+        value = str(element.get(attribute) or "")
+        if value.strip():
+            element.set(attribute, numbers.text(map(numbers.joint_radians, numbers.read(value))))
 
 
 def _writer(joint: Node, classes: Classes, childclass: str | None, attribute: str) -> Node | None:
@@ -202,7 +185,7 @@ def _is_angle(unit: Unit, classes: Classes, joint: Node, childclass: str | None,
     kind = classes.effective(joint, childclass, "type") or "hinge"
     if kind != "hinge" and (kind != "ball" or attribute not in _OF_BALLS):
         return False
-    if attribute != _LIMITED:
+    if attribute != "range":
         return True
     limited = classes.effective(joint, childclass, "limited") or "auto"
     # MuJoCo 4.0 turns only a range that limits: `<joint range="0 90" limited="false"/>` compiles to 0 90.
@@ -212,14 +195,8 @@ def _is_angle(unit: Unit, classes: Classes, joint: Node, childclass: str | None,
     return unit.settings.autolimits == "true" and low < high
 
 
-def _convert(element: Node, attribute: str, turn: Callable[[float], float]) -> None:
-    value = element.get(attribute)
-    if value and str(value).strip():
-        element.set(attribute, numbers.text(turn(number) for number in numbers.read(str(value))))
-
-
-# What a flex decides itself, or MuJoCo refuses to it. Of a class `c` with `<joint armature="3"/>` MuJoCo 4.0 takes the
-# armature for the vertices in `<body name="b" childclass="c"><flexcomp …/></body>`, and 0 in
+# Settings that a flex has itself, or that MuJoCo refuses. From a class `c` with `<joint armature="3"/>` MuJoCo 4.0
+# takes the armature for the vertices in `<body name="b" childclass="c"><flexcomp …/></body>`, and 0 in
 # `<body name="b"><frame childclass="c"><flexcomp …/></frame></body>`.
 _NOT_TAKEN = ("type", "axis", "pos", "damping", "springdamper")
 
@@ -243,7 +220,7 @@ def in_world(linking: Linking) -> Iterator[Flex]:
 
 
 def keep_in_main(linking: Linking, top: Node) -> None:
-    """Write into the top class what a flex in the world needs. The classes of the units undo it."""
+    """Write the settings that a flex in the world needs into the top class. The classes of the units undo them."""
     kept = next((flex.joint for flex in in_world(linking) if flex.joint), None)
     if kept is None:
         return
@@ -260,7 +237,7 @@ def keep_in_main(linking: Linking, top: Node) -> None:
 
 
 def undo_settings(given: Mapping[str, str]) -> dict[str, str]:
-    """Return the joint attributes that undo what the top class sets."""
+    """Return the joint attributes that undo those of the top class."""
     # As many numbers as are given, for the others are MuJoCo's own.
     undone = {name: _neutral(name).split()[: len(value.split())] for name, value in given.items()}
     return {name: " ".join(values) for name, values in undone.items() if values}
@@ -270,12 +247,31 @@ def check_flexes(linking: Linking) -> None:
     """Refuse a flex whose vertices would get other joint defaults in the model than alone."""
     for flex in linking.notes.flexes:
         body = next(flex.element.iterancestors("body"), None)
-        given = linking.notes.main_joint if body is None else _joint_settings_above(linking, body)
-        lost = [name for name in given if name in flex.joint and not _neutral(name)]
-        if not _same(given, flex.joint) or lost:
-            _refuse(linking, flex, given)
-        elif flex.part is not None and body is not None and _will_be_set(linking, body):
-            _refuse_set(linking, flex.part, flex)
+        given: Mapping[str, str] = linking.notes.main_joint
+        level = None
+        if body is not None:
+            level = linking.base.classes.get(str(body.get("childclass") or childclass_of(body) or MAIN))
+            values = {name: level.lookup("joint", name) for name in GRAMMAR.element("default/joint").attributes}
+            given = _differing_settings({name: value[0] for name, value in values.items() if value is not None})
+        lost = any(name in flex.joint and not _neutral(name) for name in given)
+        one, other = ({name: text.split() for name, text in each.items()} for each in (given, flex.joint))
+        if lost or one != other:
+            called = flex.part.called if flex.part is not None else linking.base.label
+            note = "a flex takes the joint defaults of the body around it, in the world those of `main`"
+            message = f"takes the joint defaults {_shown(flex.joint)} alone, and here {_shown(given)}"
+            _refuse(linking, flex, f"the flex of `{called}` {message}", note=note)
+        elif flex.part is not None and "joint" in linking.request.isolated_tags:
+            # The recipe sets joint defaults of the base's top class.
+            while level is not None and level.name != linking.base_class:
+                level = level.parent
+            if level is not None:
+                place = flex.part.place
+                message = (
+                    f"the flex of `{flex.part.called}` would take the joint defaults that the recipe sets for `main`: "
+                    f"it is attached to the {place.kind} `{place.name}`"
+                )
+                note = "a flex takes the joint defaults of the body around it"
+                _refuse(linking, flex, message, note=note, subjects=(flex.part.called, place.name))
 
 
 def top_joint(unit: Unit) -> dict[str, str]:
@@ -285,27 +281,6 @@ def top_joint(unit: Unit) -> dict[str, str]:
         for joint in section.iterchildren("joint"):
             given.update({str(name): str(value) for name, value in joint.items() if value.strip()})
     return _differing_settings(given)
-
-
-def _joint_settings_above(linking: Linking, body: Node) -> dict[str, str]:
-    found = _class_of(linking, body)
-    kind = GRAMMAR.element("default/joint")
-    values = {each: found.lookup("joint", each) for each in kind.attributes}
-    return _differing_settings({each: value[0] for each, value in values.items() if value is not None})
-
-
-def _will_be_set(linking: Linking, body: Node) -> bool:
-    """Return whether the recipe sets joint defaults of the base's top class and the body uses that class."""
-    if "joint" not in linking.request.isolated_tags:
-        return False
-    found: DefaultClass | None = _class_of(linking, body)
-    while found is not None and found.name != linking.base_class:
-        found = found.parent
-    return found is not None
-
-
-def _class_of(linking: Linking, body: Node) -> DefaultClass:
-    return linking.base.classes.get(str(body.get("childclass") or childclass_of(body) or MAIN))
 
 
 def _differing_settings(given: Mapping[str, str]) -> dict[str, str]:
@@ -322,34 +297,9 @@ def _neutral(name: str) -> str:
     return "" if attribute.default is None else to_text(attribute, attribute.default)
 
 
-def _same(one: Mapping[str, str], other: Mapping[str, str]) -> bool:
-    return {name: value.split() for name, value in one.items()} == {
-        name: value.split() for name, value in other.items()
-    }
-
-
-def _refuse(linking: Linking, flex: Flex, given: Mapping[str, str]) -> None:
-    part: Part | None = flex.part
-    called = part.called if part is not None else linking.base.label
-    linking.sink.error(
-        "not-supported",
-        f"the flex of `{called}` takes the joint defaults {_shown(flex.joint)} alone, and here {_shown(given)}",
-        linking.span(flex.unit, flex.element),
-        notes=(Note("a flex takes the joint defaults of the body around it, in the world those of `main`"),),
-        help="put the `<flexcomp>` into a `<body>` of its own",
-    )
-
-
-def _refuse_set(linking: Linking, part: Part, flex: Flex) -> None:
-    linking.sink.error(
-        "not-supported",
-        f"the flex of `{part.called}` would take the joint defaults that the recipe sets for `main`: "
-        f"it is attached to the {part.place.kind} `{part.place.name}`",
-        linking.span(flex.unit, flex.element),
-        notes=(Note("a flex takes the joint defaults of the body around it"),),
-        help="put the `<flexcomp>` into a `<body>` of its own",
-        subjects=(part.called, part.place.name),
-    )
+def _refuse(linking: Linking, flex: Flex, message: str, note: str, subjects: Sequence[str | None] = ()) -> None:
+    span, help = linking.span(flex.unit, flex.element), "put the `<flexcomp>` into a `<body>` of its own"
+    linking.sink.error("not-supported", message, span, notes=(Note(note),), help=help, subjects=subjects)
 
 
 def _shown(joint: Mapping[str, str]) -> str:
@@ -364,13 +314,13 @@ def flex_turns(linking: Linking) -> None:
     """Report changes that frames make to the flexes in the worldbodies of parts."""
     for flex in linking.notes.flexes:
         parent = flex.element.getparent()
-        # In a frame of its own a flex is read the same way alone.
+        # In a frame of its own, MuJoCo reads a flex the same way alone.
         if flex.part is None or parent is None or parent.tag != "worldbody":
             continue
         quat = numbers.read(str(flex.element.get("quat") or "1 0 0 0"))
         length = math.hypot(*quat)
-        # Of a number that stands alone MuJoCo 4.0 makes no turn, and so nothing to stretch: `quat="2 0 0 0"` leaves
-        # vertices at 0.5 that `quat="0 2 0 0"` takes to 3.5.
+        # A first number alone is no turn in MuJoCo 4.0, and does not stretch: `quat="2 0 0 0"` leaves vertices at 0.5
+        # that `quat="0 2 0 0"` moves to 3.5.
         if len(quat) != 4 or not any(quat[1:]) or abs(length - 1) < _ROUNDING:
             continue
         report = linking.sink.error if abs(length - 1) > _TOLERABLE else linking.sink.warning

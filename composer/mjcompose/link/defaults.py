@@ -3,18 +3,16 @@
 A part's unnamed top class becomes the class `PREFIX/`. If the base's top class sets anything, its settings move to
 the class `base/`, because a part cannot undo an attribute that has no neutral value.
 
-Pass: actuators whose gain changes when several top-level `<default>` sections become separate classes.
-
-An actuator takes the gain of its class only if that class is for its own kind of actuator. Otherwise MuJoCo 4 looks
-in the enclosing classes, and in the top class, which combines all top-level `<default>` sections. After wrapping,
-each section is a class of its own, so the gain may come from another class. MuJoCo compiles the unit both ways; if
-a gain differs, the original gain is written on the actuator.
+The gain of an actuator changes when several top-level `<default>` sections become separate classes. It takes the gain
+of its class only if that class is for its own kind of actuator. Otherwise MuJoCo 4 looks in the enclosing classes, and
+in the top class, which combines all top-level `<default>` sections. After wrapping, each section is a class of its own,
+so the gain may come from another class. MuJoCo compiles the unit both ways; if a gain differs, the original gain is
+written on the actuator.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence, Set
-from functools import cache
+from collections.abc import Callable, Iterator, Mapping, Set
 from typing import NamedTuple
 
 from lxml import etree
@@ -24,7 +22,7 @@ from mjcompose.base.diagnostic import Note
 from mjcompose.base.sink import Sink
 from mjcompose.link.angles import in_world, keep_in_main
 from mjcompose.link.key_layout import actuators_in_order, element_of
-from mjcompose.link.linking import Linking
+from mjcompose.link.linking import Linking, shown_name
 from mjcompose.model.classes import MAIN, NESTED, Classes, DefaultClass, says_something
 from mjcompose.model.grammar import GRAMMAR
 from mjcompose.model.parse import above
@@ -51,12 +49,6 @@ def defaults(linking: Linking) -> None:
         own = _wrap(linking, base, linking.base_class)
         _claim_sections(base, linking.base_class, own | linking.request.isolated_tags)
         _claim_world(base, linking.base_class)
-    _move_classes(linking)
-
-
-def _move_classes(linking: Linking) -> None:
-    """Wrap the top class of every part, and move the classes below that of the model."""
-    base = linking.base
     if not linking.parts:
         return
     top = next(base.root.iterchildren("default"), None)
@@ -80,13 +72,18 @@ def choose_classes(linking: Linking) -> None:
     separator = linking.request.separator
     prefixes = {part.prefix for part in linking.parts}
     # A unit that is itself a composition has wrapped classes already.
-    taken = _class_names(linking.base, *(part.unit for part in linking.parts if not part.prefix))
+    taken = {
+        str(element.get("class"))
+        for unit in (linking.base, *(part.unit for part in linking.parts if not part.prefix))
+        for section in unit.root.iterchildren("default")
+        for element in section.iter("default")
+    }
     for part in linking.parts:
         own = part.prefix or f"{part.unit.model or part.unit.label}{separator}"
         part.top_class = _free_class(own, taken if part.prefix else taken | prefixes)
         taken.add(part.top_class)
     needed = any(flex.joint for flex in in_world(linking))
-    # An element cannot take back all that a class says: with `<default><geom user="1 2"/></default>` in the base,
+    # An element cannot revert everything in a class: with `<default><geom user="1 2"/></default>` in the base,
     # `<geom user=""/>` of a part still has 1 2 in MuJoCo 4.0. So the top class of the base may set nothing.
     if linking.parts and (linking.request.isolated_tags or needed or _top_kinds(linking.base.root)):
         linking.base_class = _free_class(f"base{separator}", taken | prefixes)
@@ -97,15 +94,6 @@ def _free_class(name: str, taken: Set[str]) -> str:
     while name in taken:
         name = "_" + name
     return name
-
-
-def _class_names(*units: Unit) -> set[str]:
-    return {
-        str(element.get("class"))
-        for unit in units
-        for section in unit.root.iterchildren("default")
-        for element in section.iter("default")
-    }
 
 
 def _top_kinds(root: Node) -> set[str]:
@@ -133,13 +121,12 @@ def _wrap(linking: Linking, unit: Unit, name: str) -> set[str]:
         wrapped.extend([*(above(section, unit.header) if unit is not linking.base else ()), *section])
         # The top class can only be called `main` ("cannot be renamed" in MuJoCo 4.0), and a nested one has to have a
         # name ("empty class name").
-        if "class" in section.attrib:
-            del section.attrib["class"]
+        section.attrib.pop("class", "")
         if outer is None:
             section.append(wrapped)
         else:
-            # What a later section says of the top class does not reach the classes of an earlier one: MuJoCo 4.0 copies
-            # the parent when it reads a class. In `<default><geom size=".1"/><default class="c"/></default>
+            # The settings of a later section do not reach the classes of an earlier one: MuJoCo 4.0 copies the parent
+            # when it reads a class. In `<default><geom size=".1"/><default class="c"/></default>
             # <default><geom size=".2"/></default>` the class `c` has size 0.1.
             outer.append(wrapped)
             root.remove(section)
@@ -151,20 +138,15 @@ def _wrap(linking: Linking, unit: Unit, name: str) -> set[str]:
 
 def _claim_sections(unit: Unit, name: str, kinds: set[str]) -> None:
     """Set the top class on the elements outside the body tree that have no class of their own."""
-    if not kinds:
-        return
     # Sensors, keys and exclusions have no class: `<clock class="main"/>` violates the schema of MuJoCo 4.0.
-    for section in unit.root:
-        if section.tag not in _CLASSED:
+    for section in unit.root.iterchildren(*_CLASSED) if kinds else ():
+        tag = str(section.tag)
+        tags = _CLASSED[tag] or ("*",)
+        if tag in ("asset", "contact"):
+            tags = tuple(kinds.intersection(tags))
+        if not tags or (tag in ("equality", "tendon") and tag not in kinds):
             continue
-        tags = _CLASSED[str(section.tag)]
-        if section.tag in ("equality", "tendon") and section.tag not in kinds:
-            continue
-        if section.tag in ("asset", "contact"):
-            tags = tuple(kinds.intersection(tags or ()))
-            if not tags:
-                continue
-        for element in section.iterchildren(*(tags or ("*",))):
+        for element in section.iterchildren(*tags):
             if element.get("class") is None:
                 element.set("class", name)
 
@@ -186,14 +168,11 @@ def _claim_world(unit: Unit, name: str) -> None:
 # All tags of actuators share one row of a class in MuJoCo 4.0: after `<default><position kp="50"/></default>` a
 # `<general joint="j"/>` is a servo with a gain of 50, while a `<motor joint="j"/>` has 1 and keeps the range.
 _OF_ANY_KIND = ("general", "motor", "plugin")
-"""They take what the class has, or nothing of it."""
+"""They take all settings of the class, or none."""
 _OF_NONE = ("motor", "plugin")
 _MIXED = ""
 """The kind of a class that itself would find another gain."""
 _GAINS = ("gaintype", "gainprm", "biastype", "biasprm", "dyntype", "dynprm")
-_ONE_OF = ("kv", "dampratio")
-"""Attributes of which MuJoCo takes one."""
-
 _Gains = Mapping[Node, list[list[float]]]
 
 
@@ -229,15 +208,22 @@ def top_level_defaults(linking: Linking) -> None:
             for suspect in suspects:
                 _write(unit, suspect.actuator, gain)
             there = _gains(linking, unit, wrap=True)
-            moved = [each for each in suspects if not there or alone[each.actuator] != there[each.actuator]]
-            for suspect in moved:
+            suspects = [each for each in suspects if not there or alone[each.actuator] != there[each.actuator]]
+            for suspect in suspects:
                 suspect.actuator.attrib.clear()
                 suspect.actuator.attrib.update(suspect.written)  # type: ignore[arg-type]  # of the stubs
-            suspects = moved
             if not suspects:
                 break
-        for suspect in suspects:
-            _refuse(linking, unit, suspect)
+        for actuator, _, kind, later in suspects:
+            own = f"is of another kind, `<{kind}>`" if kind else "is of no kind of its own"
+            linking.sink.error(
+                "not-supported",
+                f"the `<{actuator.tag}>` {shown_name(actuator)} would take another gain in the composition: its class "
+                f"{own}, and the top class of its file is written in several `<default>`",
+                linking.span(unit, actuator),
+                notes=(Note("one of them sets actuators here", linking.span(unit, later)),),
+                help="join the top-level `<default>` sections of the file into one",
+            )
 
 
 def _suspects(unit: Unit) -> Iterator[_Suspect]:
@@ -246,7 +232,11 @@ def _suspects(unit: Unit) -> Iterator[_Suspect]:
     setting = [at for at, section in enumerate(sections) if _actuators(section)]
     if not setting or setting == [0]:
         return
-    classes = _read_all(sections)
+    # Each class begins as a copy of the enclosing class at that point.
+    classes: dict[str, _Class] = {}
+    for at, section in enumerate(sections):
+        kind = classes[MAIN].kind if at else None
+        _read(section, MAIN, _Class(kind, at), earlier=any(number < at for number in setting), found=classes)
     for actuator in unit.root.findall("actuator/*"):
         found = classes.get(str(actuator.get("class") or MAIN))
         if found is None or (len(setting) == 1 and setting[0] <= found.section):
@@ -256,17 +246,6 @@ def _suspects(unit: Unit) -> Iterator[_Suspect]:
             later = _actuators(sections[setting[-1]])[0]
             written = {str(name): str(value) for name, value in actuator.items()}
             yield _Suspect(actuator, written, found.kind, later=later)
-
-
-def _read_all(sections: Sequence[Node]) -> dict[str, _Class]:
-    """Read all classes. Each one begins as a copy of the enclosing class at that point."""
-    found: dict[str, _Class] = {}
-    earlier = False
-    for at, section in enumerate(sections):
-        kind = found[MAIN].kind if at else None
-        _read(section, MAIN, _Class(kind, at), earlier=earlier, found=found)
-        earlier = earlier or bool(_actuators(section))
-    return found
 
 
 def _read(node: Node, name: str, around: _Class, earlier: bool, found: dict[str, _Class]) -> None:
@@ -282,12 +261,7 @@ def _read(node: Node, name: str, around: _Class, earlier: bool, found: dict[str,
 
 
 def _actuators(node: Node) -> list[Node]:
-    return list(node.iterchildren(*_tags()))
-
-
-@cache
-def _tags() -> tuple[str, ...]:
-    return tuple(GRAMMAR.section("actuator").children)
+    return list(node.iterchildren(*GRAMMAR.section("actuator").children))
 
 
 def _gains(linking: Linking, unit: Unit, *, wrap: bool = False) -> _Gains | None:
@@ -322,36 +296,32 @@ def _write(unit: Unit, actuator: Node, gain: Callable[[Classes, DefaultClass, st
     common = GRAMMAR.element("actuator/motor").attributes
     # A `kv` beside the actuator's own `dampratio` would be an error: "kv and dampratio cannot both be defined" in
     # MuJoCo 4.0.
-    settled = _ONE_OF if any(actuator.get(name) is not None for name in _ONE_OF) else ()
+    one_of = ("kv", "dampratio")
+    excluded = one_of if any(actuator.get(name) is not None for name in one_of) else ()
     for name, attribute in GRAMMAR.element(f"actuator/{tag}").attributes.items():
-        if name in common or name in settled or not attribute.in_default or actuator.get(name) is not None:
+        if name in common or name in excluded or not attribute.in_default or actuator.get(name) is not None:
             continue
-        default = default_text(attribute)
-        value, other = (_value(asked, tag, name, default=default) for asked in (alone, there))
+        settings = [None if level is None else level.lookup(tag, name) for level in (alone, there)]
+        value, other = (default_text(attribute) if setting is None else setting[0] for setting in settings)
         if value is not None and value != other:
             actuator.set(name, value)
 
 
-def _value(asked: DefaultClass | None, tag: str, name: str, default: str | None) -> str | None:
-    found = asked.lookup(tag, name) if asked is not None else None
-    return default if found is None else found[0]
-
-
 def _found(classes: Classes, own: DefaultClass, tag: str) -> DefaultClass | None:
     """Return the nearest class of an actuator's kind after the sections are wrapped."""
-    found: DefaultClass | None = own
-    while found is not None and not _is_of(found, tag):
-        found = found.parent
-    return found
+    level: DefaultClass | None = own
+    while level is not None and not _is_of(level, tag):
+        level = level.parent
+    return level
 
 
 def _found_in_the_end(classes: Classes, own: DefaultClass, tag: str) -> DefaultClass | None:
     """Return the nearest class of an actuator's kind if the top class is the result of all sections."""
-    found: DefaultClass | None = own
-    while found is not None and found.name != MAIN:
-        if _is_of(found, tag):
-            return found
-        found = found.parent
+    level: DefaultClass | None = own
+    while level is not None and level.name != MAIN:
+        if _is_of(level, tag):
+            return level
+        level = level.parent
     return _found(classes, classes.get(MAIN), tag)
 
 
@@ -365,17 +335,3 @@ def _is_of(found: DefaultClass, tag: str) -> bool:
     own = found.elements.get(tag)
     section = own[0].getparent() if own else None
     return section is not None and _actuators(section)[-1].tag == tag
-
-
-def _refuse(linking: Linking, unit: Unit, suspect: _Suspect) -> None:
-    actuator, _, kind, later = suspect
-    called = f"`{actuator.get('name')}`" if actuator.get("name") else "without a name"
-    own = f"is of another kind, `<{kind}>`" if kind else "is of no kind of its own"
-    linking.sink.error(
-        "not-supported",
-        f"the `<{actuator.tag}>` {called} would take another gain in the composition: its class {own}, "
-        "and the top class of its file is written in several `<default>`",
-        linking.span(unit, actuator),
-        notes=(Note("one of them sets actuators here", linking.span(unit, later)),),
-        help="join the top-level `<default>` sections of the file into one",
-    )

@@ -1,14 +1,13 @@
-"""Pass: every file gets a path in the bundle, and equal assets become one.
+"""Pass: every file gets a path in the bundle.
 
-Merge assets that mean the same in several copies of a part, and redirect every reference.
-
-This works on a finished model, in which all parts share one set of compiler settings.
+`dedup` merges assets that mean the same in several copies of a part, and redirects every reference. It works on a
+finished model, in which all parts share one set of compiler settings.
 """
 
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Collection, Hashable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Hashable, Mapping, Sequence
 from dataclasses import field
 from pathlib import Path
 
@@ -18,7 +17,7 @@ from mjcompose.base.access import Door, Passed, held
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Span
 from mjcompose.base.files import Refused, read_regular
-from mjcompose.link.linking import FileUse, Linking
+from mjcompose.link.linking import FileUse, Linking, detach
 from mjcompose.model.classes import DefaultClass
 from mjcompose.model.edit import BadSkin, rename_bones
 from mjcompose.model.files import Settings, file_attributes, is_absolute, is_plain, join, written_path
@@ -27,8 +26,8 @@ from mjcompose.model.names import LISTS, REFERS, REFERS_BY, WORLD, declaration, 
 from mjcompose.model.unit import Unit
 
 KINDS = ("texture", "material", "mesh", "hfield")
-"""What is merged, in an order in which nothing refers to a later kind."""
-# What a class gives counts by its values, whatever the class is called.
+"""Tags of merged assets, in an order in which nothing refers to a later kind."""
+# The values that a class gives count, not its name.
 _NO_MEANING = ("name", "class")
 
 Merged = Mapping[str, Mapping[str, str]]
@@ -38,8 +37,8 @@ Merged = Mapping[str, Mapping[str, str]]
 def dedup(model: Unit, uses: Sequence[FileUse], prefixes: Collection[str]) -> tuple[Merged, tuple[FileUse, ...]]:
     """Merge equal textures, materials, meshes and height fields. Return the merged names and the remaining files.
 
-    The first element stays. `prefixes` are those of all parts: what one and the same part has twice stays two. Reads
-    files whose path alone does not say whether they are equal.
+    The first element stays. `prefixes` are those of all parts: two elements of the same part stay two. Reads files if
+    their paths do not show whether they are equal.
     """
     merged: dict[str, dict[str, str]] = {kind: {} for kind in KINDS}
     meanings = _Meanings(model, uses, merged)
@@ -65,9 +64,7 @@ def dedup(model: Unit, uses: Sequence[FileUse], prefixes: Collection[str]) -> tu
     if gone:
         _redirect(model.root, merged)
     for element in gone:
-        section = element.getparent()
-        assert section is not None
-        section.remove(element)
+        detach(element)
     names = {kind: names for kind, names in merged.items() if names}
     return names, tuple(use for use in uses if use.element not in gone)
 
@@ -96,7 +93,13 @@ class _Meanings:
         known = GRAMMAR.element(f"asset/{tag}").attributes
         values = {name: self._classes.effective(element, None, name) for name in known}
         values.update({str(name): str(value) for name, value in element.items()})
-        inherited = self._inherited(tag, self._classes.get(element.get("class")))
+        # A class gives child elements (`layer`) to an element, as it gives attributes.
+        inherited: list[Hashable] = []
+        level: DefaultClass | None = self._classes.get(element.get("class"))
+        while level is not None:
+            for given in level.elements.get(tag, ()):
+                inherited += [self._child(child) for child in given.iterchildren("*")]
+            level = level.parent
         return self._written(element, known, values), tuple(inherited)
 
     def _written(self, element: Node, known: Mapping[str, Attribute], values: Mapping[str, str | None]) -> Hashable:
@@ -113,13 +116,6 @@ class _Meanings:
         found = GRAMMAR.within("asset").get(str(element.tag))
         values = {str(name): str(value) for name, value in element.items()}
         return element.tag, self._written(element, found.attributes if found else {}, values)
-
-    def _inherited(self, tag: str, of: DefaultClass | None) -> Iterator[Hashable]:
-        """Yield the keys of child elements (`layer`) that a class gives to an element, as it gives attributes."""
-        while of is not None:
-            for element in of.elements.get(tag, ()):
-                yield from (self._child(child) for child in element.iterchildren("*"))
-            of = of.parent
 
     def _value(self, element: Node, name: str, attribute: Attribute | None, value: str) -> str:
         if attribute is None:
@@ -138,8 +134,8 @@ class _Meanings:
         return value
 
     def _digest(self, use: FileUse) -> str:
-        """Return a hash of the bytes of a file and of the format that its suffix means."""
-        # MuJoCo picks the reader of a mesh by the suffix: the same bytes as `.stl` and as `.obj` are two things.
+        """Return a hash of the bytes of a file, with its suffix."""
+        # MuJoCo picks the reader of a mesh by the suffix: the same bytes as `.stl` and as `.obj` are two meshes.
         suffix = use.path.rpartition(".")[2].lower()
         if use.content is not None:
             return f"{hashlib.sha256(use.content).hexdigest()}.{suffix}"
@@ -161,13 +157,11 @@ def _redirect(root: Node, merged: Merged) -> None:
                 if not value or kind not in (REFERS, LISTS, REFERS_BY):
                     continue
                 target = object_namespace(element, namespace) if kind == REFERS_BY else namespace
-                names = merged.get(target or "", {})
-                if kind == LISTS:
-                    new = " ".join(names.get(each, each) for each in value.split())
-                else:
-                    new = names.get(value, value)
-                if new != value and names:
-                    element.set(key, new)
+                if names := merged.get(target or "", {}):
+                    each = value.split() if kind == LISTS else [value]
+                    new = " ".join(names.get(name, name) for name in each)
+                    if new != value:
+                        element.set(key, new)
 
 
 ASSETS = "assets"
@@ -177,11 +171,10 @@ Taken = dict[str, tuple[str, bytes | None]]
 
 def files(linking: Linking) -> None:
     """Store each file as `assets/LABEL/path`. Units with the same label share a folder unless their paths clash."""
-    # Parts of one source share its files: the same path is taken by the same bytes only.
+    # Parts of one source share its files: only the same bytes share a path.
     taken: Taken = {}
     for prefix, unit in [("", linking.base), *((part.prefix, part.unit) for part in linking.parts)]:
-        named = list(file_attributes(unit.root))
-        if named:
+        if named := list(file_attributes(unit.root)):
             _give_paths(linking, unit, prefix, named=named, taken=taken)
 
 
@@ -192,7 +185,7 @@ def _give_paths(linking: Linking, unit: Unit, prefix: str, named: list[tuple[Nod
     simple = not unit.contents and unit.settings.strippath != "true"
     target = f"{ASSETS}/{unit.label}/"
     use = linking.files.append
-    # Of most files no path has to be shortened.
+    # Most paths need not be shortened.
     plain = [
         f"{folders.get(element.tag, mesh_folder)}/{name}" if simple and element.tag != "skin" and is_plain(name) else ""
         for element, _, name in named
@@ -202,7 +195,7 @@ def _give_paths(linking: Linking, unit: Unit, prefix: str, named: list[tuple[Nod
         tag = element.tag
         if where:
             path = name if "/" in name and is_settled(unit, tag, name) else target + name
-            source = listed.get(where) or _readable_path(linking, unit, element, attribute=attribute, path=where)
+            source = listed.get(where) or readable_path(linking, unit, element, attribute=attribute, path=where)
             if source is None:
                 continue
             alone: tuple[str, bytes | None] = (source, None)
@@ -214,7 +207,7 @@ def _give_paths(linking: Linking, unit: Unit, prefix: str, named: list[tuple[Nod
         known = unit.contents.get(written) if unit.contents else None
         content = known if isinstance(known, bytes) else None
         if known is None:
-            source = _readable_path(linking, unit, element, attribute=attribute, path=join(directory, written))
+            source = readable_path(linking, unit, element, attribute=attribute, path=join(directory, written))
         else:
             source = held(known if isinstance(known, Path) else join(directory, written))
         if source is None:
@@ -226,7 +219,7 @@ def _give_paths(linking: Linking, unit: Unit, prefix: str, named: list[tuple[Nod
         use(FileUse(element, attribute, path, source=source, content=content))
 
 
-def _readable_path(linking: Linking, unit: Unit, element: Node, attribute: str, path: str) -> Passed | None:
+def readable_path(linking: Linking, unit: Unit, element: Node, attribute: str, path: str) -> Passed | None:
     """Return the path that a unit refers to, or None if the unit may not read it, which is reported."""
     try:
         return unit.door.admit(path)
@@ -262,18 +255,13 @@ def _free_path(unit: Unit, tag: object, written: str, source: str, content: byte
     path = f"{ASSETS}/{unit.label}/{below}"
     if is_settled(unit, tag, written):
         path = written
-    # A bundle may be unpacked where upper and lower case are one: `A.obj` and `a.obj` get different paths.
-    key = path.lower()
-    if key not in taken:
-        taken[key] = (source, content)
-        return path
+    # Some file systems do not distinguish cases: `A.obj` and `a.obj` get different paths.
     _, label, below = path.split("/", 2)
     number = 1
-    while True:
-        if taken.setdefault(path.lower(), (source, content)) == (source, content):
-            return path
+    while taken.setdefault(path.lower(), (source, content)) != (source, content):
         number += 1
         path = f"{ASSETS}/{label}-{number}/{below}"
+    return path
 
 
 def path_in_assets(settings: Settings, written: str) -> str:
@@ -292,10 +280,7 @@ def path_in_assets(settings: Settings, written: str) -> str:
 
 @dataclass(frozen=True, slots=True)
 class NamedFile:
-    """A file that a recipe names by an attribute of an element, relative to `folder`.
-
-    `door` is that of the recipe, `span` where it names the file.
-    """
+    """A file that a recipe names at `span` by an attribute of an element, relative to `folder`, with its `door`."""
 
     element: Node
     attribute: str

@@ -56,7 +56,7 @@ def names(linking: Linking) -> None:
 
 
 class _UnitRenaming:
-    """Renames one unit, that of a part or (None) the base, and reports what is wrong with its names."""
+    """Renames the unit of a part, or the base if that is None, and reports faults of its names."""
 
     def __init__(self, linking: Linking, part: Part | None) -> None:
         self.linking, self.part = linking, part
@@ -106,9 +106,9 @@ class _UnitRenaming:
             elif policy == "none" and request.requested_keys is None:  # else the recipe may write it
                 self.linking.sink.error(
                     "unknown-name",
-                    f"a tuple refers to the key `{name}`, which `drop: [key]` leaves out",
+                    f"a tuple refers to the key `{name}`, which `drop: [key]` drops",
                     self.linking.span(unit, element, "objname"),
-                    help="leave out the tuple, too: `drop: [tuple]`",
+                    help="drop the tuple, too: `drop: [tuple]`",
                     subjects=(name,),
                 )
 
@@ -132,7 +132,7 @@ class _UnitRenaming:
         attribute = "name" if clash.namespace != "default" else "class"
         self.linking.sink.error(
             clash.code,
-            f"`{self.unit.file}` has two elements that are the {word(clash.namespace)} `{name}`",
+            f"`{self.unit.file}` declares the {word(clash.namespace)} `{name}` twice",
             self.linking.span(self.unit, clash.element, attribute),
             notes=(Note("the first one is here", self.linking.span(self.unit, clash.earlier)),),
             subjects=(name,),
@@ -151,14 +151,13 @@ class _UnitRenaming:
         notes = [Note("it is declared here first", there)]
         if part.span is not None and here != there:
             notes.insert(0, Note("the part declares it here", here))
-        other = "give the part another prefix"
         linking.sink.error(
             first.code,
-            f"`{part.called}` brings the {word(first.namespace)} `{first.name}`, and the model has one of that "
+            f"`{part.called}` brings the {word(first.namespace)} `{first.name}`, and the model already has this "
             f"name{more}",
             part.span or here,
             notes=notes,
-            help=other if part.prefix else "let the part have a prefix: leave `prefix` out",
+            help="give the part another prefix" if part.prefix else "give the part a prefix: omit `prefix`",
             subjects=(part.called, first.name),
         )
 
@@ -166,7 +165,7 @@ class _UnitRenaming:
 class UnitNames:
     """The names of one unit, as in the model, by namespace, each with the first element that has it.
 
-    `declared` are the names of elements, `referred` those that elements refer to; `repeated` has the elements that
+    `declared` are the names of elements, `referred` the names that elements refer to; `repeated` has the elements that
     declare a name again.
     """
 
@@ -193,8 +192,8 @@ _NAMED_BY_FILE = -1
 @cache
 def _actions(section: str) -> dict[str, dict[str, tuple[int, str]]]:
     """Return the naming table of a section, with the files that MuJoCo names elements after."""
-    # What shares a namespace the grammar says: all actuators do, joints with free joints do, frames with bodies do not.
-    # MuJoCo 4.0 calls `<freejoint name="j"/>` beside `<joint name="j"/>` a repeated name.
+    # All actuators share a namespace, joints and free joints do, frames and bodies do not. MuJoCo 4.0 calls
+    # `<freejoint name="j"/>` beside `<joint name="j"/>` a repeated name.
     by_file = NAMED_AFTER_FILE if section in ("asset", "deformable") else ()
     return {
         tag: {**actions, "file": (_NAMED_BY_FILE, tag)} if tag in by_file else dict(actions)
@@ -205,26 +204,25 @@ def _actions(section: str) -> dict[str, dict[str, tuple[int, str]]]:
 def rename(unit: Unit, prefix: str, *, top_class: str, outward: Mapping[str, str] = _NOTHING) -> UnitNames:
     """Prefix the names of a unit in place, and return its names; `outward` is that of a part.
 
-    This is the one walk over every element of every part: an attribute that holds no name costs one look into a
-    dictionary, one that does is written and noted at once.
+    This is the only walk over every element of every part: an attribute without a name costs one look-up in a
+    dictionary.
     """
     renamer = _Renamer(UnitNames(), prefix, outward)
     for section in unit.root.iterchildren("*"):
         renamer.section(section)
-    # MuJoCo 4.0 refuses `<composite>`, which older models have; what it makes is named by its `prefix`.
+    # MuJoCo 4.0 refuses `<composite>`, which older models have; its `prefix` names the elements that it makes.
     for composite in unit.root.iter("composite") if prefix else ():
         if "prefix" not in composite.attrib:
             composite.set("prefix", prefix)
-    # Nobody declares these two.
-    # `world` is always the whole model's, and nothing else may have the name: `<body name="world"/>` is a repeated name
-    # in MuJoCo 4.0. `main` is that of the unit, which is wrapped.
+    # No element declares these two. `world` is always the whole model's, and nothing else may have the name: `<body
+    # name="world"/>` is a repeated name in MuJoCo 4.0. `main` is that of the unit, which is wrapped.
     names = renamer.names
-    for namespace, reserved, meant in (("body", WORLD, WORLD), ("default", MAIN, top_class)):
+    for namespace, reserved, final in (("body", WORLD, WORLD), ("default", MAIN, top_class)):
         name = prefix + reserved
-        if names.referred[namespace].pop(name, None) is not None and name != meant:
+        if names.referred[namespace].pop(name, None) is not None and name != final:
             for section in unit.root.iterchildren("*"):
                 for element, key in users(section, namespace, name):
-                    element.set(key, meant)
+                    element.set(key, final)
     return names
 
 
@@ -238,7 +236,7 @@ class _Renamer:
 
     def section(self, section: Node) -> None:
         table, prefix, outward, names = _actions(str(section.tag)), self.prefix, self.outward, self.names
-        # No element may take what a class refers to.
+        # The references of a class need not exist.
         referred = defaultdict(dict) if section.tag == "default" else names.referred
         for element in section.iterdescendants("*") if table else ():
             actions = table.get(element.tag)
@@ -270,7 +268,13 @@ class _Renamer:
         if namespace == "key" or (not value and kind != GENERATES):
             return  # keys are named when they are laid out
         if kind == _NAMED_BY_FILE:
-            self._name_after_file(element, value)
+            # MuJoCo 4.0 takes the name from the file, without its last suffix: `<mesh file="x.y.obj"/>` is the mesh
+            # `x.y`.
+            if not element.get("name"):
+                name = self.prefix + stem(value)
+                if self.prefix:
+                    element.set("name", name)
+                self.names.declare(str(element.tag), name, element)
             return
         if kind == LISTS:
             names = []
@@ -289,13 +293,3 @@ class _Renamer:
                 self.names.referred[target].setdefault(name, element)
         if name != value:
             element.set(key, name)
-
-    def _name_after_file(self, element: Node, file: str) -> None:
-        """If MuJoCo takes the name from the file and a prefix is needed, write the name with the prefix."""
-        if element.get("name"):
-            return
-        # MuJoCo 4.0 takes the name from the file, without its last suffix: `<mesh file="x.y.obj"/>` is the mesh `x.y`.
-        name = self.prefix + stem(file)
-        if self.prefix:
-            element.set("name", name)
-        self.names.declare(str(element.tag), name, element)

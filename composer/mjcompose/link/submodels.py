@@ -1,12 +1,10 @@
 """Passes: models that MuJoCo attaches itself, and their options.
 
-Pass: under `conflict="merge"`, the options that a unit takes from the models it attaches become its own.
+Under `conflict="merge"`, the options that a unit takes from the models it attaches become its own. The model itself
+has no `conflict` setting, so the sub-models of one unit cannot change another unit.
 
-The model itself has no `conflict` setting, so the sub-models of one unit cannot change another unit.
-
-Pass: `<model>` assets, which MuJoCo attaches itself: each goes into the bundle with the files it needs.
-
-A sub-model keeps its own compiler settings, because MuJoCo reads it as a separate model; only its folders change.
+Each `<model>` asset goes into the bundle with the files it needs. A sub-model keeps its own compiler settings, because
+MuJoCo reads it as a separate model; only its folders change.
 """
 
 from __future__ import annotations
@@ -20,13 +18,13 @@ from pathlib import Path
 
 from lxml.etree import _Element as Node
 
-from mjcompose.base.access import Door, Passed, held
+from mjcompose.base.access import Door, held
 from mjcompose.base.dataclass import dataclass
-from mjcompose.base.files import Refused, read_regular
+from mjcompose.base.files import read_regular
 from mjcompose.base.limits import advice, in_force
 from mjcompose.base.sink import Sink
 from mjcompose.link.agreement import default_of, merge_values, set_value, written_settings
-from mjcompose.link.files import ASSETS, NamedFile, add_file, path_in_assets
+from mjcompose.link.files import ASSETS, NamedFile, add_file, path_in_assets, readable_path
 from mjcompose.link.linking import FileUse, Linking
 from mjcompose.link.settings import FOLDERS
 from mjcompose.model.cost import NOTHING, Weight, expanded
@@ -38,7 +36,7 @@ from mjcompose.model.xml_text import write
 
 
 def attached_size(unit: Unit) -> Callable[[Node], Weight]:
-    """A function that says what an `<attach>` of the unit brings; nothing for what cannot be read."""
+    """Return a function for the weight of the model of an `<attach>`, which is nothing if it cannot be read."""
     return _sizes_in(unit, {}, 0)
 
 
@@ -56,36 +54,34 @@ def _sizes_in(unit: Unit, known: dict[str, Weight], depth: int) -> Callable[[Nod
 
 
 def _size_of(unit: Unit, file: str, known: dict[str, Weight], depth: int) -> Weight:
-    if depth > in_force().nesting:  # reported where it is bundled
+    if depth > in_force().nesting:  # reported when it is bundled
         return NOTHING
     held = unit.contents.get(file)
     key = str(held) if isinstance(held, Path) else join(str(unit.directory), file)
     if isinstance(held, bytes):
         key = f"{key}#{id(held)}"
     if key not in known:
-        known[key] = NOTHING  # a model that is made of itself, which is reported where it is bundled
+        known[key] = NOTHING  # a model that contains itself, which is reported when it is bundled
         if (sub := _read(unit, file)) is not None:
             weight = expanded(sub.root, _sizes_in(sub, known, depth), lambda flexcomp: file_points(flexcomp, sub))
             known[key] = weight._replace(points=weight.points + mesh_points(sub))
     return known[key]
 
 
-# Of `visual` and `size` MuJoCo merges these, of `option` everything.
+# MuJoCo merges all of `option`, and these.
 _BESIDES = frozenset({"visual/global/realtime", "visual/map/znear", "visual/map/zfar"})
-_ROOM = ("memory", "njmax")
-_FLAG = "option/flag/"
 
 
 def submodel_options(linking: Linking) -> None:
-    """Write into every such unit what it has alone. A model of one unit is left to MuJoCo."""
+    """Write the options that every such unit has alone. MuJoCo itself merges those of a model of one unit."""
     for unit in linking.units if linking.parts else ():
         _adopt_options(unit)
 
 
 def _adopt_options(unit: Unit) -> None:
-    said = [each for each in unit.root.iterchildren("compiler") if each.get("conflict")]
+    compilers = [each for each in unit.root.iterchildren("compiler") if each.get("conflict")]
     # Without it MuJoCo 4.0 only warns: "parent has 0.002 (default), child has 0.004, keeping parent value".
-    if not said or said[-1].get("conflict") != "merge":
+    if not compilers or compilers[-1].get("conflict") != "merge":
         return
     models: dict[str, Unit] = {}
     for element in unit.root.iterfind("asset/model"):
@@ -94,9 +90,8 @@ def _adopt_options(unit: Unit) -> None:
             _adopt_options(sub)
             models[str(element.get("name") or sub.model)] = sub
     for attach in unit.root.iter("attach"):
-        found = models.get(str(attach.get("model")))
-        if found is not None:
-            _merge(unit, found, said[-1])
+        if (sub := models.get(str(attach.get("model")))) is not None:
+            _merge(unit, sub, compilers[-1])
 
 
 def _read(unit: Unit, file: str) -> Unit | None:
@@ -112,7 +107,7 @@ def _merge(unit: Unit, sub: Unit, compiler: Node) -> None:
     have = written_settings(unit)
     for path, wanted in written_settings(sub).items():
         own = have.get(path)
-        if path.startswith(_FLAG):
+        if path.startswith("option/flag/"):
             value = None if wanted.value == default_of(path) else wanted.value
         elif path.startswith("option/") or (path in _BESIDES and own is None):
             value = merge_values(path, own, wanted)
@@ -121,7 +116,7 @@ def _merge(unit: Unit, sub: Unit, compiler: Node) -> None:
         if value is not None:
             _write(unit, path, value, compiler=compiler)
     for size in sub.root.iterchildren("size"):
-        for name in _ROOM:
+        for name in ("memory", "njmax"):
             if size.get(name) and not any(each.get(name) for each in unit.root.iterchildren("size")):
                 _write(unit, f"size/{name}", str(size.get(name)), compiler=compiler)
 
@@ -160,7 +155,7 @@ def add_named_file(linking: Linking, file: NamedFile) -> None:
 
 
 class _TooManyError(Exception):
-    """Too many sub-models, or too deeply nested ones. It has been reported; the rest of the model is skipped."""
+    """There are too many sub-models, or their nesting is too deep, which has been reported. The rest is skipped."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -183,9 +178,9 @@ class _Bundler:
         if source in above:
             self.linking.sink.error(
                 "source-cycle",
-                f"the model `{file}` is made of itself",
+                f"the model `{file}` contains itself",
                 self.linking.span(unit, element, "file"),
-                help="MuJoCo attaches a copy of what is named here: take this `<model>` out, or name another file",
+                help="MuJoCo attaches a copy of this file: remove this `<model>`, or name another file",
             )
             return
         self._count(unit, element, depth=len(above))
@@ -199,8 +194,8 @@ class _Bundler:
             sub = parse_file(Path(source), self.linking.sink, file=shown, span=at, door=door)
         if sub is None or self.linking.sink.error_count > before:
             return
-        # MuJoCo calls a `<model>` without a name after the `model` attribute in its file. Written here, the name stays
-        # where the file is read as another one of the bundle.
+        # MuJoCo names a `<model>` without a name after the `model` attribute in its file. Written here, the name stays
+        # when the file gets another path.
         if not element.get("name"):
             element.set("name", sub.model)
         path = self._free(f"{folder}/{sub.label}" + ("" if self.keyed else "-without-keys"), source)
@@ -209,7 +204,7 @@ class _Bundler:
         self._own_files(sub, path, above=(*above, source))
         self.linking.notes.attached[element] = sub.root
         sub.origins.own(sub.root, shown)
-        unit.origins.adopt(sub.origins)  # a file that it lacks is reported where it names it
+        unit.origins.adopt(sub.origins)  # to report a missing file at the element that names it
         element.set("file", f"{path}.xml")
         self.linking.files.append(
             FileUse(element, "file", f"{path}.xml", source=source, content=write(sub.root), shared=False)
@@ -220,11 +215,9 @@ class _Bundler:
         limits = in_force()
         self.linking.submodels += 1
         if depth >= limits.nesting:
-            message = f"models name one another too deep; {limits.nesting} in one another are allowed"
-            limit = "nesting"
+            message, limit = f"models attach models more than {limits.nesting} levels deep", "nesting"
         elif self.linking.submodels > limits.submodels:
-            message = f"there are more than {limits.submodels} models that models attach"
-            limit = "submodels"
+            message, limit = f"there are more than {limits.submodels} models that models attach", "submodels"
         else:
             return
         self.linking.sink.error("limit-exceeded", message, self.linking.span(unit, element, "file"), help=advice(limit))
@@ -257,13 +250,6 @@ class _Bundler:
             free = f"{path}-{number}"
         return free
 
-    def _readable_file(self, sub: Unit, element: Node, attribute: str, *, written: str) -> Passed | None:
-        try:
-            return sub.door.admit(join(str(sub.directory), written))
-        except Refused as refused:
-            refused.report(self.linking.sink, self.linking.span(sub, element, attribute))
-            return None
-
     def _own_files(self, sub: Unit, path: str, *, above: tuple[str, ...]) -> None:
         """Bundle the files of a sub-model in a folder next to it. Its paths to them are relative to its own folder."""
         beside = path.rsplit("/", 1)[1]
@@ -272,7 +258,8 @@ class _Bundler:
             written = written_path(sub.settings, element, file)
             known = sub.contents.get(written)
             if known is None:
-                source = self._readable_file(sub, element, attribute, written=written)
+                file_path = join(str(sub.directory), written)
+                source = readable_path(self.linking, sub, element, attribute=attribute, path=file_path)
             else:
                 source = held(known if isinstance(known, Path) else join(str(sub.directory), written))
             if source is None:
@@ -295,8 +282,7 @@ class _Bundler:
         # Its files are named from where it stands now: MuJoCo would put the folders in front of that once more.
         for compiler in sub.root.iterchildren("compiler"):
             for name in FOLDERS:
-                if name in compiler.attrib:
-                    del compiler.attrib[name]
+                compiler.attrib.pop(name, "")
 
 
 def parse_held(unit: Unit, file: str, data: bytes, sink: Sink) -> Unit | None:
@@ -329,10 +315,7 @@ def _same_bytes(one: bytes | Path, other: bytes | Path) -> bool:
     if one == other:
         return True
     try:
-        return _data(one) == _data(other)
-    except OSError:  # reported where all files are read
+        first, second = (file if isinstance(file, bytes) else read_regular(file) for file in (one, other))
+    except OSError:  # reported when all files are read
         return False
-
-
-def _data(file: bytes | Path) -> bytes:
-    return file if isinstance(file, bytes) else read_regular(file)
+    return first == second
