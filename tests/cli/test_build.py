@@ -174,7 +174,7 @@ def test_an_output_needs_a_name(folder: Path) -> None:
 @pytest.mark.parametrize("out", ["{nam}.zip", "{names}/", "{mujoco}.zip", "{name}/{version}.mjb"])
 def test_braces_that_stand_for_nothing(folder: Path, out: str) -> None:
     result = run("build", "cell.yaml", "-o", out)
-    assert result.exit_code == 2 and "stands for nothing in the output" in result.stderr
+    assert result.exit_code == 2 and "has no meaning in the output" in result.stderr
     assert list(folder.glob("*{*")) == []
 
 

@@ -50,7 +50,7 @@ def digests(folder: Path) -> dict[str, str]:
 def test_all_samples_and_their_table(folder: Path) -> None:
     result = run("build", "r.yaml", "--all")
     assert result.exit_code == 0, result.output
-    assert "wrote build/samples.csv: what was drawn for 4 models" in result.stdout
+    assert "wrote build/samples.csv: the draws of 4 models" in result.stdout
     assert list(digests(folder / "build")) == [f"ball-s000{n}.zip" for n in range(4)]
     rows = table(folder / "build" / "samples.csv")
     assert list(rows[0]) == ["model", "sample", "size", "friction[g][0]", "friction[g][1]", "friction[g][2]"]
@@ -217,7 +217,7 @@ def test_one_model_needs_no_name_in_its_output(folder: Path) -> None:
 @pytest.mark.parametrize("given", ["3", "drawn", "drawn.txt"])
 def test_a_table_of_samples_that_is_none(folder: Path, given: str) -> None:
     result = run("build", "r.yaml", "--sample-table", given)
-    assert result.exit_code == 2 and f"`{given}` is none: `--sample NUMBER` builds one" in result.stderr
+    assert result.exit_code == 2 and f"`{given}`: `--sample NUMBER` builds one" in result.stderr
     assert not (folder / "build").exists()
 
 

@@ -113,7 +113,7 @@ def test_shards_of_what_has_one_place(folder: Path) -> None:
 @pytest.mark.parametrize("words", [("--shard", "1/2"), ("--jobs", "2")])
 def test_one_model_has_no_parts(folder: Path, words: tuple[str, ...]) -> None:
     result = run("build", "r.yaml", *words)
-    assert result.exit_code == 2 and f"{words[0]} is for --all, --pick and --sample" in result.stderr
+    assert result.exit_code == 2 and f"{words[0]} needs --all, --pick or --sample" in result.stderr
 
 
 @pytest.mark.skipif(os.name != "posix", reason="signals")

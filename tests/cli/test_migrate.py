@@ -43,7 +43,7 @@ def test_a_new_file_keeps_comments_and_layout(folder: Path) -> None:
     assert '      <geom size=".1"   margin="0" gap=".1"/></body>\n' in text
     assert (folder / "old.xml").read_text() == OLD
     again = run("migrate", "old.xml", "--from", "3.2.2", "-o", "new.xml")
-    assert again.exit_code == 2 and "new.xml exists already and is left as it is" in again.stderr
+    assert again.exit_code == 2 and "new.xml exists already" in again.stderr
 
 
 def test_a_folder_has_what_the_model_reads(folder: Path) -> None:
@@ -65,7 +65,7 @@ def test_what_is_included_changes_where_it_stands(folder: Path) -> None:
     (folder / "two.xml").write_text(IN_TWO)
     (folder / "rest.xml").write_text(REST)
     alone = run("migrate", "two.xml", "--from", "3.2.2", "-o", "new.xml")
-    assert alone.exit_code == 1 and "`rest.xml`, which it includes or attaches, is another one, too" in alone.stderr
+    assert alone.exit_code == 1 and "`rest.xml`, which it includes or attaches, changes too" in alone.stderr
     result = run("migrate", "two.xml", "--from", "3.2.2", "--in-place")
     assert result.exit_code == 0, result.output
     assert "mpr" not in (folder / "rest.xml").read_text()
@@ -104,7 +104,7 @@ def attaching(folder: Path, **given: str) -> None:
 def test_what_is_attached_is_migrated_too(folder: Path) -> None:
     attaching(folder, geom='margin=".2"')
     alone = run("migrate", "all.xml", "--from", "3.2.2", "-o", "one.xml")
-    assert alone.exit_code == 1 and "which it includes or attaches, is another one, too" in alone.stderr
+    assert alone.exit_code == 1 and "which it includes or attaches, changes too" in alone.stderr
     result = run("migrate", "all.xml", "--from", "3.2.2", "-o", "new")
     assert (result.exit_code, result.stderr) == (0, "")
     tip = (folder / "new/parts/tip.xml").read_text()

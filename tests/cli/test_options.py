@@ -139,7 +139,7 @@ def test_an_output_of_one_file_has_no_room(out: str, folder: Path) -> None:
 
 def test_what_is_not_verified_has_no_target(folder: Path) -> None:
     result = run_shell("build", "cell.yaml", "--target", "plain", "--no-compile", "-o", "out/")
-    assert result.exit_code == 2 and "leave `--no-compile` out" in result.stderr
+    assert result.exit_code == 2 and "remove `--no-compile`" in result.stderr
 
 
 def test_an_unknown_target(folder: Path) -> None:

@@ -17,16 +17,7 @@ from typing import NewType
 
 from mjcompose.base import files
 from mjcompose.base.dataclass import dataclass
-from mjcompose.base.files import (
-    OUTSIDE,
-    Refused,
-    files_among,
-    is_irregular,
-    memory_of,
-    parted,
-    read_regular,
-    real_folder,
-)
+from mjcompose.base.files import OUTSIDE, Refused, is_irregular, memory_of, parted, read_regular, real_folder
 
 _NO_NAMES = ("", os.curdir, os.pardir)
 _MAGIC = re.compile(r"[*?\[]")
@@ -80,7 +71,7 @@ class Door:
         return self.sees(path) and os.path.exists(path)
 
     def admit(self, path: str | os.PathLike[str]) -> Passed:
-        """Return the path, which may now be opened. Raises Refused, also for pipes and other special files."""
+        """Return the path, which may now be opened. Raises Refused, even for pipes and other special files."""
         text = os.fspath(path)
         mode = _mode(text)
         if not (self.sees_all or self._is_seen(text, mode)):
@@ -94,7 +85,7 @@ class Door:
         """Return those paths that one look at each folder shows to be ordinary files; `admit` judges the others."""
         passed = {
             path: Passed(path)
-            for folder, found in files_among(paths)
+            for folder, found in files.files_among(paths)
             if self.sees_all or self._is_inside(real_folder(folder))
             for path in found
         }
@@ -160,9 +151,7 @@ class Door:
         return is_inside or self._is_inside(os.path.join(real, name))
 
     def _is_inside(self, real: str) -> bool:
-        return any(
-            real == root or real.startswith(root if root.endswith(os.sep) else root + os.sep) for root in self.roots
-        )
+        return any(real == root or real.startswith(root.rstrip(os.sep) + os.sep) for root in self.roots)
 
 
 def _names(folder: str) -> list[str]:
@@ -238,20 +227,13 @@ def own_door(
 ) -> Door:
     """Return the door of the user's own model; `also` are more folders, `recipe` that of the recipe that names it."""
     folders = folders_of_model(model)
-    return Door.of(
-        (*folders, *also),
-        f"`{folders[0]}`, which is all that this model may read",
-        None if recipe is None else _HELP,
-        start=recipe,
-    )
+    whose, help = f"`{folders[0]}`, the only folder that this model may read", None if recipe is None else _HELP
+    return Door.of((*folders, *also), whose, help, start=recipe)
 
 
 def _around(folder: str) -> str:
-    known = project_of(folder)
-    if known is not None:
-        return known
     above = os.path.dirname(folder)
-    return folder if above in _too_wide(_home()) else above
+    return project_of(folder) or (folder if above in _too_wide(_home()) else above)
 
 
 def _home() -> str:

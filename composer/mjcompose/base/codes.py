@@ -157,11 +157,10 @@ def code_of(text: str) -> str | None:
 
 
 def page(code: str) -> str:
-    """Return the page as Markdown: the copy beside this file in an installed package, `docs/errors` in a clone."""
+    """Return the page as Markdown: the copy next to this file in an installed package, `docs/errors` in a clone."""
     here = Path(__file__).resolve()
-    name = f"{code}.md"
-    installed = here.with_name("pages") / name
-    path = installed if os.path.exists(installed) else here.parents[3] / "docs" / "errors" / name
+    installed = here.with_name("pages") / f"{code}.md"
+    path = installed if os.path.exists(installed) else here.parents[3] / "docs" / "errors" / installed.name
     return path.read_text(encoding="utf-8")
 
 
@@ -239,12 +238,11 @@ def _paragraphs(block: list[str]) -> Iterator[tuple[str, str]]:
 
 
 def _table(block: list[str], paint: Paint) -> Iterator[str]:
-    rows = [[cell.strip() for cell in _LINK.sub(r"\1", line).strip("|").split("|")] for line in block]
-    head, _, *body = rows
-    widths = [max(len(row[column]) for row in (head, *body)) for column in range(len(head))]
-    for number, row in enumerate((head, *body)):
+    head, _, *body = [[cell.strip() for cell in _LINK.sub(r"\1", line).strip("|").split("|")] for line in block]
+    widths = [max(map(len, column)) for column in zip(head, *body, strict=True)]
+    for row in (head, *body):
         line = "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
-        yield paint("bold", line) if number == 0 else _colored(line, paint)
+        yield paint("bold", line) if row is head else _colored(line, paint)
 
 
 def _colored(line: str, paint: Paint) -> str:

@@ -104,7 +104,7 @@ def _add_methods(cls: Any, fields: dict[str, Field[Any]], frozen: bool, slots: b
 
 
 def _init_when_called(cls: Any, frozen: bool) -> Callable[..., None]:
-    """Return an `__init__` that replaces itself by the right one, then calls it."""
+    """Return an `__init__` that replaces itself by the compiled one, then calls it."""
 
     def init(self: object, *arguments: object, **named: object) -> None:
         cls.__init__ = _init(cls, frozen)
@@ -115,38 +115,23 @@ def _init_when_called(cls: Any, frozen: bool) -> Callable[..., None]:
 
 
 class _Signature:
-    """The parameters that `help` and `inspect.signature` show, also of a class that was not called yet."""
+    """The parameters that `help` and `inspect.signature` show, even of a class that was not called yet."""
 
     def __get__(self, _: object, cls: Any) -> Signature:
-        from inspect import Parameter, Signature
+        from inspect import signature
 
         if not hasattr(cls.__init__, "__made__"):
-            raise AttributeError("__signature__")  # the class has an `__init__` of its own, which says it
-        return Signature(
-            [
-                Parameter(
-                    field.name,
-                    Parameter.KEYWORD_ONLY if field.kw_only else Parameter.POSITIONAL_OR_KEYWORD,
-                    default=_shown_default(field),
-                    annotation=field.type,
-                )
-                for field in sorted(cls.__dataclass_fields__.values(), key=attrgetter("kw_only"))
-                if field.init
-            ]
-        )
-
-
-def _shown_default(field: Field[Any]) -> object:
-    from inspect import Parameter
-
-    if field.default_factory is not MISSING:
-        return dataclasses._HAS_DEFAULT_FACTORY  # type: ignore[attr-defined]
-    return Parameter.empty if field.default is MISSING else field.default
+            raise AttributeError("__signature__")  # the class has an `__init__` of its own
+        init = _init(cls, frozen=False)
+        init.__annotations__ = {name: field.type for name, field in cls.__dataclass_fields__.items() if field.init}
+        whole = signature(init)
+        return whole.replace(parameters=[*whole.parameters.values()][1:])
 
 
 def _init(cls: Any, frozen: bool) -> Callable[..., None]:
     """Return the `__init__` of a class, compiled from text as in the standard library: nothing else is as fast."""
-    known: dict[str, Any] = {"__set": object.__setattr__, "__missing": MISSING}
+    missing = dataclasses._HAS_DEFAULT_FACTORY  # type: ignore[attr-defined]  # which is shown as `<factory>`
+    known: dict[str, Any] = {"__set": object.__setattr__, "__missing": missing}
     positional: list[str] = []
     named: list[str] = []
     lines: list[str] = []
@@ -182,10 +167,7 @@ def _comparing(names: tuple[str, ...]) -> tuple[Callable[[Any, Any], Any], Calla
     def is_equal(self: Any, other: Any) -> Any:
         return values(self) == values(other) if other.__class__ is self.__class__ else NotImplemented
 
-    def hashed(self: Any) -> int:
-        return hash(values(self))
-
-    return is_equal, hashed
+    return is_equal, lambda self: hash(values(self))
 
 
 @recursive_repr()

@@ -112,20 +112,12 @@ def listed(cells: Iterable[CellName]) -> str:
     """
     ranges: list[list[CellName]] = []
     for each in cells:
-        if ranges and _follows(ranges[-1][-1], each):
+        last = ranges[-1][-1] if ranges else None
+        if last is not None and last.sample is not None and (each.cell, each.sample) == (last.cell, last.sample + 1):
             ranges[-1].append(each)
         else:
             ranges.append([each])
     return ", ".join(_named(each) for each in ranges)
-
-
-def _follows(before: CellName, after: CellName) -> bool:
-    return (
-        before.cell == after.cell
-        and before.sample is not None
-        and after.sample is not None
-        and after.sample == before.sample + 1
-    )
 
 
 def _named(cells: list[CellName]) -> str:
@@ -205,9 +197,8 @@ class DiagnosticError(Exception):
 
     def __init__(self, code: str, message: str, help: str | None = None, *, notes: Iterable[str | Note] = ()) -> None:
         super().__init__(message)
-        self.diagnostic = Diagnostic(
-            code, message, notes=tuple(Note(each) if isinstance(each, str) else each for each in notes), help=help
-        )
+        all_notes = tuple(Note(each) if isinstance(each, str) else each for each in notes)
+        self.diagnostic = Diagnostic(code, message, notes=all_notes, help=help)
 
     @property
     def code(self) -> str:

@@ -12,6 +12,7 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Iterable, Iterator, Mapping
+from contextlib import suppress
 from functools import cache
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -62,9 +63,8 @@ def load(group: str, word: str) -> Any | None:
         return None
     if len(entries) > 1:
         owners = " and ".join(f"`{_owner(each)}`" for each in entries)
-        raise DiagnosticError(
-            CLASH, f"the {GROUPS[group]} `{word}` is registered by {owners}", help="uninstall all but one of them"
-        )
+        message = f"the {GROUPS[group]} `{word}` is registered by {owners}"
+        raise DiagnosticError(CLASH, message, help="uninstall all of them except one")
     try:
         loaded = entries[0].load()
     except (Exception, SystemExit) as error:
@@ -142,12 +142,9 @@ def versions(words: Iterable[tuple[str, str]]) -> dict[str, str]:
 
 def refuse(group: str, word: str, origin: str) -> DiagnosticError:
     """Return the error for a word of another package in a recipe that was fetched with `origin`."""
-    return DiagnosticError(
-        REFUSED,
-        f"the {GROUPS[group]} `{word}` is code of `{names(group)[word]}`,"
-        f" and `{origin}`, whose recipe names it, was fetched",
-        help="a fetched recipe loads no code: copy what you need from it into a recipe of your own",
-    )
+    owner, help = names(group)[word], "a fetched recipe loads no code: copy the part that you need into your own recipe"
+    message = f"the {GROUPS[group]} `{word}` is code of `{owner}`, and `{origin}`, whose recipe names it, was fetched"
+    return DiagnosticError(REFUSED, message, help=help)
 
 
 def _broken(group: str, word: str, why: str) -> DiagnosticError:
@@ -177,12 +174,9 @@ def _are_there(path: tuple[str, ...]) -> bool:
             continue
         for name in inside:
             if name.endswith((".dist-info", ".egg-info")):
-                try:
-                    with open(os.path.join(folder, name, "entry_points.txt"), "rb") as stream:
-                        if b"[mjcompose." in stream.read().replace(b" ", b""):
-                            return True
-                except OSError:
-                    continue
+                with suppress(OSError), open(os.path.join(folder, name, "entry_points.txt"), "rb") as stream:
+                    if b"[mjcompose." in stream.read().replace(b" ", b""):
+                        return True
     return False
 
 

@@ -51,7 +51,8 @@ def render(diagnostic: Diagnostic, read_source: ReadSource | None = None, color:
     `read_source(file)` returns the text of a file, or None if there is none to show; without it, no source lines
     are shown. `color` adds ANSI colors. No I/O of its own.
     """
-    excerpts = [_excerpt(span, read_source) for span in _spans(diagnostic)]
+    spans = [diagnostic.span, *(note.span for note in diagnostic.notes)]
+    excerpts = [_excerpt(span, read_source) for span in spans if span is not None]
     margin = max((len(str(each.number)) for each in excerpts if each), default=1)
     paint = Paint(color)
     edge = paint("gutter", " " * (margin + 1) + "|")
@@ -109,9 +110,7 @@ def printable(text: str, colors: bool = False) -> str:
 def summary(diagnostics: Iterable[Diagnostic]) -> str:
     """Return how many diagnostics of each severity there are."""
     found = [each.severity for each in diagnostics]
-    counts = [(severity.value, found.count(severity)) for severity in Severity]
-    listed = [f"{count} {name}{'s' * (count != 1)}" for name, count in counts if count]
-    return ", ".join(listed) or "no errors"
+    return ", ".join(counted(found.count(each), each.value) for each in Severity if each in found) or "no errors"
 
 
 @dataclass(frozen=True, slots=True)
@@ -120,14 +119,6 @@ class _Excerpt:
     text: str
     offset: int
     width: int
-
-
-def _spans(diagnostic: Diagnostic) -> Iterable[Span]:
-    if diagnostic.span is not None:
-        yield diagnostic.span
-    for note in diagnostic.notes:
-        if note.span is not None:
-            yield note.span
 
 
 @lru_cache(maxsize=4)
@@ -250,7 +241,8 @@ def render_github(diagnostic: Diagnostic) -> str:
         if span.end_column is not None and span.end_line in (None, span.line):
             properties["endColumn"] = span.end_column
     cells = diagnostic.cells
-    properties["title"] = diagnostic.code if not cells else f"{diagnostic.code} in {_counted(cells)}"
+    in_cells = f" in {cells[0].name if len(cells) == 1 else f'{len(cells)} cells'}" if cells else ""
+    properties["title"] = diagnostic.code + in_cells
 
     lines = [diagnostic.message, *remarks(diagnostic)]
     return command(_COMMAND[diagnostic.severity], "\n".join(lines), properties)
@@ -283,20 +275,12 @@ def render_markdown(diagnostic: Diagnostic) -> str:
 
 def command(kind: str, message: str, properties: Mapping[str, str | int]) -> str:
     r"""Return a workflow command of a kind such as `error`, with everything escaped."""
-    about = ",".join(f"{name}={_property(str(value))}" for name, value in properties.items())
-    return f"::{kind} {about}::{_data(message)}"
-
-
-def _counted(cells: Sequence[CellName]) -> str:
-    return cells[0].name if len(cells) == 1 else f"{len(cells)} cells"
+    values = {name: _data(str(value)).replace(":", "%3A").replace(",", "%2C") for name, value in properties.items()}
+    return f"::{kind} {','.join(f'{name}={value}' for name, value in values.items())}::{_data(message)}"
 
 
 def _data(text: str) -> str:
     return printable(text).replace("%", "%25").replace("\n", "%0A")
-
-
-def _property(text: str) -> str:
-    return _data(text).replace(":", "%3A").replace(",", "%2C")
 
 
 _NO_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
@@ -321,11 +305,6 @@ class Suite:
     cases: Sequence[Case]
     cell: CellName | None = None
 
-    def properties(self) -> dict[str, str]:
-        """Return the cell and its components by name."""
-        found = {} if self.cell is None else asdict(self.cell)
-        return {name: str(value) for name, value in found.items() if value is not None}
-
 
 def report(suites: Iterable[Suite], read: ReadSource) -> str:
     """Return the text of the whole file. No I/O except `read`."""
@@ -334,16 +313,16 @@ def report(suites: Iterable[Suite], read: ReadSource) -> str:
         failures = sum(bool(case.errors) for case in suite.cases)
         counts = {"tests": str(len(suite.cases)), "failures": str(failures), "errors": "0", "skipped": "0"}
         element = Xml.SubElement(root, "testsuite", {"name": _text(suite.name), **counts})
-        if properties := suite.properties():
+        if suite.cell is not None:
             listed = Xml.SubElement(element, "properties")
-            for name, value in properties.items():
-                Xml.SubElement(listed, "property", {"name": name, "value": _text(value)})
+            for name, value in asdict(suite.cell).items():
+                if value is not None:
+                    Xml.SubElement(listed, "property", {"name": name, "value": _text(str(value))})
         for case in suite.cases:
             place = {"file": case.file, "line": None if case.line is None else str(case.line)}
             about = {"classname": f"{suite.name}.{case.kind}", "name": case.name, **place}
-            row = Xml.SubElement(
-                element, "testcase", {key: _text(value) for key, value in about.items() if value is not None}
-            )
+            known = {key: _text(value) for key, value in about.items() if value is not None}
+            row = Xml.SubElement(element, "testcase", known)
             if case.errors:
                 first = case.errors[0]
                 failure = Xml.SubElement(row, "failure", {"type": first.code, "message": _text(first.message)})

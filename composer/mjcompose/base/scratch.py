@@ -101,7 +101,8 @@ def sweep(folder: Path, save: Callable[[Path], None] | None = None) -> bool:
             (folder / _NEW).unlink()  # Windows refuses this while the file is open: that is the lock there
             return _remove(folder, save)
         if not os.path.exists(folder / _LOCK):
-            return _remove_unlocked(folder, status.st_mtime)
+            is_new = time.time() - status.st_mtime < _GRACE or set(os.listdir(folder)) - {_NEW}
+            return not is_new and _remove(folder, None)  # its process was killed before it had the lock
         lock = os.open(folder / _LOCK, os.O_RDWR | os.O_NOFOLLOW)
         try:
             return _lock(lock) and _remove(folder, save)
@@ -128,13 +129,6 @@ def _empty(folder: Path) -> None:
                 shutil.rmtree(entry.path, ignore_errors=True)
             else:
                 os.unlink(entry.path)
-
-
-def _remove_unlocked(folder: Path, made: float) -> bool:
-    """Remove the folder of a process that was killed before it had its lock: it holds nothing else."""
-    if time.time() - made < _GRACE or set(os.listdir(folder)) - {_NEW}:
-        return False
-    return _remove(folder, None)
 
 
 def _lock(file: int) -> bool:

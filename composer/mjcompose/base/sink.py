@@ -76,15 +76,14 @@ class Sink:
         """Return whether an earlier error may be the reason that this name does not exist."""
         return name in self._lost or not self._lost.isdisjoint(_STEP.split(name))
 
-    def _is_suppressed(self, diagnostic: Diagnostic) -> bool:
-        return diagnostic.severity is not Severity.ERROR or any(map(self.suppresses, diagnostic.subjects))
-
     def add(self, diagnostic: Diagnostic, cause: Cause | None = None) -> None:
         if diagnostic.code not in CODES:
             raise KeyError(diagnostic.code)
         if diagnostic.severity is Severity.ERROR:
             self.error_count += 1
-        if diagnostic in self._found or (self._lost and self._is_suppressed(diagnostic)):
+        if diagnostic in self._found:
+            return
+        if self._lost and (diagnostic.severity is not Severity.ERROR or any(map(self.suppresses, diagnostic.subjects))):
             return
         if cause is not None:
             first = self._causes.setdefault((diagnostic.code, diagnostic.severity, cause.key), diagnostic)
@@ -93,16 +92,12 @@ class Sink:
                 return
         self._found[diagnostic] = {}
         if diagnostic.severity is Severity.ERROR:
-            self._bound()
-
-    def _bound(self) -> None:
-        self._errors += 1
-        most = in_force().faults
-        if self._errors == most + 1:
-            message = f"there are more than {most} errors; others were not looked for"
-            last = Diagnostic("limit-exceeded", message, None, help=advice("faults"))
-            self._found[last] = {}
-            raise TooManyFaults(self)
+            self._errors += 1
+            most = in_force().faults
+            if self._errors == most + 1:
+                message = f"there are more than {most} errors; mjcompose stopped looking for others"
+                self._found[Diagnostic("limit-exceeded", message, None, help=advice("faults"))] = {}
+                raise TooManyFaults(self)
 
     def drop(self, diagnostic: Diagnostic) -> None:
         """Forget a warning or a note, with all findings of the same cause, because the user has acknowledged it."""
@@ -164,19 +159,14 @@ class Sink:
         fix: Fix | None = None,
     ) -> None:  # fmt: skip
         names = frozenset(name for name in subjects if name)
-        found = Diagnostic(
-            code, message, span, severity=Severity.ERROR, notes=tuple(notes), help=help, subjects=names,
-            fix=fix,
-        )  # fmt: skip
-        self.add(found, cause)
+        self.add(Diagnostic(code, message, span, notes=tuple(notes), help=help, subjects=names, fix=fix), cause)
 
     def warning(
         self, code: str, message: str, span: Span | None = None, *, notes: Iterable[Note] = (),
         help: str | None = None, cause: Cause | None = None, fix: Fix | None = None,
     ) -> None:  # fmt: skip
-        self.add(
-            Diagnostic(code, message, span, severity=Severity.WARNING, notes=tuple(notes), help=help, fix=fix), cause
-        )
+        severity = Severity.WARNING
+        self.add(Diagnostic(code, message, span, severity=severity, notes=tuple(notes), help=help, fix=fix), cause)
 
     def note(
         self, code: str, message: str, span: Span | None = None, *, notes: Iterable[Note] = (),

@@ -27,7 +27,7 @@ def closest(name: str, candidates: Iterable[str], n: int = 1) -> list[str]:
     >>> closest("colours", ["material", "rgba"])
     ['rgba']
     """
-    return [candidate for _, _, candidate in _ranked(name, candidates)[:n]]
+    return [candidate for _, _, candidate in _ranked(name, tuple(dict.fromkeys(candidates)))[:n]]
 
 
 def clearly_meant(name: str, candidates: Iterable[str]) -> str | None:
@@ -36,25 +36,17 @@ def clearly_meant(name: str, candidates: Iterable[str]) -> str | None:
     >>> clearly_meant("elbw", ["elbow", "wrist"]), clearly_meant("joint3", ["joint1", "joint2"])
     ('elbow', None)
     """
-    ranked = _ranked(name, candidates)[:2]
+    ranked = _ranked(name, tuple(dict.fromkeys(candidates)))[:2]
     if not ranked or (len(ranked) == 2 and ranked[1][0] - ranked[0][0] < _CLEAR):
         return None
     return ranked[0][2]
 
 
-def _ranked(name: str, candidates: Iterable[str]) -> tuple[tuple[float, int, str], ...]:
-    return _ranked_once(name, tuple(dict.fromkeys(candidates)))
-
-
 @lru_cache(maxsize=256)
-def _ranked_once(name: str, candidates: tuple[str, ...]) -> tuple[tuple[float, int, str], ...]:
-    """Rank the candidates; cached because one mistake may occur thousands of times in a file."""
-    found = []
-    for position, candidate in enumerate(candidates):
-        score = _score(name, candidate)
-        if score is not None:
-            found.append((score, position, candidate))
-    return tuple(sorted(found))
+def _ranked(name: str, candidates: tuple[str, ...]) -> tuple[tuple[float, int, str], ...]:
+    """Return the distance, position and name of each likely candidate; one mistake may occur thousands of times."""
+    scores = ((_score(name, candidate), position, candidate) for position, candidate in enumerate(candidates))
+    return tuple(sorted((score, position, candidate) for score, position, candidate in scores if score is not None))
 
 
 def renaming(name: str, candidates: Iterable[str]) -> Fix | None:
@@ -105,7 +97,7 @@ def exists_note(kind: str, candidates: Iterable[str], near: str | None = None) -
         return Note(f"there are no {kinds}")
     if near is not None and len(names) > _SHOWN:
         names = list(dict.fromkeys([*closest(near, names, _SHOWN), *names]))
-    listed = ", ".join(_quoted(each) for each in names[:_SHOWN])
+    listed = ", ".join(each if re.fullmatch(r"[^\s,`]+", each) else f"`{each}`" for each in names[:_SHOWN])
     if len(names) > _SHOWN:
         listed += f", … ({len(names)} in all)"
     return Note(f"{kinds} that exist: {listed}")
@@ -124,7 +116,8 @@ def _score(name: str, candidate: str) -> float | None:
         return 0.3 + 0.01 * meant.index(known)
     bare, known_bare = _PREFIX.split(written)[-1], _PREFIX.split(known)[-1]
     prefixed = len(bare) != len(written) or len(known_bare) != len(known)
-    if bare and prefixed and _is_tail(written, known):
+    shorter, longer = sorted((written, known), key=len)
+    if bare and prefixed and longer.endswith(shorter) and longer[-len(shorter) - 1] in "/:.":
         return 0.3
     if bare and prefixed and bare == known_bare:
         return 0.5
@@ -138,11 +131,6 @@ def _score(name: str, candidate: str) -> float | None:
         if distance is not None:
             return 1.5 + distance
     return 6.0 if len(written) > 3 and known.startswith(written) else None
-
-
-def _is_tail(written: str, known: str) -> bool:
-    longer, shorter = sorted((written, known), key=len, reverse=True)
-    return longer.endswith(shorter) and longer[-len(shorter) - 1] in "/:."
 
 
 def _folded(name: str) -> str:
@@ -165,10 +153,6 @@ def _plural(word: str) -> str:
     if word.endswith("is"):
         return word[:-2] + "es"
     return word + ("es" if word.endswith(("ss", "x", "sh", "ch")) else "s")
-
-
-def _quoted(name: str) -> str:
-    return name if name and not re.search(r"[\s,`]", name) else f"`{name}`"
 
 
 def _tolerance(word: str) -> int:
@@ -292,10 +276,8 @@ def unknown_name(
 def unknown_key(name: str, known: Iterable[str], span: Span, message: str) -> Diagnostic:
     """Return the diagnostic for a key that a mapping of a recipe does not have; `known` are the keys it may have."""
     known = list(known)
-    return Diagnostic(
-        "unknown-key", message, span, notes=(exists_note("key", known, name),),
-        help=did_you_mean(name, known), fix=renaming(name, known),
-    )  # fmt: skip
+    notes, help = (exists_note("key", known, name),), did_you_mean(name, known)
+    return Diagnostic("unknown-key", message, span, notes=notes, help=help, fix=renaming(name, known))
 
 
 def unknown_attribute(
@@ -307,11 +289,8 @@ def unknown_attribute(
     `known` are the attributes that exist, `near` are further suggestions; `help` and `otherwise` are as above.
     """
     known = list(known)
+    likely, notes = [*known, *near], (exists_note("attribute", known, name),) if known else ()
+    help, fix = help or did_you_mean(name, likely) or otherwise, None if help else renaming(name, likely)
     return Diagnostic(
-        "unknown-attribute",
-        f"`{name}` is not an attribute of {owner}",
-        span,
-        notes=(exists_note("attribute", known, name),) if known else (),
-        help=help or did_you_mean(name, [*known, *near]) or otherwise,
-        fix=None if help else renaming(name, [*known, *near]),
+        "unknown-attribute", f"`{name}` is not an attribute of {owner}", span, notes=notes, help=help, fix=fix
     )

@@ -15,7 +15,7 @@ from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import hide
 from mjcompose.build.bundle.bundle import is_address
 from mjcompose.cli.cells import BuildingOptions, check_several
-from mjcompose.cli.options import RECIPE, caching, output
+from mjcompose.cli.options import RECIPE, caching, did_you_mean, output
 from mjcompose.cli.output import OutputSpec, Picturing, Task, kind_of_output
 from mjcompose.cli.reporting import USAGE
 from mjcompose.cli.run import PATH, Run, Stop, command, flag, option
@@ -31,15 +31,11 @@ class _Target(click.Choice):  # type: ignore[type-arg]  # before click 8.2 it is
         if value in self.choices:
             return str(value)
         from mjcompose.base.extensions import is_registered
-        from mjcompose.base.suggest import closest
 
         if is_registered("targets", value):
             return str(value)
-
-        near = closest(value, self.choices)
-        hint = f" Did you mean `{near[0]}`?" if near else ""
-        message = f"the target `{value}` does not exist.{hint} Targets: {', '.join(self.choices)}."
-        raise click.BadParameter(message, ctx, param)
+        hint = did_you_mean(value, self.choices)
+        raise click.BadParameter(f"the target `{value}` does not exist.{hint} Targets: {', '.join(self.choices)}.")
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,7 +74,7 @@ class Options(BuildingOptions):
         "--picture", help="Also write a picture, NAME.png, next to the model and list it in the manifest."
     )
     target: str | None = option(
-        "--target", type=_Target(TARGETS_NAMES), callback=lambda context, option, value: _not_mujoco(value),
+        "--target", type=_Target(TARGETS_NAMES), callback=lambda _context, _, name: None if name == MUJOCO else name,
         help="The program to write the model for. Features that it lacks are reported. Default: mujoco.",
     )  # fmt: skip
     licenses: bool = flag("--licenses", help="Print the license of every part.")
@@ -87,10 +83,6 @@ class Options(BuildingOptions):
     @property
     def one(self) -> bool:
         return self.cells.one and self.table is None
-
-
-def _not_mujoco(value: str) -> str | None:
-    return None if value == MUJOCO else value
 
 
 @command(Options)
@@ -147,10 +139,8 @@ def _check_usage(options: Options) -> None:
     if options.gives == "worlds" and options.cells.only_samples:
         raise click.UsageError("--sample selects a model, and with --as worlds all samples are in one.")
     if samples is not None and not samples.lower().endswith((".csv", ".parquet")):
-        help = "`--sample NUMBER` builds one, and `randomize: {samples: NUMBER}` in the recipe says how many there are"
-        raise click.UsageError(
-            f"--sample-table names a table, FILE.csv or FILE.parquet, and `{samples}` is none: {help}."
-        )
+        help = "`--sample NUMBER` builds one, and `randomize: {samples: NUMBER}` in the recipe sets their number"
+        raise click.UsageError(f"--sample-table names a table, FILE.csv or FILE.parquet, not `{samples}`: {help}.")
     if samples is not None and options.one:
         raise click.UsageError("--sample-table is for --all, --pick and --sample: here is one model.")
 
@@ -160,10 +150,7 @@ def _output_spec(options: Options, run: Run) -> OutputSpec:
 
     out = options.out
     try:
-        if options.shared_assets:
-            out, kind = _for_shared_assets(out, options.one)
-        else:
-            kind = kind_of_output(out)
+        out, kind = _for_shared_assets(out, options.one) if options.shared_assets else (out, kind_of_output(out))
         if options.picture:
             _check_has_picture(out or "", kind)
         if options.parquet:
@@ -174,10 +161,8 @@ def _output_spec(options: Options, run: Run) -> OutputSpec:
     except OutputError as error:
         run.context.sink.add(error.diagnostic)
         raise Stop(USAGE) from None
-    return OutputSpec(
-        "build/{name}.zip" if out is None else out, kind, verified=not options.no_compile, form=run.form,
-        why=options.why, licenses=options.licenses,
-    )  # fmt: skip
+    spec = OutputSpec("build/{name}.zip" if out is None else out, kind, not options.no_compile, form=run.form)
+    return replace(spec, why=options.why, licenses=options.licenses)
 
 
 _NO_SHARING = {
@@ -194,13 +179,13 @@ def _for_shared_assets(out: str | None, one: bool) -> tuple[str, OutputForm]:
     out = "build/{name}/" if out is None else out
     help = "write `--all -o 'build/{name}/'`"
     if one:
-        raise OutputError("output-kind", "one model has nobody to share its assets with", help)
+        raise OutputError("output-kind", "one model cannot share its assets", help)
     kind = kind_of_output(out, models=2)
     if kind is not OutputForm.FOLDER:
         raise OutputError("output-kind", f"`--shared-assets` is for folders: {_NO_SHARING[kind]}", help)
     above, _, last = os.path.dirname(out.rstrip("/")).rpartition("/")
     if "{name}" in above + last or "{hash}" in above or ("{hash}" in last and last != "{hash}"):
-        raise OutputError("output-kind", f"the folders `{out}` do not stand side by side", help)
+        raise OutputError("output-kind", f"the folders `{out}` are not next to each other", help)
     return out, OutputForm.SHARED
 
 
@@ -208,13 +193,13 @@ def _check_has_picture(out: str, kind: OutputForm) -> None:
     from mjcompose.build.bundle.bundle import OutputError
 
     if is_address(out):
-        help = "write to this machine and copy the files from there, or leave `--picture` out"
-        message = f"`--picture` is for what is written to this machine, and `{hide(out)}` is an address"
+        help = "write to this machine and copy the files from there, or remove `--picture`"
+        message = f"`--picture` is for outputs on this machine, and `{hide(out)}` is an address"
         raise OutputError("output-kind", message, help)
     why = {"mjb": "MuJoCo's binary form", "usd": "USD"}.get(kind)
     if out == "-" or why is not None:
         message = f"`--picture` is for bundles and MJCF files, and `{out}` is {why or 'standard output'}"
-        raise OutputError("output-kind", message, "write a folder, a `.zip` or an `.xml`, or leave `--picture` out")
+        raise OutputError("output-kind", message, "write a folder, a `.zip` or an `.xml`, or remove `--picture`")
 
 
 _MORE = {"isaac": ("usd",)}
@@ -231,5 +216,4 @@ def _check_target(options: Options, kind: str) -> None:
         help = f"write a folder, `--target {target} -o build/{target}/`, or an archive"
         raise OutputError("output-kind", f"a model for `{target}` is several files, and the output is one", help)
     if options.no_compile:
-        help = "leave `--no-compile` out"
-        raise OutputError("output-kind", "`--target` is made of the compiled model", help)
+        raise OutputError("output-kind", "`--target` needs the compiled model", "remove `--no-compile`")

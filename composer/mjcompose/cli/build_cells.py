@@ -15,6 +15,7 @@ import click
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import hide
+from mjcompose.base.report import counted
 from mjcompose.base.runtime import deferring
 from mjcompose.base.scratch import scratch
 from mjcompose.base.sink import Sink
@@ -24,7 +25,7 @@ from mjcompose.build.bundle.write import write as write_bundle
 from mjcompose.build.cache.builder import Maker
 from mjcompose.build.cache.cell_run import CellMaker, CellResult, CellRun
 from mjcompose.build.cache.run_table import RunTable, index_row
-from mjcompose.cli.cells import Shard, Tally, check_room, counting, found_no_room, stopped
+from mjcompose.cli.cells import FullError, Shard, Tally, counting, found_no_room, stopped
 from mjcompose.cli.output import OutputSpec, Task, add_picture, kind_of_output, put, report_of
 from mjcompose.cli.reporting import FINDINGS, INTERRUPTED, USAGE, arguments, note_files, say, say_details
 from mjcompose.cli.run import Stop
@@ -46,7 +47,9 @@ SAMPLES, MODELS = "samples", "models"
 def build_cells(task: Task, options: Options) -> int:
     """Build the cells, and report a fault in several cells once. Return the exit code."""
     maker, spec, run, context = task.maker, task.spec, task.run, task.run.context
-    chosen = _chosen(task, options)
+    chosen, code = _chosen(task, options)
+    if code:
+        return code
     if not chosen:
         result, why = maker.recall(maker.key(), context)
         return task.build_one(why) if result is None else task.finish(result)
@@ -69,28 +72,25 @@ def build_cells(task: Task, options: Options) -> int:
         try:
             # A crew records what it has done, and may wait long for it.
             patience = deferring() if crew is None else nullcontext()
-            code = _take_all(running, chosen, results, patience=patience, maker=maker)
+            ended = _take_all(running, chosen, results, patience=patience, maker=maker)
         finally:  # also after an interruption
             results.write_tables(options.samples, options.parquet, workers.shard)
-    if code is not None:
-        run.is_reported = True  # the user wants no more of it
-        return code
+    if ended is not None:
+        run.is_reported = True  # after an interruption by the user
+        return ended
     run.report()
     say_details(context)
     results.tally.say(run.form)
     if run.form == "text" and results.tally.whole == len(chosen) and not context.sink.has_errors:
-        count, known = results.tally.whole, results.tally.whole - results.new
+        known = results.tally.whole - results.new
         from_cache = f", {known} from the cache" if known else ""
-        say(f"{maker.recipe}: {count} model{'s' * (count != 1)} built{from_cache}")
+        say(f"{maker.recipe}: {counted(results.tally.whole, 'model')} built{from_cache}")
     return FINDINGS if context.sink.has_errors else 0
 
 
-def _chosen(task: Task, options: Options) -> list[Cell]:
+def _chosen(task: Task, options: Options) -> tuple[list[Cell], int]:
     recipe, worlds = task.maker.recipe, task.maker.options.worlds
-    chosen, code = options.cells.chosen(recipe, task.given, context=task.run.context, verb="build", worlds=worlds)
-    if code:
-        raise Stop(code)
-    return chosen
+    return options.cells.chosen(recipe, task.given, context=task.run.context, verb="build", worlds=worlds)
 
 
 def _check_names(chosen: Sequence[Cell], task: Task) -> None:
@@ -104,8 +104,7 @@ def _check_names(chosen: Sequence[Cell], task: Task) -> None:
         if other is not cell:
             places = dict.fromkeys((task.spec.target(other.name, ""), target))
             where = " and ".join(f"`{each}`" for each in places)
-            if len(places) > 1:
-                where += ", which are one place where the case of letters does not count"
+            where += ", which many file systems treat as one" if len(places) > 1 else ""
             message = f"the models `{other.name}` and `{cell.name}` would be written to {where}"
             help = "write another `name` into `matrix`, or build them with `--pick` into two folders"
             task.run.context.sink.error("name-clash", message, cell.span, help=help)
@@ -129,10 +128,7 @@ def _checked_folder(task: Task, count: int) -> Path | str:
 
 @dataclass(slots=True)
 class _Results:
-    """What the cells of a run gave: counts for the summary, and rows for the tables.
-
-    The index lists paths relative to the folder `beside`. Without one, no index is written.
-    """
+    """Counts for the summary of a run, and rows for its tables: the index lists paths relative to `beside`, if any."""
 
     spec: OutputSpec
     context: Context
@@ -163,13 +159,10 @@ class _Results:
     def write_tables(self, table: str | None, parquet: bool, shard: Shard | None) -> None:
         """Write the draws, to `table` if it is given, and the index."""
         forms = (".csv", ".parquet") if parquet else (".csv",)
-        drawn, all_of_them = (
-            [_in(self.beside, f"{name}{form}", shard) for form in forms] for name in (SAMPLES, MODELS)
-        )
-        self._put_table(
-            self.samples, [table] if table else drawn, "what was drawn for", option="--sample-table" if table else None
-        )
-        self._put_table(self.index, all_of_them, "the index of")
+        drawn, index = ([_in(self.beside, f"{name}{form}", shard) for form in forms] for name in (SAMPLES, MODELS))
+        option = "--sample-table" if table else None
+        self._put_table(self.samples, [table] if table else drawn, "the draws of", option=option)
+        self._put_table(self.index, index, "the index of")
 
     def _put_table(self, table: RunTable, paths: Iterable[str | None], what: str, *, option: str | None = None) -> None:
         for path in paths:
@@ -195,17 +188,18 @@ def _take_all(
         with patience, stopped(results.context) as ended:
             for each in counting(running.made(chosen), len(chosen), lambda each: each.cell.name):
                 results.take(each)
-                check_room(each)
+                if found_no_room(each):  # which has been reported
+                    raise FullError("output-full", "there is no room for more models")
         if ended:
             for each in running.finished():
                 if not found_no_room(each):
                     results.take(each)
             if results.tally.whole:  # else the error alone says what to do
-                click.echo(_how_to_go_on(results.tally.whole, len(chosen), maker), err=True)
+                _say_how_to_go_on(results.tally.whole, len(chosen), maker)
     except (KeyboardInterrupt, SystemExit) as ended:
         for each in running.finished():
             results.take(each)
-        click.echo(_how_to_go_on(results.tally.whole, len(chosen), maker), err=True)
+        _say_how_to_go_on(results.tally.whole, len(chosen), maker)
         return ended.code if isinstance(ended, SystemExit) and isinstance(ended.code, int) else INTERRUPTED
     return None
 
@@ -223,10 +217,10 @@ def _in(folder: str | None, name: str, shard: Shard | None) -> str | None:
     return path if is_address(path) else os.path.normpath(path)
 
 
-def _how_to_go_on(whole: int, total: int, maker: Maker) -> str:
+def _say_how_to_go_on(whole: int, total: int, maker: Maker) -> None:
     command = hide(shlex.join(["mjcompose", *arguments()]))
     rest = "builds the rest" if maker.cache is not None else "builds them all"
-    return f"interrupted: {whole} of {total} are written and whole; `{command}` {rest}"
+    click.echo(f"interrupted: {whole} of {total} are written and whole; `{command}` {rest}", err=True)
 
 
 class _Failed(Exception):
@@ -236,15 +230,13 @@ class _Failed(Exception):
 def build_worlds(task: Task, options: Options, table: Path) -> int:
     """Build all models into `table`, and with `--as union` their common model. Return the exit code."""
     spec, context = task.spec, task.run.context
-    chosen, code = options.cells.chosen(
-        task.maker.recipe, task.given, context=context, verb="build", worlds=task.maker.options.worlds
-    )
+    chosen, code = _chosen(task, options)
     if not code and spec.kind not in (OutputForm.FOLDER, OutputForm.ARCHIVE):
         help = "write a folder or an archive, such as `-o build/{name}.zip`"
-        context.sink.error("output-kind", f"worlds are of a bundle, and `{spec.out}` is none", help=help)
+        context.sink.error("output-kind", f"worlds need a bundle, and `{spec.out}` is not a bundle", help=help)
     if not code and not chosen and not context.sink.has_errors:
         help = "write `matrix` or `randomize` into it, or build it without `--worlds`"
-        context.sink.error("missing-key", f"`{task.maker.recipe}` is one model, which has no worlds", help=help)
+        context.sink.error("missing-key", f"`{task.maker.recipe}` is one model and has no worlds", help=help)
     try:
         worlds.check_name(table)
     except OutputError as error:
@@ -279,10 +271,8 @@ class _Worlds:
         joining = Joining(len(chosen), options.gives == "union")
         maker, session = self.task.maker, self.task.session
         assert session is not None
-        unwritten = Maker(
-            maker.recipe, maker.options, maker.cache, context=self.context, form=OutputForm.FOLDER,
-            place=shelf.place,
-        )  # fmt: skip
+        context, form = self.context, OutputForm.FOLDER
+        unwritten = Maker(maker.recipe, maker.options, maker.cache, context=context, form=form, place=shelf.place)
         making = CellMaker(unwritten, self.task.given, session, finish=shelf.put)
         with CellRun(making, options.workers.jobs) as running:
             for each in counting(running.made(chosen), len(chosen), lambda each: each.cell.name):
@@ -322,8 +312,7 @@ class _Worlds:
     def _put_first(self, first: Cell) -> str:
         task = self.task
         assert task.session is not None
-        putting = partial(put, spec=task.spec)
-        again = CellMaker(task.maker, task.given, task.session, finish=putting).make(first)
+        again = CellMaker(task.maker, task.given, task.session, finish=partial(put, spec=task.spec)).make(first)
         if again.result is None or again.failed:
             for each in again.diagnostics:
                 self.context.sink.add(each)

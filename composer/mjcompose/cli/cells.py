@@ -1,4 +1,4 @@
-"""The cells that a command works on: how they are chosen, by whom they are made, and how they are counted."""
+"""The cells of a command: how you choose them, which workers make them, and how they are counted."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ class CellOptions:
     def check(self, model: str | Path, *, is_recipe: bool) -> None:
         """Raise UsageError if a cell of something else than a recipe is chosen."""
         if self.pick is not None and not is_recipe:
-            raise click.UsageError(f"{model} is not a recipe and has no cells: leave --pick out")
+            raise click.UsageError(f"{model} is not a recipe and has no cells: remove --pick")
 
     def chosen(self, recipe: Path, given: dict[str, Node], run: Run, verb: str) -> Cell | None:
         """Return the cell of `--pick`, or None without that; if there is no such cell, end the command."""
@@ -221,9 +221,9 @@ def check_several(one: bool, *, jobs: int | None, shard: Shard | None = None, cl
     """Raise a usage error if options for several models are given for one, which cannot be split."""
     for name, given in (("--shard", shard), ("--jobs", jobs), ("--cluster", cluster)):
         if one and given is not None and _is_written(name):
-            raise click.UsageError(f"{name} is for --all, --pick and --sample: here is one model.")
+            raise click.UsageError(f"{name} needs --all, --pick or --sample: this is one model.")
     if cluster is not None and cluster != "local" and _is_written("--jobs"):
-        raise click.UsageError("--jobs is for --cluster local: another cluster has the workers that it has.")
+        raise click.UsageError("--jobs needs --cluster local: another cluster has its own workers.")
 
 
 def _is_written(option: str) -> bool:
@@ -237,12 +237,6 @@ class FullError(DiagnosticError):
 def found_no_room(result: CellResult) -> bool:
     """Return whether there was no room for a model, according to its diagnostics."""
     return any(each.code == "output-full" for each in result.diagnostics)
-
-
-def check_room(result: CellResult) -> None:
-    """Raise FullError if there was no room for a model, which has been reported."""
-    if found_no_room(result):
-        raise FullError("output-full", "there is no room for more models")
 
 
 @contextmanager
@@ -277,18 +271,10 @@ def counting(items: Iterable[Item], total: int, name: Callable[[Item], str]) -> 
         if terminal or now - shown >= _EVERY:
             shown = now
             line = f"{done}/{total} {done / max(now - start, 1e-9):.1f}/s {name(item)}"
-            click.echo(f"{_bar(done, total)} {line}" if terminal else line, err=True, nl=not terminal)
+            bar = f"[{'#' * (_WIDTH * done // total):{_WIDTH}}]"
+            click.echo(f"{bar} {line}" if terminal else line, err=True, nl=not terminal)
     if terminal:
         click.echo("\r\x1b[K", err=True, nl=False)
-
-
-def _bar(done: int, total: int) -> str:
-    """Return a progress bar as text. No I/O.
-
-    >>> _bar(1, 4)
-    '[#####               ]'
-    """
-    return f"[{'#' * (_WIDTH * done // total):{_WIDTH}}]"
 
 
 @dataclass(slots=True)
@@ -311,15 +297,11 @@ class Tally:
 
     def say(self, form: str, *, err: bool = False) -> None:
         """Print the tally: always in JSON, else only if a cell failed."""
-        words = self._text(form)
-        if words is not None:
-            click.echo(words, err=err or form == "text")
-
-    def _text(self, form: str) -> str | None:
-        if form == "json":
-            answer = {"recipe": str(self.recipe), "cells": self.total, "failed": [asdict(each) for each in self.failed]}
-            return json.dumps(answer)
-        if not self.failed:
-            return None
         words = f"{len(self.failed)} of {self.total} cells failed: {listed(self.failed)}"
-        return text.command("error", words, {"title": str(self.recipe)}) if form == "github" else words
+        if form == "json":
+            failed = [asdict(each) for each in self.failed]
+            words = json.dumps({"recipe": str(self.recipe), "cells": self.total, "failed": failed})
+        elif form == "github":
+            words = text.command("error", words, {"title": str(self.recipe)})
+        if self.failed or form == "json":
+            click.echo(words, err=err or form == "text")

@@ -13,7 +13,7 @@ import click
 from mjcompose.base import report as github
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import CellName, Diagnostic, Severity, Span
-from mjcompose.base.report import Case, Suite
+from mjcompose.base.report import Case, Suite, counted
 from mjcompose.base.sink import Sink
 from mjcompose.cli.cells import BuildingOptions, Tally, check_several, counting, stopped
 from mjcompose.cli.options import caching
@@ -25,8 +25,6 @@ if TYPE_CHECKING:
     from mjcompose.build.cache.cell_run import RecipeResult
     from mjcompose.build.verify.outcome import Outcome
     from mjcompose.sources.context import Context
-
-_MODEL = "model"
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,13 +52,14 @@ def check(options: Options, run: Run) -> int:
     if one:
         checking.at_once(recipes)
     else:
-        checking.one_after_another(recipes)
+        for recipe in recipes:
+            checking.check(recipe)
     return checking.sum_up()
 
 
 @dataclass(frozen=True, slots=True)
 class _Result:
-    """The result of one recipe; `counted` says what was checked."""
+    """The result of one recipe, with the numbers of models and checks in words."""
 
     recipe: Path
     code: int
@@ -70,7 +69,7 @@ class _Result:
 
 
 class _Checking:
-    """Checks one recipe, or several; what these have in common is reported once."""
+    """Checks one recipe, or several, whose common diagnostics are reported once."""
 
     def __init__(self, options: Options, run: Run) -> None:
         from mjcompose.build.cache.cache_key import BuildOptions
@@ -96,10 +95,9 @@ class _Checking:
             say(f"{recipe}: ok{result.counted}")
         return result.code
 
-    def one_after_another(self, recipes: list[Path]) -> None:
-        for recipe in recipes:
-            context = self.run.new_context()
-            self._take(self._checked(recipe, context), context)
+    def check(self, recipe: Path) -> None:
+        context = self.run.new_context()
+        self._take(self._checked(recipe, context), context)
 
     def at_once(self, recipes: list[Path]) -> None:
         """Check one model of each recipe, in as many processes as there are cores."""
@@ -121,9 +119,8 @@ class _Checking:
                 order, None if cache is None else cache.store, given, context=context_for_worker(context),
                 limits=in_force(), noted=sources.current().noted(),
             )  # fmt: skip
-            with Pool[Path, RecipeResult](
-                count - 1, ("mjcompose.build.cache.cell_run", "mjcompose.build.stages")
-            ) as pool:
+            modules = ("mjcompose.build.cache.cell_run", "mjcompose.build.stages")
+            with Pool[Path, RecipeResult](count - 1, modules) as pool:
                 results = counting(pool.results(job.opened, recipes, make), len(recipes), lambda _: "")
                 for recipe, result in zip(recipes, results, strict=True):
                     own = replace(context, sink=Sink(), timings=[])
@@ -143,7 +140,7 @@ class _Checking:
         say_details(context, result.files)
 
     def sum_up(self) -> int:
-        """Report what was found of all recipes, and which of them hold. Return the exit code."""
+        """Report all diagnostics, and the recipes without errors. Return the exit code."""
         run, err = self.run, self.run.to_stderr
         run.report()
         for result in self.results:
@@ -183,9 +180,9 @@ class _Checking:
         self.run.suites.append(_suite(recipe, outcomes, context.sink.errors, context=context))
         note_files(result.files)
         if notes_cells and not result.failed and result.cells:
-            count = f"{result.cells} cell{'s' * (result.cells > 1)}"
-            context.sink.note("cells-not-checked", f"one model was checked, and the matrix has {count}",
-                              result.cells_at, help="`--all` checks all of them, `--pick CELL` one")  # fmt: skip
+            message = f"one model was checked, and the matrix has {counted(result.cells, 'cell')}"
+            help = "`--all` checks all of them, `--pick CELL` one"
+            context.sink.note("cells-not-checked", message, result.cells_at, help=help)
         code = exit_code(context.folder, [recipe]) if result.failed else 0
         return _Result(recipe, code, counted=_counted(len(outcomes)), files=frozenset(result.files))
 
@@ -218,8 +215,8 @@ class _Checking:
                     run.suites.append(_suite(recipe, each.outcomes, each.diagnostics, context=context, cell=label))
                 checks += len(each.outcomes)
         code = FINDINGS if tally.failed or ended else 0
-        counted = f", {len(chosen)} model{'s' * (len(chosen) != 1)}{_counted(checks)}"
-        return _Result(recipe, code, counted, tally=tally, files=frozenset(files))
+        words = f", {counted(len(chosen), 'model')}{_counted(checks)}"
+        return _Result(recipe, code, words, tally=tally, files=frozenset(files))
 
 
 def _suite(
@@ -233,14 +230,11 @@ def _suite(
     of_checks = {each for outcome in outcomes for each in outcome.diagnostics}
     others = [each for each in found if each.severity is Severity.ERROR and each not in of_checks]
     shown = context.shown(recipe)
-    cases = [Case(_MODEL, _MODEL, others, file=shown)]
-    cases += [
-        Case(each.name, each.kind, each.diagnostics, file=each.span.file, line=each.span.line) for each in outcomes
-    ]
+    cases = [Case("model", "model", others, file=shown)]
+    for each in outcomes:
+        cases.append(Case(each.name, each.kind, each.diagnostics, file=each.span.file, line=each.span.line))
     return Suite(shown if cell is None else f"{shown}: {cell.name}", cases, cell)
 
 
 def _counted(checks: int) -> str:
-    if not checks:
-        return ""
-    return f", {checks} check{'s hold' if checks > 1 else ' holds'}"
+    return f", {checks} check{'s hold' if checks > 1 else ' holds'}" if checks else ""

@@ -10,9 +10,9 @@ import click
 
 from mjcompose.base.codes import CODES, address, code_of, in_terminal, page
 from mjcompose.base.dataclass import dataclass
-from mjcompose.base.suggest import closest
 from mjcompose.cli import completion
 from mjcompose.cli.cells import ModelOptions
+from mjcompose.cli.options import did_you_mean
 from mjcompose.cli.reporting import USAGE, source_reader, use_color
 from mjcompose.cli.run import PATH, Answer, Run, Stop, argument, command, flag
 
@@ -44,7 +44,8 @@ def explain(options: Options, run: Run) -> Answer:
     """  # noqa: D301  (a backspace, by which click keeps the lines)
     model, query = options.model, options.query
     if options.codes:
-        return Answer(_all_codes, dict(CODES))
+        width = max(map(len, CODES))
+        return Answer("\n".join(f"{code:{width}}  {summary}" for code, summary in CODES.items()), dict(CODES))
     if model is None:
         raise click.UsageError("Missing argument 'MODEL|CODE'.")
     if query is None:
@@ -81,17 +82,9 @@ def _page(word: Path) -> Answer:
     text, url = page(code), address(code)
     width = min(shutil.get_terminal_size((_WIDEST, 24)).columns, _WIDEST)
 
-    def words() -> str:
-        return in_terminal(text, width, use_color(out=True)) + ("" if url is None else f"\n\n{url}")
-
-    return Answer(
-        words, {"explains": "code", "code": code, "summary": CODES[code], "page": text, "url": url}, is_ascii=False
-    )
-
-
-def _all_codes() -> str:
-    width = max(map(len, CODES))
-    return "\n".join(f"{code:{width}}  {summary}" for code, summary in CODES.items())
+    words = in_terminal(text, width, use_color(out=True)) + ("" if url is None else f"\n\n{url}")
+    data = {"explains": "code", "code": code, "summary": CODES[code], "page": text, "url": url}
+    return Answer(words, data, is_ascii=False)
 
 
 def _check_model(model: Path) -> None:
@@ -108,6 +101,5 @@ def _no_code(word: Path) -> str:
             "Missing argument 'QUERY'. Say which element:"
             f" `mjcompose explain {word} 'joint NAME'`. `mjcompose tree {word}` lists them."
         )
-    near = closest(str(word), CODES)
-    help = f"Did you mean `{near[0]}`?" if near else "`mjcompose explain --codes` lists them."
-    return f"`{word}` is neither a code nor a file that exists. {help}"
+    hint = did_you_mean(str(word), CODES, " `mjcompose explain --codes` lists them.")
+    return f"`{word}` is neither a code nor a file that exists.{hint}"

@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING
 import click
 
 from mjcompose.base.dataclass import dataclass
-from mjcompose.base.report import Paint, printable
-from mjcompose.cli.fmt import difference, rewrite
+from mjcompose.base.report import counted
+from mjcompose.cli.fmt import difference, rewrite, show_differences
 from mjcompose.cli.options import RECIPE, RecipeOptions
-from mjcompose.cli.reporting import FINDINGS, on_terminal, say, use_color
+from mjcompose.cli.reporting import FINDINGS, on_terminal, say
 from mjcompose.cli.run import Run, command, flag, option
 
 if TYPE_CHECKING:
@@ -47,10 +47,11 @@ def fix(options: Options, run: Run) -> int:
         context.sink.add(diagnostic)
     writes = True if options.yes else options.write
     if run.form != "json":
-        _show(found, context)
+        show_differences(found.files, context, done="fixed")
         if writes is None and found.files and is_asked():
             writes = click.confirm(f"write {_amount(found)}?", err=True)
-    written = bool(writes) and _written(found, context)
+    done = [rewrite(path, after, context) for path, (_, after) in found.files.items()] if writes else [False]
+    written = all(done)
     if run.form == "json":
         _say_data(found, context, written=written)
     elif found.files:
@@ -69,19 +70,6 @@ def is_asked() -> bool:
     return sys.stdin is not None and sys.stdin.isatty() and on_terminal()
 
 
-def _show(found: Fixed, context: Context) -> None:
-    paint = Paint(use_color(out=True))
-    for path, (before, after) in found.files.items():
-        for line in difference(before, after, context.shown(path), done="fixed").splitlines():
-            style = {"+": "added", "-": "removed", "@": "gutter"}.get(line[:1])
-            click.echo(printable(paint(style, line) if style else line, colors=True), color=use_color(out=True))
-
-
-def _written(found: Fixed, context: Context) -> bool:
-    done = [rewrite(path, after, context) for path, (_, after) in found.files.items()]
-    return all(done)
-
-
 def _say_data(found: Fixed, context: Context, *, written: bool) -> None:
     for path, (before, after) in found.files.items():
         shown = context.shown(path)
@@ -92,5 +80,4 @@ def _say_data(found: Fixed, context: Context, *, written: bool) -> None:
 
 
 def _amount(found: Fixed) -> str:
-    count, files = len(found.fixed), len(found.files)
-    return f"{count} fault{'s' * (count != 1)} in {files} file{'s' * (files != 1)}"
+    return f"{counted(len(found.fixed), 'fault')} in {counted(len(found.files), 'file')}"

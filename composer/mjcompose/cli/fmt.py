@@ -8,6 +8,7 @@ import json
 import os
 import stat
 import sys
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -17,9 +18,9 @@ from mjcompose.base import report as github
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.files import read_regular
 from mjcompose.base.limits import in_force
-from mjcompose.base.report import printable
+from mjcompose.base.report import Paint, counted, printable
 from mjcompose.cli.options import ReportOptions
-from mjcompose.cli.reporting import FINDINGS, say
+from mjcompose.cli.reporting import FINDINGS, say, use_color
 from mjcompose.cli.run import Run, argument, command, flag, group
 
 if TYPE_CHECKING:
@@ -63,7 +64,7 @@ def fmt(options: Options, run: Run) -> int:
         elif result != source and rewrite(Path(recipe), result, context):
             _report(shown, None, run.form)
     if unchanged and run.form == "text" and STDIN not in recipes:
-        say(f"{unchanged} file{'s' * (unchanged != 1)} left unchanged")
+        say(f"{counted(unchanged, 'file')} left unchanged")
     run.report()
     if check and differing:
         click.echo(f"{differing} of {len(recipes)} would change", err=True)
@@ -113,6 +114,16 @@ def rewrite(recipe: Path, result: bytes, context: Context, option: str | None = 
         context.sink.add(error.diagnostic)
         return False
     return True
+
+
+def show_differences(files: Mapping[Path, tuple[bytes, bytes]], context: Context, done: str) -> None:
+    """Print the difference of each file, in color on a terminal."""
+    color = use_color(out=True)
+    paint = Paint(color)
+    for path, (before, after) in files.items():
+        for line in difference(before, after, context.shown(path), done=done).splitlines():
+            style = {"+": "added", "-": "removed", "@": "gutter"}.get(line[:1])
+            click.echo(printable(paint(style, line) if style else line, colors=True), color=color)
 
 
 def difference(source: bytes, result: bytes, shown: str, done: str) -> str:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Mapping
 from pathlib import Path
 
 import click
@@ -15,7 +14,7 @@ from mjcompose.build.bundle.listing import COLUMNS
 from mjcompose.cli.options import ReportOptions
 from mjcompose.cli.reporting import FINDINGS, USAGE, say
 from mjcompose.cli.run import Run, argument, command, group, option
-from mjcompose.text.expression_values import Value, shown
+from mjcompose.text.expression_values import shown
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,13 +38,14 @@ def list(options: Options, run: Run) -> int:
     from mjcompose.build.bundle.listing import Condition, ListingError, rows
 
     context, folder, condition = run.context, options.folder, None
-    write = _json if run.form == "json" else _line
     try:
         condition = Condition(options.where or "true")
         for row in rows(folder if is_address(folder) else Path(folder), folder):
             if condition.holds(row):
                 path = row.file if isinstance(row.file, str) else context.shown(row.file)
-                click.echo(write(path, row.values))
+                own = (f"{name}={shown(value)}" for name, value in row.values.items() if name not in COLUMNS)
+                data = {**row.values, "path": path}
+                click.echo(json.dumps(data, ensure_ascii=False) if run.form == "json" else " ".join((path, *own)))
         condition.check()
     except ListingError as error:
         context.sink.add(error.diagnostic)
@@ -55,12 +55,3 @@ def list(options: Options, run: Run) -> int:
     for name, count in condition.lacking.items():
         say(f"{count} models have no `{name}`, and are not listed", err=True)
     return 0
-
-
-def _line(path: str, values: Mapping[str, Value]) -> str:
-    own = (f"{name}={shown(value)}" for name, value in values.items() if name not in COLUMNS)
-    return " ".join((path, *own))
-
-
-def _json(path: str, values: Mapping[str, Value]) -> str:
-    return json.dumps({**values, "path": path}, ensure_ascii=False)

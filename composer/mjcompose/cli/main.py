@@ -121,15 +121,14 @@ class _Verbs(click.Group):
     ) -> tuple[str | None, click.Command | None, list[str]]:
         verb = args[0]
         if verb not in _VERBS and not verb.startswith("-") and not _is_extension(verb):
-            from mjcompose.base.suggest import closest
+            from mjcompose.cli.options import did_you_mean
 
-            near = closest(verb, _VERBS)
             if verb in _CALLED:
                 help = f" Write `{_CALLED[verb]}`."
             elif verb.endswith((".yaml", ".yml")):
                 help = f" Write `mjcompose build {verb}`."
             else:
-                help = f" Did you mean `{near[0]}`?" if near else ""
+                help = did_you_mean(verb, _VERBS)
             raise click.UsageError(f"The command `{verb}` does not exist.{help}", ctx)
         return super().resolve_command(ctx, args)
 
@@ -144,16 +143,12 @@ class _Verbs(click.Group):
             ctx.exit(_INTERRUPTED)
         except click.NoSuchOption as error:
             raise _with_hint(error) from None
-        except (click.ClickException, click.exceptions.Exit, click.Abort):
-            raise
-        except MemoryError:
-            raise  # reported at the entry point, after the memory is released
+        except (click.ClickException, click.exceptions.Exit, click.Abort, BrokenPipeError, MemoryError):
+            raise  # Click handles most; memory is released before the entry point reports its lack
         except SystemError as error:
             if ran_out():
                 raise MemoryError from error
             raise
-        except BrokenPipeError:
-            raise  # the reader of the output is gone, which click handles
         except OSError as error:
             if error.errno == errno.ENOMEM:
                 raise MemoryError from error
@@ -230,7 +225,7 @@ def _is_reported(error: Exception) -> bool:
 
 
 def _say_aside(words: str) -> None:
-    """Print to standard error, in place of a progress line."""
+    """Print to standard error, instead of a progress line."""
     from mjcompose.cli.reporting import clear_progress
 
     clear_progress()

@@ -11,11 +11,10 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from mjcompose.base.dataclass import dataclass
-from mjcompose.base.report import Paint
 from mjcompose.cli import completion
-from mjcompose.cli.fmt import difference, rewrite
-from mjcompose.cli.options import STRICT, FetchOptions, ReportOptions, TimeOptions, output
-from mjcompose.cli.reporting import FINDINGS, progress, use_color
+from mjcompose.cli.fmt import difference, rewrite, show_differences
+from mjcompose.cli.options import STRICT, FetchOptions, ReportOptions, TimeOptions, did_you_mean, output
+from mjcompose.cli.reporting import FINDINGS, progress
 from mjcompose.cli.run import PATH, Answer, Run, Stop, argument, command, flag, group, option
 
 if TYPE_CHECKING:
@@ -78,7 +77,7 @@ def migrate(options: Options, run: Run) -> Answer | int:
     if result is not None and run.form == "json":
         click.echo(json.dumps(_data(result, written, context), ensure_ascii=False))
     elif result is not None and is_whole and out is None and not options.in_place:
-        _show(result, context)
+        show_differences(result.migrated.changed, context, done="migrated")
     if result is None or context.sink.has_errors:
         raise Stop(run.code_of_failure(*([Path(model)] if ":" not in model else [])))
     left = bool(result.migrated.changed) and written is None
@@ -90,21 +89,19 @@ def migrate(options: Options, run: Run) -> Answer | int:
 
 
 def _check_usage(options: Options) -> None:
-    from mjcompose.base.suggest import closest
     from mjcompose.tools.migrate.changes import TABLE
 
     model, out, changes = options.model, options.out, [each.name for each in TABLE]
     if Path(model).suffix.lower() in _RECIPES:
-        raise click.UsageError(f"{model} is a recipe: migrate the models that it is made of")
+        raise click.UsageError(f"{model} is a recipe: migrate its models instead")
     if out is not None and options.in_place:
-        raise click.UsageError("--in-place writes into MODEL itself: leave -o out")
+        raise click.UsageError("--in-place writes into MODEL itself: remove -o")
     if out is not None and os.path.lexists(out):
-        raise click.UsageError(f"{out} exists already and is left as it is: choose another name with -o")
+        raise click.UsageError(f"{out} exists already: choose another name with -o")
     for name in options.adopt:
         if name not in changes:
-            near = closest(name, changes)
-            meant = f" Did you mean `{near[0]}`?" if near else " `docs/migrate.md` lists them."
-            raise click.UsageError(f"There is no change `{name}` to adopt.{meant}")
+            hint = did_you_mean(name, changes, " `docs/migrate.md` lists them.")
+            raise click.UsageError(f"There is no change `{name}` to adopt.{hint}")
 
 
 def _written(result: Result, out: str | None, context: Context) -> Path | None:
@@ -139,19 +136,11 @@ def _bound(result: Result, target: Path) -> str | None:
     migrated, model = result.migrated, result.model
     others = [path for path in migrated.changed if path != model]
     if others:
-        return f"`{others[0].name}`, which it includes or attaches, is another one, too"
+        return f"`{others[0].name}`, which it includes or attaches, changes too"
     same_place = os.path.realpath(target.parent) == os.path.realpath(model.parent)
     if not same_place and (migrated.assets or len(migrated.files) > 1):
-        return "it would stand in another folder than they"
+        return "it would be in another folder"
     return None
-
-
-def _show(result: Result, context: Context) -> None:
-    paint = Paint(use_color(out=True))
-    for path, (before, after) in result.migrated.changed.items():
-        for line in difference(before, after, context.shown(path), done="migrated").splitlines():
-            style = {"+": "added", "-": "removed", "@": "gutter"}.get(line[:1])
-            click.echo(paint(style, line) if style else line, color=use_color(out=True))
 
 
 def _lines(result: Result, written: Path | None, in_place: bool, context: Context) -> Iterator[str]:
@@ -172,18 +161,16 @@ def _lines(result: Result, written: Path | None, in_place: bool, context: Contex
         if outcome.same:
             yield f"proved: MuJoCo {migrated.after} compiles the same model; {arrays} arrays are equal{but}"
         elif not result.unexplained:
-            yield f"compared: {arrays} arrays are equal{but}; what differs is said above:"
+            yield f"compared: {arrays} arrays are equal{but}; the differences are above:"
         yield from (f"  {words}" for words in result.explained)
         if outcome.recut:
             several = ", ".join(outcome.recut[:_SHOWN]) + (", …" if len(outcome.recut) > _SHOWN else "")
             yield f"  the same surface in other triangles: {several}"
         if outcome.apart:
-            yield f"  not compared, for they have another form: {', '.join(outcome.apart)}"
+            yield f"  not compared because their form differs: {', '.join(outcome.apart)}"
     elif migrated.before != migrated.after:
         lack = " and ".join(result.missing)
-        yield (
-            f"not proved: MuJoCo {lack} is not here; `--prove` installs it, `--with-python PATH` names one that has it"
-        )
+        yield f"not proved: MuJoCo {lack} is not here; `--prove` installs it, `--with-python PATH` uses yours"
 
 
 def _data(result: Result, written: Path | None, context: Context) -> dict[str, Any]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import re
 import shlex
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -13,6 +13,7 @@ import click
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.files import read_regular
+from mjcompose.base.report import counted
 from mjcompose.cli.options import ReportOptions
 from mjcompose.cli.run import PATH, Answer, Run, argument, command, flag, group
 
@@ -74,7 +75,7 @@ def _recipe(path: Path, context: Context) -> _Outcome:
         shown = path.with_suffix(".yaml") if path.name else path / "model.yaml"
         raise click.UsageError(f"a recipe's name ends in .yaml: {shown}")
     if os.path.lexists(path):
-        message = f"`{path}` exists already and is left as it is"
+        message = f"`{path}` exists already"
         context.sink.error("output-unwritable", message, help="choose another name, or remove the file")
         return _Outcome("", (), ())
     with staged_file(path) as stage:
@@ -106,7 +107,10 @@ def _project(folder: Path | None, context: Context) -> _Outcome:
     start = f"start with {folder / 'README.md'}"
     if "README.md" in kept:
         start = f"build its model with: mjcompose build {shlex.quote(str(folder / recipe))}"
-    words = [*(_kept(path, folder, files) for path in kept), f"wrote {_files(written)} to {folder}; {start}"]
+    words = [
+        *(_kept(path, folder, files) for path in kept),
+        f"wrote {counted(len(written), 'file')} to {folder}; {start}",
+    ]
     return _outcome(words, folder, written, kept=kept)
 
 
@@ -118,12 +122,8 @@ def _examples(folder: Path) -> _Outcome:
     written, kept = write_project(files, (), folder, finish=lambda stage: None)
     own = [path for path in kept if read_regular(folder / path) != files[path]]
     start = f"look at one with: mjcompose view {shlex.quote(str(folder / 'demo.yaml'))}"
-    words = [*(f"kept {folder / path}" for path in own), f"wrote {_files(written)} to {folder}; {start}"]
+    words = [*(f"kept {folder / path}" for path in own), f"wrote {counted(len(written), 'file')} to {folder}; {start}"]
     return _outcome(words, folder, written, kept=kept)
-
-
-def _files(paths: Sequence[str]) -> str:
-    return f"{len(paths)} file{'' if len(paths) == 1 else 's'}"
 
 
 def _outcome(words: Iterable[str], folder: Path, written: Iterable[str], kept: Iterable[str]) -> _Outcome:

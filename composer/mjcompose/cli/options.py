@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -21,6 +21,14 @@ if TYPE_CHECKING:
     from mjcompose.build.cache.cache import Cache
     from mjcompose.sources.context import Context
     from mjcompose.text.node import Node
+
+
+def did_you_mean(name: str, known: Iterable[str], otherwise: str = "") -> str:
+    """Return the question after a message of Click about an unknown name, or `otherwise`, with a space before it."""
+    from mjcompose.base.suggest import closest
+
+    near = closest(name, known)
+    return f" Did you mean `{near[0]}`?" if near else otherwise
 
 
 class Amount(click.FloatRange):
@@ -78,24 +86,21 @@ class FetchOptions:
 @contextlib.contextmanager
 def caching(context: Context, no_cache: bool) -> Iterator[Cache | None]:
     """Yield the user's build cache inside the block, or None if it is disabled or unusable."""
-    cache = None if no_cache else _cache(context)
+    cache = None
+    if not no_cache:
+        from mjcompose.build.cache.cache import open_cache
+        from mjcompose.sources.reference import SourceError
+        from mjcompose.sources.store import Store
+
+        try:
+            cache = open_cache(Store.of(context.environment), context.sink)
+        except SourceError as error:
+            context.sink.warning(error.code, error.message, help=error.help)
     try:
         yield cache
     finally:
         if cache is not None:
             cache.close()
-
-
-def _cache(context: Context) -> Cache | None:
-    from mjcompose.build.cache.cache import open_cache
-    from mjcompose.sources.reference import SourceError
-    from mjcompose.sources.store import Store
-
-    try:
-        return open_cache(Store.of(context.environment), context.sink)
-    except SourceError as error:
-        context.sink.warning(error.code, error.message, help=error.help)
-        return None
 
 
 @dataclass(frozen=True, slots=True)
@@ -138,7 +143,7 @@ class Choices:
             if isinstance(node, Mapping):
                 found.update({name: value for name, (_, value) in node.entries.items()})
             elif node is not None:
-                context.sink.error("wrong-type", "a file of values is a mapping from names to values", node.span)
+                context.sink.error("wrong-type", "a file of values must be a mapping from names to values", node.span)
         for written in self.sets:
             name, equals, text_of_value = written.partition("=")
             if not equals or not name:
@@ -166,10 +171,9 @@ class Choices:
 
         found: dict[str, str] = {}
         for file in self.set_files:
-            content = "unreadable"
+            found[name_of(file)] = "unreadable"
             with contextlib.suppress(OSError):
-                content = content_of(self._text(file, context))
-            found[name_of(file)] = content
+                found[name_of(file)] = content_of(self._text(file, context))
         if len(self.set_files) > 1:  # a value of a later file counts
             found["the order of `--set-file`"] = ", ".join(map(str, self.set_files))
         for written in self.sets:
@@ -185,11 +189,8 @@ def _limits(ctx: click.Context, parameter: click.Parameter, given: tuple[str, ..
     for each in given:
         name, _, text = each.partition("=")
         if name not in NAMES:
-            from mjcompose.base.suggest import closest
-
-            near = closest(name, NAMES)
-            meant = f" Did you mean `{near[0]}`?" if near else f" There are: {', '.join(NAMES)}."
-            raise click.BadParameter(f"the limit `{name}` does not exist.{meant}", ctx, parameter)
+            hint = did_you_mean(name, NAMES, f" There are: {', '.join(NAMES)}.")
+            raise click.BadParameter(f"the limit `{name}` does not exist.{hint}", ctx, parameter)
         value = read(name, text)
         if value is None:
             example = _EXAMPLES[NAMES[name].metadata["unit"]]
@@ -199,11 +200,6 @@ def _limits(ctx: click.Context, parameter: click.Parameter, given: tuple[str, ..
         ctx.with_resource(allow(**{NAMES[name].name: value}))
         if name == "memory":
             bound(int(value))
-
-
-def _time(ctx: click.Context, parameter: click.Parameter, given: float | None) -> None:
-    if given is not None:
-        ctx.with_resource(allow(time=given))
 
 
 @dataclass(frozen=True, slots=True)
@@ -222,7 +218,8 @@ class TimeOptions:
 
     heading: ClassVar[str] = "Limits"
     limits: LimitOptions = group(LimitOptions)
-    timeout: None = option("--timeout", type=Amount(min=0, min_open=True), callback=_time, metavar="SECONDS",
+    timeout: None = option("--timeout", type=Amount(min=0, min_open=True), metavar="SECONDS",
+                           callback=lambda ctx, _, time: time and ctx.with_resource(allow(time=time)),
                            help="The most time that MuJoCo may take for a model; the same as --limit time=SECONDS."
                                 "  [default: 300]")  # fmt: skip
 

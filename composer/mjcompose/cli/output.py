@@ -1,18 +1,19 @@
-"""What `build` writes and reports of a model."""
+"""Writing and reporting the models of `build`."""
 
 from __future__ import annotations
 
 import os
 import re
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import ExitStack
 from dataclasses import asdict, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Severity, hide
+from mjcompose.base.report import counted
 from mjcompose.build.bundle.bundle import Location, file_name, hash_of, is_address, location, picture_of
 from mjcompose.cli.reporting import clear_progress, note_files, progress, say, say_details
 from mjcompose.model.merged_settings import in_words
@@ -64,7 +65,7 @@ class Picturing:
 
 @dataclass(frozen=True, slots=True)
 class OutputSpec:
-    """What is built of a recipe, where it goes, and how it is reported; `picturing` draws a picture next to it."""
+    """The form and place of an output, and how it is reported; `picturing` draws a picture next to it."""
 
     out: str
     kind: OutputForm
@@ -113,8 +114,8 @@ def kind_of_output(out: str | None, models: int = 1) -> OutputForm:
     kind = OutputForm.TEXT if out == "-" else form_of(out)
     known = {"{name}", "{hash}", "{mujoco}"} if kind == "mjb" else {"{name}", "{hash}"}
     if unknown := next((word for word in _PLACEHOLDER.findall(out) if word not in known), None):
-        help = f"write {' or '.join(f'`{word}`' for word in sorted(known))}, or leave the braces out"
-        raise OutputError("output-kind", f"`{unknown}` stands for nothing in the output `{out}`", help)
+        help = f"write {' or '.join(f'`{word}`' for word in sorted(known))}, or remove the braces"
+        raise OutputError("output-kind", f"`{unknown}` has no meaning in the output `{out}`", help)
     if is_address(out) and kind in (OutputForm.TEXT, OutputForm.USD):
         help = "write a bundle, such as `{name}.zip`"
         raise OutputError("output-kind", f"`{out}` cannot be an address: {_NO_ADDRESS[kind]}", help)
@@ -143,12 +144,8 @@ def report_of(result: BuildResult, spec: OutputSpec) -> str:
 
 
 def _data(result: BuildResult, spec: OutputSpec, out: str) -> dict[str, object]:
-    answer: dict[str, object] = {
-        "output": out,
-        "name": result.name,
-        "sha256": result.sha256,
-        "sizes": dict(result.sizes or {}),
-    }
+    sizes = dict(result.sizes or {})
+    answer: dict[str, object] = {"output": out, "name": result.name, "sha256": result.sha256, "sizes": sizes}
     if result.merged:
         answer["merged"] = {kind: dict(names) for kind, names in result.merged.items()}
     if adopted := [each for each in result.adopted if each.is_written]:
@@ -175,10 +172,9 @@ def _lines(result: BuildResult, spec: OutputSpec, out: str) -> Iterator[str]:
         files, be = f"{out} and {manifest_beside(Path(out)).name}", "are"
     yield f"{files} {be} up to date" if result.is_written else f"wrote {files}"
     if sizes := result.sizes or {}:
-        counted = ", ".join(_count(*each) for each in (
-            (sizes["nbody"] - 1, "body", "bodies"), (sizes["nsensor"], "sensor"), (sizes["nkey"], "keyframe")
-        ))  # fmt: skip
-        yield f"  {result.name}: nq {sizes['nq']}, nv {sizes['nv']}, nu {sizes['nu']}, {counted}"
+        bodies, sensors = counted(sizes["nbody"] - 1, "body", "bodies"), counted(sizes["nsensor"], "sensor")
+        numbers = f"nq {sizes['nq']}, nv {sizes['nv']}, nu {sizes['nu']}, {bodies}, {sensors}"
+        yield f"  {result.name}: {numbers}, {counted(sizes['nkey'], 'keyframe')}"
     else:
         yield "  not verified: MuJoCo has not compiled it"
     if spec.picturing is not None:
@@ -197,36 +193,21 @@ def remarks(result: BuildResult, spec: OutputSpec) -> Iterator[str]:
     """Yield one line each for adopted settings, the replaced output, merged assets, and why it was built or not."""
     yield from (f"  adopted {words}" for words in in_words(result.adopted))
     if result.excluded:
-        pairs = "pair" if result.excluded == 1 else "pairs"
-        yield f"  excluded {result.excluded} {pairs} of bodies from colliding: `mjcompose plan` names them"
+        pairs = counted(result.excluded, "pair")
+        yield f"  excluded {pairs} of bodies from colliding: `mjcompose plan` names them"
     if result.replaced:
-        yield _replacing(result.replaced)
+        values = ", ".join(f"{name} = {shown(value)}" for name, value in result.replaced.items())
+        recipe = result.replaced.get("recipe")
+        yield f"  replaced the model of {recipe}" if recipe else f"  replaced the model with {values}"
     if result.merged:
-        yield _merging(result)
+        plural = {"mesh": "meshes"}
+        counts = ", ".join(counted(len(names), kind, plural.get(kind, "")) for kind, names in result.merged.items())
+        yield f"  merged {counts} into equal ones: the manifest and `--output-format json` list the merged names"
     if spec.why:
         if result.is_new:
             yield from (f"  built: {line}" for line in result.why)
         else:
             yield from (f"  not built again: {line}" for line in result.why or ("nothing that it depends on changed",))
-
-
-def _replacing(before: Mapping[str, Any]) -> str:
-    if "recipe" in before:
-        return f"  replaced the model of {before['recipe']}"
-    values = ", ".join(f"{name} = {shown(value)}" for name, value in before.items())
-    return f"  replaced the model with {values}"
-
-
-def _merging(result: BuildResult) -> str:
-    plural = {"mesh": "meshes", "hfield": "hfields", "texture": "textures", "material": "materials"}
-    counts = ", ".join(
-        f"{len(names)} {kind if len(names) == 1 else plural[kind]}" for kind, names in result.merged.items()
-    )
-    return f"  merged {counts} into equal ones: the manifest and `--output-format json` say which name stands for which"
-
-
-def _count(number: int, noun: str, plural: str | None = None) -> str:
-    return f"{number} {noun if number == 1 else plural or noun + 's'}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -328,7 +309,7 @@ class _Writer:
         return result
 
     def _check_picture(self, result: BuildResult, target: str) -> None:
-        """Refuse a picture that would take the place of a texture. Raises OutputError."""
+        """Refuse a picture that would replace a texture. Raises OutputError."""
         if self.spec.picturing is not None:
             from mjcompose.build.bundle.staging import check_is_no_source
             from mjcompose.build.cache.builder import input_files
@@ -347,7 +328,7 @@ class _Writer:
             context.sink.promote()
 
     def _write(self, result: BuildResult, out: str) -> tuple[Path, ...]:
-        """Write the model, and return what was written elsewhere than to `out`."""
+        """Write the model, and return the files that were written elsewhere than to `out`."""
         from mjcompose.build.bundle.staging import check_is_no_source
         from mjcompose.build.cache.builder import input_files
 
@@ -380,13 +361,8 @@ class _Writer:
         elif result.packed and result.record is not None:
             from mjcompose.build.bundle.write import write_packed
 
-            write_packed(
-                result.packed,
-                result.record.model,
-                Path(out),
-                environment=context.environment,
-                packed=result.packed.__getitem__,
-            )
+            packed, model = result.packed, result.record.model
+            write_packed(packed, model, Path(out), environment=context.environment, packed=packed.__getitem__)
         else:
             from mjcompose.build.bundle.write import write
 

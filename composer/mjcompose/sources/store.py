@@ -232,14 +232,15 @@ class Store:
         with self.usable():
             self._remove(content.parent, content.parent.name)
 
-    def _unless_busy(self, key: str, clean: Callable[[], object]) -> None:
-        """Call `clean` with the lock of a key, unless another process has the lock."""
+    def _remove_useless(self, path: Path, key: str, is_useless: Callable[[], bool]) -> None:
+        """Remove a path if it is useless, unless another process has the lock of the key."""
         from filelock import FileLock, Timeout
 
         with contextlib.suppress(Timeout, OSError):
             (self.folder / "locks").mkdir(exist_ok=True)
             with FileLock(self.folder / "locks" / f"{key}.lock", timeout=0):
-                clean()
+                if is_useless():
+                    self._remove(path, key)
 
     def _remove_unused(self, entry: Entry | blobs.KeptMujoco) -> bool:
         with self.usable():
@@ -261,8 +262,7 @@ class Store:
 
     def remove_headless(self, folder: Path) -> None:
         """Remove such a folder, unless another process is recreating it."""
-        kind, key = folder.parent.name, folder.name
-        self._unless_busy(key, lambda: self._read(kind, folder) or self._remove(folder, key))
+        self._remove_useless(folder, folder.name, lambda: self._read(folder.parent.name, folder) is None)
 
     def unfinished(self) -> list[Path]:
         """Return files that are being created or downloaded, or were when their process was killed."""
@@ -324,16 +324,16 @@ class Store:
         def is_older_than(seconds: float) -> bool:
             return time.time() - left.stat().st_mtime > seconds
 
-        kind, key = left.parent.name, left.name.partition(".")[0]
+        kind = left.parent.name
         if kind == blobs.WRITING:
             with contextlib.suppress(OSError):
                 if blobs.is_left(left) or is_older_than(GRACE):
                     left.unlink()
         elif kind == blobs.FOLDER:
-            key = blobs.mujoco_key(left.name)
-            self._unless_busy(key, lambda: blobs.is_complete(left) or self._remove(left, key))
+            self._remove_useless(left, blobs.mujoco_key(left.name), lambda: not blobs.is_complete(left))
         else:
-            self._unless_busy(key, lambda: (kind == "staging" or is_older_than(7 * 24 * 3600)) and _erase(left))
+            key = left.name.partition(".")[0]
+            self._remove_useless(left, key, lambda: kind == "staging" or is_older_than(7 * 24 * 3600))
 
 
 def name_of(id: str) -> str:

@@ -37,8 +37,8 @@ def test_what_is_known_gives_the_same(store: Path, folder: Path) -> None:
         (("--all", "-o", "b/{name}.zip"), "a zip cannot refer to files outside of it"),
         (("--all", "-o", "b/{name}.mjb"), "has its assets in it"),
         (("--all", "-o", "b/{name}.xml"), "none is copied"),
-        (("--all", "-o", "{name}/model/"), "do not stand side by side"),
-        (("-o", "b/"), "one model has nobody to share"),
+        (("--all", "-o", "{name}/model/"), "are not next to each other"),
+        (("-o", "b/"), "one model cannot share its"),
     ],
 )
 def test_where_nothing_can_be_shared(store: Path, arguments: tuple[str, ...], why: str) -> None:

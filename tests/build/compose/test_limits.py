@@ -222,7 +222,7 @@ def test_more_errors_than_are_looked_for(tmp_path: Path, monkeypatch: pytest.Mon
         for number in range(9):
             sink.error("bad-name", str(number))
     assert [each.message for each in sink.errors] == [
-        "0", "1", "2", "3", "there are more than 3 errors; others were not looked for",
+        "0", "1", "2", "3", "there are more than 3 errors; mjcompose stopped looking for others",
     ]  # fmt: skip
 
 

@@ -155,9 +155,9 @@ def test_a_table_of_another_model(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "arguments", "code", "said"),
     [
-        (HEAD, (), 2, "error[missing-key]: `r.yaml` is one model, which has no worlds"),
+        (HEAD, (), 2, "error[missing-key]: `r.yaml` is one model and has no worlds"),
         (HEAD + LAMP, (), 1, "r.yaml:8:1: error[not-a-world]: `m-one` cannot be a world of `m-none`"),
-        (MATRIX, ("-o", "out.xml"), 2, "error[output-kind]: worlds are of a bundle, and `out.xml` is none"),
+        (MATRIX, ("-o", "out.xml"), 2, "error[output-kind]: worlds need a bundle, and `out.xml` is not a bundle"),
         (MATRIX, ("--worlds", "study.csv"), 2, "error[output-kind]: no table of worlds is called `*.csv`"),
         (MATRIX, ("--shard", "1/2"), 2, "--shard is not for --worlds"),
         (MATRIX, ("--sample-table", "s.csv"), 2, "--sample-table is not for --worlds"),
