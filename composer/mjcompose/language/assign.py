@@ -244,10 +244,10 @@ TAGS = (
 
 
 @definition("of")
-def _definition_of_classes(_: str) -> Schema:
-    """Return the condition on the values that are given to default classes."""
-    rows = [tag for tag in GRAMMAR.section(_CLASSES).children if tag != _CLASSES]
-    return {"propertyNames": {"enum": rows}, "additionalProperties": {"type": "object"}}
+def _definition_of_classes(kind: str) -> Schema:
+    """Return the condition on the values that are given to default classes; `kind` is the definition for one tag."""
+    rows = {tag: reference(f"{kind}:{tag}") for tag in GRAMMAR.section(_CLASSES).children if tag != _CLASSES}
+    return {"properties": rows, "additionalProperties": False}
 
 
 @definition("settable")

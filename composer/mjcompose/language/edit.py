@@ -152,7 +152,7 @@ class _ByTag:
             values = {name: reference(f"{form.values}:{tag}") for name, form in forms.items() if form.values}
             refused = {name: _for_no(tag, rule) for name, rule in _strange(tag, forms)}
             yield _where_selected(tag, {**values, **refused}, forms)
-        values = {name: reference("of-classes") for name, form in forms.items() if form.values}
+        values = {name: reference(f"of-{form.values}") for name, form in forms.items() if form.values}
         yield _where_selected("default", values, forms)
 
 

@@ -123,6 +123,8 @@ _NARROWING: dict[str, Schema] = {
     "class": {**GLOB, "description": "the default class in effect, or one that it descends from"},
     "where": {
         "type": ["object", "string"],
+        "minProperties": 1,
+        "additionalProperties": {"type": ["number", "boolean", "string", "array"]},
         "description": "attributes and their values in effect, or one boolean `${…}`",
     },
 }
@@ -138,6 +140,8 @@ def selector(_: str) -> Schema:
         "propertyNames": {"enum": [*NARROWING, *known_tags(), *_paths()]},
         "additionalProperties": GLOB,
         "minProperties": 1,
+        "if": {"propertyNames": {"enum": [*NARROWING, *_COUNT]}},
+        "then": {"required": ["body"], "errorMessage": "write a tag, such as `body: NAME`"},
     }
 
 

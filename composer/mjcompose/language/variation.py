@@ -27,7 +27,7 @@ from mjcompose.language.forms.scalars import (
 )
 from mjcompose.language.forms.translate import faults
 from mjcompose.language.parameters import Parameter, is_usable
-from mjcompose.text.expression_values import UNITS, Angle, Value
+from mjcompose.text.expression_values import ANGLE_PATTERN, UNITS, Angle, Value
 from mjcompose.text.node import Mapping as Located
 from mjcompose.text.node import Node, is_template, locate, to_python
 
@@ -42,8 +42,9 @@ def _default_fault(value: Any) -> Fault | None:
     return Fault("wrong-type", f"{IT} cannot be an expression", help=help)
 
 
+_ALONE: Schema = {**VALUE, "items": {"type": "number"}}
 _DEFAULT: Schema = {
-    **VALUE,
+    **_ALONE,
     "pattern": r"^(?!.*\$\{)",
     "patternErrorMessage": "a default is written out: it cannot be an expression",
 }
@@ -58,6 +59,17 @@ Combinations = Annotated[
 ]
 
 
+_NUMBER: Schema = {"type": ["number", "string"], "pattern": f"^{ANGLE_PATTERN}$"}
+_SCHEMAS: Mapping[str, Schema] = {
+    "bool": {"type": "boolean"},
+    "int": {"type": "integer"},
+    "float": _NUMBER,
+    "string": {"type": "string"},
+    "vector": {"type": "array", "items": {"type": "number"}},
+}
+"""What the default of a parameter can be, by its type."""
+
+
 class _Typed:
     """A parameter has a type, or a value that shows it."""
 
@@ -70,6 +82,9 @@ class _Typed:
         none = dict.fromkeys(("default", "type", "choices"), False)
         needed = {"required": ["default"], "errorMessage": "write `default`, or `type: float`"}
         yield {"if": {"properties": none}, "then": needed}
+        for word, kind in _SCHEMAS.items():
+            typed = {"properties": {"type": {"const": word}}, "required": ["type"]}
+            yield {"if": typed, "then": {"properties": {"default": kind}}}
 
 
 class Declaration(Model):
@@ -186,7 +201,9 @@ Params = Annotated[
         Annotated[
             Annotated[Declaration, Tag("<mapping>")]
             | Annotated[
-                Written, Field(description="the default alone, whose type is that of the parameter"), Tag("<value>")
+                Written,
+                WithJsonSchema({**_ALONE, "description": "The default alone: its type is that of the parameter."}),
+                Tag("<value>"),
             ],
             Discriminator(lambda value: "<mapping>" if isinstance(value, dict | Declaration) else "<value>"),
         ],

@@ -294,7 +294,7 @@ def _value_fault(value: Any) -> Fault | None:
     return Fault("wrong-type", f"{IT} expects a value or a list of values, got {kind_of(value)}")
 
 
-VALUE: Schema = {"type": ["number", "boolean", "string", "array"]}
+VALUE: Schema = {"type": ["number", "boolean", "string", "array"], "items": {"type": ["number", "boolean", "string"]}}
 Written = Annotated[Any, Checked(_value_fault), WithJsonSchema(VALUE)]
 """The value of a parameter: a number, a text, true or false, or a list of these."""
 
