@@ -246,7 +246,11 @@ TAGS = (
 @definition("of")
 def _definition_of_classes(kind: str) -> Schema:
     """Return the condition on the values that are given to default classes; `kind` is the definition for one tag."""
-    rows = {tag: reference(f"{kind}:{tag}") for tag in GRAMMAR.section(_CLASSES).children if tag != _CLASSES}
+    rows = {
+        tag: {**reference(f"{kind}:{tag}"), "description": f"what the class has for `{tag}`"}
+        for tag in GRAMMAR.section(_CLASSES).children
+        if tag != _CLASSES
+    }
     return {"properties": rows, "additionalProperties": False}
 
 

@@ -84,7 +84,10 @@ class _Typed:
         yield {"if": {"properties": none}, "then": needed}
         for word, kind in _SCHEMAS.items():
             typed = {"properties": {"type": {"const": word}}, "required": ["type"]}
-            yield {"if": typed, "then": {"properties": {"default": kind}}}
+            yield {
+                "if": typed,
+                "then": {"properties": {"default": {**kind, "description": "its value where none is given"}}},
+            }
 
 
 class Declaration(Model):
