@@ -60,10 +60,10 @@ def test_a_bundle_names_its_recipe(folder: Path) -> None:
     for bundle in ("out", "cell.zip"):
         result = run("explain", bundle, "joint shoulder")
         assert result.exit_code == 1
-        assert "ask the recipe: `mjcompose explain cell.yaml`" in result.stderr
+        assert "use its recipe: `mjcompose explain cell.yaml`" in result.stderr
     assert "read from out/model.xml" in run("explain", "out/model.xml", "joint shoulder").stdout
     (folder / "empty").mkdir()
-    assert "ask the recipe that it was built of" in run("explain", "empty", "joint shoulder").stderr
+    assert "use its recipe" in run("explain", "empty", "joint shoulder").stderr
 
 
 def test_of_a_build_with_values(folder: Path) -> None:

@@ -91,7 +91,7 @@ def test_null_that_deletes_nothing() -> None:
     sink = Sink()
     merge(tree("{sensor: {grip: 1}}", "lower.yaml"), tree("{sensor: {gripp: null}}", "upper.yaml"), sink)
     (error,) = sink.errors
-    assert (error.code, error.message) == ("unknown-key", "`gripp` does not exist and cannot be taken out")
+    assert (error.code, error.message) == ("unknown-key", "`gripp` does not exist and cannot be removed")
     assert str(error.span) == "upper.yaml:1:11" and error.help == "did you mean `grip: null`?"
 
 

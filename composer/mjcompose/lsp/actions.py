@@ -24,16 +24,7 @@ from mjcompose.tools.fix import edit_of, place_of
 
 
 def with_key(tree: Mapping, lines: Lines[str], file: str, path: Steps, value: str) -> Change | None:
-    """Return the change that writes `path: value` and the missing keys on the way.
-
-    A value on one line is replaced. The result is None if the path leads through something that is no mapping.
-
-    >>> from mjcompose.base.sink import Sink
-    >>> from mjcompose.text.load import load
-    >>> text = "option: {cone: elliptic}"
-    >>> with_key(load(text, "a", Sink()), [text], "a", ("option", "impratio"), "10").text
-    ', impratio: 10'
-    """
+    """Return the change that writes `path: value` with the missing keys, or None if the path leads through a value."""
     holder: Node = tree
     for depth, step in enumerate(path):
         if not isinstance(holder, Mapping):
@@ -84,7 +75,6 @@ def _is_flow(node: Node, lines: Lines[str]) -> bool:
 
 
 def _end(node: Node, file: str) -> tuple[int, int]:
-    """Return where the last item of a value ends."""
     own = [span for span in spans(node) if span.file == file]
     return max((each.end_line or each.line, each.end_column or each.column) for each in own[1:] or own)
 
@@ -147,7 +137,6 @@ def offer_attach(offered: Offer) -> Iterator[Action]:
 
 
 def offer_fixes(offered: Offer) -> Iterator[Action]:
-    """Yield the fix of each diagnostic in the recipe."""
     for diagnostic in offered.diagnostics:
         change = change_of(diagnostic, offered.analysis.text, offered.analysis.file)
         if change is not None:

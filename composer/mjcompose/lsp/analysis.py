@@ -252,11 +252,7 @@ class Known:
 
     @property
     def detail(self) -> str:
-        """Return in one line what the name is and where.
-
-        >>> Known("tcp", "site", "site", "arm", "wrist", "pos 0 0 0.1").detail
-        'site of arm, in wrist, pos 0 0 0.1'
-        """
+        """Return one line about the name, such as `site of arm, in wrist, pos 0 0 0.1`."""
         of = f" of {self.part}" if self.part else ""
         place = f", in {self.holder}" if self.holder else ""
         return f"{self.tag}{of}{place}{', ' + self.words if self.words else ''}"
@@ -448,7 +444,6 @@ class Analysis:
 
     @cached_property
     def names(self) -> Names:
-        """Return the names in the model, and those of parts that it lacks."""
         if self.plan is None:
             return Names()
         root, composed = (self.model.unit.root, self.model.plan) if self.model is not None else (None, None)
@@ -516,12 +511,10 @@ class Question:
         return self.cursor.path
 
     def at(self, path: Path) -> Any:
-        """Return the data at a path of the text with the cursor, or None."""
         found = None if self.tree is None else find(self.tree, path)
         return None if found is None else to_python(found)
 
     @property
     def word(self) -> Span:
-        """Return the word at the cursor."""
         cursor = self.cursor
         return Span(self.analysis.file, cursor.line + 1, cursor.start + 1, cursor.line + 1, cursor.end + 1)

@@ -26,7 +26,6 @@ from mjcompose.text.faults import quoted
 
 
 def offer(question: Question) -> Iterator[Item]:
-    """Yield the words that the value at the cursor can be."""
     if question.cursor.role in ("value", "either"):
         for at, (word, doc) in enumerate(words_of(question.forms).items()):
             empty = "" if word else '""'
@@ -171,7 +170,6 @@ def offer_references(question: Question) -> Iterator[Item]:
 
 
 def _files(folder: PathlibPath, word: str) -> Iterator[str]:
-    """Yield the model files below the recipe's folder, or below the folder that the text so far leads to."""
     above = word.rpartition("/")[0] if word.startswith("../") else "."
     yield from (f"{above}/{each}" for each in model_files(PathlibPath(os.path.normpath(folder / above))))
 

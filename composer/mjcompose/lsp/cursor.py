@@ -131,12 +131,10 @@ class _Scan:
         self.stack[-1].keys.append(key)
 
     def leave(self, indent: int) -> None:
-        """Close everything that is indented deeper than this."""
         while self.stack and self.stack[-1].indent > indent:
             self.stack.pop()
 
     def value(self, text: str, at: int) -> None:
-        """Process the value on a line, from a column on."""
         properties = _PROPERTIES.match(text, at)
         at = properties.end() if properties else at
         rest = text[at:]

@@ -112,7 +112,6 @@ class Verifier:
         self._session.close()
 
     def verify(self, path: Path, text: str, texts: Mapping[str, bytes]) -> tuple[Diagnostic, ...]:
-        """Return all diagnostics that `check` would report."""
         context = Context(folder=self.folder, fetching=Fetching(offline=True))
         with unsaved({**texts, os.path.realpath(path): text.encode("utf-8", "replace")}):
             self._shelf.refresh(texts)
@@ -196,10 +195,7 @@ class Workspace:
         )  # fmt: skip
 
     def traced(self, analysis: Analysis) -> Analysis:
-        """Return an analysis that knows where the elements of its model come from, if it can still be composed.
-
-        The model is composed again from the same plan, sources and unsaved texts.
-        """
+        """Return an analysis that knows where elements come from, by composing the same plan and sources again."""
         model = analysis.model
         if model is None or analysis.traced is not None:
             return analysis
@@ -217,7 +213,6 @@ class Workspace:
     def _composed(
         self, plan: Plan, context: Context, library: Library, watch: Watch = nobody
     ) -> tuple[Unit, dict[Node, str]] | None:
-        """Return the model of a plan and the part of each element, or None if it has faults."""
         composer = Composer(
             context, measure_with(context, session=self._session), self._session, watch=watch, library=library,
             options=ComposeOptions(checks_sources=True, notes_parts=True, makes_shapes=False),
@@ -319,7 +314,6 @@ class Desk:
     # -- documents ---------------------------------------------------------------------------------------------
 
     def take(self, path: Path, text: str, version: int | None = None) -> None:
-        """Add a document that an editor has opened."""
         self.documents[path] = Document(path, text, _kind(path, text), version)
         self._touched(path)
 
@@ -362,10 +356,7 @@ class Desk:
     # -- analysis ----------------------------------------------------------------------------------------------
 
     async def analysed(self, path: Path, newest: bool = False, *, traced: bool = False) -> Analysis | None:
-        """Return the latest analysis of an open recipe. With `newest`, wait for that of the current text.
-
-        With `traced`, it knows where the elements of the model come from.
-        """
+        """Return the latest analysis of an open recipe, with `newest` of the current text, and `traced` on request."""
         document = self.documents.get(path)
         if document is None or document.kind != "recipe":
             return None

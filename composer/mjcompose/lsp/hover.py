@@ -36,7 +36,6 @@ if TYPE_CHECKING:
 
 
 def show(question: Question) -> Hover | None:
-    """Return information about the element whose name is at the cursor, or None."""
     analysis = question.analysis
     for known in named_at(question):
         return Hover(describe(in_model(known, analysis), analysis), question.word)
@@ -84,11 +83,7 @@ def _pose(known: Known, traced: Traced) -> Iterator[str]:
 
 
 def _words(pose: Pose) -> str:
-    """Return a pose as text.
-
-    >>> _words(Pose((0.1, 0.0, 0.25)))
-    '[0.1, 0, 0.25] m'
-    """
+    """Return a pose as text: `[0.1, 0, 0.25] m`."""
     pos = ", ".join(numbers.text([round(float(each), 6) + 0.0]) for each in pose.pos)
     turned = any(abs(float(each)) > 1e-9 for each in pose.quat[1:])
     quat = ", ".join(numbers.text([round(float(each), 4) + 0.0]) for each in pose.quat)
@@ -134,10 +129,7 @@ def show_expression(question: Question) -> Hover | None:
 
 
 def values_of(text: str, document: Located) -> dict[str, str]:
-    """Return the value of a text in each cell, by the name of the cell; without a matrix, under an empty name.
-
-    The result is empty if a name in the text has no value yet, such as `${value}` in an edit.
-    """
+    """Return the value of a text by cell, or by an empty name without a matrix; nothing if a name has no value yet."""
     try:
         template = Template.parse(text)
         values: dict[str, str] = {}
@@ -240,7 +232,6 @@ SECTIONS = ("option", "size", "statistic", "visual")
 
 
 def show_setting(question: Question) -> Hover | None:
-    """Return the setting at the cursor with the value of each part, or None."""
     path = (*question.path, question.cursor.whole) if question.cursor.role == "key" else question.path
     if len(path) < 2 or path[0] not in SECTIONS or not all(isinstance(step, str) for step in path):
         return None
@@ -272,7 +263,6 @@ SHOWS = (show_expression, show, show_model, show_setting, show_selector, show_ke
 
 
 def hover(question: Question) -> Hover | None:
-    """Return information about what is at the cursor, or None."""
     if question.cursor.role == "text":
         return None
     return next((found for show in SHOWS if (found := show(question)) is not None), None)

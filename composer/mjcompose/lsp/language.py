@@ -51,11 +51,7 @@ class Key:
 
 
 def forms_at(path: Path, data: Any = None) -> list[Form]:
-    """Return the ways in which the value at a path can be written, in a recipe with this data.
-
-    >>> [key.name for key in keys_of(forms_at(("attach", "arm"))) if key.required]
-    ['model']
-    """
+    """Return the ways in which the value at a path can be written, in a recipe with this data."""
     forms = list(_spread(Form(whole()), data))
     for step in path:
         data = _inside(data, step)
@@ -101,7 +97,6 @@ def words_of(forms: list[Form]) -> dict[str, str]:
 
 
 def doc_of(path: Path, data: Any = None) -> str:
-    """Return the description of the key at the end of a path."""
     for key in keys_of(forms_at(path[:-1], data)):
         if key.name == path[-1]:
             return key.doc
@@ -109,7 +104,6 @@ def doc_of(path: Path, data: Any = None) -> str:
 
 
 def kinds_of(forms: list[Form]) -> list[ElementType]:
-    """Return the MJCF elements that a mapping of these forms can be."""
     found: dict[str, ElementType] = {}
     for form in forms:
         match = _ELEMENT.fullmatch(form.role)

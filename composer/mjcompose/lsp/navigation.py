@@ -200,10 +200,7 @@ def formatted(text: str, file: str) -> list[Change]:
 
 
 def _span(file: str, first: int, last: int, text: str) -> Span:
-    """Return the span of whole lines, counted from 0.
-
-    A last line without a line break ends after its last character.
-    """
+    """Return the span of whole lines, counted from 0. A last line without a line break ends after its text."""
     lines = lines_of(text)
     if last >= len(lines):
         return Span(file, first + 1, 1, len(lines), len(lines[-1]) + 1)
@@ -308,7 +305,6 @@ def _symbols(node: Node, depth: int, analysis: Analysis) -> Iterator[Symbol]:
 
 
 def _around(first: Span, node: Node) -> Span:
-    """Return the span from a place to the end of a value."""
     line, column = first.end_line or first.line, first.end_column or first.column
     for span in spans(node):
         end = span.end_line or span.line, span.end_column or span.column

@@ -97,7 +97,6 @@ _OF_ELEMENTS: tuple[tuple[Path, Wanted], ...] = (
 
 @cache
 def _rows() -> tuple[tuple[Path, Wanted], ...]:
-    """Return which names the keys of recipes take, as they declare. A name is also a list of one."""
     rows: dict[Path, Wanted] = {}
     for at, name in name_scopes(Recipe).items():
         rows[at] = Wanted(name.scope, pattern=name.glob)
@@ -135,7 +134,6 @@ def wanted_value(path: Path, forms: list[Form], around: Any) -> Wanted | None:
 
 
 def wanted_key(path: Path) -> Wanted | None:
-    """Return which names the keys of the mapping at a path can be, or None."""
     path = without_variant(path)
     if (inner := _in_place(path)) is not None:
         found = wanted_key(inner[1])
@@ -223,7 +221,6 @@ def _selector(path: Path, forms: list[Form]) -> Wanted | None:
 
 
 def _of_mjcf(path: Path, forms: list[Form], around: Any) -> Wanted | None:
-    """Return the names that fit an MJCF attribute that refers to something, or None for any other attribute."""
     name = str(path[-2]) if isinstance(path[-1], int) and len(path) > 1 else str(path[-1])
     for kind in kinds_of(forms):
         attribute = kind.attributes.get(name)

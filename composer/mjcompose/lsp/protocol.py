@@ -60,7 +60,6 @@ class Frames:
         return self._body
 
     def _next(self) -> bytes | None:
-        """Return the next valid message, or None at the end of the stream."""
         while (length := self._length()) is not None:
             if length > _MOST:
                 self._answer(None, INVALID_REQUEST, f"a message has {length} bytes, more than {_MOST}")
@@ -183,7 +182,6 @@ class Converter:
         )
 
     def column(self, lines: list[str], position: lsp.Position) -> int:
-        """Return the character of a position on its line, counted from 0."""
         text = lines[position.line] if position.line < len(lines) else ""
         return analysis.column_of(text, position.character, self.encoding)
 
@@ -304,7 +302,6 @@ class Errands:
         )  # fmt: skip
 
     def end(self) -> None:
-        """Stop every `view`."""
         for process in self._views.values():
             with contextlib.suppress(OSError):
                 process.end()

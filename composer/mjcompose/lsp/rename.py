@@ -71,7 +71,6 @@ def _choice(options: str, was: str, now: str) -> str:
 
 
 def _fits(step: str, name: str) -> bool:
-    """Return whether one step of a glob matches a name."""
     found = _CHOICE.search(step)
     if found is None:
         return fnmatchcase(name, step.replace("[", "[[]"))
@@ -181,7 +180,6 @@ def _of_use(
 
 
 def _in_fragment(node: Scalar, old: str, new: str) -> Iterator[Change]:
-    """Yield the changes in a fragment of MJCF, which uses final names."""
     for number, line in enumerate(node.text.split("\n")):
         for found in re.finditer(rf"""(?<=["'\s]){re.escape(old)}""", line):
             if node.block is not None:

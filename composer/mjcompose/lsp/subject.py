@@ -90,11 +90,7 @@ class Settable:
 
     @property
     def detail(self) -> str:
-        """Return a description in one line.
-
-        >>> Settable("reach", "parameter", "0.45", unit="m").detail
-        'parameter, default 0.45 m'
-        """
+        """Return one line: `parameter, default 0.45 m`."""
         default = f", default {self.default}" if self.default else ""
         choice = f", one of {', '.join(self.values)}" if self.values and self.kind == "parameter" else ""
         return f"{self.kind}{default}{' ' + self.unit if self.unit else ''}{choice}"
@@ -136,11 +132,7 @@ def _entries(data: Any, section: str) -> list[tuple[str, Any]]:
 
 
 def text(value: Any) -> str:
-    """Return a value as YAML.
-
-    >>> text(None), text(True), text([1, 2.5])
-    ('', 'true', '[1, 2.5]')
-    """
+    """Return a value as YAML; None is an empty text."""
     if value is None:
         return ""
     if isinstance(value, bool):
@@ -212,7 +204,6 @@ def wanted_as_value(question: Question) -> Wanted | None:
 
 
 def wanted_at(question: Question) -> Wanted | None:
-    """Return which names can be at the cursor, or None if no names can."""
     found = wanted_as_value(question)
     if found is None and question.cursor.role in ("key", "either"):
         return wanted_key(question.path)

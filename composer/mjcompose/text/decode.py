@@ -16,13 +16,9 @@ _UTF_16_OR_32 = ((b"\xff\xfe\0\0", "UTF-32"), (b"\xff\xfe", "UTF-16"), (b"\xfe\x
 
 def refuse_size(file: str, sink: Sink) -> None:
     """Report a file that is larger than a recipe may be."""
-    sink.error(
-        "yaml-too-large",
-        f"`{file}` is larger than the {written('recipe-size', in_force().recipe_size)} that a recipe may have",
-        Span(file, 1, 1),
-        notes=[Note("meshes and other data are files of their own, which a recipe names")],
-        help=advice("recipe-size"),
-    )
+    message = f"`{file}` is larger than the {written('recipe-size', in_force().recipe_size)} that a recipe may have"
+    notes = [Note("put meshes and other data into files, which a recipe names")]
+    sink.error("yaml-too-large", message, Span(file, 1, 1), notes=notes, help=advice("recipe-size"))
 
 
 def decode(source: str | bytes, file: str, sink: Sink) -> str | None:
@@ -42,16 +38,11 @@ def decode(source: str | bytes, file: str, sink: Sink) -> str | None:
     if bad is None:
         return text
     line, column = position(text, bad.start())
-    others = len(_UNPRINTABLE.findall(text)) - 1
-    sink.error(
-        "yaml-syntax",
-        f"the character U+{ord(bad.group()):04X} cannot stand in YAML",
-        Span(file, line, column, end_line=line, end_column=column + 1),
-        notes=[Note(f"the file has {others} more of its kind; it may not be a text file")] if others else (),
-        help=f'remove it; inside double quotes it may be written as "\\u{ord(bad.group()):04x}"'
-        if not 0xD800 <= ord(bad.group()) <= 0xDFFF
-        else "remove it",
-    )
+    others, code = len(_UNPRINTABLE.findall(text)) - 1, ord(bad.group())
+    notes = [Note(f"the file has {others} more such characters; it may not be a text file")] if others else ()
+    help = "remove it" if 0xD800 <= code <= 0xDFFF else f'remove it, or write "\\u{code:04x}" inside double quotes'
+    span = Span(file, line, column, end_line=line, end_column=column + 1)
+    sink.error("yaml-syntax", f"YAML cannot contain the character U+{code:04X}", span, notes=notes, help=help)
     return None
 
 
@@ -72,19 +63,16 @@ def position(text: str, index: int) -> tuple[int, int]:
 def _utf8(source: bytes, file: str, sink: Sink) -> str | None:
     for mark, encoding in _UTF_16_OR_32:
         if source.startswith(mark):
-            sink.error(
-                "yaml-not-utf8", f"`{file}` is {encoding} text", Span(file, 1, 1), help="save the file as UTF-8",
-            )  # fmt: skip
+            sink.error("yaml-not-utf8", f"`{file}` is {encoding} text", Span(file, 1, 1), help="save the file as UTF-8")
             return None
     try:
         return source.decode("utf-8")
     except UnicodeDecodeError as fault:
         before = source[: fault.start].decode("utf-8").removeprefix("\ufeff")
         line, column = position(before, len(before))
-        sink.error(
-            "yaml-not-utf8", f"the byte 0x{source[fault.start]:02x} is not part of UTF-8 text",
-            Span(file, line, column, end_line=line, end_column=column + 1), help="save the file as UTF-8",
-        )  # fmt: skip
+        message = f"the byte 0x{source[fault.start]:02x} is not part of UTF-8 text"
+        span = Span(file, line, column, end_line=line, end_column=column + 1)
+        sink.error("yaml-not-utf8", message, span, help="save the file as UTF-8")
         return None
 
 
@@ -105,21 +93,16 @@ class Mask:
         self._stand_ins: dict[str, str] = {}
         self._originals: dict[int, str] = {}
         self._pool: Iterator[str] | None = None
-        if any(character in text for character in _LINE_BREAKS_OF_YAML_1_1):
-            for character in _LINE_BREAKS_OF_YAML_1_1:
-                stand_in = self._stand_in(character)
-                if stand_in is not None:
-                    self.text = self.text.replace(character, stand_in)
+        for character in _LINE_BREAKS_OF_YAML_1_1:
+            if character in text and (stand_in := self._stand_in(character)) is not None:
+                self.text = self.text.replace(character, stand_in)
 
     def hide(self, start: int, end: int) -> bool:
         """Make a stretch readable as part of a plain scalar. Return False if that changes nothing."""
-        hidden = "".join(
-            (self._stand_in(character) or character) if character in _HARMFUL else character
-            for character in self.text[start:end]
-        )
-        changed = hidden != self.text[start:end]
+        before = self.text[start:end]
+        hidden = "".join((self._stand_in(each) or each) if each in _HARMFUL else each for each in before)
         self.text = self.text[:start] + hidden + self.text[end:]
-        return changed
+        return hidden != before
 
     @property
     def active(self) -> bool:
@@ -134,14 +117,11 @@ class Mask:
         found = self._stand_ins.get(character)
         if found is None:
             if self._pool is None:
-                self._pool = _unused(self._original)
+                text, lowered = self._original, self._original.lower()
+                codes = (code for code in range(0xE000, 0xF900) if f"{code:x}" not in lowered)
+                self._pool = (chr(code) for code in codes if chr(code) not in text)
             found = next(self._pool, None)
             if found is not None:
                 self._stand_ins[character] = found
                 self._originals[ord(found)] = character
         return found
-
-
-def _unused(text: str) -> Iterator[str]:
-    lowered = text.lower()
-    return (chr(code) for code in range(0xE000, 0xF900) if chr(code) not in text and f"{code:x}" not in lowered)

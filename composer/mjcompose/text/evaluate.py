@@ -244,7 +244,6 @@ class Template:
         return "".join(texts)
 
     def names(self) -> Iterator[Name]:
-        """Yield the names in the expressions, with their positions in the whole text."""
         for piece in self.pieces:
             if not isinstance(piece, str):
                 at, tree = piece

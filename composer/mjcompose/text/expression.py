@@ -21,7 +21,6 @@ class ExpressionError(Exception):
         self.message, self.at, self.help = message, at, help
 
     def moved(self, by: int) -> ExpressionError:
-        """Return the same error for a text in which the expression is `by` characters later."""
         return ExpressionError(self.message, (self.at[0] + by, self.at[1] + by), self.help)
 
 

@@ -57,7 +57,7 @@ class Function(NamedTuple):
 
 def _round(value: Number, digits: Number = 0) -> Number:
     if isinstance(digits, float) or not -20 <= digits <= 20:
-        raise ArgumentError("the second argument is how many digits are kept, a whole number up to 20")
+        raise ArgumentError("the second argument is the number of digits, a whole number up to 20")
     return round(value, digits) if digits else round(value)
 
 

@@ -50,7 +50,6 @@ class Entry:
 
     @property
     def parted(self) -> bool:
-        """Whether an empty line precedes it and its comments."""
         return self.lead[0].blank_before if self.lead else self.blank
 
     @parted.setter
@@ -93,20 +92,18 @@ class Document:
 Path = tuple[str, ...]
 
 
-def _read() -> dict[str, dict[Path, tuple[str, ...]]]:
-    """Return the tables that `composer/mjcompose/language/reference_page.py` writes, by paths."""
-    tables = json.loads(File(__file__).with_name("key_order.json").read_text(encoding="utf-8"))
-    return {
-        name: {tuple(path.split(".")) if path else (): tuple(keys) for path, keys in table.items()}
-        for name, table in tables.items()
-    }
+# Written by `composer/mjcompose/language/reference_page.py`.
+_TABLES = json.loads(File(__file__).with_name("key_order.json").read_text(encoding="utf-8"))
 
 
-_TABLES = _read()
+def _by_path(table: dict[str, list[str]]) -> dict[Path, tuple[str, ...]]:
+    return {tuple(path.split(".")) if path else (): tuple(keys) for path, keys in table.items()}
+
+
 # Mappings in which all keys have a place; an unknown key stays behind its predecessor.
-WHOLE = _TABLES["whole"]
+WHOLE = _by_path(_TABLES["whole"])
 # Mappings in which some keys come first; the others keep their order.
-FIRST = _TABLES["first"]
+FIRST = _by_path(_TABLES["first"])
 
 
 def is_free(path: Path) -> bool:
@@ -118,21 +115,18 @@ def is_free(path: Path) -> bool:
     return _table(path)[0] != ()
 
 
-def put_in_order(root: Collection) -> None:
+def put_in_order(node: Collection, path: Path = ()) -> None:
     """Sort the keys in place, each with its comments.
 
-    A mapping with an anchor keeps its order, because it may be repeated where the order has a meaning.
+    A mapping with an anchor keeps its order, because an alias may repeat it where the order has a meaning.
     """
-    _walk(root, ())
-
-
-def _walk(node: Leaf | Collection | None, path: Path) -> None:
-    if not isinstance(node, Collection) or "&" in node.properties:
+    if "&" in node.properties:
         return
     if node.mapping:
         _sort(node, path)
     for entry in node.entries:
-        _walk(entry.value, (*path, _name(entry)))
+        if isinstance(entry.value, Collection):
+            put_in_order(entry.value, (*path, _name(entry)))
 
 
 def _sort(node: Collection, path: Path) -> None:
@@ -165,14 +159,8 @@ def _table(path: Path) -> tuple[tuple[str, ...], bool]:
     if path[:1] == ("variants",):
         path = path[3:] if len(path) >= 3 else ("",)
     path = tuple(map(str, in_own_model(path)))
-    for known, order in WHOLE.items():
-        if _fits(path, known):
-            return order, True
-    for known, order in FIRST.items():
-        if _fits(path, known):
-            return order, False
+    for table in (WHOLE, FIRST):
+        for known, order in table.items():
+            if len(path) == len(known) and all(a in ("*", b) for a, b in zip(known, path, strict=True)):
+                return order, table is WHOLE
     return (), False
-
-
-def _fits(path: Path, known: Path) -> bool:
-    return len(path) == len(known) and all(wanted in ("*", name) for wanted, name in zip(known, path, strict=True))

@@ -41,6 +41,7 @@ def load(text: str | bytes, file: str, sink: Sink, *, empty: str | None = None) 
     mask = Mask(source)
     reader = reader_of(source)
     faults: list[Diagnostic] = []
+    root = None
     readings = max(1, min(_MAX_READINGS, _MAX_CHARACTERS_READ // max(len(source), 1)))
     for _ in range(readings):
         found = Sink()
@@ -52,13 +53,9 @@ def load(text: str | bytes, file: str, sink: Sink, *, empty: str | None = None) 
             faults.append(fault.diagnostic)
             if fault.hide is not None and mask.hide(*fault.hide):
                 continue
-            root = None
         except (yaml.YAMLError, ValueError, OverflowError) as error:
             faults.append(_unreadable(error, source, file))
-            root = None
         break
-    else:
-        root = None
     for diagnostic in [*faults, *found.diagnostics]:
         sink.add(diagnostic)
     return root
@@ -72,12 +69,8 @@ def reader_of(text: str) -> Any:
 def _restorer(mask: Mask, pure: bool) -> Callable[[str], str] | None:
     """Return the function that restores a scalar's original text: it undoes the masking and joins surrogates."""
     if pure:
-        return lambda value: _join_surrogates(mask.restore(value))
+        return lambda value: mask.restore(value).encode("utf-16-le", "surrogatepass").decode("utf-16-le")
     return mask.restore if mask.active else None
-
-
-def _join_surrogates(value: str) -> str:
-    return value.encode("utf-16-le", "surrogatepass").decode("utf-16-le")
 
 
 def _unreadable(error: Exception, text: str, file: str) -> Diagnostic:
@@ -154,14 +147,13 @@ def tokens(text: str) -> list[Token]:
 
 def comments(found: list[Token]) -> list[str]:
     """Return the texts of all comments, including those in the first line of a block scalar."""
-    return [text for token in found for text in (*(each.text for each in token.comments), *_in_header(token))]
-
-
-def _in_header(token: Token) -> list[str]:
-    if token.kind != "Scalar" or token.text[:1] not in ("|", ">"):
-        return []
-    _, mark, rest = _LINE_BREAK.split(token.text)[0].partition("#")
-    return [f"{mark}{rest.rstrip()}"] if mark else []
+    texts = []
+    for token in found:
+        texts += [each.text for each in token.comments]
+        if token.kind == "Scalar" and token.text[:1] in ("|", ">"):
+            _, mark, rest = _LINE_BREAK.split(token.text)[0].partition("#")
+            texts += [f"{mark}{rest.rstrip()}"] if mark else []
+    return texts
 
 
 def _block(token: Token, column: int) -> None:

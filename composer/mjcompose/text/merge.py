@@ -66,22 +66,21 @@ def is_of_elements(path: Path) -> bool:
     for edits in _EDITS:
         if len(path) > len(edits) + 1 and _is_below(path, edits):
             verb, *inner = path[len(edits) + 1 :]
-            return (verb in _OF_ELEMENTS and (verb, *inner) != ("convert", "to")) or (
-                verb == "select" and "where" in inner
-            )
+            if verb == "select":
+                return "where" in inner
+            return verb in _OF_ELEMENTS and (verb, *inner) != ("convert", "to")
     return any(_is_below(path, place) and "where" in path[len(place) :] for place in _SELECTING)
 
 
 def is_taken_out(path: Path) -> bool:
-    """Return whether null at this path takes an attribute out: in `set` of edits.
+    """Return whether null at this path removes an attribute: in `set` of edits.
 
     >>> is_taken_out(("edit", 0, "set", "mass")), is_taken_out(("edit", 0, "move", "to"))
     (True, False)
     """
     path = in_own_model(path)
-    return any(
-        len(path) > len(edits) + 2 and _is_below(path, edits) and path[len(edits) + 1] == "set" for edits in _EDITS
-    )
+    below = [len(edits) for edits in _EDITS if len(path) > len(edits) + 2 and _is_below(path, edits)]
+    return any(path[length + 1] == "set" for length in below)
 
 
 def _is_below(path: Path, place: Path) -> bool:
@@ -136,12 +135,15 @@ class _Merge:
             below = (*path, name)
             if isinstance(value, Scalar) and value.value is None and value.plain:
                 if entries.pop(name, None) is None and name not in replaced:
-                    self._nothing_to_delete(key, lower)
+                    notes = (exists_note("key", list(lower.entries), name),)
+                    help = did_you_mean(name, lower.entries, "{}: null")
+                    message = f"`{name}` does not exist and cannot be removed"
+                    self.sink.error("unknown-key", message, key.span, notes=notes, help=help)
             elif name in entries:
-                there = entries[name]
-                merged = self.values(there[1], value, below)
+                existing, old = entries[name]
+                merged = self.values(old, value, below)
                 # The entry keeps the place of the existing key; its contents have their own places.
-                entries[name] = (key if merged is value else there[0], merged)
+                entries[name] = (key if merged is value else existing, merged)
             else:
                 entries[name] = (key, value)
         return Mapping(entries, upper.span)
@@ -177,20 +179,12 @@ class _Merge:
         seen: dict[str, Node] = {}
         for item in written.items:
             name = _id(item)
-            if name is None:
-                continue
             if name in seen:
-                notes = (Note("the other one", locate(seen[name], ("id",))),)
-                self.sink.error("name-clash", f"two items have the `id` `{name}`", locate(item, ("id",)), notes=notes,
-                                help="give one of them another `id`")  # fmt: skip
-            seen[name] = item
-
-    def _nothing_to_delete(self, key: Key, lower: Mapping) -> None:
-        self.sink.error(
-            "unknown-key", f"`{key.name}` does not exist and cannot be taken out", key.span,
-            notes=(exists_note("key", list(lower.entries), key.name),),
-            help=did_you_mean(key.name, lower.entries, "{}: null"),
-        )  # fmt: skip
+                notes, help = (Note("the other one", locate(seen[name], ("id",))),), "give one of them another `id`"
+                message = f"two items have the `id` `{name}`"
+                self.sink.error("name-clash", message, locate(item, ("id",)), notes=notes, help=help)
+            if name is not None:
+                seen[name] = item
 
 
 def _pattern(path: MergePath) -> MergePath:
@@ -242,19 +236,15 @@ def _given(node: Mapping, name: str) -> bool:
     return found is not None and not (isinstance(found[1], Scalar) and found[1].value is None)
 
 
-def without_ids(document: Mapping, sink: Sink) -> Mapping:
+def without_ids(node: Mapping, sink: Sink, path: MergePath = ()) -> Mapping:
     """Return the recipe without the `id`s of items, which only serve merging; report those that are not text."""
-    return _bare(document, (), sink)
-
-
-def _bare(node: Mapping, path: MergePath, sink: Sink) -> Mapping:
     entries = dict(node.entries)
     for name, (key, value) in node.entries.items():
         below = (*path, name)
         if is_appended(below) and isinstance(value, Sequence):
             entries[name] = (key, Sequence(tuple(_no_id(item, sink) for item in value.items), value.span))
         elif isinstance(value, Mapping) and (below in (("base",), ("attach",)) or path == ("attach",)):
-            entries[name] = (key, _bare(value, below, sink))
+            entries[name] = (key, without_ids(value, sink, below))
     return Mapping(entries, node.span)
 
 

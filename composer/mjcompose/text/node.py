@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterator
 from typing import Any, NamedTuple
@@ -41,8 +42,7 @@ def resolve(text: str) -> bool | int | float | str | None:
     if _DECIMAL.fullmatch(text):
         return _bounded(text, 10)
     if _FLOAT.fullmatch(text):
-        number = float(text)
-        if number in (float("inf"), float("-inf")):
+        if math.isinf(number := float(text)):
             raise OverflowError(text)
         return number
     if _OCTAL.fullmatch(text):
@@ -103,7 +103,6 @@ class Marks:
         return len(found.group()) if found else 0
 
     def tag(self, event: Any) -> Span:
-        """Return the place of an event's tag."""
         found = _TAG.match(self.text, event.start_mark.index)
         line, column = event.start_mark.line + 1, event.start_mark.column + 1
         if found is None or "\n" in found.group():
@@ -253,5 +252,4 @@ OPENING = "${"
 
 
 def is_template(text: str) -> bool:
-    """Return whether the text contains an expression."""
     return OPENING in text

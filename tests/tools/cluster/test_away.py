@@ -118,7 +118,7 @@ def test_a_file_that_is_not_foreseen_is_used_here(folder: Path, cluster: Cluster
 
 def test_text_alone_is_refused(folder: Path, cluster: Cluster) -> None:
     code, _, faults = run("build", "r.yaml", "--all", "-o", "out/{name}.xml", "--cluster", str(cluster.file))
-    assert code == 1 and faults.count("error[cluster-worker]") == 1 and "text alone only names" in faults
+    assert code == 1 and faults.count("error[cluster-worker]") == 1 and "MJCF alone only names" in faults
 
 
 S3 = """

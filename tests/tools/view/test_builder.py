@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import sys
 from collections.abc import Callable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import contextmanager
@@ -11,14 +12,13 @@ from threading import Event
 
 import pytest
 from mjcompose.base.files import Mark
-from mjcompose.tools.view import builder
 from mjcompose.tools.view.builder import Watch, marks
 
 
 @pytest.fixture(params=["watchfiles", "polling"])
 def watch(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> Watch:
     if request.param == "polling":
-        monkeypatch.setattr(builder, "_library", lambda: None)
+        monkeypatch.setitem(sys.modules, "watchfiles", None)
     found = Watch(Event())
     if found.polls and request.param == "watchfiles":
         pytest.skip("watchfiles is not installed")

@@ -267,7 +267,7 @@ def test_what_is_late_gets_the_newest_model_and_no_other(served: Server) -> None
 
 
 @pytest.mark.parametrize("error", [RecursionError, MemoryError, OSError, UnicodeError, KeyError])
-@pytest.mark.parametrize("inner", [(hmac, "compare_digest"), (server, "ip_address"), (server, "_is_loopback")])
+@pytest.mark.parametrize("inner", [(hmac, "compare_digest"), (server, "ip_address"), (server, "_bracketed")])
 def test_a_guard_that_fails_refuses(
     served: Server, error: type[Exception], inner: tuple[object, str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

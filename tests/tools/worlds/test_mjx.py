@@ -37,7 +37,7 @@ def test_a_model_that_is_given(mjx: Any) -> None:
     study = arm()
     model, _ = worlds.mjx(study, mjx.put_model(study.nominal).tree_replace({"opt.timestep": 0.01}))
     assert model.opt.timestep == 0.01 and model.body_mass.shape == (study.count, study.nominal.nbody)
-    with pytest.raises(mjcompose.LoadError, match="is another one than that of the worlds"):
+    with pytest.raises(mjcompose.LoadError, match="is another model than that of the worlds"):
         worlds.mjx(study, mjx.put_model(mujoco.MjModel.from_xml_string(TENDON)))
 
 

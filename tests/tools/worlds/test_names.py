@@ -78,7 +78,7 @@ def test_vectors_are_addressed_as_in_the_model() -> None:
 
 
 def test_a_number_is_no_name() -> None:
-    with pytest.raises(TypeError, match="names are asked for"):
+    with pytest.raises(TypeError, match="give one or several names"):
         index().qpos[3]  # type: ignore[index]
 
 

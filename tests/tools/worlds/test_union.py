@@ -229,7 +229,7 @@ def all_of(folder: Path, text: str) -> list[mujoco.MjModel]:
 @pytest.mark.parametrize(
     ("more", "said"),
     [
-        ("  hook: {add: [{to: world, light: {name: lamp}}]}\n", "have not both the light `lamp` on the world"),
+        ("  hook: {add: [{to: world, light: {name: lamp}}]}\n", "has the light `lamp` on the world"),
         ("  hook: {sensor: {s: {type: framepos, objtype: site, objname: flange}}}\n", "has the sensor `s`, which belongs to no part"),
         ("  hook: {equality: {e: {type: joint, joint1: hinge}}}\n", "has the equality `e`, which belongs to no part"),
         ("  hook: {contact: {exclude: [{body1: arm, body2: prop/prop}]}}\n", "has the exclude `#0`, which belongs to no part"),

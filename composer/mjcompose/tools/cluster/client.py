@@ -14,7 +14,6 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from pathlib import Path
-from types import TracebackType
 from typing import Any, TypeAlias
 
 from mjcompose.base.limits import in_force
@@ -63,11 +62,8 @@ def client_of(text: str, workers: int) -> Iterator[Client]:
 
 
 def _missing(package: str) -> ClusterError:
-    return ClusterError(
-        "cluster-missing",
-        f"`--cluster` needs the Python package `{package}`, which is not installed",
-        'run `pip install "mjcompose[cluster]"`',
-    )
+    message = f"`--cluster` needs the Python package `{package}`, which is not installed"
+    return ClusterError("cluster-missing", message, 'run `pip install "mjcompose[cluster]"`')
 
 
 @contextmanager
@@ -93,12 +89,10 @@ def connected(text: str) -> Client:
     elif _ADDRESS.fullmatch(text):
         known["address"] = text
     else:
-        raise ClusterError(
-            "cluster-unreachable",
-            f"`{text}` is not a cluster: it is neither a file nor an address",
-            "write `local`, an address such as `tls://head:8786`, or the file that `dask scheduler"
-            " --scheduler-file FILE` writes",
-        )
+        message = f"`{text}` is not a cluster: it is neither a file nor an address"
+        file = "the file that `dask scheduler --scheduler-file FILE` writes"
+        help = f"write `local`, an address such as `tls://head:8786`, or {file}"
+        raise ClusterError("cluster-unreachable", message, help)
 
     class Connection(distributed.Client):  # type: ignore[misc]  # its types are not checked
         def __del__(self) -> None:
@@ -107,13 +101,15 @@ def connected(text: str) -> Client:
     try:
         return Connection(**known, timeout=_SECONDS_TO_CONNECT, set_as_default=False)
     except Exception as error:  # Dask does not check whether a file is that of a scheduler, and fails later
+        help = "check that `dask scheduler` runs there and that you can reach its port; `tls:` needs the keys of the"
         raise ClusterError(
-            "cluster-unreachable",
-            f"no scheduler of Dask answers at `{text}`",
-            "see that `dask scheduler` runs there, and that its port can be reached from here; `tls:` needs the keys of"
-            " the cluster in Dask's configuration",
-            notes=(" ".join(str(error).split()) or type(error).__name__,),
-        ) from error
+            "cluster-unreachable", f"no scheduler of Dask answers at `{text}`",
+            f"{help} cluster in Dask's configuration", notes=(_words(error),),
+        ) from error  # fmt: skip
+
+
+def _words(error: BaseException) -> str:
+    return " ".join(str(error).split()) or type(error).__name__
 
 
 @contextmanager
@@ -162,27 +158,18 @@ def check_versions(client: Client, workers: list[str], packages: tuple[str, ...]
             continue  # it is gone
         if isinstance(theirs, BaseException):
             raise ClusterError("cluster-worker", f"the worker `{worker}` does not answer: {theirs}")
-        different = {
-            name: (theirs.get(name), mine.get(name))
-            for name in ("mjcompose", *names, "zlib")
-            if theirs.get(name) != mine.get(name)
-        }
-        if different:
+        pairs = {name: (theirs.get(name), mine.get(name)) for name in ("mjcompose", *names, "zlib")}
+        if different := {name: pair for name, pair in pairs.items() if pair[0] != pair[1]}:
             raise _differs(worker, different)
 
 
 def _differs(worker: str, different: Mapping[str, tuple[str | None, str | None]]) -> ClusterError:
-    name, (there, here) = next(iter(different.items()))
+    (name, (there, here)), *others = different.items()
     has = f"has no `{name}`" if there is None else f"has {name} {there}, and here it is {here or 'absent'}"
-    others = ", ".join(
-        f"{other} {there or 'none'} instead of {here or 'none'}" for other, (there, here) in list(different.items())[1:]
-    )
-    return ClusterError(
-        "cluster-worker",
-        f"the worker `{worker}` {has}: it would not make the same models",
-        _HELP.get(name, f"run `pip install '{name}=={here}'` there"),
-        notes=(f"it differs in {others} too",) if others else (),
-    )
+    listed = ", ".join(f"{each} {away or 'none'} instead of {home or 'none'}" for each, (away, home) in others)
+    help = _HELP.get(name, f"run `pip install '{name}=={here}'` there")
+    message = f"the worker `{worker}` {has}: it would not make the same models"
+    return ClusterError("cluster-worker", message, help, notes=(f"it differs in {listed} too",) if others else ())
 
 
 def _minor(python: str) -> str:
@@ -216,7 +203,7 @@ class Stations:
         written = {each.name for each in cells if self._has_written(each)}
         self._first = next((each for each in cells if each.name not in written), cells[0])
         seen = None
-        with contextlib.suppress(OSError):  # a read-only folder, which is reported where it is needed
+        with contextlib.suppress(OSError):  # a read-only folder, which is reported when the run needs it
             seen = None if store is None else _token(store, held)
         try:
             out_seen = _token(out, held) if isinstance(out, Path) else None
@@ -237,8 +224,7 @@ class Stations:
             workers = []
             for worker, answer in answers.items():
                 if isinstance(answer, Refused):
-                    message = f"the worker `{worker}` {answer.message}"
-                    raise ClusterError("cluster-worker", message, answer.help)
+                    raise ClusterError("cluster-worker", f"the worker `{worker}` {answer.message}", answer.help)
                 if isinstance(answer, Lacks):
                     self._send(client, worker, answer)
                     workers.append(worker)
@@ -282,7 +268,6 @@ class Stations:
         return result.cell
 
     def _send(self, client: Client, worker: str, lacks: Lacks) -> None:
-        """Send contents to a worker in batches, and prepare the canary."""
         paths = {digest: path for path, digest in self.order.layout.files.items()}
         for contents in batches({digest: paths[digest] for digest in lacks.contents}):
             client.run(station.receive, contents, workers=[worker])
@@ -335,12 +320,15 @@ class Crew:
         self._pace = _SECONDS
         self._cells: Sequence[Cell] = ()
 
+    @property
+    def stations(self) -> Stations:
+        assert self._stations is not None
+        return self._stations
+
     def __enter__(self) -> Crew:
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *error: object) -> None:
         self._end_run()
         self._held.close()
 
@@ -375,30 +363,24 @@ class Crew:
                     self._note(part, future.result())
         # Workers have written more than they could report.
         for number in taken - self._ready.keys():
-            assert self._stations is not None
-            if (known := self._stations.known(self._cells[number])) is not None:
+            if (known := self.stations.known(self._cells[number])) is not None:
                 self._ready[number] = known
         for number in sorted(self._ready):
             result = self._ready.pop(number)
             if isinstance(result, CellResult) or (isinstance(result, Away) and result.cell.result is not None):
-                assert self._stations is not None
-                found = self._stations.home(result, self._tell)
-                assert isinstance(found, CellResult)
-                yield found
+                cell = self.stations.home(result, self._tell)
+                assert isinstance(cell, CellResult)
+                yield cell
 
     def _parts(self, stations: Stations, cells: Sequence[Cell]) -> Iterator[Part]:
         """Yield parts of half a second each, the first of one cell, without cells that are made already."""
         at = 0
         while at < len(cells):
-            size = min(_MOST_CELLS, (len(cells) - at) // (2 * self._threads), int(_SECONDS / self._pace))
-            size = max(1, size)
-            unknown = []
-            for number in range(at, min(at + size, len(cells))):
-                known = stations.known(cells[number])
-                if known is None:
-                    unknown.append(number)
-                else:
-                    self._ready[number] = known
+            size = max(1, min(_MOST_CELLS, (len(cells) - at) // (2 * self._threads), int(_SECONDS / self._pace)))
+            numbers = range(at, min(at + size, len(cells)))
+            known = {number: cell for number in numbers if (cell := stations.known(cells[number])) is not None}
+            self._ready.update(known)
+            unknown = [number for number in numbers if number not in known]
             yield Part(tuple(unknown), tuple(cells[number] for number in unknown))
             at += size
 
@@ -413,7 +395,8 @@ class Crew:
                     break
                 if not part.cells:
                     return
-                self._submit(part)
+                future = self._client.submit(station.make, self.stations.order.run, part.cells, pure=False)
+                self._running[future] = part
             self._take()
         except ClusterError:
             raise
@@ -422,11 +405,11 @@ class Crew:
 
     def _count_threads(self) -> None:
         """Count the threads of the cluster; wait until there is one."""
-        said = False
+        is_waiting = False
         while not (threads := sum(self._client.nthreads().values())):
-            if not said:
+            if not is_waiting:
                 self._tell(f"waiting for a worker of `{self._address}`")
-                said = True
+                is_waiting = True
             with contextlib.suppress(TimeoutError):
                 self._client.wait_for_workers(1, timeout=_LOOK_AGAIN)
         there = set(self._client.nthreads())
@@ -434,11 +417,6 @@ class Crew:
             self._tell(f"the worker `{gone}` has ended; its cells go to others")
         self._workers = there
         self._threads, self._counted = threads, time.monotonic()
-
-    def _submit(self, part: Part) -> None:
-        assert self._stations is not None
-        future = self._client.submit(station.make, self._stations.order.run, part.cells, pure=False)
-        self._running[future] = part
 
     def _take(self) -> None:
         from distributed import wait
@@ -455,8 +433,7 @@ class Crew:
                 self._failed(part, error)
             elif isinstance(answer, NotOpen):
                 self._again.append(part)
-                assert self._stations is not None
-                self._stations.begin(self._client, [answer.worker])
+                self.stations.begin(self._client, [answer.worker])
             else:
                 self._note(part, answer)
 
@@ -486,8 +463,8 @@ class Crew:
         """Reconnect, and submit unfinished parts again. Raises ClusterError."""
         lost = ClusterError(
             "cluster-unreachable",
-            f"the cluster `{self._address}` was lost: {' '.join(str(error).split()) or type(error).__name__}",
-            "see that its scheduler runs, and give the same command again: what is made is not made again",
+            f"the cluster `{self._address}` was lost: {_words(error)}",
+            "check that its scheduler runs, and run the same command again: finished models are kept",
         )
         self._lost += 1
         if self._address == LOCAL or self._lost > _MOST_LOST:

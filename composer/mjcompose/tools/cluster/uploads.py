@@ -1,4 +1,4 @@
-"""Files that a worker lacks, and where they stand on it."""
+"""Files that a worker lacks, and their places on it."""
 
 from __future__ import annotations
 
@@ -47,41 +47,32 @@ class Layout:
 
 
 def layout_of(paths: Iterable[str]) -> Layout:
-    """Return everything that makes the existing ones of these paths lead to the same files in a mirror.
+    """Return the layout of a mirror in which the existing paths lead to the same files.
 
-    It includes the marker files that make a folder above them the top of a project, which limits what a model may
-    read.
+    It includes the marker files of the top of a project, which limits the files that a model may read.
     """
     files: dict[str, str] = {}
     links: dict[str, str] = {}
     folders: set[str] = set()
     marked: set[str] = set()
 
-    def add_file(real: str) -> None:
-        if os.path.isfile(real) and real not in files:
-            with contextlib.suppress(OSError):  # unreadable files are reported where they are needed
-                files[real] = sha256_of(Path(real))
-
-    def add(path: str) -> None:
+    def add(path: str) -> str:
         real = _followed(path, links)
         if os.path.isdir(real):
             folders.add(real)
-        else:
-            add_file(real)
-        for start in (os.path.dirname(path), os.path.dirname(real)):
-            at = start
+        elif os.path.isfile(real) and real not in files:
+            with contextlib.suppress(OSError):  # unreadable files are reported when the run needs them
+                files[real] = sha256_of(Path(real))
+        return real
+
+    for path in map(os.path.abspath, paths):
+        for at in (os.path.dirname(path), os.path.dirname(add(path))):
             while at not in marked:
                 marked.add(at)
-                for name in MARKERS:
-                    marker = os.path.join(at, name)
-                    if os.path.isdir(marker):
-                        folders.add(_followed(marker, links))
-                    elif os.path.isfile(marker):
-                        add_file(_followed(marker, links))
+                for marker in (os.path.join(at, name) for name in MARKERS):
+                    if os.path.exists(marker):
+                        add(marker)
                 at = os.path.dirname(at)
-
-    for each in paths:
-        add(os.path.abspath(each))
     return Layout(files, links, frozenset(folders))
 
 
@@ -141,12 +132,9 @@ def without_root(value: Any, root: str) -> Any:
     if isinstance(value, tuple | list | frozenset | set):
         return type(value)(without_root(each, root) for each in value)
     if is_dataclass(value) and not isinstance(value, type):
-        changed = {}
-        for each in fields(value):
-            before = getattr(value, each.name)
-            if each.init and (after := without_root(before, root)) != before:
-                changed[each.name] = after
-        return replace(value, **changed) if changed else value
+        before = {each.name: getattr(value, each.name) for each in fields(value) if each.init}
+        after = {name: without_root(each, root) for name, each in before.items()}
+        return replace(value, **after) if after != before else value
     return value
 
 
@@ -232,8 +220,8 @@ def batches(paths: Mapping[str, str]) -> Iterator[dict[str, bytes]]:
         with contextlib.suppress(OSError):
             content = read_regular(path)
         if hashlib.sha256(content).hexdigest() != digest:
-            raise ClusterError("cluster-worker", f"`{path}` changed while it was sent to the workers",
-                               "give the same command again")  # fmt: skip
+            message = f"`{path}` changed while it was sent to the workers"
+            raise ClusterError("cluster-worker", message, "run the same command again")
         batch[digest] = content
         size += len(content)
         if size > _AT_ONCE:
@@ -246,12 +234,9 @@ def batches(paths: Mapping[str, str]) -> Iterator[dict[str, bytes]]:
 def _typical(cells: Sequence[Cell]) -> Iterator[Cell]:
     seen: set[object] = set()
     for cell in cells:
-        texts = {
-            (name, node.text)
-            for name, node in cell.given.items()
-            if isinstance(node, Scalar) and isinstance(node.value, str)
-        }
-        marks = {*texts, ("names", tuple(cell.given)), ("draws", cell.sample > 0)}
+        texts = ((name, node) for name, node in cell.given.items() if isinstance(node, Scalar))
+        values = {(name, node.text) for name, node in texts if isinstance(node.value, str)}
+        marks = {*values, ("names", tuple(cell.given)), ("draws", cell.sample > 0)}
         if not marks <= seen:
             seen |= marks
             yield cell

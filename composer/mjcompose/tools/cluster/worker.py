@@ -90,7 +90,6 @@ class Journal:
         return True
 
     def forget(self, cell: str) -> None:
-        """Forget a model that the cache of the client has."""
         with contextlib.suppress(OSError):
             self._place(cell).unlink(missing_ok=True)
 
@@ -130,14 +129,14 @@ class Canary:
 
 @dataclass(frozen=True, slots=True)
 class Order:
-    """What a worker needs to know before it makes cells of a run.
+    """The data that a worker needs before it makes cells of a run.
 
     `job` is a pickled `Job`, `folder` its working folder, `files` the input files with their state. `store` and
     `out` are files of this run that a worker sees only if it shares the disk: in the store, and where the models
     go, which may be an `address`. A worker that sees them works like a process of this machine. Others get the
     files in `layout`, and `away`, another Job; `canary` checks that this gives the same model, and `is_tried` says
-    that a canary was looked for. They note in `journal` what they have written. `memory` limits each process that
-    makes models, in bytes.
+    that the client tried to make a canary. They record in `journal` the models that they wrote. `memory` limits each
+    process that makes models, in bytes.
     """
 
     run: str
@@ -218,7 +217,7 @@ def opened_away(
             environment[name] = path
     here = replace(here, context=replace(context, environment=environment), store=Store(Path(store)))
     kept: list[tuple[Record, tuple[FileState, ...]]] = []
-    trial = replace(here, finish=None, store=None)  # the run does not find in a cache what was only tried
+    trial = replace(here, finish=None, store=None)  # a trial leaves nothing in the cache
     with here.opened(lambda *each: kept.append(each)) as make, trial.opened() as try_out:
 
         def made(task: Any) -> Any:
@@ -339,46 +338,36 @@ def _begin(order: Order, contents: Path) -> Refused | Lacks | None:
             return None
     if order.out is not None and not os.path.exists(order.out):
         folder = os.path.dirname(os.path.dirname(order.out))
-        return Refused(
-            f"does not see the folder `{folder}`, where the models go",
-            "write to a folder that all machines share, or to an address such as `-o 's3://bucket/{name}.zip'`",
-        )
+        help = "write to a folder that all machines share, or to an address such as `-o 's3://bucket/{name}.zip'`"
+        return Refused(f"does not see the folder `{folder}` for the models", help)
     if order.address is not None:
         try:
             check_writable(order.address)
         except OutputError as error:
             return Refused(error.message, error.help)
-    if _sees_all(order):
+    has_store = order.store is None or os.path.exists(order.store)
+    look = Files().look
+    if not os.environ.get(_SHIPPED) and has_store and all(look(each.path).state == each.state for each in order.files):
         opening = partial(opened, order.memory, order.job)
         station = Station(order.run, opening, order.folder, held=ExitStack())
     else:
-        lacking = tuple(
-            dict.fromkeys(each for each in order.layout.files.values() if not os.path.exists(contents / each))
-        )
+        lacking = [each for each in order.layout.files.values() if not os.path.exists(contents / each)]
         if lacking or not order.is_tried:
-            return Lacks(lacking)
-        made = _away(order, contents)
-        if isinstance(made, Refused):
-            return made
-        station = made
+            return Lacks(tuple(dict.fromkeys(lacking)))
+        away = _away(order, contents)
+        if isinstance(away, Refused):
+            return away
+        station = away
     with _lock:
         _stations[order.run] = station
     return None
 
 
-def _sees_all(order: Order) -> bool:
-    """Return whether this worker shares the client's disk."""
-    if os.environ.get(_SHIPPED) or (order.store is not None and not os.path.exists(order.store)):
-        return False
-    files = Files()
-    return all(files.look(each.path).state == each.state for each in order.files)
-
-
 def _away(order: Order, contents: Path) -> Station | Refused:
     """Return a station whose files are a mirror of the client's files."""
     if order.away is None:
-        return Refused("does not have the files of the models, which text alone only names",
-                       "write bundles, such as `-o 'build/{name}.zip'`")  # fmt: skip
+        message = "does not have the files of the models, which MJCF alone only names"
+        return Refused(message, "write bundles, such as `-o 'build/{name}.zip'`")
     with ExitStack() as opened:
         folder = opened.enter_context(scratch("cluster"))
         root = folder / "mirror"
@@ -392,8 +381,8 @@ def _away(order: Order, contents: Path) -> Station | Refused:
         (answer,) = station.made([order.canary])
         if answer != order.canary.sha256:
             station.end()
-            return Refused(f"makes another model of the same files: `{order.canary.cell.name}` has other bytes there",
-                           "use one image or one environment for all workers and this machine")  # fmt: skip
+            message = f"makes another model of the same files: `{order.canary.cell.name}` has other bytes there"
+            return Refused(message, "use one image or one environment for all workers and this machine")
     return station
 
 
@@ -401,7 +390,7 @@ def _keep(contents: Mapping[str, bytes], folder: Path) -> None:
     folder.mkdir(mode=0o700, parents=True, exist_ok=True)
     for digest, content in contents.items():
         if hashlib.sha256(content).hexdigest() != digest:
-            raise ValueError("what was sent is not what was announced")
+            raise ValueError("the content does not have the announced sha256")
         stage = folder / f".{digest}.{os.urandom(6).hex()}"
         stage.write_bytes(content)
         stage.replace(folder / digest)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -60,11 +61,9 @@ from mjcompose.tools.explain.trace_words import (
 if TYPE_CHECKING:
     from lxml.etree import _Element as Node
 
-    from mjcompose.model.grammar import Attribute
-
-_URDF = "what MuJoCo makes of the URDF"
-_WORKED_OUT = "worked out by the edit"
-_COMES_ALONG = "comes with what the recipe adds there"
+_URDF = "computed by MuJoCo from the URDF"
+_WORKED_OUT = "computed by the edit"
+_COMES_ALONG = "comes with the recipe's addition there"
 
 
 @dataclass(eq=False)
@@ -105,8 +104,7 @@ class Traced:
                 no_attribute(found[0], asked.attribute, context.sink)
                 return None
             found, asked = fitting, replace(asked, attribute=attribute)
-        several = asked.name is None and asked.number is None and asked.line is None and len(found) > 1
-        if len(found) > 1 or several:
+        if len(found) > 1:
             return tuple(self._listed(node, asked.attribute) for node in found)
         if asked.attribute is not None:
             return self.attribute(found[0], asked.attribute)
@@ -116,27 +114,19 @@ class Traced:
 
     def element(self, node: Node) -> ElementExplained:
         life, kind = self.watch.life(node), kind_of(node)
-        reached = kind.takes_class
+        in_force, steps, values = None, [], []
+        if kind.takes_class:
+            in_force = self._in_force(node)
+            steps = [self._class_step(each.name) for each in class_chain(node, self.classes)]
+            for attribute, level in given(node, kind, self.classes):
+                span = self.written_at(level.writer, attribute.name)
+                values.append(Given(attribute.name, str(level.text), str(level.name), span=span))
         return ElementExplained(
-            label=self.labels[node],
-            text=_start_tag(node),
-            holder=self._holder(node),
-            written=tuple(self.written(life)),
-            end_line=life.line if isinstance(life.owner, str) else None,
-            parts=tuple(self.parts(life)),
-            changes=tuple(self.changes(life)),
-            in_force=self._in_force(node) if reached else None,
-            classes=tuple(self._class_step(each.name) for each in class_chain(node, self.classes)) if reached else (),
-            given=tuple(
-                Given(
-                    attribute.name, str(level.text), str(level.name), span=self.written_at(level.writer, attribute.name)
-                )
-                for attribute, level in given(node, kind, self.classes)
-            )
-            if reached
-            else (),
-            sets=tuple(self._sets(node)) if node.tag == "default" else (),
-        )
+            label=self.labels[node], text=_start_tag(node), holder=self._holder(node),
+            end_line=life.line if isinstance(life.owner, str) else None, written=tuple(self.written(life)),
+            parts=tuple(self.parts(life)), changes=tuple(self.changes(life)), in_force=in_force, classes=tuple(steps),
+            given=tuple(values), sets=tuple(self._sets(node)) if node.tag == "default" else (),
+        )  # fmt: skip
 
     def attribute(self, node: Node, name: str) -> AttributeExplained:
         if is_derived(node, name):
@@ -147,48 +137,42 @@ class Traced:
         explained = []
         for step in steps:
             words = {"element": f"<{node.tag}>", "mujoco": "MuJoCo's default"}.get(step.kind, str(step.name))
-            whole = step.text is not None and len(step.taken) == len(step.text.split())
+            numbers = (step.text or "").split()
+            is_part = step.taken and len(step.taken) < len(numbers)
             origin = self._level_origin(step.kind, step.name, step.writer, attribute=name)
-            explained.append(
-                LevelExplained(
-                    step.kind, words, step.text, wins=bool(step.taken),
-                    part_of_it=None if whole or not step.taken or step.text is None
-                    else " ".join(step.text.split()[step.taken.start : step.taken.stop]),
-                    span=origin.span,
-                    changes=() if step.writer is None or (step.text is None and step.kind != "element")
-                    else tuple(self.changes(self.watch.life(step.writer), name)),
-                    words=origin.words,
-                )
-            )  # fmt: skip
+            changes: tuple[Changed, ...] = ()
+            if step.writer is not None and (step.text is not None or step.kind == "element"):
+                changes = tuple(self.changes(self.watch.life(step.writer), name))
+            explained.append(LevelExplained(
+                step.kind, words, step.text, wins=bool(step.taken), span=origin.span, changes=changes,
+                words=origin.words,
+                part_of_it=" ".join(numbers[step.taken.start : step.taken.stop]) if is_part else None,
+            ))  # fmt: skip
+        others = [other for other in ORIENTATIONS if other != name and node.get(other)] if name in ORIENTATIONS else []
+        note = "`{}` is written on the element too: only one of several orientations counts"
         return AttributeExplained(
-            label=self.labels[node],
-            attribute=name,
-            value=value(steps),
-            levels=tuple(explained),
+            label=self.labels[node], attribute=name, value=value(steps), levels=tuple(explained),
             in_force=self._in_force(node) if kind.takes_class and attribute.in_default else None,
-            about=attribute.doc or None,
+            about=attribute.doc or None, notes=tuple(map(note.format, others)),
             rows=tuple(row for _, row in self.key_rows(node, name)) if node.tag == "key" and name in VECTORS else (),
-            notes=tuple(self._notes(node, attribute)),
-        )
+        )  # fmt: skip
 
     def _derived(self, node: Node, name: str) -> AttributeExplained:
         """Explain an attribute that other attributes determine: each of them is a level of its own."""
         found = givers(node, name, self.classes)
         explained = [self.attribute(giver, attribute) for giver, attribute in found]
-        levels = [
-            replace(level, kind="element", name=_given_by(self._called(giver, each), attribute, level))
-            for (giver, attribute), each in zip(found, explained, strict=True)
-            for level in each.levels
-            if level.wins and (giver is not node or level.kind != "mujoco")
-        ]
+        levels = []
+        for (giver, attribute), each in zip(found, explained, strict=True):
+            called = f"<{giver.tag}>" if giver.tag == "inertial" else each.label
+            for level in each.levels:
+                if level.wins and (giver is not node or level.kind != "mujoco"):
+                    place = {"element": "", "class": f", class {level.name}", "mujoco": f", {level.name}"}[level.kind]
+                    levels.append(replace(level, kind="element", name=f"{called} {attribute}{place}"))
         said = total(found, name, [each.value for each in explained]) if node.tag == "body" else None
         return AttributeExplained(
             label=self.labels[node], attribute=name, value=said, levels=tuple(levels), in_force=None,
             about=None, rows=(), notes=() if said is not None else (f"MuJoCo computes `{name}` from these",),
         )  # fmt: skip
-
-    def _called(self, giver: Node, explained: AttributeExplained) -> str:
-        return f"<{giver.tag}>" if giver.tag == "inertial" else explained.label
 
     def _listed(self, node: Node, attribute: str | None) -> Listed:
         text, life = None, self.watch.life(node)
@@ -257,11 +241,10 @@ class Traced:
         for node in query.ordered(self.model.root):
             for life in (self.watch.life(node), *self.watch.life(node).sources):
                 span = self._span(life)
-                if span is None or (span.file != file and not span.file.endswith(f"/{file}")):
-                    continue
-                last = life.line if isinstance(life.owner, str) else None
-                if span.line <= line <= (last or span.line) and node not in found:
-                    found.append(node)
+                if span is not None and (span.file == file or span.file.endswith(f"/{file}")):
+                    last = life.line if isinstance(life.owner, str) else None
+                    if span.line <= line <= (last or span.line) and node not in found:
+                        found.append(node)
         return found
 
     # -- its changes -------------------------------------------------------------------------------------------
@@ -276,7 +259,8 @@ class Traced:
                 if cause is not None:
                     yield Changed(None, None, None, reason=cause)
             elif only in (None, change.attribute) and change.cause.function is not settle_joints:
-                yield self._changed(change, life)
+                name = "tag" if change.attribute == TAG else change.attribute
+                yield Changed(name, change.before, change.after, reason=self.causes.change(change, life))
 
     def _as_the_recipe_has_it(self, life: Life, only: str | None) -> Iterator[Changed]:
         """Yield values that a recipe writes in another form than MJCF, such as angles in their own unit."""
@@ -292,10 +276,6 @@ class Traced:
             recipe = self.recipe_lines.text_of(span)
             if recipe is not None and not same_words(recipe, text):
                 yield Changed(name, recipe, text, reason=Reason("written in the recipe's own unit or form", span))
-
-    def _changed(self, change: Change, life: Life) -> Changed:
-        name = "tag" if change.attribute == TAG else change.attribute
-        return Changed(name, change.before, change.after, reason=self.causes.change(change, life))
 
     # -- its classes -------------------------------------------------------------------------------------------
 
@@ -325,7 +305,6 @@ class Traced:
         return Reason("", None if node is None else next(self.written(self.watch.life(node))).span)
 
     def written_at(self, node: Node | None, attribute: str) -> Span | None:
-        """Return the place of `origin_at`."""
         return None if node is None else self.origin_at(node, attribute).span
 
     def origin_at(self, node: Node, attribute: str) -> Reason:
@@ -335,12 +314,11 @@ class Traced:
         """
         life = self.watch.life(node)
         if node.tag == "key" and attribute in (*VECTORS, "time") and node.get(attribute):
-            span = self._only_place(node, attribute)
+            origins = key_origins(self.model, node, attribute, trace=self.watch)
+            span = only_place(self._row_reason(node, origin) for origin in origins)
             return self.recipe_lines.in_own_form(span, str(node.get(attribute)) if attribute == "time" else None)
-        made = life.made_by is not None and life.made_by.is_pass
-        if made and len(life.sources) == 1:
-            return self.origin_of(life.sources[0], attribute)
-        return self.origin_of(life, attribute)
+        replaces = life.made_by is not None and life.made_by.is_pass and len(life.sources) == 1
+        return self.origin_of(life.sources[0] if replaces else life, attribute)
 
     def origin_of(self, life: Life, attribute: str) -> Reason:
         for change in reversed(life.of(attribute)):
@@ -368,10 +346,6 @@ class Traced:
             return Reason(_COMES_ALONG, span)
         return Reason("", span)
 
-    def _only_place(self, key: Node, attribute: str) -> Span | None:
-        origins = key_origins(self.model, key, attribute, trace=self.watch)
-        return only_place(self._row_reason(key, origin) for origin in origins)
-
     def _row_reason(self, key: Node, origin: NumberOrigin) -> Reason:
         return reason_of(origin, lambda change: self.causes.change(change, self.watch.life(key)))
 
@@ -387,19 +361,13 @@ class Traced:
                 found.append(self.causes.change(change, life).span)
         return [span for span in dict.fromkeys(found) if span is not None]
 
-    def _notes(self, node: Node, attribute: Attribute) -> Iterator[str]:
-        name = attribute.name
-        if name in ORIENTATIONS:
-            for other in ORIENTATIONS:
-                if other != name and node.get(other):
-                    yield f"`{other}` is written on the element: of several orientations one counts"
-
-    # -- what does not exist -------------------------------------------------------------------------------------
+    # -- missing elements ---------------------------------------------------------------------------------------
 
     def _left_out(self, asked: query.Asked) -> Iterator[Note]:
-        for life in self.watch.gone:
+        replaced = {source.node for life in self.watch.lives.values() for source in life.sources}
+        for life in self.watch.gone if asked.name is not None else ():
             named = dict(life.items).get("name")
-            if asked.name is None or named is None or life.node in self._replaced():
+            if named is None or life.node in replaced:
                 continue
             prefixes = [part.prefix for part in life.parts]
             called = {"".join(reversed(prefixes[:count])) + named for count in range(len(prefixes) + 1)}
@@ -407,23 +375,11 @@ class Traced:
                 cause = self.causes.gone(life)
                 yield Note(f"there was a {life.tag} `{named}`: {cause.words}", self._span(life))
 
-    def _replaced(self) -> set[Node]:
-        return {source.node for life in self.watch.lives.values() for source in life.sources}
-
-
-def _given_by(called: str, attribute: str, level: LevelExplained) -> str:
-    """Return the name of a level whose attribute determines another one."""
-    level_of = {"element": "", "class": f", class {level.name}", "mujoco": f", {level.name}"}[level.kind]
-    return f"{called} {attribute}{level_of}"
-
 
 def _start_tag(node: Node) -> str:
-    attributes = "".join(f' {name!s}="{_escaped(str(text))}"' for name, text in node.items())
+    escapes = str.maketrans({"&": "&amp;", "<": "&lt;", '"': "&quot;"})
+    attributes = "".join(f' {name!s}="{str(text).translate(escapes)}"' for name, text in node.items())
     return f"<{node.tag!s}{attributes}{'' if len(node) else '/'}>"
-
-
-def _escaped(text: str) -> str:
-    return text.replace("&", "&amp;").replace("<", "&lt;").replace('"', "&quot;")
 
 
 def explain(
@@ -475,14 +431,9 @@ def _no_recipe(path: Path, context: Context) -> None:
     from mjcompose.build.bundle.read import ReadError, read
 
     recipe = None
-    try:
+    with suppress(ReadError, ValueError):
         if (content := read(context.folder / path).files.get(MANIFEST)) is not None:
             recipe = from_json(content).recipe
-    except (ReadError, ValueError):
-        pass
-    built = f"`mjcompose explain {recipe.path}`" if recipe is not None else "the recipe that it was built of"
-    context.sink.error(
-        "source-kind",
-        f"`{context.shown(context.folder / path)}` has the model as it is, not where its elements came from",
-        help=f"ask the recipe: {built}" if recipe is not None else f"ask {built}",
-    )
+    message = f"`{context.shown(context.folder / path)}` has the model, but not where its elements come from"
+    help = f"use its recipe: `mjcompose explain {recipe.path}`" if recipe is not None else "use its recipe"
+    context.sink.error("source-kind", message, help=help)

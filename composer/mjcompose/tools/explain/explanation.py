@@ -5,7 +5,7 @@ from __future__ import annotations
 import textwrap
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import asdict
-from itertools import groupby
+from itertools import groupby, zip_longest
 from typing import Any, Literal
 
 from mjcompose.base.dataclass import dataclass
@@ -175,16 +175,17 @@ def _element(it: ElementExplained, read_source: ReadSource | None, paint: Paint)
     yield ""
     yield paint("bold", "where it comes from")
     for number, each in enumerate(it.written):
-        yield f"  {each.words}{_in_full(each.span, ' ' if each.words == 'read from' else ', ')}"
+        comma = "" if each.words == "read from" else ","
+        yield f"  {each.words}" + ("" if each.span is None else f"{comma} {each.span.file}:{each.span.line}")
         yield from _source(each.span, it.end_line if number == 0 else None, read_source, paint=paint)
     yield from _table([("part", each.words, _at(each.span)) for each in it.parts])
     if it.sets:
         yield ""
-        yield paint("bold", "what it sets")
+        yield paint("bold", "settings")
         yield from _table([(each.label, _cut(each.value or ""), _at(each.reason.span)) for each in it.sets])
     if it.changes:
         yield ""
-        yield paint("bold", "what changed it")
+        yield paint("bold", "changes")
         yield from _changes(it.changes)
     if it.classes:
         yield ""
@@ -223,7 +224,12 @@ def _attribute(it: AttributeExplained, read_source: ReadSource | None, paint: Pa
     if it.rows:
         yield ""
         yield paint("bold", "number by number")
-        yield from _table([(row.label, row.value, _row_origin(row)) for row in it.rows])
+        rows: list[tuple[str, ...]] = []
+        for row in it.rows:
+            place = _at(row.reason.span, ", " if row.reason.words else "")
+            passed = "".join(f", {each.words}{_at(each.span, ' ')}" for each in row.on_the_way)
+            rows.append((row.label, row.value, f"{row.reason.words}{place}{passed}"))
+        yield from _table(rows)
     first = next((each for each in it.levels if each.kind == "class"), None)
     if it.in_force is not None and first is not None:
         yield ""
@@ -231,31 +237,25 @@ def _attribute(it: AttributeExplained, read_source: ReadSource | None, paint: Pa
     for each in it.levels:
         if each.changes:
             yield ""
-            where = f"in the class {each.name}" if each.kind == "class" else "on the element"
+            place = f"in the class {each.name}" if each.kind == "class" else "on the element"
             if it.levels[0].name[0] != "<":  # the attribute of another element that determines this one
-                where = f"in {each.name}"
-            yield paint("bold", f"what changed it {where}")
+                place = f"in {each.name}"
+            yield paint("bold", f"changes {place}")
             yield from _changes(each.changes, name=False)
     for note in it.notes:
         yield ""
         yield f"{paint('note', 'note')}: {note}"
 
 
-def _row_origin(row: RowExplained) -> str:
-    place = _at(row.reason.span, ", " if row.reason.words else "")
-    passed = "".join(f", {each.words}{_at(each.span, ' ')}" for each in row.on_the_way)
-    return f"{row.reason.words}{place}{passed}"
-
-
 def _level(each: LevelExplained) -> tuple[str, str, str, str]:
     name = f"class {each.name}" if each.kind == "class" else each.name
-    said = "none" if each.kind == "mujoco" and each.text is None else _value(each.text)
+    text = "none" if each.kind == "mujoco" and each.text is None else _value(each.text)
     verdict = ""
     if each.wins:
         verdict = "in effect" if each.part_of_it is None else f"in effect: {each.part_of_it}"
     elif each.text is not None and each.kind != "mujoco":
         verdict = "overridden"
-    return name, said, verdict, f"{each.words}{_at(each.span, ', ' if each.words else '')}"
+    return name, text, verdict, f"{each.words}{_at(each.span, ', ' if each.words else '')}"
 
 
 def _changes(changes: Iterable[Changed], name: bool = True) -> Iterator[str]:
@@ -276,18 +276,15 @@ def _list(found: Iterable[Listed]) -> Iterator[str]:
     rows = []
     for each in found:
         words = "" if each.reason.words == "read from" else each.reason.words
-        row = (each.label, *((_cut(each.value),) if each.value is not None else ()), words, _at(each.reason.span))
-        rows.append(row)
+        value = (_cut(each.value),) if each.value is not None else ()
+        rows.append((each.label, *value, words, _at(each.reason.span)))
     yield from _table(rows, indent="")
 
 
 def _table(rows: list[tuple[str, ...]], indent: str = "  ") -> Iterator[str]:
-    widths: dict[int, int] = {}
+    widths = [max(map(len, column)) for column in zip_longest(*(row[:-1] for row in rows), fillvalue="")]
     for row in rows:
-        for column, cell in enumerate(row[:-1]):
-            widths[column] = max(widths.get(column, 0), len(cell))
-    for row in rows:
-        cells = [cell.ljust(widths[column]) for column, cell in enumerate(row[:-1])]
+        cells = [cell.ljust(width) for cell, width in zip(row[:-1], widths, strict=False)]
         yield indent + "  ".join([*(cell for cell in cells if cell), row[-1]])
 
 
@@ -302,10 +299,6 @@ def _source(span: Span | None, last: int | None, read_source: ReadSource | None,
         line = lines[number - 1].rstrip()
         gutter = paint("gutter", f"{number:>{margin}} |")
         yield f"    {gutter} {line if len(line) <= _WIDE else line[: _WIDE - 1] + '…'}"
-
-
-def _in_full(span: Span | None, before: str) -> str:
-    return "" if span is None else f"{before}{span.file}:{span.line}"
 
 
 def _at(span: Span | None, before: str = "") -> str:

@@ -1,10 +1,11 @@
-"""A query about a model, what the recipe writes for it, and the report if nothing matches."""
+"""A query about a model, the recipe's text for it, and the report if nothing matches."""
 
 from __future__ import annotations
 
 import re
 from collections import Counter
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 from functools import cache
 from itertools import takewhile
 from pathlib import Path
@@ -48,7 +49,11 @@ class RecipeLines:
         if span.line > len(lines):
             return None
         text = lines[span.line - 1][span.column - 1 : span.end_column - 1]
-        return text if not text.startswith("- ") else _list_of(lines[span.line - 1 :], span.column - 1)
+        if not text.startswith("- "):
+            return text
+        dash = " " * (span.column - 1) + "- "  # a list with an item on each line
+        items = takewhile(lambda line: line.startswith(dash), lines[span.line - 1 :])
+        return f"[{', '.join(line[len(dash) :].strip() for line in items)}]"
 
     def in_own_form(self, span: Span | None, text: str | None) -> Reason:
         """Return the place of a value in a recipe, with the recipe's own text if that is not the value itself."""
@@ -56,19 +61,12 @@ class RecipeLines:
             return Reason("", span)
         written = self.text_of(span)
         if written in (HOLD, *WAYS):
-            return Reason("computed: what holds the pose of the key", span)
+            return Reason("computed to hold the pose of the key", span)
         return Reason(f"`{written}` in the recipe's own unit or form", span)
 
     def has(self, span: Span | None, text: str | None) -> bool:
         recipe = None if span is None else self.text_of(span)
         return recipe is None or text is None or same_words(recipe, text)
-
-
-def _list_of(lines: list[str], indent: int) -> str:
-    """Join a YAML list with an item on each line into one line."""
-    dash = " " * indent + "- "
-    items = [line[len(dash) :].strip() for line in takewhile(lambda line: line.startswith(dash), lines)]
-    return f"[{', '.join(items)}]"
 
 
 def same_words(recipe: str, text: str) -> bool:
@@ -96,7 +94,7 @@ def _same_word(ours: str, theirs: str) -> bool:
 _NUMBERED = re.compile(r"(.+)#(\d+)")
 _LINE = re.compile(r"(.+\.\w+):(\d+)(?::\d+)?")
 # Words that people use for the elements of a section.
-_MEANT = {"keyframe": "key", "class": "default"}
+_SYNONYMS = {"keyframe": "key", "class": "default"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,8 +113,8 @@ def read(text: str, attribute: str | None, sink: Sink) -> Asked | None:
     """Parse a query; report it and return None if it has no meaning."""
     words = text.split()
     if not words:
-        sink.error("unknown-name", "there is nothing to explain: the query is empty",
-                   help="write for example `geom gripper/pad`, or `option timestep`")  # fmt: skip
+        help = "write for example `geom gripper/pad`, or `option timestep`"
+        sink.error("unknown-name", "the query is empty", help=help)
         return None
     numbered = _NUMBERED.fullmatch(words[0])
     line = _LINE.fullmatch(words[0])
@@ -128,10 +126,11 @@ def read(text: str, attribute: str | None, sink: Sink) -> Asked | None:
         asked, rest = Asked(text, kinds, number=int(numbered[2])), words[1:]
     elif line and kinds is None:
         asked, rest = Asked(text, None, line=(line[1], int(line[2]))), words[1:]
-    elif kinds is None and len(words) > 1 and _is_word(words[0]) and not _is_attribute(words[1]):
-        unknown_kind(words[0], sink)
-        return None
     elif kinds is None:
+        is_attribute = len(words) > 1 and any(words[1] in GRAMMAR.element(path).attributes for path in GRAMMAR.paths)
+        if len(words) > 1 and re.fullmatch(r"[a-z_]+", words[0]) and not is_attribute:
+            unknown_kind(words[0], sink)
+            return None
         asked, rest = Asked(text, None, name=words[0]), words[1:]
     elif _is_one(kinds):
         asked, rest = _inside(text, words)
@@ -141,13 +140,10 @@ def read(text: str, attribute: str | None, sink: Sink) -> Asked | None:
         asked, rest = Asked(text, kinds), []
     rest = [*rest, *([attribute] if attribute is not None else [])]
     if len(rest) > 1:
-        sink.error("unknown-name", f"`{' '.join(rest)}` is more than the name of one attribute",
-                   help="a query is KIND NAME ATTRIBUTE, quoted as one: 'geom gripper/pad friction'")  # fmt: skip
+        help = "write KIND NAME ATTRIBUTE in one pair of quotes: 'geom gripper/pad friction'"
+        sink.error("unknown-name", f"`{' '.join(rest)}` is more than the name of one attribute", help=help)
         return None
-    return Asked(
-        asked.text, asked.kinds, asked.name, number=asked.number, line=asked.line,
-        attribute=rest[0] if rest else None,
-    )  # fmt: skip
+    return replace(asked, attribute=rest[0] if rest else None)
 
 
 def find(asked: Asked, root: Node, separator: str) -> list[Node]:
@@ -191,7 +187,6 @@ def ordered(root: Node) -> Iterator[Node]:
 
 
 def _own(holder: Node) -> Iterator[Node]:
-    """Yield a body and everything in it except the bodies below it."""
     yield holder
     waiting: list[Iterator[Node]] = [holder.iterchildren("*")]
     while waiting:
@@ -204,7 +199,6 @@ def _own(holder: Node) -> Iterator[Node]:
 
 
 def name_of(node: Node) -> str | None:
-    """Return the name that a query uses for an element."""
     naming = naming_attribute(kind_of(node))
     value = None if naming is None else node.get(naming.name)
     return str(value) if value else None
@@ -250,24 +244,18 @@ def _words(kind: ElementType) -> tuple[str, ...]:
 
 def _kinds(word: str) -> frozenset[str] | None:
     """Return the grammar paths that a word means: a tag, a family, a section, or a path."""
-    word = _MEANT.get(word, word)
-    if word in GRAMMAR.paths:
-        family = GRAMMAR.families.get(word)
-        if family is None or "/" in word:
-            wanted = query(word, None).paths if "/" not in word else frozenset({word})
-            return wanted or frozenset({word})
-    wanted = query(word, None).paths
-    return wanted or None
+    word = _SYNONYMS.get(word, word)
+    if "/" in word and word in GRAMMAR.paths:
+        return frozenset({word})
+    is_path = word in GRAMMAR.paths and GRAMMAR.families.get(word) is None
+    return query(word, None).paths or (frozenset({word}) if is_path else None)
 
 
 def _is_one(kinds: frozenset[str]) -> bool:
     """Return whether a model has only one of these: a section of settings, or an element in it."""
-    return all(GRAMMAR.element(path).family is None and _settings(path) for path in kinds)
-
-
-def _settings(path: str) -> bool:
-    top = path.split("/")[0]
-    return top in ("mujoco", "compiler", "option", "size", "statistic", "visual") and path != "mujoco/include"
+    tops = ("mujoco", "compiler", "option", "size", "statistic", "visual")
+    settings = (path for path in kinds if path.split("/")[0] in tops and path != "mujoco/include")
+    return len(kinds) == sum(GRAMMAR.element(path).family is None for path in settings)
 
 
 def _inside(text: str, words: list[str]) -> tuple[Asked, list[str]]:
@@ -278,22 +266,12 @@ def _inside(text: str, words: list[str]) -> tuple[Asked, list[str]]:
     return Asked(text, _kinds(path) or frozenset({path})), rest
 
 
-def _is_word(word: str) -> bool:
-    return re.fullmatch(r"[a-z_]+", word) is not None
-
-
-def _is_attribute(word: str) -> bool:
-    return any(word in GRAMMAR.element(path).attributes for path in GRAMMAR.paths)
-
-
 def unknown_kind(word: str, sink: Sink) -> None:
-    """Report that MJCF has no element of that name."""
-    help = did_you_mean(word, tags_of())
-    sink.error("unknown-element", f"MJCF has no element `{word}`", help=help)
+    sink.error("unknown-element", f"MJCF has no element `{word}`", help=did_you_mean(word, tags_of()))
 
 
 def not_found(asked: Asked, root: Node, sink: Sink, notes: Iterable[Note] = ()) -> None:
-    """Report that nothing matches a query, what exists, and what was probably meant."""
+    """Report that nothing matches a query, with existing names and the most similar one."""
     notes = tuple(notes)
     word = asked.text.split()[0].split("#")[0] if asked.kinds is not None else "element"
     if asked.line is not None:

@@ -112,7 +112,6 @@ class Life:
         return self.attributes.get("class" if self.tag == "default" else "name")
 
     def of(self, attribute: str) -> list[Change]:
-        """Return the changes of one attribute."""
         return [each for each in self.changes if isinstance(each, Change) and each.attribute == attribute]
 
 
@@ -130,14 +129,16 @@ class Trace:
     def __call__(self, units: Iterable[Unit], done: object) -> None:
         units = list(units)
         if isinstance(done, Linking):
-            self._announce(done)
+            self._linkings[done.base.root] = done
+            for part in done.parts:
+                self._parts[part.unit.root] = part
+                for node in part.unit.root.iter("*"):
+                    self.lives[node].parts.append(part)
         changed = [unit for unit in units if self._looks_other(unit.root)]
         if not changed:
             return
         linking = self._linkings.get(units[0].root)
-        causes = {
-            unit.root: Cause(done, unit, self._parts.get(unit.root), linking=linking) for unit in units
-        }  # fmt: skip
+        causes = {each.root: Cause(done, each, self._parts.get(each.root), linking=linking) for each in units}
         before = {node for unit in changed for node in self._members.get(unit.root, ())}
         now: set[Node] = set()
         born: list[Life] = []
@@ -172,18 +173,8 @@ class Trace:
 
     def written(self, unit: Unit, tag: str, attribute: str) -> Life | None:
         """Return the element with that tag in which a unit, as read, sets an attribute."""
-        found = None
-        for life in self.lives.values():
-            if life.root is unit.root and life.tag == tag and attribute in life.attributes:
-                found = life
-        return found
-
-    def _announce(self, linking: Linking) -> None:
-        self._linkings[linking.base.root] = linking
-        for part in linking.parts:
-            self._parts[part.unit.root] = part
-            for node in part.unit.root.iter("*"):
-                self.lives[node].parts.append(part)
+        lives = (life for life in self.lives.values() if life.root is unit.root and life.tag == tag)
+        return next(reversed([life for life in lives if attribute in life.attributes]), None)
 
     def _born(self, node: Node, cause: Cause) -> Life:
         owner = cause.unit.origins.owner(node, cause.unit.file)
@@ -259,13 +250,13 @@ class NumberOrigin:
     - `file`: a `<key>` of a file writes them;
     - `entry`: an entry of a `keyframe` section of a recipe writes them;
     - `edit`: an edit or a draw of a recipe made them: `change`;
-    - `reference`: nobody writes them, and they are the reference configuration; `zero` if they are 0;
-    - `mujoco`: the row of the key at `span` is too short, and MuJoCo has filled it up;
+    - `reference`: no source writes them, and they are the reference configuration; `zero` if they are 0;
+    - `mujoco`: the row of the key at `span` is too short, and MuJoCo filled it up;
     - `unknown`.
 
     `span` is the place of the numbers themselves if that is known; `written` is the text there. `taken` are the
     `from` entries of recipes that passed them on. `moved` are the parts whose place changed them, each with the
-    place of its attachment. `lost` is the origin of numbers in a key that edits have made meaningless.
+    place of its attachment. `lost` is the origin of numbers in a key that edits made meaningless.
     """
 
     kind: Kind
@@ -328,10 +319,9 @@ class _Reading:
 
     def _settled(self, known: _Known) -> _Known:
         source = known.number.source
-        if known.change is not None or source.key is None or source.key not in self.trace.lives:
+        if known.change is not None or source.key not in self.trace.lives or source.kind not in ("key", "edited"):
             return known
-        if source.kind not in ("key", "edited"):
-            return known
+        assert source.key is not None
         if source.kind == "key" and self._noted(source.key, source.vector) is not None:
             return known  # as in the file: the record shows later values
         there = self._numbers(source.key, source.vector)
@@ -366,13 +356,10 @@ class _Reading:
     def origin(self, run: list[_Known]) -> NumberOrigin:
         first, last = run[0], run[-1]
         source = first.number.source
-        lost = None
-        if source.lost is not None:
-            lost = self._of(source.lost.source, (source.lost.at, source.lost.at))
+        lost = None if source.lost is None else self._of(source.lost.source, (source.lost.at, source.lost.at))
+        found = self._of(source, (first.number.at, last.number.at))
         if first.change is not None:
             found = NumberOrigin("edit", change=first.change)
-        else:
-            found = self._of(source, (first.number.at, last.number.at))
         if found.written is not None and not source.moved:
             text = [each.number.text for each in run]
             if numbers.read(found.written) != numbers.read(" ".join(text)):
@@ -437,15 +424,12 @@ def _runs(numbers: list[_Known]) -> Iterator[list[_Known]]:
     """Yield runs of neighbouring numbers with one origin."""
     run: list[_Known] = []
     for each in numbers:
-        if run and not _goes_on(run[-1], each):
-            yield run
-            run = []
+        if run:
+            before, source = run[-1], run[-1].number.source
+            alike = before.change is each.change and source == each.number.source
+            if not alike or (source.kind == "key" and each.number.at != before.number.at + 1):
+                yield run
+                run = []
         run.append(each)
     if run:
         yield run
-
-
-def _goes_on(before: _Known, after: _Known) -> bool:
-    if before.change is not after.change or before.number.source != after.number.source:
-        return False
-    return before.number.source.kind != "key" or after.number.at == before.number.at + 1

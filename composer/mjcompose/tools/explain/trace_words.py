@@ -1,7 +1,7 @@
-"""What a pass or step did to an element, in words, with the place that is the reason.
+"""The changes of passes and steps in words, with the place that is the reason.
 
-Also what determines an attribute that MJCF writes elsewhere: the mass of a body is that of its `<inertial>` or of its
-geoms, the `gainprm` of a `<position>` comes from its `kp`.
+It also finds the attributes that determine one that MJCF writes elsewhere: the mass of a body is in its `<inertial>` or
+its geoms, the `gainprm` of a `<position>` comes from its `kp`.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ if TYPE_CHECKING:
 
     from mjcompose.model.unit import Unit
 
-_NOBODY = {"reference": "the reference configuration", "zero": "0, as no key says it", "unknown": "not known"}
+_NOBODY = {"reference": "the reference configuration", "zero": "0, because no key sets it", "unknown": "not known"}
 
 
 def row_explained(label: str, numbers: str, origin: NumberOrigin, reason: Reason, written: str | None) -> RowExplained:
@@ -58,7 +58,7 @@ def row_explained(label: str, numbers: str, origin: NumberOrigin, reason: Reason
     on_the_way = [Reason("by `from`", span) for span in origin.taken]
     on_the_way += [Reason(f"moved with the part `{part}`", span) for part, span in origin.moved]
     if origin.lost is not None:
-        on_the_way.append(Reason("an edit has made meaningless what is written there:", origin.lost.span))
+        on_the_way.append(Reason("an edit made the numbers there meaningless:", origin.lost.span))
     return RowExplained(label, numbers, origin.kind, reason=reason, written=written, on_the_way=tuple(on_the_way))
 
 
@@ -120,7 +120,7 @@ def _by_plan(plan: Plan, attribute: str | None) -> Reason:
         named = find(plan.document, ("name",)) is not None
         words = "`name` of the recipe" if named else "the name of the recipe's file"
         return Reason(words, locate(plan.document, ("name",)) if named else None)
-    return Reason("the recipe leaves it out", locate(plan.document, ("base", "drop")))
+    return Reason("the recipe drops it", locate(plan.document, ("base", "drop")))
 
 
 def _summary(done: object) -> str:
@@ -134,24 +134,20 @@ def _summary(done: object) -> str:
 
 _DEFAULT = Settings()
 _FOLDERS = ("meshdir", "texturedir", "assetdir", "strippath")
-_COMPUTED = {
-    "mate": "computed, so that what `mate` names lies on the place",
-    "replicate": "computed: the place of this copy",
-}
+_COMPUTED = {"mate": "computed from `mate`, to meet the place", "replicate": "computed: the place of this copy"}
 
 
-class PassWords:
-    """Words for what passes did in one trace.
+class Causes:
+    """Words for the changes that one trace recorded.
 
-    A method gets the element and the change; for an element that was made or has gone, without an
-    attribute.
+    A method with a leading underscore describes a pass; it gets the element and the change, for an element that was
+    created or removed without an attribute.
     """
 
     def __init__(self, trace: Trace) -> None:
         self.trace = trace
 
     def setting(self, unit: Unit, name: str) -> Span | None:
-        """Return where a unit writes a compiler setting."""
         life = self.trace.written(unit, "compiler", name)
         return None if life is None else life.span(unit.origins, name)
 
@@ -167,7 +163,9 @@ class PassWords:
 
     def _angles(self, life: Life, change: Change) -> Reason | None:
         unit = change.cause.unit
-        if change.attribute in ORIENTATIONS and unit.settings.eulerseq != _sequence(change.cause):
+        linking = change.cause.linking
+        sequence = None if linking is None else linking.base.settings.eulerseq
+        if change.attribute in ORIENTATIONS and unit.settings.eulerseq != sequence:
             words = f"{_file(unit)} reads angles in the sequence `{unit.settings.eulerseq}`, the model does not"
             return Reason(words, self.setting(unit, "eulerseq"))
         span = self.setting(unit, "angle")
@@ -184,9 +182,8 @@ class PassWords:
         measured = [name for name in MEASURED if getattr(settings, name) != getattr(_DEFAULT, name)]
         if measured:
             names = " and ".join(f"`{name}`" for name in measured)
-            return Reason(
-                f"measured by MuJoCo on {_file(unit)} alone, for its {names}", self.setting(unit, measured[0])
-            )
+            words = f"measured by MuJoCo on {_file(unit)} alone, for its {names}"
+            return Reason(words, self.setting(unit, measured[0]))
         for name in ("inertiagrouprange", "inertiafromgeom"):
             value = getattr(settings, name)
             if value != getattr(_DEFAULT, name):
@@ -205,9 +202,8 @@ class PassWords:
         return Reason(words, of_step(change.cause, life.owner, None).span)
 
     def _fitting(self, life: Life, change: Change) -> Reason | None:
-        unit = change.cause.unit
-        words = f"fitted by MuJoCo to the mesh's bounding box: `fitaabb` of {_file(unit)}"
-        return Reason(words, self.setting(unit, "fitaabb"))
+        words = f"fitted by MuJoCo to the mesh's bounding box: `fitaabb` of {_file(change.cause.unit)}"
+        return Reason(words, self.setting(change.cause.unit, "fitaabb"))
 
     def _lengthranges(self, life: Life, change: Change) -> Reason | None:
         unit = change.cause.unit
@@ -215,11 +211,11 @@ class PassWords:
         rule = next((each for each in rules if each.root is unit.root), None)
         words = f"measured by MuJoCo on {_file(unit)} alone"
         if rule is None:
-            return Reason(f"{words}, where nothing is attached to what the muscle moves", None)
+            return Reason(f"{words}, without attachments on the bodies that the muscle moves", None)
         return Reason(f"{words}, by its own `<lengthrange>`", rule.span(unit.origins))
 
     def _adopted(self, life: Life, change: Change) -> Reason:
-        words = f'asked for by a model that {_file(change.cause.unit)} attaches, under its `conflict="merge"`'
+        words = f'required by a model that {_file(change.cause.unit)} attaches, under its `conflict="merge"`'
         return Reason(words, self.setting(change.cause.unit, "conflict"))
 
     def _agreement(self, life: Life, change: Change) -> Reason | None:
@@ -229,39 +225,33 @@ class PassWords:
         path = "/".join([*(str(each.tag) for each in reversed([*life.node.iterancestors()][:-1])), life.tag])
         for adopted in linking.base.adopted:
             if adopted.path == f"{path}/{change.attribute}" and adopted.value == change.after:
-                return Reason(
-                    f"adopted from {', '.join(adopted.parts)}: neither base nor recipe writes it", adopted.span
-                )
+                words = f"adopted from {', '.join(adopted.parts)}: neither base nor recipe writes it"
+                return Reason(words, adopted.span)
         for part in linking.parts:
-            for node in part.unit.root.iter(life.tag):
-                asked = self.trace.lives.get(node)
-                if asked is not None and asked.attributes.get(change.attribute) == change.after:
-                    span = asked.span(part.unit.origins, change.attribute)
-                    return Reason(f"asked for by the part `{part.called}`", span)
-        return Reason("room for what the parts have")
+            for other in filter(None, map(self.trace.lives.get, part.unit.root.iter(life.tag))):
+                if other.attributes.get(change.attribute) == change.after:
+                    span = other.span(part.unit.origins, change.attribute)
+                    return Reason(f"required by the part `{part.called}`", span)
+        return Reason("enough for all parts")
 
     def _agreement_made(self, life: Life, change: Change) -> Reason:
         for name, value in life.attributes.items():
             if reason := self._agreement(life, replace(change, attribute=str(name), after=str(value))):
                 return reason
-        return Reason("what the parts ask for")
+        return Reason("settings that the parts require")
 
     def _defaults(self, life: Life, change: Change) -> Reason | None:
         if change.before is None:
-            return Reason(f"what has no class of its own is of the top class of {_file(change.cause.unit)}")
+            return Reason(f"elements without a class have the top class of {_file(change.cause.unit)}")
         return Reason(f"the top class of {_file(change.cause.unit)} is called that here")
 
     def _defaults_made(self, life: Life, change: Change) -> Reason:
-        if life.tag == "default" and "class" in life.attributes:
-            return Reason(f"the top class of {_file(change.cause.unit)}", self._top(change.cause.unit))
-        return Reason("holds the default classes of the parts")
-
-    def _top(self, unit: Unit) -> Span | None:
-        """Return where a unit begins to write its default classes."""
-        for life in self.trace.lives.values():
-            if life.root is unit.root and life.parent is unit.root and life.tag == "default" and not life.made_by:
-                return life.span(unit.origins)
-        return None
+        unit = change.cause.unit
+        if life.tag != "default" or "class" not in life.attributes:
+            return Reason("contains the default classes of the parts")
+        top = (each for each in self.trace.lives.values() if each.root is unit.root and each.parent is unit.root)
+        first = next((each for each in top if each.tag == "default" and not each.made_by), None)
+        return Reason(f"the top class of {_file(unit)}", None if first is None else first.span(unit.origins))
 
     def _compiler_value(self, life: Life, change: Change) -> Reason | None:
         for source in life.sources:
@@ -301,20 +291,19 @@ class PassWords:
     def _bodies_made(self, life: Life, change: Change) -> Reason:
         part = change.cause.part
         if part is None:
-            return Reason("holds what the parts bring")
+            return Reason("contains elements of the parts")
         if life.tag == "frame" and life.attributes.get("childclass") == part.top_class:
             return Reason(f"carries the part `{part.called}` {place(part)}, and its default class", hung_at(part))
         if life.tag == "frame":
-            return Reason(
-                f"the pose of the {part.place.kind} that the part `{part.called}` is attached to", hung_at(part)
-            )
+            words = f"the pose of the {part.place.kind} that the part `{part.called}` is attached to"
+            return Reason(words, hung_at(part))
         if life.tag == "body":
             return Reason(f"a body for the joint between the part `{part.called}` and its place", part.span)
         return Reason(f"joins the part `{part.called}` to its place", part.span)
 
     def _weld(self, life: Life, change: Change) -> Reason:
         part = change.cause.part
-        return Reason("left out: `joint: none` fixes the part in its place", part.span if part else None)
+        return Reason("removed: `joint: none` fixes the part in its place", part.span if part else None)
 
     def _compiler(self, life: Life, change: Change) -> Reason | None:
         linking = change.cause.linking
@@ -324,7 +313,7 @@ class PassWords:
             return Reason(f"one unit for all parts: {linking.angle}s")
         if change.attribute == "autolimits" and linking is not None and model_autolimits(linking) == "true":
             return Reason("made explicit where it matters")
-        return Reason("made explicit in what it governs, so that it does not reach other parts")
+        return Reason("made explicit on the elements that it affects, so it does not reach other parts")
 
     def _compiler_made(self, life: Life, change: Change) -> Reason:
         if len(life.sources) == 1:
@@ -337,6 +326,45 @@ class PassWords:
         if len(life.sources) > 1:
             return Reason(f"{len(life.sources)} keys of that name made one, laid out for the whole model")
         return Reason("laid out anew for the whole model")
+
+    def _worded(self, table: dict[Function | None, Words], life: Life, change: Change) -> Reason | None:
+        words = table.get(change.cause.function)
+        return None if words is None else words(self, life, change)
+
+    def change(self, change: Change, life: Life) -> Reason:
+        """Return why an attribute changed."""
+        reason = self._worded(CHANGES, life, change)
+        return reason or of_step(change.cause, change.owner, change.attribute, node=life.node)
+
+    def made(self, life: Life) -> Reason:
+        """Return why an element exists that was read from no file."""
+        assert life.made_by is not None
+        reason = self._worded(MADE, life, Change("", None, None, cause=life.made_by, owner=life.owner))
+        return reason or of_step(life.made_by, life.owner, None)
+
+    def value(self, life: Life, attribute: str) -> Reason:
+        """Return why an element that a pass created has this value of an attribute."""
+        assert life.made_by is not None
+        value = life.attributes.get(attribute)
+        change = Change(attribute, None, value, cause=life.made_by, owner=life.owner)
+        return self._worded(VALUES, life, change) or self.made(life)
+
+    def gone(self, life: Life) -> Reason:
+        """Return why an element no longer exists."""
+        assert life.gone is not None
+        reason = self._worded(GONE, life, Change("", None, None, cause=life.gone, owner=life.owner))
+        return reason or of_step(life.gone, None, None)
+
+    def move(self, move: Move, life: Life) -> Reason | None:
+        """Return why an element moved, or None if the move means nothing, as in a merged section."""
+        cause = move.cause
+        if cause.function in (sections, defaults, compiler, keyframes):
+            return None
+        if cause.function is bodies:
+            return None if cause.part is None else Reason(f"hung {place(cause.part)}", hung_at(cause.part))
+        if move.before is not None and move.after is not None and move.before.tag == move.after.tag == "mujoco":
+            return None
+        return of_step(cause, None, None)
 
 
 def place(part: Part) -> str:
@@ -355,118 +383,64 @@ def _file(unit: Unit) -> str:
     return f"`{unit.file.rpartition('/')[2]}`"
 
 
-def _sequence(cause: Cause) -> str | None:
-    return None if cause.linking is None else cause.linking.base.settings.eulerseq
-
-
-Words = Callable[[PassWords, Life, Change], Reason | None]
+Words = Callable[[Causes, Life, Change], Reason | None]
 
 
 def _as(words: str) -> Words:
-    return lambda passes, life, change: Reason(words)
+    return lambda causes, life, change: Reason(words)
 
 
 def _at_its_place(words: str) -> Words:
-    return lambda passes, life, change: Reason(words, owned(change.owner, change.attribute))
+    return lambda causes, life, change: Reason(words, owned(change.owner, change.attribute))
 
 
 def _named_or(words: str) -> Words:
-    return lambda passes, life, change: Reason("named after its file" if change.attribute == "name" else words)
+    return lambda causes, life, change: Reason("named after its file" if change.attribute == "name" else words)
 
 
 CHANGES: dict[Function | None, Words] = {
-    names: PassWords._names,
-    body_reduction: PassWords._reduced,
-    angles: PassWords._angles,
-    inertia: PassWords._inertia,
-    fitted_sizes: PassWords._fitting,
-    lengthranges: PassWords._lengthranges,
-    submodel_options: PassWords._adopted,
-    agreement: PassWords._agreement,
+    names: Causes._names,
+    body_reduction: Causes._reduced,
+    angles: Causes._angles,
+    inertia: Causes._inertia,
+    fitted_sizes: Causes._fitting,
+    lengthranges: Causes._lengthranges,
+    submodel_options: Causes._adopted,
+    agreement: Causes._agreement,
     **dict.fromkeys((files, submodels, add_file), _named_or("where the bundle has the file")),
     collect: _named_or("a file with the same bytes is in the bundle already"),
-    defaults: PassWords._defaults,
-    compiler: PassWords._compiler,
+    defaults: Causes._defaults,
+    compiler: Causes._compiler,
     keyframes: _as("laid out anew for the whole model"),
     settle_joints: _at_its_place("written in the recipe, in the model's unit of angle"),
-    hold_poses: _at_its_place("computed: what holds the pose of the key"),
+    hold_poses: _at_its_place("computed to hold the pose of the key"),
     check_names: _as("`main` is called that here: the top class of the base"),
 }
 MADE: dict[Function | None, Words] = {
-    replicates: PassWords._unrolled,
-    body_reduction: PassWords._reduced,
-    inertia: PassWords._inertia,
-    submodel_options: PassWords._adopted,
-    agreement: PassWords._agreement_made,
-    defaults: PassWords._defaults_made,
-    bodies: PassWords._bodies_made,
-    compiler: PassWords._compiler_made,
-    keyframes: PassWords._keyframes_made,
-    sections: _as("holds what the parts bring"),
+    replicates: Causes._unrolled,
+    body_reduction: Causes._reduced,
+    inertia: Causes._inertia,
+    submodel_options: Causes._adopted,
+    agreement: Causes._agreement_made,
+    defaults: Causes._defaults_made,
+    bodies: Causes._bodies_made,
+    compiler: Causes._compiler_made,
+    keyframes: Causes._keyframes_made,
+    sections: _as("contains elements of the parts"),
 }
 VALUES: dict[Function | None, Words] = {
-    agreement: PassWords._agreement,
-    bodies: PassWords._bodies_value,
-    compiler: PassWords._compiler_value,
-    defaults: PassWords._defaults_value,
+    agreement: Causes._agreement,
+    bodies: Causes._bodies_value,
+    compiler: Causes._compiler_value,
+    defaults: Causes._defaults_value,
 }
-GONE: dict[Function | None, Words] = {
-    body_reduction: PassWords._reduced,
-    inertia: PassWords._inertia,
-    roots: PassWords._weld,
-}
+GONE: dict[Function | None, Words] = {body_reduction: Causes._reduced, inertia: Causes._inertia, roots: Causes._weld}
 
 
 def rewrites(cause: Cause) -> bool:
     """Return whether a cause only rewrites a value or renames it, so that the value keeps its origin."""
     row = row_of(cause.done)
     return row.rewrites if row is not None else cause.function in (add_file, collect, check_names)
-
-
-class Causes:
-    """Words for the changes that one trace recorded."""
-
-    def __init__(self, trace: Trace) -> None:
-        self.passes = PassWords(trace)
-
-    def _said(self, table: dict[Function | None, Words], life: Life, change: Change) -> Reason | None:
-        words = table.get(change.cause.function)
-        return None if words is None else words(self.passes, life, change)
-
-    def change(self, change: Change, life: Life) -> Reason:
-        """Return why an attribute changed."""
-        said = self._said(CHANGES, life, change)
-        return said or of_step(change.cause, change.owner, change.attribute, node=life.node)
-
-    def made(self, life: Life) -> Reason:
-        """Return why an element exists that was read from no file."""
-        assert life.made_by is not None
-        said = self._said(MADE, life, Change("", None, None, cause=life.made_by, owner=life.owner))
-        return said or of_step(life.made_by, life.owner, None)
-
-    def value(self, life: Life, attribute: str) -> Reason:
-        """Return why an element that a pass created has this value of an attribute."""
-        assert life.made_by is not None
-        value = life.attributes.get(attribute)
-        change = Change(attribute, None, value, cause=life.made_by, owner=life.owner)
-        return self._said(VALUES, life, change) or self.made(life)
-
-    def gone(self, life: Life) -> Reason:
-        """Return why an element no longer exists."""
-        assert life.gone is not None
-        said = self._said(GONE, life, Change("", None, None, cause=life.gone, owner=life.owner))
-        return said or of_step(life.gone, None, None)
-
-    def move(self, move: Move, life: Life) -> Reason | None:
-        """Return why an element moved, or None if the move means nothing, as in a merged section."""
-        cause = move.cause
-        if cause.function in (sections, defaults, compiler, keyframes):
-            return None
-        if cause.function is bodies:
-            return None if cause.part is None else Reason(f"hung {place(cause.part)}", hung_at(cause.part))
-        if move.before is not None and move.after is not None and move.before.tag == move.after.tag == "mujoco":
-            return None
-        return of_step(cause, None, None)
 
 
 _INERTIA = "diaginertia"

@@ -54,7 +54,10 @@ class Watch:
 
     def __init__(self, stop: Event) -> None:
         self.stop = stop
-        self._watchfiles = _library()
+        try:
+            self._watchfiles: Any = import_module("watchfiles")
+        except ImportError:
+            self._watchfiles = None
 
     @property
     def polls(self) -> bool:
@@ -85,13 +88,6 @@ class Watch:
             )  # fmt: skip
             return
         self.stop.wait(POLL_SECONDS)
-
-
-def _library() -> Any:
-    try:
-        return import_module("watchfiles")
-    except ImportError:
-        return None
 
 
 KEPT = "view"
@@ -132,7 +128,6 @@ class Workshop:
         self.inputs: frozenset[Path] = frozenset()
 
     def choose(self, name: str, value: str) -> None:
-        """Show another model of the recipe."""
         with self.lock:
             self.asked = self.asked.choosing(name, value)
             self.build()
@@ -141,25 +136,20 @@ class Workshop:
         """Build and show the result; after a fault the previous model stays."""
         with self.lock, ExitStack() as opened:
             started = time.monotonic()
-            context = self._open()
+            context, asked = self._open(), self.asked
             operand = read_operand(self.target, context, opened)
             made, is_new, old = None, False, self.shown
-            if operand is not None:
-                made = self._made(operand)
+            if operand is not None and check_given(operand, asked.given):
+                made = load(operand, KEPT, self.session, given=asked.given, pick=asked.pick, sample=asked.sample)
+                made = None if operand.context.sink.has_errors else made
                 is_new = made is not None and self._describe(made, operand, old)
+            if operand is not None:
                 operand.report(context.sink)
             self._watch(operand, made, context)
             if not is_new:
                 self.shown = Shown(old.version, old.text, old.blobs, title=old.title, fault=self._words(context))
             self.shown.seconds = time.monotonic() - started
             return self.shown
-
-    def _made(self, operand: Operand) -> Side | None:
-        asked = self.asked
-        if not check_given(operand, asked.given):
-            return None
-        side = load(operand, KEPT, self.session, given=asked.given, pick=asked.pick, sample=asked.sample)
-        return None if operand.context.sink.has_errors else side
 
     def _describe(self, side: Side, operand: Operand, old: Shown) -> bool:
         menus = choices(operand, self.asked)
@@ -173,19 +163,15 @@ class Workshop:
     def _watch(self, operand: Operand | None, side: Side | None, context: Context) -> None:
         """Watch the inputs of the model; after a fault also the previous ones, which may fix it."""
         files = {context.folder / self.target, *hopes(context)}
-        if side is not None:
-            files |= {context.folder / path for path in side.inputs}
-        else:
-            files |= self.inputs
-        lock = None if operand is None else operand.path.with_suffix(".lock")
-        if lock is not None:
-            files.add(context.folder / lock)
+        files |= self.inputs if side is None else {context.folder / path for path in side.inputs}
+        if operand is not None:
+            files.add(context.folder / operand.path.with_suffix(".lock"))
         self.inputs = frozenset(files)
 
 
 _RATE = 30
 _MOST_SECONDS = 0.2
-"""For one frame, on this machine: a model that takes longer plays slowly."""
+"""For one frame: a model that takes longer plays slowly."""
 State = dict[str, Any]
 
 
@@ -234,7 +220,6 @@ class Physics:
             self.send({"playing": playing} | ({} if stopped is None else {"stopped": stopped}))
 
     def control(self, ctrl: list[float]) -> None:
-        """Set new controls while it runs."""
         self._state = {**self._state, "ctrl": ctrl}
 
     def close(self) -> None:

@@ -35,10 +35,10 @@ def started(workshop: Workshop, service: Service, context: Context) -> Server | 
     try:
         return Server(workshop, service.host, service.port)
     except (OSError, OverflowError) as error:
-        said = (getattr(error, "strerror", None) or str(error)).lower()
-        help = "leave `--port` out for a free one" if service.port else "leave `--host` out"
-        at = f"{service.host}:{service.port}"
-        context.sink.error("no-server", f"the page cannot be served at {at}: {said}", help=help)
+        reason = (getattr(error, "strerror", None) or str(error)).lower()
+        help = "omit `--port` for a free one" if service.port else "omit `--host`"
+        message = f"the page cannot be served at {service.host}:{service.port}: {reason}"
+        context.sink.error("no-server", message, help=help)
         return None
 
 
@@ -100,10 +100,7 @@ def _opened(address: str) -> Iterator[None]:
 
 
 def _build(server: Server, said: Callable[[Shown], None]) -> dict[Path, Mark]:
-    """Build and show the model; return the files that were read.
-
-    Their marks are from before the build, so that no change is missed.
-    """
+    """Build and show the model; return the files that were read, with their marks from before the build."""
     workshop = server.workshop
     before = marks(workshop.inputs)
     shown = workshop.build()
@@ -114,37 +111,25 @@ def _build(server: Server, said: Callable[[Shown], None]) -> dict[Path, Mark]:
 
 def _invitation(address: str, opens: bool) -> list[str]:
     """Return the address, and how to reach it from the user's browser."""
-    lines = [address]
-    if not opens:
-        return lines
-    reason = _no_browser()
-    if reason is None:
-        return lines
-    port = address.split("/")[2].rpartition(":")[2]
+    reason, port = _no_browser() if opens else None, address.split("/")[2].rpartition(":")[2]
     if reason == "ssh":
-        lines.append(f"on your own machine: ssh -L {port}:127.0.0.1:{port} {_host()}, then open the address there")
-    elif reason == "container":
-        lines.append(f"in a container: forward the port {port}; with Docker start it with -p 127.0.0.1:{port}:{port},"
-                     f" and this with --host 0.0.0.0 --port {port}")  # fmt: skip
-    return lines
+        connection = os.environ.get("SSH_CONNECTION", "").split()
+        host = connection[2] if len(connection) > 2 else "HOST"
+        ssh = f"ssh -L {port}:127.0.0.1:{port} {host}"
+        return [address, f"on your own machine: {ssh}, then open the address there"]
+    if reason == "container":
+        docker = f"with Docker start it with -p 127.0.0.1:{port}:{port}, and this with --host 0.0.0.0 --port {port}"
+        return [address, f"in a container: forward the port {port}; {docker}"]
+    return [address]
 
 
 def _no_browser() -> str | None:
     """Return why no browser can be opened here, or None if one can."""
     if os.environ.get("SSH_CONNECTION") or os.environ.get("SSH_TTY"):
         return "ssh"
-    if (
-        os.path.exists("/.dockerenv")
-        or os.path.exists("/run/.containerenv")
-        or os.environ.get("KUBERNETES_SERVICE_HOST")
-    ):
+    is_container = os.path.exists("/.dockerenv") or os.path.exists("/run/.containerenv")
+    if is_container or os.environ.get("KUBERNETES_SERVICE_HOST"):
         return "container"
     if sys.platform == "linux" and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
         return "no display"
     return None
-
-
-def _host() -> str:
-    """Return the address of this machine that the user connected to."""
-    connection = os.environ.get("SSH_CONNECTION", "").split()
-    return connection[2] if len(connection) > 2 else "HOST"

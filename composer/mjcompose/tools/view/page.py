@@ -11,6 +11,7 @@ import zlib
 from collections.abc import Collection, Sequence
 from collections.abc import Mapping as AbcMapping
 from dataclasses import field, replace
+from itertools import islice
 from pathlib import Path, PurePath
 from typing import TYPE_CHECKING, Any
 
@@ -20,7 +21,7 @@ from mjcompose.base.scratch import scratch
 from mjcompose.base.sink import Sink
 from mjcompose.base.suggest import unknown_name
 from mjcompose.base.version import __version__
-from mjcompose.build.bundle.bundle import Bundle, OutputError
+from mjcompose.build.bundle.bundle import OutputError
 from mjcompose.build.bundle.staging import staged_file
 from mjcompose.build.cache.cells import cells_of
 from mjcompose.build.plan.read import read_recipe
@@ -28,12 +29,11 @@ from mjcompose.mujoco import engine
 from mjcompose.mujoco.scene import FILE, describe
 from mjcompose.sources.context import Context
 from mjcompose.text.node import Mapping, Node, Scalar, find
-from mjcompose.tools.diff.changes import Cause, Change, Diff, End, Group
+from mjcompose.tools.diff.changes import Change, Diff, End, Group
 from mjcompose.tools.diff.sides import Kind, Operand, Side, split
 from mjcompose.tools.diff.text import render
 from mjcompose.tools.explain import query
 from mjcompose.tools.explain.explain import Traced
-from mjcompose.tools.explain.explanation import Changed
 
 if TYPE_CHECKING:
     from mjcompose.mujoco.engine import Session
@@ -52,7 +52,6 @@ class Asked:
     sample: int | None = None
 
     def choosing(self, name: str, value: str) -> Asked:
-        """Return the selection with a choice from a menu of the page."""
         if name == CELL:
             return replace(self, pick=None if value == _NONE else value, sample=None)
         given = {**self.given, name: Scalar(value, Span(f"--set {name}", 1, 1), value, plain=False)}
@@ -67,29 +66,19 @@ def choices(operand: Operand, asked: Asked) -> list[dict[str, Any]]:
     document = read_recipe(context.folder / operand.path, context)
     if not isinstance(document, Mapping):
         return []
-    menus = []
-    cells = [cell.name for cell in cells_of(operand.path, context, dict(asked.given))] if _has_cells(document) else []
+    menus: list[dict[str, Any]] = []
     variants = find(document, ("variants",))
     if isinstance(variants, Mapping) and asked.pick is None:
         for axis, (_, values) in variants.entries.items():
             if isinstance(values, Mapping):
-                menus.append(_menu(axis, f"variant {axis}", list(values.entries), value=_now(asked.given.get(axis))))
-    if cells:
-        known = [_NONE, *cells[:_MOST_CELLS]]
-        menus.append(_menu(CELL, "cell or sample", known, value=asked.pick or _NONE))
+                node, names = asked.given.get(axis), list(values.entries)
+                value = node.text if isinstance(node, Scalar) else None
+                menus.append({"name": axis, "label": f"variant {axis}", "values": names, "value": value})
+    has_cells = not {"matrix", "randomize"}.isdisjoint(document.entries)
+    if cells := cells_of(operand.path, context, dict(asked.given)) if has_cells else []:
+        names = [_NONE, *(cell.name for cell in cells[:_MOST_CELLS])]
+        menus.append({"name": CELL, "label": "cell or sample", "values": names, "value": asked.pick or _NONE})
     return menus
-
-
-def _has_cells(document: Mapping) -> bool:
-    return any(find(document, (key,)) is not None for key in ("matrix", "randomize"))
-
-
-def _now(node: Node | None) -> str | None:
-    return node.text if isinstance(node, Scalar) else None
-
-
-def _menu(name: str, label: str, values: list[str], value: str | None) -> dict[str, Any]:
-    return {"name": name, "label": label, "values": values, "value": value}
 
 
 @dataclass(slots=True)
@@ -119,13 +108,13 @@ class Names:
 
     def diff(self, found: Diff) -> Diff:
         """Return a comparison whose text has short names."""
-        groups = tuple(Group(self._cause(each.cause), each.changes) for each in found.groups)
-        return replace(found, a=self._end(found.a), b=self._end(found.b), groups=groups)
-
-    def _cause(self, cause: Cause | None) -> Cause | None:
-        if cause is None:
-            return None
-        return replace(cause, before=self.span(cause.before), after=self.span(cause.after))
+        groups = []
+        for each in found.groups:
+            cause = each.cause
+            if cause is not None:
+                cause = replace(cause, before=self.span(cause.before), after=self.span(cause.after))
+            groups.append(Group(cause, each.changes))
+        return replace(found, a=self._end(found.a), b=self._end(found.b), groups=tuple(groups))
 
     def _end(self, end: End) -> End:
         in_revision = None if os.path.exists(self.folder / end.label) else split(end.label)
@@ -163,12 +152,9 @@ class Origins:
         `excluded` are the pairs of bodies that are excluded from contact; there is a list for these too.
         """
         traced = self.side.traced
-        of = (
-            {}
-            if traced is None
-            else {kind: self._of_kind(kind, names[kind], traced) for kind in KINDS if kind in names}
-        )
-        exclude = self._of_excludes(excluded)  # the files that it names are listed, too
+        kinds = [kind for kind in KINDS if kind in names] if traced is not None else []
+        of = {kind: self._of_kind(kind, names[kind], traced) for kind in kinds if traced is not None}
+        exclude = self._of_excludes(excluded)  # before `files`, which lists its files too
         return {"files": list(self._files), "parts": self._part_places, "of": of, "exclude": exclude}
 
     def _of_excludes(self, pairs: Sequence[tuple[str, str]]) -> list[Any]:
@@ -199,35 +185,26 @@ class Origins:
         written = list(traced.written(life))
         place = next((self._place(each.span) for each in written if each.span is not None), None)
         words = " ".join(dict.fromkeys(each.words for each in written if each.words != "read from"))
-        changes = [self._change(each) for each in list(traced.changes(life))[:_MOST_CHANGES]]
-        parts = list(traced.parts(life))
-        part = self._part(parts[0].words, parts[0].span) if parts else -1
-        return [place, part, words, changes]
-
-    def _change(self, change: Changed) -> list[Any]:
-        what = change.attribute or ""
-        return [what, change.before, change.after, change.reason.words, self._place(change.reason.span)]
-
-    def _part(self, words: str, span: Span | None) -> int:
-        if words not in self._parts:
-            self._parts[words] = len(self._parts)
-            self._part_places.append([words, self._place(span)])
-        return self._parts[words]
+        changes = [
+            [each.attribute or "", each.before, each.after, each.reason.words, self._place(each.reason.span)]
+            for each in islice(traced.changes(life), _MOST_CHANGES)
+        ]
+        part = next(iter(traced.parts(life)), None)
+        if part is not None and part.words not in self._parts:
+            self._parts[part.words] = len(self._parts)
+            self._part_places.append([part.words, self._place(part.span)])
+        return [place, -1 if part is None else self._parts[part.words], words, changes]
 
     def _place(self, span: Span | None) -> Place:
         if span is None or span.file.startswith("--"):
             return None
-        if span.file not in self._numbers:
-            self._numbers[span.file] = self._number(span)
+        if span.file not in self._numbers:  # `located` is slow
+            operand = self.side.operand
+            name = self.names.of(operand.located(span).file)
+            if os.path.isfile(path := os.path.abspath(operand.context.folder / span.file)):
+                self.absolute.setdefault(name, path)
+            self._numbers[span.file] = self._files.setdefault(name, len(self._files))
         return [self._numbers[span.file], span.line, span.column]
-
-    def _number(self, span: Span) -> int:
-        """Return the number of the file. Finding out how a file was fetched takes long, so it is done once for each."""
-        operand = self.side.operand
-        name = self.names.of(operand.located(span).file)
-        if os.path.isfile(path := os.path.abspath(operand.context.folder / span.file)):
-            self.absolute.setdefault(name, path)
-        return self._files.setdefault(name, len(self._files))
 
 
 @dataclass(frozen=True, slots=True)
@@ -252,49 +229,38 @@ class Description:
 
 
 def described(
-    side: Side,
-    session: Session,
-    known: Collection[str] = (),
-    editor: str | None = None,
-    names: Names | None = None,
+    side: Side, session: Session, known: Collection[str] = (), editor: str | None = None, names: Names | None = None,
     **more: Any,
-) -> Description | None:
+) -> Description | None:  # fmt: skip
     """Return the description of a model that `session` keeps, or None if MuJoCo fails, which is reported.
 
     Blobs in `known` are not created again. With an `editor` address, in which `{file}`, `{line}` and `{column}`
-    stand for a place, it has paths of this machine; without one it has none, and the same model gives the same
-    bytes. `names` are the file names shared with another model on the page. `more` is added to the JSON.
+    are a place, it has paths of this machine; without it there are none, and the same model gives the same bytes.
+    `names` are the file names shared with another model on the page. `more` is added to the JSON.
     """
     with scratch("scene") as folder:
         answer = engine.call(session, describe, [side.kept], argument={"folder": str(folder), "known": sorted(known)})
         if not answer.ok:
-            said = answer.error or answer.crash
-            message = f"`{side.operand.label}` cannot be shown: {said}"
+            message = f"`{side.operand.label}` cannot be shown: {answer.error or answer.crash}"
             side.operand.context.sink.error("mujoco-crash", message)
             return None
         scene = json.loads(Path(folder, FILE).read_text(encoding="utf-8"))
         used = tuple(answer.value["blobs"])
         blobs = {name: path.read_bytes() for name in used if os.path.exists(path := Path(folder, name))}
     origins = Origins(side, names or Names(side.operand.context.folder))
-    elements = {
-        kind: columns["name"] for kind, columns in scene.items() if isinstance(columns, dict) and "name" in columns
-    }
+    tables = ((kind, columns) for kind, columns in scene.items() if isinstance(columns, dict))
+    elements = {kind: columns["name"] for kind, columns in tables if "name" in columns}
     bodies, excluded = scene["body"]["name"], scene["exclude"]
     pairs = [(bodies[one], bodies[two]) for one, two in zip(excluded["body1"], excluded["body2"], strict=True)]
     scene["origins"] = origins.data(elements, pairs)
-    scene["title"] = title = _title(side)
+    name = side.cell or (Path(side.operand.label).stem if side.plan is None else side.plan.name)
+    scene["title"] = title = str(name)
     if editor is not None:
         scene["editor"] = {"template": editor, "files": origins.absolute}
     scene["made"] = f"mjcompose {__version__}"
     scene |= more
     text = json.dumps(scene, ensure_ascii=False, separators=(",", ":"), allow_nan=False)
     return Description(title, text, used, blobs=blobs, keys=tuple(scene["key"]["name"]))
-
-
-def _title(side: Side) -> str:
-    if side.cell is not None:
-        return str(side.cell)
-    return str(side.plan.name) if side.plan is not None else Path(side.operand.label).stem
 
 
 _ABSENT = -1
@@ -311,9 +277,13 @@ def write_comparison(a: Side, b: Side, found: Diff, out: Path, context: Context,
         for side in (a, b):
             side.operand.report(context.sink)
         return False
+    return _wrote(alone(before, after).encode(), out, context, inputs=(*a.inputs, *b.inputs))
+
+
+def _wrote(content: bytes, out: Path, context: Context, inputs: Sequence[Path]) -> bool:
     try:
-        with staged_file(context.folder / out, "--html", inputs=(*a.inputs, *b.inputs)) as stage:
-            stage.write_text(alone(before, after), encoding="utf-8")
+        with staged_file(context.folder / out, "--html", inputs=inputs) as stage:
+            stage.write_bytes(content)
     except OutputError as error:
         context.sink.add(error.diagnostic)
         return False
@@ -332,15 +302,12 @@ def difference(found: Diff) -> dict[str, Any]:
 
 
 def _elements(changes: list[Change], what: str, side: int) -> list[str]:
-    """Return the elements of A or B with this kind of change, as `KIND NUMBER`."""
-    found = (
-        f"{each.kind} {each.index[side]}" for each in changes if _what(each) == what and each.index[side] != _ABSENT
-    )
-    return list(dict.fromkeys(found))
-
-
-def _what(change: Change) -> str:
-    return "moved" if change.kind == "body" and change.field in _PLACES else change.what
+    found: dict[str, None] = {}
+    for each in changes:
+        is_move = each.kind == "body" and each.field in _PLACES
+        if what == ("moved" if is_move else each.what) and each.index[side] != _ABSENT:
+            found[f"{each.kind} {each.index[side]}"] = None
+    return list(found)
 
 
 BUILT = Path(__file__).with_name("built")
@@ -359,17 +326,15 @@ def alone(description: Description, *others: Description, played: AbcMapping[str
 
     The two share blobs. With the files of a bundle in `played` the page also has MuJoCo's WebAssembly.
     """
-    models = "".join(_embedded(number, each) for number, each in enumerate((description, *others)))
-    policy = _ALONE if played is None else _PLAYED
-    engine = "" if played is None else _engine(played)
-    return shell(description.title, f'<meta http-equiv="Content-Security-Policy" content="{policy}">', models + engine)
-
-
-def _engine(files: AbcMapping[str, bytes]) -> str:
-    """Return MuJoCo for the page, and the model that it compiles there."""
-    program = lzma.decompress((BUILT / "mujoco.wasm.xz").read_bytes())
-    data = _packed("physics", b"null", [*files.items(), ("mujoco.wasm", program)])
-    return f"{data}<script>{_in_script(_built('physics.js'))}</script>\n"
+    policy, body = _ALONE, ""
+    for number, each in enumerate((description, *others)):
+        new = [(name, each.blobs[name]) for name in each.used if name in each.blobs]
+        body += _packed("model", each.text.encode(), new, more=f" data-number={number}")
+    if played is not None:
+        policy, program = _PLAYED, lzma.decompress((BUILT / "mujoco.wasm.xz").read_bytes())
+        body += _packed("physics", b"null", [*played.items(), ("mujoco.wasm", program)])
+        body += f"<script>{_in_script(_built('physics.js'))}</script>\n"
+    return shell(description.title, f'<meta http-equiv="Content-Security-Policy" content="{policy}">', body)
 
 
 def live(title: str) -> str:
@@ -401,14 +366,8 @@ def _in_script(text: str) -> str:
     return text.replace("</script", "<\\/script").replace("<!--", "<\\!--")
 
 
-def _embedded(number: int, description: Description) -> str:
-    """Return the compressed model: a line of JSON with the sizes of the blobs, the model, and the new blobs."""
-    blobs = [(name, description.blobs[name]) for name in description.used if name in description.blobs]
-    return _packed("model", description.text.encode(), blobs, more=f" data-number={number}")
-
-
 def _packed(what: str, text: bytes, blobs: list[tuple[str, bytes]], more: str = "") -> str:
-    """Return compressed bytes of the class `what` that the page unpacks."""
+    """Return compressed bytes of the class `what` for the page: a line of JSON with sizes, the text, and the blobs."""
     head = json.dumps([len(text), [[name, len(content)] for name, content in blobs]], separators=(",", ":"))
     packed = zlib.compress(b"".join([head.encode(), b"\n", text, *(content for _, content in blobs)]), 9)
     data = base64.b64encode(packed).decode("ascii")
@@ -425,17 +384,9 @@ def write_page(side: Side, out: Path, key: str | None, context: Context, session
     made = described(side, session, key_named=key)
     if made is None or not made.has_key(key, context.sink):
         return None
-    text = alone(made, played=None if side.bundle is None else _model_of(side.bundle)).encode()
-    try:
-        with staged_file(context.folder / out, "--html", inputs=side.inputs) as stage:
-            stage.write_bytes(text)
-    except OutputError as error:
-        context.sink.add(error.diagnostic)
-        return None
-    return len(text)
-
-
-def _model_of(bundle: Bundle) -> dict[str, bytes]:
-    """Return the files of a bundle that MuJoCo reads, without those that reveal their origin."""
-    used = {name: content for name, content in bundle.files.items() if name.startswith("assets/")}
-    return {"model.xml": bundle.files[bundle.model], **used}
+    played = None
+    if (bundle := side.bundle) is not None:  # only the files that MuJoCo reads; others reveal their origin
+        assets = {name: content for name, content in bundle.files.items() if name.startswith("assets/")}
+        played = {"model.xml": bundle.files[bundle.model], **assets}
+    text = alone(made, played=played).encode()
+    return len(text) if _wrote(text, out, context, inputs=side.inputs) else None

@@ -47,11 +47,8 @@ def check_given(operand: Operand, given: Given) -> bool:
 Color = tuple[int, int, int, int]
 TRANSPARENT: Color = (0, 0, 0, 0)
 COLORS: dict[str, Color] = {
-    "white": (255, 255, 255, 1),
-    "black": (0, 0, 0, 1),
-    "grey": (235, 235, 235, 1),
-    "transparent": TRANSPARENT,
-}
+    "white": (255, 255, 255, 1), "black": (0, 0, 0, 1), "grey": (235, 235, 235, 1), "transparent": TRANSPARENT,
+}  # fmt: skip
 MOST_PIXELS = 8192
 
 
@@ -94,12 +91,12 @@ def format_of(out: Path, wish: Wish) -> Format:
     moves = wish.turntable or wish.play is not None
     if suffix == Format.PNG and moves:
         help = f"write `-o {out.with_suffix('.gif')}`"
-        raise OutputError("output-kind", f"`{out}` is one picture, and a film was asked for", help)
+        raise OutputError("output-kind", f"`{out}` is one picture, and the options are for a film", help)
     if suffix != Format.PNG and not moves:
         help = f"add `--turntable` or `--play SECONDS`, or write `-o {out.with_suffix('.png')}`"
         raise OutputError("output-kind", f"`{out}` is a film, and nothing moves in it", help)
     if suffix != Format.PNG and wish.background == TRANSPARENT:
-        raise OutputError("output-kind", "a film has no transparent background", "leave `--background` out")
+        raise OutputError("output-kind", "a film has no transparent background", "omit `--background`")
     return Format(suffix)
 
 
@@ -128,11 +125,11 @@ def size_of(text: str) -> tuple[int, int] | None:
     return (width, height) if min(width, height) >= 16 and max(width, height) <= MOST_PIXELS else None
 
 
-HELP = "without a display set `MUJOCO_GL=egl` or `MUJOCO_GL=osmesa`, and install EGL or OSMesa"
-
-
 class _NotDrawn(Exception):
-    """There is nothing to write, which was reported; an older picture stays."""
+    """Nothing is written, which was reported; an older picture stays."""
+
+
+HELP = "without a display set `MUJOCO_GL=egl` or `MUJOCO_GL=osmesa`, and install EGL or OSMesa"
 
 
 def render(
@@ -146,13 +143,13 @@ def render(
     try:
         suffix = format_of(out, wish)
         with staged_file(context.folder / out, option, inputs=read) as stage:
-            made = stage.with_name(stage.name + suffix)
+            picture = stage.with_name(stage.name + suffix)
             try:
-                if not drawn(kept, {**wish.as_data(), "out": str(made)}, context, session=session):
+                if not drawn(kept, {**wish.as_data(), "out": str(picture)}, context, session=session):
                     raise _NotDrawn
-                made.replace(stage)
+                picture.replace(stage)
             finally:
-                made.unlink(missing_ok=True)
+                picture.unlink(missing_ok=True)
     except OutputError as error:
         context.sink.add(error.diagnostic)
         return False
@@ -173,20 +170,17 @@ def drawn(kept: str, asked: dict[str, Any], context: Context, session: Session) 
         context.sink.error("no-rendering", f"no picture can be made without OpenGL: {no_opengl}", help=HELP)
         return False
     if "no encoder" in said:
-        context.sink.error(
-            "no-video", f"no MP4 can be written without PyAV: {said['no encoder']}",
-            help='install it with `pip install "mjcompose[video]"`, or write a `.gif`',
-        )  # fmt: skip
+        help = 'install it with `pip install "mjcompose[video]"`, or write a `.gif`'
+        context.sink.error("no-video", f"no MP4 can be written without PyAV: {said['no encoder']}", help=help)
         return False
     if "stopped" in said:
-        help = "`--play` with fewer seconds ends before that; a smaller `timestep` in `<option>` often helps"
+        help = "give `--play` fewer seconds; a smaller `timestep` in `<option>` often helps"
         context.sink.error("unstable", f"the film ends early: {said['stopped']}", help=help)
         return False
     if "unknown" in said:
         kind = said["unknown"]
-        word = {"key": "keyframe"}.get(kind, kind)
-        written = f"--{kind} {{}}"
-        context.sink.add(unknown_name(word, asked[kind], said["known"], written=written))
+        word = "keyframe" if kind == "key" else kind
+        context.sink.add(unknown_name(word, asked[kind], said["known"], written=f"--{kind} {{}}"))
         return False
     return True
 
@@ -252,7 +246,11 @@ def render_sheet(
         results = pool.results(job.opened, enumerate(cells), partial(job.draw, session, {}))
         for number, (cell, result) in enumerate(zip(cells, results, strict=True)):
             tell(cell.name)
-            is_drawn, found, inputs = _lost(cell, result) if isinstance(result, Died) else result
+            if isinstance(result, Died):
+                message = f"the process that drew this model {result.how}, twice"
+                help = "if memory ran out, give `--jobs` a smaller number; `--jobs 1` uses no other process"
+                result = False, (Diagnostic("worker-died", message, cell.span, help=help),), ()
+            is_drawn, found, inputs = result
             read.update(inputs)
             if is_drawn:
                 tiles.append(str(job.tile(number)))
@@ -272,9 +270,3 @@ def _put(tiles: list[str], out: Path, operand: Operand, session: engine.Session,
         operand.context.sink.add(error.diagnostic)
         return False
     return True
-
-
-def _lost(cell: Cell, died: Died) -> Drawn:
-    help = "if memory ran out, give `--jobs` a smaller number; with `--jobs 1` no other process is used"
-    message = f"the process that drew this model {died.how}, twice"
-    return False, (Diagnostic("worker-died", message, cell.span, help=help),), ()

@@ -27,7 +27,7 @@ from mjcompose.tools.view.page import BUILT, live
 
 @dataclass(frozen=True, slots=True)
 class Guard:
-    """Decides which requests the server answers. `host` and `port` are those that it is bound to."""
+    """Decides which requests the server answers. It is bound to `host` and `port`."""
 
     host: str
     port: int
@@ -39,10 +39,10 @@ class Guard:
         return f"http://{_bracketed(shown)}:{self.port}/{self.token}/"
 
     def key_of(self, target: str, hosts: Sequence[str], origins: Sequence[str]) -> str | None:
-        """Return what follows the token in the target of a request, or None if it must not be answered.
+        """Return the text after the token in the target of a request, or None for a request to refuse.
 
-        `hosts` and `origins` are the values of all its headers of these names. A page of another site cannot set
-        `Host`, and a browser sends its `Origin`, so both must be those of this server. A guard that fails refuses.
+        `hosts` and `origins` are the values of all headers of these names. A page of another site cannot set `Host`,
+        and a browser sends its `Origin`, so both must name this server. A guard that fails refuses.
         """
         try:
             return self._key(target, hosts, origins)
@@ -69,12 +69,9 @@ class Guard:
             return False
 
     def _hosts(self) -> set[str]:
-        names = {self.host, *(("localhost", "127.0.0.1", "::1") if _is_loopback(self.host) else ())}
+        is_loopback = self.host in ("localhost", "::1") or self.host.startswith("127.")
+        names = {self.host, *(("localhost", "127.0.0.1", "::1") if is_loopback else ())}
         return {f"{_bracketed(name)}:{self.port}".lower() for name in names}
-
-
-def _is_loopback(host: str) -> bool:
-    return host in ("localhost", "::1") or host.startswith("127.")
 
 
 def _bracketed(host: str) -> str:
@@ -134,12 +131,10 @@ class Hub:
             self._pages.remove(page)
 
     def send(self, event: str, data: Any) -> None:
-        self._put(encoded(event, data))
+        self.put(encoded(event, data))
 
-    def close(self) -> None:
-        self._put(None)
-
-    def _put(self, message: bytes | None) -> None:
+    def put(self, message: bytes | None) -> None:
+        """Send a message to every page; None ends them."""
         with self._lock:
             for page in self._pages:
                 page.put(message)
@@ -186,12 +181,10 @@ class Server:
         return self.guard.address
 
     def show(self, shown: Shown) -> None:
-        """Notify every page of the current model."""
         for event, data in news(shown):
             self.hub.send(event, data)
 
     def choose(self, name: str, value: str) -> None:
-        """Build and show another model of the recipe."""
         self.workshop.choose(name, value)
         self.show(self.workshop.shown)
 
@@ -201,13 +194,12 @@ class Server:
 
     def close(self) -> None:
         self.physics.close()
-        self.hub.close()
+        self.hub.put(None)
         self._http.shutdown()
         self._http.server_close()
 
 
 def news(shown: Shown) -> list[tuple[str, Any]]:
-    """Return the events for the current model and fault."""
     found: list[tuple[str, Any]] = []
     if shown.version >= 0:
         found.append(("model", {"version": shown.version, "fault": shown.fault is not None}))
@@ -217,10 +209,10 @@ def news(shown: Shown) -> list[tuple[str, Any]]:
 
 
 class _Http(ThreadingHTTPServer):
-    """One thread for each connection, and never more than `_MOST_CONNECTIONS`.
+    """One thread for each connection, at most `_MOST_CONNECTIONS`.
 
-    A connection above that takes the place of the one that has been without a whole request for the longest time, so
-    clients that send nothing cannot keep a page away.
+    Another connection ends the one that has been without a whole request for longest, so clients that send nothing
+    cannot block a page.
     """
 
     daemon_threads = True
@@ -261,7 +253,6 @@ class _Http(ThreadingHTTPServer):
                 self._waiting[request] = None
 
     def _hang_up(self) -> None:
-        """End the connection that has waited longest."""
         with self._lock:
             request = next(iter(self._waiting), None)
             if request is not None:
@@ -278,7 +269,7 @@ class _Http(ThreadingHTTPServer):
 
 
 class _Asked(io.RawIOBase):
-    """What a client sends. A whole request has a time limit, however slowly its bytes come, and a size."""
+    """The bytes of a client. A whole request has a time limit, even if its bytes come slowly, and a size."""
 
     def __init__(self, connection: socket.socket) -> None:
         self._connection = connection
@@ -344,7 +335,7 @@ class _Handler(BaseHTTPRequestHandler):
             wish = self._wish(key, self._said())
         except OSError:
             raise
-        except Exception:  # whatever cannot be read is a bad request
+        except Exception:  # a request that cannot be read
             self._refuse(HTTPStatus.BAD_REQUEST)
             return
         if wish is None:
@@ -354,7 +345,7 @@ class _Handler(BaseHTTPRequestHandler):
         self._send(b"", "text/plain", HTTPStatus.NO_CONTENT)
 
     def send_error(self, code: int, message: str | None = None, explain: str | None = None) -> None:
-        """Refuse what is no request for this server: methods, lines and headers that it does not know."""
+        """Refuse unknown methods, lines and headers."""
         self._refuse(HTTPStatus.FORBIDDEN)
 
     def log_message(self, format: str, *args: Any) -> None:
@@ -363,7 +354,7 @@ class _Handler(BaseHTTPRequestHandler):
     # -- requests -----------------------------------------------------------------------------------------------
 
     def _key(self) -> str | None:
-        """Return what is asked for, as it was sent: `self.path` is not that."""
+        """Return the resource as the client sent it, which `self.path` does not have."""
         words = self.requestline.split(" ")  # Python splits at other spaces too
         target = words[1] if len(words) == 3 else ""
         hosts, origins = (self.headers.get_all(name, []) for name in ("host", "origin"))
@@ -375,7 +366,7 @@ class _Handler(BaseHTTPRequestHandler):
         return key
 
     def _said(self) -> Any:
-        """Return the JSON of a request. Raises an exception if that is not what it has."""
+        """Return the JSON of a request. Raises an exception for any other content."""
         (kind,), (length,) = (self.headers.get_all(name, []) for name in ("content-type", "content-length"))
         if kind != "application/json" or not (length.isascii() and length.isdecimal()):
             raise ValueError
@@ -385,7 +376,7 @@ class _Handler(BaseHTTPRequestHandler):
         return json.loads(self.rfile.read(size))
 
     def _wish(self, key: str, said: Any) -> Callable[[], object] | None:
-        """Return what a page wants to be done; None if there is nothing of that name."""
+        """Return the action of a request, or None if there is no action of that name."""
         physics = self.owner.physics
         if key == "play":
             start = {name: _numbers(said[name]) for name in ("qpos", "ctrl")} | {"key": int(said["key"])}
@@ -419,9 +410,9 @@ class _Handler(BaseHTTPRequestHandler):
             self.owner.hub.leave(page)
 
     def _refuse(self, status: HTTPStatus) -> None:
-        """Answer with a status, and end the connection without reading the rest of the request.
+        """Answer with a status, and end the connection.
 
-        What is still on its way is taken for a moment: otherwise the system takes the answer back.
+        It discards more bytes of the request for a moment, because the system would otherwise drop the answer.
         """
         self.close_connection = True
         self._send(f"{status.phrase}\n".encode(), "text/plain", status)

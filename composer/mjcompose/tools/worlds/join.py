@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import shutil
-from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Hashable, Iterator, Mapping, Sequence
 from dataclasses import field
 from hashlib import sha256
 from os import PathLike
@@ -59,8 +59,8 @@ class Tree:
         self.table = NameTable(self.model)
         for kind in _NOT_UNITED:
             if self.table.count(kind):
-                message = f"`{self.name}` has the {kind} `{self.table.describe(kind, 0)}`, which no union takes over"
-                raise failure(CODE, message, "build these cells by themselves with `--pick`")
+                message = f"`{self.name}` has the {kind} `{self.table.describe(kind, 0)}`, which no union supports"
+                raise failure(CODE, message, "build these cells separately with `--pick`")
         bodies = self.table.names["body"]
         if "" in bodies:
             help = "give it a name in its source"
@@ -76,7 +76,7 @@ class Tree:
                 self.children[bodies[self.model.body_parentid[number]]].append(name)
 
     def _about(self, kind: str, each: int) -> tuple[Hashable, ...]:
-        """Return what an element is, without its numbers."""
+        """Return the identity of an element, without its numbers."""
         model, name = self.model, self.table.names[kind][each]
         if kind == "joint":
             return name, int(model.jnt_type[each])
@@ -90,25 +90,21 @@ class Tree:
         return (name,)
 
     def _surface(self, shape: int, asset: int) -> str:
-        """Return the data of a mesh or a height field.
-
-        A mesh that a geom of another type was fitted to does not count.
-        """
+        """Return the hash of a height field, or of a mesh that is not only fitted by another shape."""
         model = self.model
         if shape == _HFIELD:
-            first, count = (int(model.hfield_adr[asset]), int(model.hfield_nrow[asset] * model.hfield_ncol[asset]))
-            return sha256(model.hfield_data[first : first + count].tobytes()).hexdigest()
-        if shape != _MESH:
+            first, data = model.hfield_adr[asset], model.hfield_data
+            count = model.hfield_nrow[asset] * model.hfield_ncol[asset]
+        elif shape == _MESH:
+            first, count, data = model.mesh_vertadr[asset], model.mesh_vertnum[asset], model.mesh_vert
+        else:
             return ""
-        first, count = int(model.mesh_vertadr[asset]), int(model.mesh_vertnum[asset])
-        return sha256(model.mesh_vert[first : first + count].tobytes()).hexdigest()
+        return sha256(data[int(first) : int(first) + int(count)].tobytes()).hexdigest()
 
     def shape(self, body: str) -> Hashable:
-        """Return a body and all bodies below it, without numbers."""
         return body, self.own[body], tuple(self.shape(each) for each in self.children[body])
 
     def below(self, body: str) -> Iterator[str]:
-        """Yield a body and all bodies below it."""
         yield body
         for each in self.children[body]:
             yield from self.below(each)
@@ -122,37 +118,29 @@ def shape_of(model: Model, name: str) -> Hashable:
 def common(trees: Sequence[Tree]) -> set[str]:
     """Return the bodies that all models have, with the same elements and the same parent, down from the world.
 
-    Raises LoadError if only some models have an element on the world that is not a body.
+    Raises LoadError if only some models have a certain element, other than a body, on the world.
     """
     first, *others = trees
     for each in others:
         if each.own["world"] != first.own["world"]:
             ours, theirs = set(first.own["world"]), set(each.own["world"])  # type: ignore[call-overload]
             kind, name, *_ = min(ours ^ theirs, key=str)
-            message = f"`{each.name}` and `{first.name}` have not both the {kind} `{name}` on the world"
-            raise failure(CODE, message, "put it into a body of its own: a union is of whole bodies")
+            message = f"only one of `{each.name}` and `{first.name}` has the {kind} `{name}` on the world"
+            raise failure(CODE, message, "put it into a body of its own: a union consists of whole bodies")
     found: set[str] = set()
     waiting = ["world"]
     while waiting:
         body = waiting.pop()
         found.add(body)
-        waiting += [
-            child
-            for child in first.children[body]
-            if all(child in each.children[body] and each.own[child] == first.own[child] for each in others)
-        ]
+        for child in first.children[body]:
+            if all(child in each.children[body] and each.own[child] == first.own[child] for each in others):
+                waiting.append(child)
     return found
 
 
 def parts(tree: Tree, shared: set[str]) -> list[Part]:
-    """Return the topmost bodies of a model that are not shared."""
-    return [
-        Part(parent, child, tree.shape(child))
-        for parent in tree.children
-        if parent in shared
-        for child in tree.children[parent]
-        if child not in shared
-    ]
+    pairs = ((parent, child) for parent, children in tree.children.items() if parent in shared for child in children)
+    return [Part(parent, child, tree.shape(child)) for parent, child in pairs if child not in shared]
 
 
 def gather(path: str | PathLike[str], where: str | None = None) -> Worlds:
@@ -166,18 +154,12 @@ def gather(path: str | PathLike[str], where: str | None = None) -> Worlds:
     """
     every = list(load_many(path, where))
     if not every:
-        raise failure("unknown-name", f"no model in `{path}` is to be gathered", "choose others with `where`")
-
-    found = (
-        Joined(
-            each.load(),
-            each.name,
-            {"name": each.values.get("cell", each.name)},
-            sample=int(str(each.values.get("sample", 0))),
-        )
-        for each in every
-    )
-    return join(found, len(every))
+        raise failure("unknown-name", f"no model in `{path}` matches", "choose others with `where`")
+    joining = Joining(len(every))
+    for each in every:
+        cell, sample = {"name": each.values.get("cell", each.name)}, int(str(each.values.get("sample", 0)))
+        joining.add(Joined(each.load(), each.name, cell, sample=sample))
+    return joining.worlds()
 
 
 _SHOWN = 4
@@ -196,7 +178,7 @@ class Joined(NamedTuple):
 
 @dataclass(slots=True)
 class Group:
-    """Models that differ from the `first` one in numbers only: what differs, and which worlds they are.
+    """Models that differ from the `first` one in numbers only: their differences and their worlds.
 
     For a union they also have the same `shape`: geoms of the same types and with the same meshes.
     """
@@ -218,7 +200,8 @@ class Group:
     def varying(self) -> Iterator[tuple[str, Varying]]:
         """Yield the numbers that differ, by array."""
         for name, index, values in self.differences.found():
-            if not _is_of_names(name):
+            # Arrays of names have positions in a text that begins with the model's name.
+            if not name.startswith("name") and name not in with_trait("path"):
                 yield name, Varying(index, values[: len(self.worlds)])
 
 
@@ -242,7 +225,10 @@ class Joining:
         is_new = group is None
         if group is None:
             if self.groups and not self.unites:
-                raise _other(self.groups[0].first, each)
+                first = self.groups[0].first
+                help = "build these cells separately with `--pick`, or add `--as union`: one model has the parts of all"
+                message = f"`{each.name}` cannot be a world of `{first.name}`: it is another model"
+                raise failure(CODE, message, help, notes=unlike(first.loaded.model, model) or ())
             group = Group(each, Differences(model, 1 if self.unites else self.expected), shape)
             self.groups.append(group)
         if each.cell not in self._cells:
@@ -254,7 +240,6 @@ class Joining:
         return is_new
 
     def worlds(self) -> Worlds:
-        """Return the worlds of the common model."""
         (group,) = self.groups
         loaded = group.first.loaded
         return Worlds(loaded.model, loaded.manifest, loaded.index, table=self.table(loaded, dict(group.varying())))
@@ -266,24 +251,6 @@ class Joining:
         return Table(varying, len(self._cell), seed, cells=tuple(self._cells), cell=np.array(self._cell, np.int64),
                      sample=np.array(self._sample, np.int64), model=model_sha256(loaded.manifest),
                      mujoco=loaded.manifest.mujoco)  # fmt: skip
-
-
-def join(found: Iterable[Joined], expected: int) -> Worlds:
-    """Return these models, `expected` or more, as worlds of the first one's model.
-
-    Raises LoadError for another model.
-    """
-    joining = Joining(expected)
-    for each in found:
-        joining.add(each)
-    return joining.worlds()
-
-
-def _other(first: Joined, other: Joined) -> Exception:
-    why = unlike(first.loaded.model, other.loaded.model)
-    help = "build these cells by themselves with `--pick`, or add `--as union`: one model has the parts of all"
-    message = f"`{other.name}` cannot be a world of `{first.name}`: it is another model"
-    return failure(CODE, message, help, notes=why or ())
 
 
 def unlike(first: Model, other: Model) -> list[str] | None:
@@ -307,11 +274,6 @@ def unlike(first: Model, other: Model) -> list[str] | None:
         if (now := flat(other, name).size) != (before := flat(first, name).size):
             return [f"the array `{name}` has {now} numbers, not {before}"]
     return None
-
-
-def _is_of_names(array: str) -> bool:
-    """Return whether an array holds positions of names and file paths in a text that begins with the model's name."""
-    return array.startswith("name") or array in with_trait("path")
 
 
 @dataclass(frozen=True, slots=True)
@@ -341,6 +303,5 @@ class Shelf:
         return Joined(loaded, result.name, {**named, **cell.values()}, sample=cell.sample, table=table, folder=folder)
 
     def clear(self, each: Joined) -> None:
-        """Remove the files of a model."""
         assert each.folder is not None
         shutil.rmtree(each.folder, ignore_errors=True)

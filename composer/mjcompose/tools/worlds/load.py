@@ -94,9 +94,9 @@ def _load(path: Path, shown: str, *, allow_changes: bool) -> Loaded:
 
 
 class _Checked(NamedTuple):
-    """What was read of a bundle, and how it differs from its manifest.
+    """A bundle, and its differences from its manifest.
 
-    `key` says which bytes they are. The same bytes may have been checked before and are still on disk as `kept`.
+    `key` identifies its bytes. `kept` is the bundle on disk if the same bytes were checked before.
     """
 
     key: Hashable
@@ -189,7 +189,7 @@ def _stamp(path: Path) -> tuple[int, int]:
 
 @contextmanager
 def _on_disk(checked: _Checked, shown: str, allow_changes: bool) -> Iterator[Path]:
-    """Yield the path of the model in a folder with the files that were checked. Nobody else has it in the block."""
+    """Yield the path of the model in a folder with the checked files, which only the block uses."""
     _raise_or_warn(checked.faults, allow_changes)
     kept = checked.kept or _written(checked, shown)
     try:
@@ -215,7 +215,7 @@ def _written(checked: _Checked, shown: str) -> _Kept:
 
 
 def _taken(key: Hashable) -> _Kept | None:
-    """Take what is kept under a key, if it is still as it was written."""
+    """Take the bundle that is kept under a key, if nothing changed it."""
     with _lock:
         kept = _kept.pop(key, None)
     if kept is None or kept.is_intact:
@@ -242,13 +242,12 @@ def _forget() -> None:
 
 
 def _compiled(mujoco: Any, file: Path, shown: str) -> Model:
+    is_binary, model = file.suffix.lower() == ".mjb", mujoco.MjModel
     try:
-        if file.suffix.lower() == ".mjb":
-            return mujoco.MjModel.from_binary_path(str(file))
-        return mujoco.MjModel.from_xml_path(str(file))
+        return model.from_binary_path(str(file)) if is_binary else model.from_xml_path(str(file))
     except (ValueError, RuntimeError, mujoco.FatalError) as error:
-        said = " ".join(str(error).replace(str(file.parent), "").split())
-        raise failure("mujoco-rejects", f"MuJoCo {mujoco.__version__} does not load `{shown}`: {said}") from error
+        reason = " ".join(str(error).replace(str(file.parent), "").split())
+        raise failure("mujoco-rejects", f"MuJoCo {mujoco.__version__} does not load `{shown}`: {reason}") from error
 
 
 def _check_version(manifest: Manifest, running: str, shown: str, is_binary: bool) -> None:
@@ -256,14 +255,10 @@ def _check_version(manifest: Manifest, running: str, shown: str, is_binary: bool
     if made_with == running:
         return
     if is_binary:
-        raise failure(
-            "mujoco-rejects",
-            f"`{shown}` was compiled by MuJoCo {made_with}, and this is {running}: no other version reads it",
-            f"build it again, or install `mujoco=={made_with}`",
-        )
-    said = "was verified by no MuJoCo" if made_with is None else f"was verified by MuJoCo {made_with}"
-    message = f"`{shown}` {said}, and this is {running}"
-    warn(message, BundleWarning)
+        message = f"`{shown}` was compiled by MuJoCo {made_with}, and this is {running}: no other version reads it"
+        raise failure("mujoco-rejects", message, f"build it again, or install `mujoco=={made_with}`")
+    verifier = "no MuJoCo" if made_with is None else f"MuJoCo {made_with}"
+    warn(f"`{shown}` was verified by {verifier}, and this is {running}", BundleWarning)
 
 
 def _with_places(listed: Any, manifest: Manifest) -> Any:
@@ -272,10 +267,9 @@ def _with_places(listed: Any, manifest: Manifest) -> Any:
     kept = {}
     for kind in type(listed).model_fields:
         ours, theirs = getattr(listed, kind), getattr(manifest.index, kind)
-        same = [each.name for each in ours] == [each.name for each in theirs]
-        kept[kind] = tuple(
-            each.model_copy(update={"origin": other.origin}) for each, other in zip(ours, theirs, strict=True)
-        ) if same else ours  # fmt: skip
+        if [each.name for each in ours] == [each.name for each in theirs]:
+            pairs = zip(ours, theirs, strict=True)
+            kept[kind] = tuple(each.model_copy(update={"origin": other.origin}) for each, other in pairs)
     return listed.model_copy(update=kept)
 
 

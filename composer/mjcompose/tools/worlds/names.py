@@ -13,7 +13,6 @@ from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Diagnostic, Note
 from mjcompose.base.report import MjcomposeError
 from mjcompose.base.suggest import did_you_mean, exists_note
-from mjcompose.build.bundle.manifest import Actuator, Joint
 from mjcompose.build.bundle.manifest import Index as Listed
 from mjcompose.model.pattern import BadPattern, fitter, is_pattern
 from mjcompose.mujoco.arrays import BY_WORD
@@ -44,16 +43,8 @@ Names: TypeAlias = str | Several
 def unknown(kind: str, name: str, known: Iterable[str]) -> UnknownNameError:
     """Return the error for a name or a glob that matches nothing."""
     known = [each for each in known if each]
-    return UnknownNameError(
-        [
-            Diagnostic(
-                "unknown-name",
-                f"the model has no {kind} `{name}`",
-                notes=(exists_note(kind, known, name),),
-                help=did_you_mean(name, known),
-            )
-        ]
-    )
+    message, notes = f"the model has no {kind} `{name}`", (exists_note(kind, known, name),)
+    return UnknownNameError([Diagnostic("unknown-name", message, notes=notes, help=did_you_mean(name, known))])
 
 
 class Lookup:
@@ -82,25 +73,22 @@ class Lookup:
     def rows(self, names: Names) -> list[int]:
         """Return the rows of all names, in their order; a glob has the order of the model."""
         if not isinstance(names, Iterable):
-            raise TypeError(f"names are asked for, one or several, not {names!r}")
+            raise TypeError(f"give one or several names, not {names!r}")
         found: list[int] = []
         for name in [names] if isinstance(names, str) else names:
             row = self.row(name)
             if row is not None:
                 found.append(row)
                 continue
-            fits = self._fitter(name)
+            try:
+                fits = fitter(name, self._rows.keys, self.separator)
+            except BadPattern as bad:
+                raise UnknownNameError([Diagnostic("selector", bad.message, help=bad.help)]) from None
             matched = [row for known, row in self._rows.items() if fits(known)]
             if not matched:
                 raise unknown(self.kind, name, self._rows)
             found += matched
         return found
-
-    def _fitter(self, pattern: str) -> Callable[[str], bool]:
-        try:
-            return fitter(pattern, self._rows.keys, self.separator)
-        except BadPattern as bad:
-            raise UnknownNameError([Diagnostic("selector", bad.message, help=bad.help)]) from None
 
     def __contains__(self, name: object) -> bool:
         return name in self._rows
@@ -109,11 +97,8 @@ class Lookup:
         return iter(self._rows)
 
 
-class Numbers:
-    """The id of each element of a kind in `mjModel`: `index.camera["overview"]`.
-
-    One name gives an int; several names, or a glob, give an array of shape (n,).
-    """
+class _Named:
+    """Elements in the order of the model."""
 
     def __init__(self, lookup: Lookup) -> None:
         self._lookup = lookup
@@ -122,6 +107,22 @@ class Numbers:
     def names(self) -> tuple[str, ...]:
         """All names in the order of the model; unnamed elements are ""."""
         return self._lookup.names
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._lookup
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._lookup)
+
+    def __len__(self) -> int:
+        return len(self._lookup.names)
+
+
+class Numbers(_Named):
+    """The id of each element of a kind in `mjModel`: `index.camera["overview"]`.
+
+    One name gives an int; several names, or a glob, give an array of shape (n,).
+    """
 
     @overload
     def __getitem__(self, names: str) -> int: ...
@@ -135,15 +136,6 @@ class Numbers:
         if isinstance(names, str) and (row := self._lookup.row(names)) is not None:
             return row
         return np.array(self._lookup.rows(names), dtype=np.intp)
-
-    def __contains__(self, name: object) -> bool:
-        return name in self._lookup
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._lookup)
-
-    def __len__(self) -> int:
-        return len(self._lookup.names)
 
     def __repr__(self) -> str:
         return f"<{len(self)} × {self._lookup.kind}>"
@@ -176,7 +168,7 @@ class Entry:
         return len(self.units)
 
 
-class Vector:
+class Vector(_Named):
     """One vector of MuJoCo (`qpos`, `ctrl`, …), by name.
 
     `index.qpos["elbow"]` is an int if the element has one number, else a slice; `index.qpos["a", "b"]` and globs
@@ -187,12 +179,7 @@ class Vector:
     def __init__(self, name: str, kind: str, entries: Sequence[Entry], separator: str) -> None:
         self.name = name
         self.entries = tuple(entries)
-        self._lookup = Lookup(kind, [each.name for each in entries], separator)
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """The names in the order of the vector; unnamed elements are ""."""
-        return self._lookup.names
+        super().__init__(Lookup(kind, [each.name for each in entries], separator))
 
     @property
     def size(self) -> int:
@@ -239,18 +226,8 @@ class Vector:
 
     @staticmethod
     def _places(entries: Sequence[Entry]) -> NDArray[np.intp]:
-        return np.array(
-            [place for each in entries for place in range(each.start, each.start + each.size)], dtype=np.intp
-        )
-
-    def __contains__(self, name: object) -> bool:
-        return name in self._lookup
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._lookup)
-
-    def __len__(self) -> int:
-        return len(self.entries)
+        places = [place for each in entries for place in range(each.start, each.start + each.size)]
+        return np.array(places, dtype=np.intp)
 
     def __repr__(self) -> str:
         return f"<{self.name}: {self.size} numbers of {len(self)} × {self._lookup.kind}>"
@@ -271,44 +248,49 @@ class Index:
     @cached_property
     def qpos(self) -> Vector:
         """Positions of joints: rad, m, and quaternions (w x y z)."""
-        return self._vector("qpos", "joint", [_position(joint) for joint in self._listed.joints])
+        entries = []
+        for each in self._listed.joints:
+            # The range of a ball joint is an angle, not one of its numbers.
+            limits = (_limits(each.range) if each.qpos_size == 1 else UNLIMITED,) * each.qpos_size
+            units = BY_WORD[each.type].position_units
+            entries.append(Entry(each.name, each.qpos, units, limits=limits, body=each.body, origin=each.origin))
+        return self._vector("qpos", "joint", entries)
 
     @cached_property
     def qvel(self) -> Vector:
         """Velocities of joints: rad/s, m/s. MuJoCo does not limit them."""
-        return self._vector("qvel", "joint", [_velocity(joint) for joint in self._listed.joints])
+        entries = []
+        for each in self._listed.joints:
+            units, limits = BY_WORD[each.type].velocity_units, (UNLIMITED,) * each.dof_size
+            entries.append(Entry(each.name, each.dof, units, limits=limits, body=each.body, origin=each.origin))
+        return self._vector("qvel", "joint", entries)
 
     @cached_property
     def ctrl(self) -> Vector:
         """Controls of actuators, with their limits."""
-        entries = [
-            Entry(
-                each.name, each.ctrl, (each.unit,) * each.ctrl_size, limits=tuple(map(_limits, each.ranges)),
-                origin=each.origin,
-            )
-            for each in self._listed.actuators
-        ]  # fmt: skip
+        entries = []
+        for each in self._listed.actuators:
+            units, limits = (each.unit,) * each.ctrl_size, tuple(map(_limits, each.ranges))
+            entries.append(Entry(each.name, each.ctrl, units, limits=limits, origin=each.origin))
         return self._vector("ctrl", "actuator", entries)
 
     @cached_property
     def act(self) -> Vector:
         """Activations of the actuators that have some."""
-        entries = list(_activations(self._listed.actuators))
+        entries = []
+        for each in self._listed.actuators:
+            if each.act is not None:
+                limits = (_limits(each.act_range),) * each.act_size
+                entries.append(Entry(each.name, each.act, (None,) * each.act_size, limits=limits, origin=each.origin))
         return self._vector("act", "activation", entries)
 
     @cached_property
     def sensordata(self) -> Vector:
         """Sensor values; limits are their cutoff."""
-        entries = [
-            Entry(
-                each.name,
-                each.address,
-                (each.unit,) * each.size,
-                limits=((-each.cutoff, each.cutoff) if each.cutoff is not None else UNLIMITED,) * each.size,
-                origin=each.origin,
-            )
-            for each in self._listed.sensors
-        ]
+        entries = []
+        for each in self._listed.sensors:
+            limits = (UNLIMITED if each.cutoff is None else (-each.cutoff, each.cutoff),) * each.size
+            entries.append(Entry(each.name, each.address, (each.unit,) * each.size, limits=limits, origin=each.origin))
         return self._vector("sensordata", "sensor", entries)
 
     @cached_property
@@ -370,25 +352,3 @@ class Index:
 def _limits(pair: tuple[float | None, float | None] | None) -> Range:
     low, high = pair or (None, None)
     return (UNLIMITED[0] if low is None else low, UNLIMITED[1] if high is None else high)
-
-
-def _position(joint: Joint) -> Entry:
-    units = BY_WORD[joint.type].position_units
-    scalar = joint.qpos_size == 1  # the range of a ball joint is an angle, not one of its numbers
-    limits = (_limits(joint.range) if scalar else UNLIMITED,) * joint.qpos_size
-    return Entry(joint.name, joint.qpos, units, limits=limits, body=joint.body, origin=joint.origin)
-
-
-def _velocity(joint: Joint) -> Entry:
-    units = BY_WORD[joint.type].velocity_units
-    return Entry(
-        joint.name, joint.dof, units, limits=(UNLIMITED,) * joint.dof_size, body=joint.body,
-        origin=joint.origin,
-    )  # fmt: skip
-
-
-def _activations(actuators: Sequence[Actuator]) -> Iterator[Entry]:
-    for each in actuators:
-        if each.act is not None:
-            limits = (_limits(each.act_range),) * each.act_size
-            yield Entry(each.name, each.act, (None,) * each.act_size, limits=limits, origin=each.origin)

@@ -6,6 +6,7 @@ import copy
 import dataclasses
 import re
 from collections.abc import Callable, Collection, Iterable, Iterator
+from contextlib import suppress
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
@@ -39,15 +40,13 @@ def mujoco(worlds: Worlds, nthread: int = 0, *, persistent: bool = False) -> Any
     try:
         from mujoco.batch import MODEL_FIELDS, Batch
     except ImportError as error:
-        import mujoco as installed
-
         help = "install `mujoco>=3.17`, or step `worlds.models()` one after another"
-        raise failure("not-installed", f"MuJoCo {installed.__version__} has no `mujoco.batch`", help) from error
+        raise failure("not-installed", f"MuJoCo {mujoco_module.__version__} has no `mujoco.batch`", help) from error
     names = [name for name in worlds.arrays if name not in MEANS]
     if shared := [name for name in names if name not in MODEL_FIELDS]:
-        listed = ", ".join(f"`{name}`" for name in shared)
-        help = "step `worlds.models()` one after another, or leave out of `randomize` what changes them"
-        raise failure("not-per-world", f"a batch of MuJoCo has {listed} once for all simulations", help)
+        help = "step `worlds.models()` one after another, or remove the fields of `randomize` that change them"
+        message = f"a batch of MuJoCo has {_listed(shared)} once for all simulations"
+        raise failure("not-per-world", message, help)
     batch = Batch(worlds.nominal, worlds.count, nthread, persistent=persistent)
     for name in names:
         varying, numbers = worlds.arrays[name], batch.expand(name).view()
@@ -56,7 +55,7 @@ def mujoco(worlds: Worlds, nthread: int = 0, *, persistent: bool = False) -> Any
     return batch
 
 
-_INSTEAD = "leave out of the recipe what changes it, or use `worlds.mujoco`"
+_INSTEAD = "remove the changes of it from the recipe, or use `worlds.mujoco`"
 _OF_SLEEP = "dof_length"
 _FLUID = ("opt.density", "opt.viscosity", "opt.wind")
 _IN_FLUID = ("body_fluid_box_adr", "body_fluid_ellipsoid_adr", "body_fluid_ellipsoid")
@@ -128,11 +127,9 @@ def _can_vary(model: Any, name: str) -> bool:
 
 def unread(worlds: Worlds) -> list[str]:
     """Return the arrays that the steps of these worlds do not use."""
-    import mujoco
-
-    flag = getattr(mujoco.mjtEnableBit, "mjENBL_SLEEP", None)
+    flag = getattr(mujoco_module.mjtEnableBit, "mjENBL_SLEEP", None)
     sleeps = flag is not None and bool(worlds.nominal.opt.enableflags & int(flag))
-    discrete = getattr(mujoco.mjtIntegrator, "mjINT_DISCRETE", None)
+    discrete = getattr(mujoco_module.mjtIntegrator, "mjINT_DISCRETE", None)
     factored = discrete is not None and worlds.nominal.opt.integrator == int(discrete)
     read = (*((_OF_SLEEP,) if sleeps else ()), *(("efm0_",) if factored else ()))
     factors = [name for name in dir(worlds.nominal) if name.startswith(_FACTORS) and not name.startswith(read)]
@@ -146,11 +143,8 @@ def _owner(model: Any, name: str) -> tuple[Any, str]:
 
 
 def _has(model: Any, name: str) -> bool:
-    path, _, _ = name.rpartition(".")
-    if path and not hasattr(model, path):
-        return False
-    owner, field = _owner(model, name)
-    return hasattr(owner, field)
+    path, _, field = name.rpartition(".")
+    return hasattr(getattr(model, path, None) if path else model, field)
 
 
 def mjx(worlds: Worlds, model: Any = None) -> tuple[Any, Any]:
@@ -185,10 +179,8 @@ def mjx(worlds: Worlds, model: Any = None) -> tuple[Any, Any]:
         theirs = _leaf(base, name)
         if getattr(theirs, "shape", None) != leaf.shape:
             found = "does not have it" if theirs is None else f"has the shape {theirs.shape}, not {leaf.shape}"
-            help = "make it of `study.nominal`, or leave it out"
-            raise failure(
-                "bundle-changed", f"the model is another one than that of the worlds: of `{name}` it {found}", help
-            )
+            message = f"`model` is another model than that of the worlds: of `{name}` it {found}"
+            raise failure("bundle-changed", message, "make it from `study.nominal`, or omit it")
         replaced[name] = jax.numpy.asarray(worlds.values(name).reshape(worlds.count, *leaf.shape), leaf.dtype)
     check_nothing_is_shared(worlds, simulator, replaced)
     axes = jax.tree_util.tree_map(lambda _: None, base).tree_replace(dict.fromkeys(replaced, 0))
@@ -211,15 +203,14 @@ def mjlab(worlds: Worlds, entity: str | None = None) -> dict[str, Any]:
 
         events = {**worlds.mjlab(study, entity="robot"), "push": EventTermCfg(...)}
 
-    `entity` is what the scene calls the entity that the bundle is; without one the scene's model is the bundle's. The
-    function of the term says in `model_fields` which arrays are for each world, which mjlab's `expand_model_fields`
-    takes, and is one like those of `mjlab.envs.mdp.dr`. In a scene mjlab computes again what follows from masses and
-    poses, for of the world body more than the entity is part.
+    `entity` is the name of the bundle in the scene; without it the scene's model is the bundle's. The function of the
+    term is like those of `mjlab.envs.mdp.dr`; its `model_fields` lists the arrays with a row for each world, for
+    mjlab's `expand_model_fields`. In a scene, mjlab computes values again that depend on masses and poses, because
+    the world body has more than the entity.
 
     Needs `mjlab`; raises LoadError without it, for a model that MuJoCo Warp does not take, and for arrays that it
-    shares between worlds. A missing
-    element in the scene, or a number of environments other than that of worlds, raises LoadError when the
-    environment is made.
+    shares between worlds. If the scene lacks an element, or has another number of environments than of worlds,
+    creating the environment raises LoadError.
     """
     try:
         import mujoco_warp
@@ -254,32 +245,27 @@ def _set(worlds: Worlds, names: list[str], entity: str | None, sim: Any, env_ids
         ours, theirs = _places(worlds, name, entity, scene=sim.mj_model)
         numbers = warp.to_torch(getattr(sim.wp_model, name)).view(sim.num_envs, -1)
         values = torch.as_tensor(worlds.arrays[name].values[:, ours][chosen.numpy()], dtype=numbers.dtype)
-        numbers[chosen[:, None].to(numbers.device), torch.as_tensor(theirs, device=numbers.device)] = values.to(
-            numbers.device
-        )
+        rows, columns = chosen[:, None].to(numbers.device), torch.as_tensor(theirs, device=numbers.device)
+        numbers[rows, columns] = values.to(numbers.device)
 
 
 def _places(worlds: Worlds, name: str, entity: str | None, scene: Model) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Return which numbers of an array a scene takes, and their indices there.
-
-    Raises LoadError for one that it lacks.
-    """
+    """Return which numbers of an array a scene takes, and their indices there. Raises LoadError."""
     index = worlds.arrays[name].index
     if entity is None:
         if flat(scene, name).size != flat(worlds.nominal, name).size:
-            help = "say what the scene calls the bundle: `worlds.mjlab(study, entity=...)`"
+            help = "give the name of the bundle in the scene: `worlds.mjlab(study, entity=...)`"
             raise failure("bundle-changed", "the scene's model is another one than that of the worlds", help)
         return np.arange(index.size), index
-    there = {
-        (each.element, each.attribute): at for at, each in enumerate(whose(scene, name, range(flat(scene, name).size)))
-    }
+    every = whose(scene, name, range(flat(scene, name).size))
+    there = {(each.element, each.attribute): at for at, each in enumerate(every)}
     ours, theirs = [], []
     for at, each in enumerate(whose(worlds.nominal, name, index)):
         if each.kind == "body" and each.element == _WORLD:
             continue  # mjlab recomputes it
         called = _in_scene(each.element, entity)
         if (found := there.get((called, each.attribute))) is None:
-            help = "keep in the entity what differs between worlds, or leave out of the recipe what changes it"
+            help = "keep it in the entity, or remove the changes of it from the recipe"
             raise failure("bundle-changed", f"the scene has no {each.kind} `{called}` with `{each.attribute}`", help)
         ours.append(at)
         theirs.append(found)
@@ -321,35 +307,27 @@ class Simulator:
         try:
             return self.put_model(model)
         except Exception as error:
-            said = f"{self._installed()} says: {' '.join(str(error).split()) or type(error).__name__}"
-            raise LoadError(list(self._refused(worlds, model, said))) from error
+            package = TARGETS[self.target].package or self.name
+            with suppress(PackageNotFoundError):
+                package = f"{package} {version(package)}"
+            note = Note(f"{package} says: {' '.join(str(error).split()) or type(error).__name__}")
+            raise LoadError(list(self._refused(worlds, model, note))) from error
 
-    def _installed(self) -> str:
-        package = TARGETS[self.target].package or self.name
-        try:
-            return f"{package} {version(package)}"
-        except PackageNotFoundError:
-            return package
-
-    def _refused(self, worlds: Worlds, model: Model, said: str) -> Iterator[Diagnostic]:
-        """Yield an error for each reason, or one with the words of the simulator, where no reason is known."""
+    def _refused(self, worlds: Worlds, model: Model, note: Note) -> Iterator[Diagnostic]:
+        """Yield an error for each known reason, or one error with the words of the simulator."""
         found: dict[tuple[str, str], list[Refusal]] = {}
         for limit in TARGETS[self.target].limits:
             for each in limit.refuses(mujoco_module, model) if limit.refuses is not None else ():
                 found.setdefault((each.why, each.help), []).append(each)
         if not found:
             message = f"{self.name} does not take the model of the worlds"
-            help = f"leave out of the recipe what it lacks, or {_OR_MUJOCO}"
-            yield Diagnostic(_CANNOT, message, notes=(Note(said),), help=help)
+            help = f"remove unsupported elements from the recipe, or {_OR_MUJOCO}"
+            yield Diagnostic(_CANNOT, message, notes=(note,), help=help)
         table = NameTable(model)
         for (why, help), (first, *others) in found.items():
-            yield Diagnostic(
-                _CANNOT,
-                f"{_shown(table, first)}: {why}",
-                notes=(*_written(worlds, first), Note(said)),
-                help=f"in the recipe {help}, and build it again; or {_OR_MUJOCO}",
-                others=tuple(Note(_shown(table, each)) for each in others),
-            )
+            help = f"in the recipe {help}, and build it again; or {_OR_MUJOCO}"
+            notes, alike = (*_written(worlds, first), note), tuple(Note(_shown(table, each)) for each in others)
+            yield Diagnostic(_CANNOT, f"{_shown(table, first)}: {why}", notes=notes, help=help, others=alike)
 
 
 def _shown(table: NameTable, refusal: Refusal) -> str:
@@ -393,9 +371,7 @@ def check_nothing_is_shared(worlds: Worlds, simulator: Simulator, varied: Collec
     ]  # fmt: skip
     if shared:
         message = f"{simulator.name} has {_listed(shared)} once for all worlds, computed from what differs"
-        raise failure(
-            "not-per-world", message, _INSTEAD, notes=[f"between these worlds differ {_listed(worlds.arrays)}"]
-        )
+        raise failure("not-per-world", message, _INSTEAD, notes=[f"these worlds differ in {_listed(worlds.arrays)}"])
 
 
 def _listed(names: Iterable[str]) -> str:
@@ -433,7 +409,6 @@ def _same(a: Any, b: Any) -> bool:
         a, b = a.numpy(), b.numpy()
     if hasattr(a, "shape"):
         a, b = np.asarray(a), np.asarray(b)
-        return a.shape == b.shape and (
-            a.dtype.kind not in "biufc" or np.array_equal(a, b, equal_nan=a.dtype.kind in "fc")
-        )
+        kind = a.dtype.kind
+        return a.shape == b.shape and (kind not in "biufc" or np.array_equal(a, b, equal_nan=kind in "fc"))
     return not isinstance(a, bool | int | float | str) or a == b

@@ -13,7 +13,7 @@ import numpy as np
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.sink import Sink
 from mjcompose.build.bundle.bundle import MANIFEST, Bundle
-from mjcompose.build.bundle.manifest import Input, Manifest, Read, files_of, from_json, with_manifest
+from mjcompose.build.bundle.manifest import Input, Read, files_of, from_json, with_manifest
 from mjcompose.build.bundle.read import read
 from mjcompose.build.bundle.staging import write_folder
 from mjcompose.build.stages import Request, build
@@ -69,14 +69,10 @@ def plan_union(trees: Sequence[Tree], labels: Sequence[str]) -> Plan:
 
 
 def _prefix(label: str, placed: Sequence[Placed]) -> str:
-    """Return an unused prefix.
-
-    >>> _prefix("./props/can.xml", [])
-    'can/'
-    """
+    """Return an unused prefix, such as `can/` for `./props/can.xml`."""
     stem = "".join(each if each.isalnum() else "_" for each in Path(label).stem) or "part"
     taken = {each.prefix for each in placed}
-    names = (f"{stem}{number}/" if number else f"{stem}/" for number in range(len(placed) + 1))
+    names = (f"{stem}{number or ''}/" for number in range(len(placed) + 1))
     return next(name for name in names if name not in taken)
 
 
@@ -86,12 +82,11 @@ def compose_union(
     """Return the bundle of a union of the bundles in folders. Raises LoadError if it cannot be composed."""
     attach = {}
     for each in plan.placed:
-        if not each.source:
-            continue
-        place = {} if each.part.parent == "world" else {"body": each.part.parent}
-        model = f"./{folders[each.source].name}/model.xml"
-        part = {"model": model, "subtree": each.part.body, "drop": [{"key": "**", "optional": True}], **place}
-        attach[each.prefix.rstrip("/")] = part
+        if each.source:
+            place = {} if each.part.parent == "world" else {"body": each.part.parent}
+            model = f"./{folders[each.source].name}/model.xml"
+            part = {"model": model, "subtree": each.part.body, "drop": [{"key": "**", "optional": True}], **place}
+            attach[each.prefix.rstrip("/")] = part
     recipe = {
         "recipe": 1, "name": name, "separator": separator, "base": f"./{folders[0].name}/model.xml",
         "attach": attach, "conflict": "base",
@@ -106,7 +101,6 @@ def compose_union(
 
 
 def bodies_of(trees: Sequence[Tree], each: Placed) -> Iterator[str]:
-    """Yield the names in a union of the bodies of a part."""
     return (each.prefix + body for body in trees[each.source].below(each.part.body))
 
 
@@ -131,29 +125,14 @@ def of_sources(bundle: Bundle, models: Sequence[Bundle]) -> Bundle:
         read |= {(each.path, each.sha256): each for each in manifest.read}
     files = {path: content for path, content in bundle.files.items() if not path.startswith(_LICENSES)}
     whole = Bundle({**files, **texts}, bundle.model)
-    made = from_json(bundle.files[MANIFEST])
-    return with_manifest(whole, _updated(made, whole, manifests, inputs=inputs, licenses=licenses, read=read))
-
-
-def _updated(
-    made: Manifest, bundle: Bundle, models: Sequence[Manifest], inputs: dict[tuple[str, str], Input],
-    licenses: dict[str, dict[str, None]], read: dict[tuple[str, str], Read],
-) -> Manifest:  # fmt: skip
-    """Return the manifest without `parts`: a part of several models is compared with its source in each of them."""
-    first = models[0]
-    return made.model_copy(
-        update={
-            "recipe": first.recipe,
-            "seed": first.seed,
-            "inputs": tuple(inputs.values()),
-            "parts": (),
-            "adopted": first.adopted,
-            "read": tuple(each for _, each in sorted(read.items())),
-            "licenses": {license: tuple(parts) for license, parts in sorted(licenses.items())},
-            "files": files_of(bundle),
-            "union": len(models),
-        }
-    )
+    first = manifests[0]
+    changes = {
+        "recipe": first.recipe, "seed": first.seed, "adopted": first.adopted, "inputs": tuple(inputs.values()),
+        "parts": (),  # a part of several models is compared with its source in each of them
+        "read": tuple(each for _, each in sorted(read.items())), "files": files_of(whole), "union": len(models),
+        "licenses": {license: tuple(parts) for license, parts in sorted(licenses.items())},
+    }  # fmt: skip
+    return with_manifest(whole, from_json(bundle.files[MANIFEST]).model_copy(update=changes))
 
 
 def _free(path: str, content: bytes, texts: dict[str, bytes]) -> str:
@@ -200,7 +179,6 @@ def unite(joining: Joining, name: str, context: Context, session: Session) -> tu
 
 
 def _label(group: Group, groups: Sequence[Group]) -> str:
-    """Return the values of axes that distinguish the models of a group from those of the first."""
     ours, first = group.first.cell, groups[0].first.cell
     other = [str(value) for axis, value in ours.items() if axis != "name" and first.get(axis) != value]
     return "-".join(Path(each).stem for each in other) or str(ours["name"])
@@ -247,4 +225,4 @@ def _check(mapped: Mapped, made: Model, model: Model, name: str) -> None:
     if different:
         listed = ", ".join(f"`{each}`" for each in different)
         help = "build this cell by itself with `--pick`"
-        raise failure(CODE, f"`{name}` is not what the union of all models is in its world: {listed} differ", help)
+        raise failure(CODE, f"`{name}` differs from the union of all models in its world: {listed}", help)

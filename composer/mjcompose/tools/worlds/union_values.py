@@ -29,7 +29,7 @@ References = Iterator[tuple[str, int]]
 ACTING = ("actuator", "tendon", "equality", "pair", "exclude", "sensor")
 """Kinds of elements that act on their references."""
 _TRANSMISSIONS = range(6)
-_ALONE = "build these cells by themselves with `--pick`"
+_ALONE = "build these cells separately with `--pick`"
 _OTHER_LINKS = ("tendon_matid", "tendon_actuatorid")
 
 
@@ -54,7 +54,6 @@ def words(model: Model, kind: str, number: int, label: Label) -> str:
 
 
 def referring_bodies(model: Model, kind: str, number: int) -> Iterator[int]:
-    """Yield the bodies of the elements that one refers to."""
     for of, each in references(model, kind, number):
         if of == "body":
             yield each
@@ -89,14 +88,11 @@ class Mapped:
             for number in range(self.theirs.count(kind)):
                 at = [ids[label] for label in self._labels(kind, number) if label in ids]
                 if not at and kind in _NEEDED:
-                    self._fail(kind, number)
+                    shown = self.theirs.describe(kind, number)
+                    message = f"`{self.name}` has the {kind} `{shown}`, which belongs to no part of a union"
+                    raise failure(CODE, message, "let it refer to bodies of one part, or of all models")
                 found.append(at)
             self.places[kind] = found
-
-    def _fail(self, kind: str, number: int) -> None:
-        shown = self.theirs.describe(kind, number)
-        help = "refer in it to bodies of one part alone, or to what all models have"
-        raise failure(CODE, f"`{self.name}` has the {kind} `{shown}`, which belongs to no part of a union", help)
 
     def check_no_more_acts(self, unused: Collection[str]) -> None:
         """Check that nothing acts in the union that the model lacks, except on absent parts. Raises LoadError."""
@@ -119,7 +115,7 @@ class Mapped:
     def _labels(self, kind: str, number: int) -> list[str]:
         """Return the possible names in the union of an element of the model."""
         if kind in _TREE:
-            return [self._label(self.theirs, kind, number, prefix_of=self.prefix_of)]
+            return [self._there(kind, number)]
         if name := self.theirs.names[kind][number]:
             return [prefix + name for prefix in dict.fromkeys(["", *self.prefix_of.values()])
                     if kind not in ACTING or self._acts_alike(kind, number, prefix + name)]  # fmt: skip
@@ -129,22 +125,17 @@ class Mapped:
 
     def _acts_alike(self, kind: str, number: int, name: str) -> bool:
         """Return whether the element of the union with this name has the same references as that of the model."""
-        at = self.ours.ids[kind].get(name)
-        return at is not None and words(self.union, kind, at, label=self.ours.describe) == words(
-            self.model, kind, number, label=self._there
-        )
+        at, theirs = self.ours.ids[kind].get(name), words(self.model, kind, number, label=self._there)
+        return at is not None and words(self.union, kind, at, label=self.ours.describe) == theirs
 
     def _there(self, kind: str, number: int) -> str:
         """Return the name in the union of an element that the model refers to."""
-        if kind in _TREE:
-            return self._label(self.theirs, kind, number, prefix_of=self.prefix_of)
-        at = self.places[kind][number]
-        return self.ours.describe(kind, at[0]) if at else ""
-
-    def _label(self, table: NameTable, kind: str, number: int, prefix_of: Mapping[str, str]) -> str:
-        model = table.model
-        body = number if kind == "body" else int(getattr(model, f"{KINDS[kind].arrays}_bodyid")[number])
-        prefix = prefix_of.get(table.names["body"][body], "")
+        if kind not in _TREE:
+            at = self.places[kind][number]
+            return self.ours.describe(kind, at[0]) if at else ""
+        table = self.theirs
+        body = number if kind == "body" else int(getattr(self.model, f"{KINDS[kind].arrays}_bodyid")[number])
+        prefix = self.prefix_of.get(table.names["body"][body], "")
         if name := table.names[kind][number]:
             return prefix + name
         return table.describe(kind, number).replace("of body `", f"of body `{prefix}")
@@ -154,13 +145,10 @@ class Mapped:
         if array not in self._pairs:
             (kind, rows), (_, others) = owners(self.union, array), owners(self.model, array)
             to, of = self._matched(kind, rows, others)
-            width, other = (
-                int(np.prod(np.shape(getattr(each, array))[1:], dtype=int)) for each in (self.union, self.model)
-            )
+            shapes = (np.shape(getattr(each, array)) for each in (self.union, self.model))
+            width, other = (int(np.prod(shape[1:], dtype=int)) for shape in shapes)
             columns = np.arange(min(width, other))
-            self._pairs[array] = (
-                (to[:, None] * width + columns).ravel(), (of[:, None] * other + columns).ravel()
-            )  # fmt: skip
+            self._pairs[array] = (to[:, None] * width + columns).ravel(), (of[:, None] * other + columns).ravel()
         return self._pairs[array]
 
     def put_keys(self, made: Model, model: Model) -> None:
@@ -170,22 +158,18 @@ class Mapped:
                 mine, other = getattr(self.union, size), getattr(self.model, size)
                 if not other:
                     continue
-                to, of = self._matched(
-                    kind, rows_of_size(self.union, kind, mine), rows_of_size(self.model, kind, other)
-                )
+                rows = rows_of_size(self.union, kind, mine)
+                to, of = self._matched(kind, rows, rows_of_size(self.model, kind, other))
                 for key in places:
-                    rows = getattr(made, array)[key].reshape(mine, -1)
-                    rows[to] = getattr(model, array)[number].reshape(other, -1)[of]
+                    numbers = getattr(made, array)[key].reshape(mine, -1)
+                    numbers[to] = getattr(model, array)[number].reshape(other, -1)[of]
 
     def _matched(self, kind: str, rows: Rows, others: Rows) -> tuple[np.ndarray, np.ndarray]:
-        """Return the rows of the union's elements, and those of the model's."""
         row_at = {(element, place): row for row, (element, place, _) in rows.items()}
-        found = [
-            (row_at[element_there, place], row)
-            for row, (element, place, _) in others.items()
-            for element_there in self.places[kind][element]
-            if (element_there, place) in row_at
-        ]
+        found = []
+        for row, (element, place, _) in others.items():
+            at = (row_at.get((there, place)) for there in self.places[kind][element])
+            found += [(other, row) for other in at if other is not None]
         pairs = np.array(found, np.int64).reshape(-1, 2)
         return pairs[:, 0], pairs[:, 1]
 
@@ -216,8 +200,9 @@ def silenced(union: Model, bodies: Iterable[str]) -> list[tuple[str, np.ndarray,
     joints = np.flatnonzero(np.isin(union.jnt_bodyid, at))
     dofs = np.flatnonzero(np.isin(union.dof_bodyid, at))
     geoms = np.flatnonzero(np.isin(union.geom_bodyid, at))
-    tendons = np.array(
-        [n for n in range(union.ntendon) if np.isin(list(referring_bodies(union, "tendon", n)), at).any()], int
+    tendons, acting = (
+        np.array([n for n in range(count) if np.isin(list(referring_bodies(union, kind, n)), at).any()], int)
+        for kind, count in (("tendon", union.ntendon), ("actuator", len(union.actuator_trntype)))
     )
     found: list[tuple[str, np.ndarray, Any]] = [
         ("body_mass", at, 0.0), ("body_inertia", _all(union.body_inertia, at), 0.0),
@@ -232,14 +217,6 @@ def silenced(union: Model, bodies: Iterable[str]) -> list[tuple[str, np.ndarray,
             found.append((name, _all(getattr(union, name), rows), 0.0))
     pairs = np.flatnonzero(np.isin(union.pair_geom1, geoms) | np.isin(union.pair_geom2, geoms))
     found += [("pair_margin", pairs, _APART), ("pair_gap", pairs, 0.0)]
-    acting = np.array(
-        [
-            n
-            for n in range(len(union.actuator_trntype))
-            if np.isin(list(referring_bodies(union, "actuator", n)), at).any()
-        ],
-        int,
-    )
     found += [(name, _all(getattr(union, name), acting), 0.0) for name in ("actuator_gainprm", "actuator_biasprm")]
     return [each for each in found if each[1].size]
 

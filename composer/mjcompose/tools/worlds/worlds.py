@@ -157,9 +157,9 @@ def read_parquet(content: bytes) -> Table:
         index, values = numbers.setdefault(place[_ARRAY].decode(), ([], []))
         index.append(int(place[_INDEX]))
         values.append(column.to_numpy())
-    arrays = {
-        name: Varying(np.array(index, np.int64), np.stack(values, axis=1)) for name, (index, values) in numbers.items()
-    }  # fmt: skip
+    arrays = {}
+    for name, (places, values) in numbers.items():
+        arrays[name] = Varying(np.array(places, np.int64), np.stack(values, axis=1))
     return of_about(about, arrays, cell=given["cell"], sample=given["sample"])
 
 
@@ -178,12 +178,8 @@ def write(
             return
         found = ((name, varying.index, varying.values) for name, varying in sorted(table.arrays.items()))
         about = np.frombuffer(json.dumps(table.about()).encode(), np.uint8)
-        arrays: dict[str, Any] = {
-            _TABLE_FILE_ABOUT: about,
-            "cell": table.cell,
-            "sample": table.sample,
-            **stored(model, found),
-        }
+        arrays: dict[str, Any] = {_TABLE_FILE_ABOUT: about, "cell": table.cell, "sample": table.sample}
+        arrays |= stored(model, found)
         with stage.open("wb") as file:
             np.savez(file, allow_pickle=False, **arrays)
 
@@ -216,10 +212,9 @@ def read(content: bytes) -> Table:
 class Worlds:
     """The `nominal` model, and by array of mjModel the numbers that differ between worlds.
 
-    `table` says which cell of the recipe's matrix and which sample a world is; without a matrix world `n` is sample
-    `n + 1`. What follows from what is drawn is among the arrays: `body_subtreemass`,
-    `dof_invweight0`, `qpos0` and others, so that nothing is to be computed again. `stat.meaninertia` is a
-    number of `model.stat`.
+    `table` has the cell of the recipe's matrix and the sample of each world; without a matrix world `n` is sample
+    `n + 1`. The arrays include values that depend on drawn ones: `body_subtreemass`, `dof_invweight0`, `qpos0` and
+    others, so you need not compute them again. `stat.meaninertia` is a number of `model.stat`.
     """
 
     nominal: LoadModel
@@ -324,12 +319,10 @@ def load(bundle: str | PathLike[str], file: str | PathLike[str] | None = None) -
     except (ValueError, KeyError, TypeError, OSError) as error:
         raise failure("file-unreadable", f"`{called}` of `{shown}` cannot be read: {error}") from error
     if table.model not in (None, model_sha256(loaded.manifest)):
-        raise failure(
-            "bundle-changed",
-            f"the worlds in `{called}` are of another model than `{shown}`",
-            "load them with the bundle that was built beside them, or build both again",
-            notes=[f"expected the model {table.model}", f"found the model {model_sha256(loaded.manifest)}"],
-        )
+        message = f"the worlds in `{called}` are of another model than `{shown}`"
+        help = "load them with the bundle that was built with them, or build both again"
+        notes = [f"expected the model {table.model}", f"found the model {model_sha256(loaded.manifest)}"]
+        raise failure("bundle-changed", message, help, notes=notes)
     for name, varying in table.arrays.items():
         _check(loaded.model, name, varying, count=table.count, shown=shown)
     sources = (Path(bundle), *([] if file is None else [Path(file)]))
