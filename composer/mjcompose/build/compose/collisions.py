@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from itertools import product
 from typing import Any
@@ -10,6 +10,7 @@ from typing import Any
 from lxml import etree
 from lxml.etree import _Element as Node
 
+from mjcompose.base.dataclass import dataclass
 from mjcompose.base.suggest import did_you_mean, exists_note
 from mjcompose.build.compose.elements import ElementBuilder
 from mjcompose.build.compose.load import FINISHED, keep_finished
@@ -39,119 +40,149 @@ def set_collisions(
 ) -> list[tuple[Node, str]]:
     """Write the excludes and pairs that the recipe describes by its parts, in the order of the file.
 
-    Return the excludes that were found, each with the reason; "" for bodies that touch.
+    Return the excludes that MuJoCo finds, each with the reason; "" for bodies that touch.
     """
-    found: list[tuple[Node, str]] = []
-    steps = [step for step in plan.steps if isinstance(step, SetCollisions)]
-    for step in steps:
+    writer = _CollisionWriter(plan, linking, making, context=context, session=session)
+    excluded: list[tuple[Node, str]] = []
+    for step in plan.steps:
+        if isinstance(step, SetCollisions) and (samples or step.collisions.samples is None):
+            excluded += writer.write(step)
+    return excluded
+
+
+@dataclass(frozen=True, slots=True)
+class _CollisionWriter:
+    plan: Plan
+    linking: Linking
+    making: ElementBuilder
+    context: Context
+    session: engine.Session | None
+
+    def write(self, step: SetCollisions) -> list[tuple[Node, str]]:
+        """Write the elements of a step, and return the excludes that MuJoCo finds, each with the reason."""
         if step.collisions.samples is not None:
-            if samples:
-                found += _exclude_needless(step, linking, making, context=context, session=session)
-            continue
+            return self._exclude_needless(step)
         if not step.collisions.sides:
-            found += _exclude_touching(step, plan, linking, making=making, context=context, session=session)
-            continue
-        sides = [_bodies(step, index, plan, linking=linking, making=making) for index in range(2)]
+            prefixes = sorted({part.prefix for part in self.plan.parts if part.prefix})
+            pairs = self._found_pairs(step, touching, prefixes, verb="touch")
+            return self._exclude(step, {tuple(pair["bodies"]): "" for pair in pairs})
+        sides = [self._bodies(step, index) for index in range(2)]
         if step.collisions.what == "exclude":
-            named = [
-                (first, second)
-                for one in sides[0]
-                for other in sides[1]
-                for first in _names(one)
-                for second in _names(other)
-                if first != second
-            ]
-            _append(linking, making, step, tag="exclude", keys=("body1", "body2"), pairs=named)
+            names = [[name for body in side for name in _names(body)] for side in sides]
+            self._exclude(step, {(one, other): "" for one in names[0] for other in names[1] if one != other})
         else:
-            _write_collisions(step, sides, linking, making=making)
-    return found
-
-
-def _exclude_needless(
-    step: SetCollisions, linking: Linking, making: ElementBuilder, context: Context,
-    session: engine.Session | None,
-) -> list[tuple[Node, str]]:  # fmt: skip
-    from mjcompose.mujoco.collision_exclusions import ADJACENT, NEVER, TOUCHING, needless  # imports numpy
-
-    samples, seed = step.collisions.samples, step.collisions.seed
-    with ExitStack() as stack:
-        session = session or stack.enter_context(engine.Session())
-        if not keep_finished(linking, context, session):
-            return []
-        answer = engine.call(session, needless, [FINISHED], argument={"samples": samples, "seed": seed})
-    if not answer.ok:
-        making.sink.error("mujoco-crash", f"MuJoCo stumbles over the contacts: {answer.error}", step.span)
+            self._write_pairs(step, sides)
         return []
-    words = {
-        ADJACENT: "a joint connects them",
-        TOUCHING: "they touch in {}",
-        NEVER: f"they touched in none of {samples} random poses (seed {seed})",
-    }
-    _refuse_nameless(answer.value, "need not collide", step, making=making)
-    reasons = {
-        tuple(each["bodies"]): words[each["why"]].format(each["where"]) for each in answer.value if all(each["bodies"])
-    }
-    written = _append(linking, making, step, tag="exclude", keys=("body1", "body2"), pairs=list(reasons))
-    return [(node, reasons[str(node.get("body1")), str(node.get("body2"))]) for node in written]
 
+    def _exclude_needless(self, step: SetCollisions) -> list[tuple[Node, str]]:
+        from mjcompose.mujoco.collision_exclusions import ADJACENT, NEVER, TOUCHING, needless  # imports numpy
 
-def _refuse_nameless(
-    pairs: Sequence[Mapping[str, Any]], what: str, step: SetCollisions, making: ElementBuilder
-) -> None:
-    nameless = [pair for pair in pairs if not all(pair["bodies"])]
-    if not nameless:
-        return
-    (one, other), where = nameless[0]["called"], nameless[0]["where"]
-    more = f" ({len(nameless) - 1} more such pairs)" if len(nameless) > 1 else ""
-    message = f"{one} and {other} {what}{where and f' in {where}'}{more}, and a body without a name cannot be excluded"
-    help = 'give it a name: `edit: [{select: {body: "**", where: {name: ""}}, rename: "b${index}"}]` in the part'
-    making.sink.error("bad-name", message, step.span, help=help)
+        samples, seed = step.collisions.samples, step.collisions.seed
+        words = {
+            ADJACENT: "a joint connects them",
+            TOUCHING: "they touch in {}",
+            NEVER: f"they touched in none of {samples} random poses (seed {seed})",
+        }
+        argument = {"samples": samples, "seed": seed}
+        pairs = self._found_pairs(step, needless, argument, verb="need not collide")
+        return self._exclude(step, {tuple(each["bodies"]): words[each["why"]].format(each["where"]) for each in pairs})
 
-
-def _exclude_touching(
-    step: SetCollisions, plan: Plan, linking: Linking, making: ElementBuilder, context: Context,
-    session: engine.Session | None,
-) -> list[tuple[Node, str]]:  # fmt: skip
-    with ExitStack() as stack:
-        session = session or stack.enter_context(engine.Session())
-        if not keep_finished(linking, context, session):
+    def _found_pairs(
+        self, step: SetCollisions, function: Callable[..., Any], argument: Any, verb: str
+    ) -> list[Mapping[str, Any]]:
+        """Return the pairs of bodies that MuJoCo finds, and report bodies without a name."""
+        with ExitStack() as stack:
+            session = self.session or stack.enter_context(engine.Session())
+            if not keep_finished(self.linking, self.context, session):
+                return []
+            answer = engine.call(session, function, [FINISHED], argument=argument)
+        if not answer.ok:
+            self.making.sink.error("mujoco-crash", f"MuJoCo fails on the contacts: {answer.error}", step.span)
             return []
-        prefixes = sorted({part.prefix for part in plan.parts if part.prefix})
-        answer = engine.call(session, touching, [FINISHED], argument=prefixes)
-    if not answer.ok:
-        making.sink.error("mujoco-crash", f"MuJoCo stumbles over the contacts: {answer.error}", step.span)
-        return []
-    _refuse_nameless(answer.value, "touch", step, making=making)
-    named = [tuple(pair["bodies"]) for pair in answer.value if all(pair["bodies"])]
-    return [(each, "") for each in _append(linking, making, step, tag="exclude", keys=("body1", "body2"), pairs=named)]
+        nameless = [pair for pair in answer.value if not all(pair["bodies"])]
+        if nameless:
+            (one, other), where = nameless[0]["called"], nameless[0]["where"]
+            more = f" ({len(nameless) - 1} more such pairs)" if len(nameless) > 1 else ""
+            reason = f"{more}, and a body without a name cannot be excluded"
+            message = f"{one} and {other} {verb}{where and f' in {where}'}{reason}"
+            edit = '`edit: [{select: {body: "**", where: {name: ""}}, rename: "b${index}"}]`'
+            help = f"give it a name: {edit} in the part"
+            self.making.sink.error("bad-name", message, step.span, help=help)
+        return [pair for pair in answer.value if all(pair["bodies"])]
 
+    def _bodies(self, step: SetCollisions, index: int) -> list[Node]:
+        """Return the bodies on one side that have geoms which can collide."""
+        places = {place.part: place for place in self.plan.walk() if place.part}
+        worlds = self.linking.base.root.iterchildren("worldbody")
+        all_bodies = [body for world in worlds for body in (world, *world.iter("body"))]
+        names = [_name(body) for body in all_bodies]
+        bodies: dict[Node, None] = {}
+        for at, name in enumerate(step.collisions.sides[index]):
+            if name in places:
+                fitting = {each for each in names if _is_of(each, places[name])}
+            else:
+                fitting = set(filter(fitter(name, lambda: names, self.plan.separator), names))
+            if not fitting:
+                path: tuple[str | int, ...] = (*step.collisions.at, BETWEEN, index)
+                path = (*path, at) if len(step.collisions.sides[index]) > 1 else path
+                message = f"`{name}` is not a part, and names no body"
+                notes = (exists_note("part", list(places), name), exists_note("body", names[1:], name))
+                span, help = locate(self.making.document, path), did_you_mean(name, [*places, *names[1:]])
+                self.making.sink.error("unknown-name", message, span, notes=notes, help=help, subjects=(name,))
+            bodies.update(dict.fromkeys(body for body in all_bodies if _name(body) in fitting))
+        return [body for body in bodies if next(self._geoms(body), None) is not None]
 
-def _bodies(step: SetCollisions, index: int, plan: Plan, linking: Linking, making: ElementBuilder) -> list[Node]:
-    """Return the bodies on one side that have geoms which can collide."""
-    places = {place.part: place for place in plan.walk() if place.part}
-    everything = [
-        body for world in linking.base.root.iterchildren("worldbody") for body in (world, *world.iter("body"))
-    ]
-    names = [_name(body) for body in everything]
-    found: list[Node] = []
-    for at, name in enumerate(step.collisions.sides[index]):
-        place = places.get(name)
-        if place is not None:
-            fitting = {each for each in names if _is_of(each, place)}
-        else:
-            fitting = set(filter(fitter(name, lambda: names, plan.separator), names))
-        if not fitting:
-            path = (*step.collisions.at, BETWEEN, index)
-            known = [*places, *names[1:]]
-            span = locate(making.document, path)
-            inner = locate(making.document, (*path, at))
-            message = f"`{name}` is not a part, and names no body"
-            span = inner if len(step.collisions.sides[index]) > 1 else span
-            notes = (exists_note("part", list(places), name), exists_note("body", names[1:], name))
-            help = did_you_mean(name, known)
-            making.sink.error("unknown-name", message, span, notes=notes, help=help, subjects=(name,))
-        found += [body for body in everything if _name(body) in fitting and body not in found]
-    return [body for body in found if any(_collides(geom, linking) for geom in own(body, "geom"))]
+    def _geoms(self, body: Node) -> Iterator[Node]:
+        """Yield the geoms of a body that can collide."""
+        classes = self.linking.base.classes
+        for geom in own(body, "geom"):
+            # The `contype` of one geom and the `conaffinity` of the other are enough for a contact.
+            values = [classes.effective(geom, childclass_of(geom), name) for name in _COLLIDING]
+            if any(value is None or int(float(value)) != 0 for value in values):
+                yield geom
+
+    def _write_pairs(self, step: SetCollisions, sides: Sequence[Sequence[Node]]) -> None:
+        # A pair collides in any case: in MuJoCo 4.0 even if `contype` and `conaffinity` are 0, and if an `<exclude>`
+        # names the bodies.
+        named: list[tuple[str, str]] = []
+        sink = self.making.sink
+        for one, other in ((one, other) for one in sides[0] for other in sides[1] if one is not other):
+            for first, second in product(self._geoms(one), self._geoms(other)):
+                if not first.get("name") or not second.get("name"):
+                    name = _name(one if not first.get("name") else other)
+                    message = f"a geom of the body `{name}` has no name, and pairs of geoms need names"
+                    edit = '`edit: [{select: {geom: "**", where: {name: ""}}, rename: "${parent}_g${index}"}]`'
+                    help = f"give it a name: {edit} in the part"
+                    sink.error("bad-name", message, step.span, help=help, subjects=(name,))
+                    return
+                named += product(names_of_copies(first), names_of_copies(second))
+        if len(named) > _MOST:
+            message = f"these are {len(named)} pairs of geoms, and MuJoCo checks each of them"
+            help = "name fewer bodies, or set `contype` and `conaffinity` by `edit`"
+            sink.error("out-of-range", message, step.span, help=help)
+            return
+        self._append(step, "pair", ("geom1", "geom2"), pairs=named)
+
+    def _exclude(self, step: SetCollisions, reasons: Mapping[tuple[str, ...], str]) -> list[tuple[Node, str]]:
+        written = self._append(step, "exclude", ("body1", "body2"), pairs=reasons)
+        return [(node, reasons[str(node.get("body1")), str(node.get("body2"))]) for node in written]
+
+    def _append(
+        self, step: SetCollisions, tag: str, keys: tuple[str, str], pairs: Iterable[tuple[str, ...]]
+    ) -> list[Node]:
+        """Write the elements that do not exist yet, and return them."""
+        base, written = self.linking.base, []
+        # The order of the two does not matter, and MuJoCo 4.0 counts the same pair twice.
+        known = {frozenset((each.get(keys[0]), each.get(keys[1]))) for each in base.root.iterfind(f"contact/{tag}")}
+        for pair in pairs:
+            if frozenset(pair) in known or not all(pair):
+                continue
+            known.add(frozenset(pair))
+            node = etree.SubElement(base.section("contact"), tag, dict(zip(keys, pair, strict=True)))
+            self.making.origins.own(node, step.span)
+            written.append(node)
+        self.linking.watch(self.linking.units, step)
+        return written
 
 
 def _is_of(name: str, placed: PlacedModel) -> bool:
@@ -161,48 +192,6 @@ def _is_of(name: str, placed: PlacedModel) -> bool:
     return bool(name) and name.startswith(placed.prefix) and not name.startswith(tuple(placed.others))
 
 
-def _collides(geom: Node, linking: Linking) -> bool:
-    """Return whether a geom can touch anything."""
-    classes = linking.base.classes
-    # The `contype` of one geom and the `conaffinity` of the other are enough for a contact.
-    values = [classes.effective(geom, childclass_of(geom), name) for name in _COLLIDING]
-    return any(value is None or int(float(value)) != 0 for value in values)
-
-
-def _write_collisions(
-    step: SetCollisions, sides: Sequence[Sequence[Node]], linking: Linking, making: ElementBuilder
-) -> None:
-    # A pair collides whatever else is written: in MuJoCo 4.0 also if `contype` and `conaffinity` are 0, and where an
-    # `<exclude>` names the bodies.
-    named: list[tuple[str, str]] = []
-    for one, other in ((one, other) for one in sides[0] for other in sides[1] if one is not other):
-        for first in _geoms(one, linking):
-            for second in _geoms(other, linking):
-                if not first.get("name") or not second.get("name"):
-                    body = one if not first.get("name") else other
-                    making.sink.error(
-                        "bad-name",
-                        f"a geom of the body `{_name(body)}` has no name, and pairs of geoms go by names",
-                        step.span,
-                        help="give it a name: "
-                        '`edit: [{select: {geom: "**", where: {name: ""}}, rename: "${parent}_g${index}"}]`'
-                        " in the part",
-                        subjects=(_name(body),),
-                    )
-                    return
-                named += product(names_of_copies(first), names_of_copies(second))
-    if len(named) > _MOST:
-        message = f"these are {len(named)} pairs of geoms, of which MuJoCo checks each"
-        help = "name fewer bodies, or set `contype` and `conaffinity` by `edit`"
-        making.sink.error("out-of-range", message, step.span, help=help)
-        return
-    _append(linking, making, step, tag="pair", keys=("geom1", "geom2"), pairs=named)
-
-
-def _geoms(body: Node, linking: Linking) -> Iterator[Node]:
-    return (geom for geom in own(body, "geom") if _collides(geom, linking))
-
-
 def _name(body: Node) -> str:
     return "world" if body.tag == "worldbody" else str(body.get("name") or "")
 
@@ -210,22 +199,3 @@ def _name(body: Node) -> str:
 def _names(body: Node) -> list[str]:
     """Return the names of a body in the compiled model: several if it is in a `<replicate>`."""
     return ["world"] if body.tag == "worldbody" else names_of_copies(body)
-
-
-def _append(
-    linking: Linking, making: ElementBuilder, step: SetCollisions, tag: str, keys: tuple[str, str],
-    pairs: Sequence[tuple[str, ...]],
-) -> list[Node]:  # fmt: skip
-    """Write the elements that do not exist yet, and return them."""
-    written = []
-    # Which of the two is named first does not matter, and MuJoCo 4.0 counts the same pair twice.
-    known = {frozenset((each.get(keys[0]), each.get(keys[1]))) for each in linking.base.root.iterfind(f"contact/{tag}")}
-    for pair in pairs:
-        if frozenset(pair) in known or not all(pair):
-            continue
-        known.add(frozenset(pair))
-        node = etree.SubElement(linking.base.section("contact"), tag, dict(zip(keys, pair, strict=True)))
-        making.origins.own(node, step.span)
-        written.append(node)
-    linking.watch(linking.units, step)
-    return written

@@ -1,4 +1,4 @@
-"""The context of an edit: the model, its names, and what editing costs."""
+"""The context of an edit: the model, its names, and the cost of editing."""
 
 from __future__ import annotations
 
@@ -20,7 +20,6 @@ from mjcompose.base.limits import advice, in_force
 from mjcompose.base.sink import Sink
 from mjcompose.build.compose.elements import ElementBuilder
 from mjcompose.language.datasheets import Sheet
-from mjcompose.link.files import NamedFile
 from mjcompose.link.key_layout import JOINTS
 from mjcompose.link.linking import Linking
 from mjcompose.link.submodels import add_named_file
@@ -36,15 +35,9 @@ from mjcompose.model.selector import Selector
 from mjcompose.text.expression_values import Value
 from mjcompose.text.node import locate
 
-# Measured: a value is written in 0.1 ms.
-_LOOKS = 30
-"""At how many elements a selector looks in the time in which a value is written."""
-_CHARACTERS = 100
-"""How many characters of a condition are evaluated in that time."""
-_EXPRESSION = 500
-"""How many values a regular expression counts as: it may take 2 s."""
-_DRAWS, _DRAWS_OF_A_TABLE = 100, 30
-"""How many draws are made in the time in which a value is written."""
+# Measured: in the 0.1 ms in which a value is written, a selector visits 30 elements, 100 characters of a condition are
+# evaluated, and 100 values are drawn, or 30 for a table. A regular expression may take 2 s, and costs 500 values.
+_LOOKS, _CHARACTERS, _EXPRESSION, _DRAWS, _DRAWS_OF_A_TABLE = 30, 100, 500, 100, 30
 
 
 @dataclass(slots=True)
@@ -71,9 +64,9 @@ class EditCost:
 
 def cost_of_selecting(selector: Selector, root: Node) -> float:
     """Return the cost of finding the elements of a selector."""
-    each = list(selector.all())
-    looks = 0 if selector.is_one_name else len(each) * written(root)
-    expressions = sum(is_regular(name) for one in each for name in (one.pattern, one.dclass or ""))
+    selectors = list(selector.all())
+    looks = 0 if selector.is_one_name else len(selectors) * written(root)
+    expressions = sum(is_regular(name) for each in selectors for name in (each.pattern, each.dclass or ""))
     return _EXPRESSION * expressions + looks / _LOOKS
 
 
@@ -107,7 +100,7 @@ class Editing:
     """A model that is edited: one unit alone, or the flat one.
 
     `parts` has the part of each element, `scope` the values of the recipe's parameters, `datasheets` its data sheets.
-    `cost` is what the edits of the whole composition have cost.
+    `cost` is the cost of all edits of the composition.
     """
 
     linking: Linking
@@ -180,7 +173,7 @@ class Editing:
             with changing(self, node):
                 yield
             return
-        yield  # numbers are no names: the index, which takes a walk over the model to make, is not needed
+        yield  # numbers are not names, so the index is not needed, which needs a walk over the model
         if node.tag == "key":
             self.linking.keys.edited_keys.add(node)
         self._has_changed(node)
@@ -255,21 +248,16 @@ def take_files(editing: Editing) -> None:
     for node, attribute, name in making.files:
         file = making.named_file(node, attribute, name)
         linking.files = [use for use in linking.files if use.element is not node or use.attribute != attribute]
-        if editing.own:
-            _take_own_file(editing, file)
-        else:
+        if not editing.own:
             add_named_file(linking, file)
+            continue
+        # The part's own access rules do not apply, because the recipe names the file.
+        path, unit = PathlibPath(os.path.realpath(file.folder / file.name)), linking.base
+        try:
+            file.door.admit(path)
+        except Refused as refused:
+            refused.report(editing.sink, file.span)
+            continue
+        node.set(attribute, path.as_posix())
+        unit.contents = {**unit.contents, written_path(unit.settings, node, path.as_posix()): path}
     making.files.clear()
-
-
-def _take_own_file(editing: Editing, file: NamedFile) -> None:
-    """Add a file to the part. The part's own access rules do not apply, because the recipe names the file."""
-    path = PathlibPath(os.path.realpath(file.folder / file.name))
-    try:
-        file.door.admit(path)
-    except Refused as refused:
-        refused.report(editing.sink, file.span)
-        return
-    unit, node = editing.linking.base, file.element
-    node.set(file.attribute, path.as_posix())
-    unit.contents = {**unit.contents, written_path(unit.settings, node, path.as_posix()): path}

@@ -83,7 +83,7 @@ def edit_elements(step: EditElements, editing: Editing, workshop: MeshWorkshop) 
         is_right = entry.expect == 0 or entry.optional
         return EditOutcome({}) if is_right and not editing.cost.ended else None
     selected = Counter(listed_kind(node, section_of(node)) for node in found)
-    work = Entry(editing, found, Masses(editing, found), workshop=workshop)
+    work = Entry(editing, found, Masses(editing), workshop=workshop)
     try:
         for name, verb in entry.verbs.items():
             verb.carry_out(work, (*entry.at, name))
@@ -142,7 +142,7 @@ class PartEdits:
 
     def _edit(self, steps: list[EditElements], editing: Editing) -> None:
         for step in steps:
-            _carry_out(step, editing, self.plan, self.composer)
+            _carry_out(step, editing, self.plan, composer=self.composer)
             self.composer.watch([self.unit], step)
         check_intervals(editing.making)
 
@@ -211,7 +211,7 @@ class ModelEdits:
             before, selector = sink.error_count, step.edit.select
             is_certain = selector.is_one_name and not sink.suppresses(selector.pattern)
             if is_certain and not is_of_keys(step):
-                _carry_out(step, editing, self.plan, self.composer)
+                _carry_out(step, editing, self.plan, composer=self.composer)
             if "rename" in step.edit.verbs and (not is_certain or sink.error_count > before):
                 return False
         return True
@@ -233,7 +233,7 @@ class ModelEdits:
                 stand_ins = replaced if _UNNAMING & step.edit.verbs.keys() else []
                 replaced = self._edited_beside(step, editing, stand_ins) if stand_ins else replaced
                 if not stand_ins:
-                    _carry_out(step, editing, self.plan, self.composer)
+                    _carry_out(step, editing, self.plan, composer=self.composer)
                 self.linking.watch(self.linking.units, step)
 
     def _draw(self, of_keys: bool) -> None:
@@ -261,7 +261,7 @@ class ModelEdits:
         self.linking.base.section("keyframe").extend(keys)
         for key in keys:
             editing.note(key)
-        _carry_out(step, editing, self.plan, self.composer)
+        _carry_out(step, editing, self.plan, composer=self.composer)
         left = []
         for key, name in zip(keys, names, strict=True):
             section = key.getparent()

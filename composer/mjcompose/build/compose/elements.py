@@ -164,7 +164,7 @@ def make_node(element: Element, kind: ElementType, making: ElementBuilder) -> No
         return _parse_fragment(element, kind, making)
     node = etree.Element(element.tag)
     making.made[node] = element
-    _set_attributes(node, element, kind, making)
+    _set_attributes(node, element, kind, making=making)
     for child in element.children:
         child_kind = kind.children.get(child.tag)
         if child_kind is not None:
@@ -189,7 +189,7 @@ def update_node(node: Node, element: Element, kind: ElementType, making: Element
         return making.origins.span_by(before, node, attribute)
 
     making.origins.own(node, place)
-    _set_attributes(node, element, kind, making)
+    _set_attributes(node, element, kind, making=making)
     for child in element.children:
         child_kind = kind.children[child.tag]
         existing = next(node.iterchildren(child.tag), None)

@@ -1,4 +1,4 @@
-"""Keys during edits: removed, held, or scaled in vain."""
+"""Keys during edits: removed from the tree, held, or scaled without effect."""
 
 from __future__ import annotations
 
@@ -30,17 +30,16 @@ if TYPE_CHECKING:
     from mjcompose.sources.context import Context
 
 
-def zero_attributes(editing: Editing, found: Iterable[Node], keys: Iterable[str]) -> list[str]:
+def zero_attributes(editing: Editing, nodes: Sequence[Node], keys: Iterable[str]) -> list[str]:
     """Return the attributes, or single numbers of them (`friction[0]`), that are zero on every element."""
-    nodes = list(found)
     return [key for key in keys if nodes and all(_is_zero(editing, node, key) for node in nodes)]
 
 
-def report_only_zeros(editing: Editing, found: Sequence[Node], key: str, at: Path, help: str) -> None:
+def report_only_zeros(editing: Editing, nodes: Sequence[Node], key: str, at: Path, help: str) -> None:
     """Warn about a factor for a value that is zero on every element."""
-    whose = editing.called(found[0]) if len(found) == 1 else f"each of the {len(found)} selected elements"
+    whose = editing.called(nodes[0]) if len(nodes) == 1 else f"each of the {len(nodes)} selected elements"
     message = f"`{key}` of {whose} is 0, and a factor does not change it"
-    notes = [Note(f"{editing.called(found[0])} is written here", editing.span_of(found[0]))]
+    notes = [Note(f"{editing.called(nodes[0])} is written here", editing.span_of(nodes[0]))]
     editing.sink.warning("scale-of-zero", message, editing.span(at), notes=notes, help=help)
 
 
@@ -49,9 +48,9 @@ def _is_zero(editing: Editing, node: Node, key: str) -> bool:
     attribute = kind_of(node).attributes.get(name)
     if attribute is None or not attribute.is_number:
         return False
-    have = numbers.read(editing.effective(node, name) or "")
-    those = have if subscript is None else have[subscript : subscript + 1]
-    return bool(those) and not any(those)
+    values = numbers.read(editing.effective(node, name) or "")
+    values = values if subscript is None else values[subscript : subscript + 1]
+    return bool(values) and not any(values)
 
 
 @contextmanager
@@ -106,7 +105,7 @@ class _PoseHolder:
         question = {"key": index, "forces": self.step.key.controls.hold == "forces"}
         answer = engine.call(session, hold, [FINISHED], argument=question)
         if not answer.ok:
-            message = f"MuJoCo stumbles over the key `{name}`: {answer.error}"
+            message = f"MuJoCo fails on the key `{name}`: {answer.error}"
             sink.error("mujoco-crash", message, self.span())
             return
         if left := answer.value["left"]:
@@ -115,58 +114,47 @@ class _PoseHolder:
         for vector in ("ctrl", "act"):
             self._write(vector, answer.value, keys[index])
 
-    def _write(self, vector: str, found: Mapping[str, Any], key: Node) -> None:
+    def _write(self, vector: str, answer: Mapping[str, Any], key: Node) -> None:
         """Write the values of the holding actuators into the row of a key."""
-        values: list[float | None] = found[vector]
+        values: list[float | None] = answer[vector]
         own = self.step.key
         record = self.linking.base.origins.keys.get(key)
-        row = numbers_of(record, key, vector) or [
-            Number("0", KeySource("zero", vector), at) for at in range(len(values))
-        ]
+        zero = KeySource("zero", vector)
+        row = numbers_of(record, key, vector) or [Number("0", zero, index) for index in range(len(values))]
         singles = {self.span(*path): path for path in own.controls.held}
         hold = self.span("hold")
         given = set(own.values.get(vector, {}))
         controls = dict(enumerate(numbers_of(record, key, "ctrl")))
         changed, unknown = False, []
-        for actuator, at, width, control in _addresses(self.layout, vector):
+        end = next_control = 0
+        for actuator, slot in self.layout.actuators.items():
+            start, control = end, next_control
+            end, next_control = end + slot.widths[vector == "act"], next_control + slot.widths[0]
             source = controls[control].source if control in controls else None
             span = None if source is None else source.span
             if span is None or source is None or source.kind != "entry" or span not in (hold, *singles):
                 continue
-            kind = found["unlike"].get(str(control)) if vector == "ctrl" else None
+            kind = answer["unlike"].get(str(control)) if vector == "ctrl" else None
             if kind and span != hold:
-                self._report_no_control(singles[span], kind)
+                end_of_path = singles[span][-1]
+                message = f"no control of `{end_of_path}` holds the pose of the key `{own.name}`: it is {kind}"
+                help = "write its control, or `ctrl: {hold: forces}`, which balances the forces in that pose"
+                self.making.sink.error("not-held", message, span, help=help, subjects=(end_of_path,))
             name = "" if isinstance(actuator, str) else str(getattr(actuator, "get", lambda _: "")("name") or "")
-            if kind and span == hold and control in found["unknown"]:
+            if kind and span == hold and control in answer["unknown"]:
                 unknown.append(f"`{name}` ({kind})" if name else f"{kind} without a name")
             if vector == "act" and name in given:  # the recipe's own activation counts
                 continue
-            for place in range(at, at + width):
-                value = values[place]
+            for index, value in enumerate(values[start:end]):
                 if value is not None:
-                    text = numbers.text([value + 0.0])
-                    row[place] = Number(text, KeySource("entry", vector, span=span), place - at)
+                    source = KeySource("entry", vector, span=span)
+                    row[start + index] = Number(numbers.text([value + 0.0]), source, index)
                     changed = True
         if changed:
             key.set(vector, " ".join(texts(row)))
             if record is not None:
                 record.numbers[vector] = row
         if unknown:
-            message = f"nothing says which control of {', '.join(unknown)} holds the key `{own.name}`: it is 0 there"
-            help = "write the control beside `hold`: `ctrl: {hold: positions, ACTUATOR: 0.3}`"
+            message = f"the control of {', '.join(unknown)} that holds the key `{own.name}` is unknown: it is 0"
+            help = "write the control next to `hold`: `ctrl: {hold: positions, ACTUATOR: 0.3}`"
             self.making.sink.warning("not-held", message, self.span(), help=help)
-
-    def _report_no_control(self, path: tuple[str, ...], kind: str) -> None:
-        message = f"no control of `{path[-1]}` holds the pose of the key `{self.step.key.name}`: it is {kind}"
-        help = "write its control, or `ctrl: {hold: forces}`, which balances what acts on the model in that pose"
-        self.making.sink.error("not-held", message, self.span(*path), help=help, subjects=(path[-1],))
-
-
-def _addresses(layout: Layout, vector: str) -> Iterator[tuple[Any, int, int, int]]:
-    """Yield every actuator with the start and count of its numbers in a vector, and the start of its controls."""
-    at = control = 0
-    for actuator, slot in layout.actuators.items():
-        width = slot.widths[vector == "act"]
-        yield actuator, at, width, control
-        at += width
-        control += slot.widths[0]

@@ -1,10 +1,10 @@
-"""Work on meshes, as verbs of `edit` ask for it: each result is found where it is kept, or made in a child process."""
+"""Work on meshes for the verbs of `edit`: each result comes from a store or from a child process."""
 
 from __future__ import annotations
 
 import math
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import field, replace
 from typing import Any
 
@@ -18,6 +18,7 @@ from mjcompose.base.scratch import scratch
 from mjcompose.build.bundle.collect import read
 from mjcompose.build.compose.editing import Editing
 from mjcompose.build.compose.shape_store import ShapeStore, parse_shapes, shapes_key
+from mjcompose.build.compose.values import UnusableValue
 from mjcompose.build.plan.plan import GeneratedShapes
 from mjcompose.link import numbers
 from mjcompose.link.linking import FileUse
@@ -32,12 +33,12 @@ from mjcompose.text.faults import word
 
 SAID = ("content_type", "vertex", "face", "refpos", "refquat", "scale", "builtin", "params")
 """The attributes of a mesh that decide where its surface is."""
-_OPEN = f"look at the pieces, or close the mesh; `allow: [{SHAPE}]` says that you have"
+_OPEN = f"look at the pieces, or close the mesh; then write `allow: [{SHAPE}]`"
 
 
 @dataclass(frozen=True, slots=True)
 class MeshJob:
-    """What is to be made of one mesh. `mesh` are its attributes with the hash of its file, `content` the file."""
+    """Work on one mesh. `mesh` has its attributes with the hash of its file, `content` is the file."""
 
     node: Node
     called: str
@@ -52,10 +53,17 @@ class MeshJob:
     def key(self) -> str:
         return shapes_key(self.mesh, self.method, self.wanted)
 
+    def shapes_of(self, geom: str, result: Mapping[str, Any], shapes: tuple[str, ...], faces: int) -> GeneratedShapes:
+        """Return the facts about a result, `shapes` being the names of the new geoms."""
+        return GeneratedShapes(
+            geom, name_of(self.node) or "", self.method, wanted=self.wanted, shapes=shapes, faces=faces,
+            error=result["error"], made_with=result["made_with"], key=self.key, span=self.span,
+        )  # fmt: skip
+
 
 @dataclass(slots=True)
 class MeshResult:
-    """What was made: the geoms, the geom or mesh that they were made for, and all that is known of it."""
+    """The new geoms, the geom or mesh that they are for, and the facts about them."""
 
     of: Node
     mesh: Node
@@ -65,9 +73,9 @@ class MeshResult:
 
 @dataclass(slots=True)
 class MeshWorkshop:
-    """`makes` says whether what is not kept is made; an editor has no time for that. `records` has all that was made.
+    """Finds or computes results. Without `makes` it computes none, because an editor has no time for it.
 
-    It has `stopped` where nothing can be made here of any mesh.
+    `records` has all results. `stopped` is set if the tools are missing.
     """
 
     context: Context
@@ -80,62 +88,55 @@ class MeshWorkshop:
         self.store = ShapeStore(self.context)
 
     def shapes_in(self, root: Node) -> tuple[GeneratedShapes, ...]:
-        """All that was made and is in a finished model, by the names that things have there."""
-        found = []
-        for each in self.records:
-            standing = [node for node in each.made if node.getroottree().getroot() is root]
-            if not standing and each.made:
-                continue
-            of = "" if each.of is each.mesh else name_of(each.of) or ""
-            shapes = tuple(name_of(node) or "" for node in standing)
-            found.append(replace(each.about, of=of, mesh=name_of(each.mesh) or "", shapes=shapes))
-        return tuple(found)
+        """Return the generated shapes that are in a finished model, with their final names."""
+        generated = []
+        for record in self.records:
+            left = [node for node in record.made if node.getroottree().getroot() is root]
+            if left or not record.made:
+                of = "" if record.of is record.mesh else name_of(record.of) or ""
+                shapes = tuple(name_of(node) or "" for node in left)
+                generated.append(replace(record.about, of=of, mesh=name_of(record.mesh) or "", shapes=shapes))
+        return tuple(generated)
 
-    def job_for(self, editing: Editing, mesh: Node, method: str, wanted: Any, span: Span) -> MeshJob | None:
-        """What is asked of a mesh of a model; None where its file cannot be had, which is reported."""
+    def job_for(self, editing: Editing, mesh: Node, method: str, wanted: Any, span: Span) -> MeshJob:
+        """Return the work on a mesh of a model. Raises UnusableValue if its file is unreadable, which is reported."""
         if next(mesh.iterchildren("plugin"), None) is not None:
             self._unusable(editing, mesh, "a plugin makes it", span=span)
-            return None
+            raise UnusableValue
         said = {name: text for name in SAID if (text := editing.classes.effective(mesh, None, name))}
         file = mesh.get("file")
         content, suffix = None, ""
         if file:
             content = _content(editing, mesh, str(file), context=self.context)
-            if content is None:
-                return None
             suffix = os.path.splitext(str(file))[1]
             said["file"] = digest(content) + suffix.lower()
-        return MeshJob(
-            mesh, editing.called(mesh), said, content=content, suffix=suffix, method=method, wanted=wanted, span=span
-        )
+        called = editing.called(mesh)
+        return MeshJob(mesh, called, said, content=content, suffix=suffix, method=method, wanted=wanted, span=span)
 
-    def results(self, editing: Editing, job: Sequence[MeshJob]) -> dict[str, dict[str, Any]] | None:
-        """The results by their keys; None where one cannot be had, which is reported, or may not be made now."""
+    def results(self, editing: Editing, jobs: Sequence[MeshJob]) -> dict[str, dict[str, Any]] | None:
+        """Return the results by key; None if the workshop may not work now. Raises UnusableValue for an error."""
         errors = editing.sink.error_count
-        found: dict[str, dict[str, Any]] = {}
-        missing: dict[str, MeshJob] = {}
-        for each in job:
-            if each.key in found or each.key in missing:
-                continue
-            result = self.store.find(each.key, each.span)
-            if result is None:
-                missing[each.key] = each
-            else:
-                found[each.key] = result
-        if editing.sink.error_count > errors or (missing and not self.makes):
+        by_key = {job.key: job for job in reversed(jobs)}
+        stored = {key: self.store.find(key, by_key[key].span) for key in dict.fromkeys(job.key for job in jobs)}
+        results = {key: result for key, result in stored.items() if result is not None}
+        missing = [key for key in stored if key not in results]
+        if editing.sink.error_count > errors:
+            raise UnusableValue
+        if missing and not self.makes:
             return None
         if missing:
-            limits = engine.Limits(seconds=in_force().mesh_time)
-            with engine.Session(limits) as session:
-                for key, each in missing.items():
-                    made = self._make(editing, each, session)
-                    if made is not None:
-                        self.store.keep(key, made)
-                        found[key] = made
+            with engine.Session(engine.Limits(seconds=in_force().mesh_time)) as session:
+                for key in missing:
+                    result = self._make(editing, by_key[key], session)
+                    if result is not None:
+                        self.store.keep(key, result)
+                        results[key] = result
                     elif self.stopped:
                         break
-        self._doubt(editing, job, found)
-        return found if editing.sink.error_count == errors else None
+        self._doubt(editing, jobs, results)
+        if editing.sink.error_count > errors:
+            raise UnusableValue
+        return results
 
     def _make(self, editing: Editing, job: MeshJob, session: engine.Session) -> dict[str, Any] | None:
         attributes = dict(job.mesh)
@@ -144,12 +145,8 @@ class MeshWorkshop:
                 file = folder / f"mesh{job.suffix}"
                 file.write_bytes(job.content)
                 attributes["file"] = str(file)
-            argument = {
-                "mesh": attributes,
-                "method": job.method,
-                "wanted": job.wanted,
-                "most_faces": in_force().mesh_faces,
-            }
+            most = in_force().mesh_faces
+            argument = {"mesh": attributes, "method": job.method, "wanted": job.wanted, "most_faces": most}
             answer = engine.call(session, make, (), argument=argument)
         if not answer.ok:
             self._failed(editing, job, answer.crash, error=answer.error)
@@ -158,7 +155,7 @@ class MeshWorkshop:
         if "missing" in value:
             self.stopped = True
             message = f"`{job.method}` needs the Python package `{value['missing']}`, which is not installed"
-            help = 'run `pip install "mjcompose[mesh]"`; what is locked needs no package'
+            help = 'run `pip install "mjcompose[mesh]"`; locked results need no package'
             editing.sink.error("mesh-tools-missing", message, job.span, help=help)
             return None
         if "unusable" in value:
@@ -170,39 +167,42 @@ class MeshWorkshop:
     def _failed(self, editing: Editing, job: MeshJob, crash: str | None, error: str | None) -> None:
         limits = in_force()
         if crash == "timeout":
-            message = f"what is made of {job.called} takes longer than {limits.mesh_time:g} s"
+            message = f"`{job.method}` of {job.called} takes longer than {limits.mesh_time:g} s"
             editing.sink.error("limit-exceeded", message, job.span, help=advice("mesh-time"))
         elif crash == "memory":
-            message = f"what is made of {job.called} takes more than {limits.memory / GIB:.3g} GiB of memory"
+            message = f"`{job.method}` of {job.called} takes more than {limits.memory / GIB:.3g} GiB of memory"
             editing.sink.error("limit-exceeded", message, job.span, help=advice("memory"))
         else:
             self.stopped = crash in ("missing", "start")
             words = " ".join((error or crash or "").split())
             code = "mujoco-missing" if crash == "missing" else "mesh-unusable"
-            editing.sink.error(code, f"nothing could be made of {job.called}: {words}", job.span)
+            editing.sink.error(code, f"`{job.method}` of {job.called} failed: {words}", job.span)
 
     def _unusable(self, editing: Editing, mesh: Node, why: str, span: Span, limit: str | None = None) -> None:
-        editing.sink.error(
-            "limit-exceeded" if limit else "mesh-unusable",
-            f"nothing can be made of {editing.called(mesh)}: {why}",
-            span,
-            notes=(Note(f"{editing.called(mesh)} is written here", editing.span_of(mesh)),),
-            help=advice(limit) if limit else None,
-            subjects=editing.subjects(mesh),
-        )
+        code, help = ("limit-exceeded", advice(limit)) if limit else ("mesh-unusable", None)
+        message = f"{editing.called(mesh)} cannot be used: {why}"
+        notes = (Note(f"{editing.called(mesh)} is written here", editing.span_of(mesh)),)
+        editing.sink.error(code, message, span, notes=notes, help=help, subjects=editing.subjects(mesh))
 
-    def _doubt(self, editing: Editing, job: Sequence[MeshJob], found: dict[str, dict[str, Any]]) -> None:
-        """Warn of meshes that are hardly what was meant. A flat one is an error before: no shape can be made of it."""
-        reach = _reach(editing)
-        for each in {each.node: each for each in job if each.key in found}.values():
-            mesh = found[each.key]["mesh"]
+    def _doubt(self, editing: Editing, jobs: Sequence[MeshJob], results: dict[str, dict[str, Any]]) -> None:
+        """Warn of meshes that are probably wrong. A flat mesh is an error before: it gives no shape."""
+        # The greatest distance of a body from its parent, in metres.
+        places = [numbers.read(body.get("pos") or "0 0 0") for body in editing.root.iter("body")]
+        lengths = [math.dist((0, 0, 0), place) for place in places if len(place) == 3]
+        reach = max((length for length in lengths if math.isfinite(length)), default=0.0)
+        for each in {job.node: job for job in jobs if job.key in results}.values():
+            mesh = results[each.key]["mesh"]
             facts = Measured(float(mesh["size"]), is_closed=mesh["closed"])
             inside = "`decompose` fills its inside as well as it can" if each.method == "decompose" else None
             for doubt in doubts(facts, reach, inside=inside):
                 help = _OPEN
                 if doubt.kind != "open":
                     scale = numbers.read(each.mesh.get("scale", "1 1 1"))
-                    help = doubt.advice(scale, _set_scale(name_of(each.node) or ""), ", ")
+                    # Doubled braces are single braces in the text.
+                    entry = (
+                        f"{{{{select: {{{{mesh: {word(name_of(each.node) or '')}}}}}, set: {{{{scale: [{{}}]}}}}}}}}"
+                    )
+                    help = doubt.advice(scale, entry, ", ")
                 place = editing.span_of(each.node)
                 cause = Cause(f"{doubt.kind} meshes of {each.span}", f"{each.called} ({place})")
                 message = f"{each.called} {doubt.what}"
@@ -210,20 +210,8 @@ class MeshWorkshop:
                 editing.sink.warning(doubt.code, message, each.span, help=help, cause=cause, notes=notes)
 
 
-def _reach(editing: Editing) -> float:
-    """The greatest distance of a body from the one that holds it, in metres."""
-    places = [numbers.read(body.get("pos") or "0 0 0") for body in editing.root.iter("body")]
-    lengths = [math.dist((0, 0, 0), place) for place in places if len(place) == 3]
-    return max((each for each in lengths if math.isfinite(each)), default=0.0)
-
-
-def _set_scale(name: str) -> str:
-    # Doubled braces are one in the text.
-    return f"{{{{select: {{{{mesh: {word(name)}}}}}, set: {{{{scale: [{{}}]}}}}}}}}"
-
-
-def _content(editing: Editing, mesh: Node, file: str, context: Context) -> bytes | None:
-    """The bytes of a mesh's file; None where they cannot be had, which is reported."""
+def _content(editing: Editing, mesh: Node, file: str, context: Context) -> bytes:
+    """Return the bytes of a mesh's file. Raises UnusableValue if they are unreadable, which is reported."""
     linking = editing.linking
     unit = linking.base
     use = next((each for each in linking.files if each.element is mesh and each.attribute == "file"), None)
@@ -236,5 +224,8 @@ def _content(editing: Editing, mesh: Node, file: str, context: Context) -> bytes
             use = FileUse(mesh, "file", path, source=unit.door.admit(source), content=None)
         except Refused as refused:
             refused.report(editing.sink, editing.span_of(mesh, "file"))
-            return None
-    return read(unit, use, editing.sink, shown=context.shown)
+            raise UnusableValue from None
+    content = read(unit, use, editing.sink, shown=context.shown)
+    if content is None:
+        raise UnusableValue
+    return content

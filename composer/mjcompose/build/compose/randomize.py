@@ -31,27 +31,24 @@ from mjcompose.text.expression_values import Angle, Value
 def draw_values(step: DrawValues, editing: Editing) -> tuple[list[Drawn], list[ElementDraws]]:
     """Write the draw of every selected element, and report at most one error for the field.
 
-    For sample 0 nothing is written. Instead, the draws of all other samples are checked, so that errors are known
-    before those samples are built, and they are returned if a table of draws is wanted.
+    For sample 0, only check the draws of all other samples, so errors are known before those are built. Return the
+    draws for a table if the step needs it.
     """
     entry = step.field
     assert entry.select is not None
     count = Count(entry.expect, entry.optional, at=(*entry.at, "expect"))
     cost = cost_of_draws(0 if step.sample else step.samples, step.tabled)
-    found = select_counted(editing, entry.select, (*entry.at, "select"), count=count, values=cost)
-    draws = _FieldDraws(step, editing, Masses(editing, found))
-    drawn: list[Drawn] = []
-    by: set[tuple[Any, ...]] = set()
+    nodes = select_counted(editing, entry.select, (*entry.at, "select"), count=count, values=cost)
+    draws = _FieldDraws(step, editing, Masses(editing))
+    drawn: dict[object, Drawn] = {}
     tabled: list[ElementDraws] = []
-    zeros = zero_attributes(editing, found, (entry.attr,)) if entry.operation == "scale" else []
+    zeros = zero_attributes(editing, nodes, (entry.attr,)) if entry.operation == "scale" else []
     try:
-        for index, node in enumerate(found):
+        for index, node in enumerate(nodes):
             if step.sample:
-                one = draws.write(node, index)
-                known = (one.element, one.attribute, one.value)
-                if entry.per not in ("body", "part") or known not in by:  # elsewhere each element has its own
-                    drawn.append(one)
-                by.add(known)
+                draw = draws.write(node, index)  # elements of a body or part share draws
+                shared = (draw.element, draw.attribute, draw.value)
+                drawn.setdefault(shared if entry.per in ("body", "part") else index, draw)
                 continue
             draws.check(node, range(1, step.samples + 1))
             if step.tabled:
@@ -59,9 +56,9 @@ def draw_values(step: DrawValues, editing: Editing) -> tuple[list[Drawn], list[E
     except UnusableValue:
         return [], []
     for key in zeros:
-        help = "draw the value itself, or what is added to it, by `offset`"
-        report_only_zeros(editing, found, key, at=entry.drawn_at, help=help)
-    return drawn, tabled
+        help = "draw the value itself, or write `offset`, which adds the draw"
+        report_only_zeros(editing, nodes, key, at=entry.drawn_at, help=help)
+    return list(drawn.values()), tabled
 
 
 @dataclass(slots=True)
@@ -93,10 +90,8 @@ class _FieldDraws:
         items = drawn if isinstance(drawn, list) else [drawn]
         turned = [True] * len(items)
         if unit is None and entry.operation != "scale":
-            unit, turned = (
-                {"degree": "deg", "radian": "rad"}.get(self._angle_settings.angle or ""),
-                self._angles(node),
-            )
+            unit = {"degree": "deg", "radian": "rad"}.get(self._angle_settings.angle or "")
+            turned = self._angles(node)
         written = [
             f"{each!r}{unit}" if unit and is_angle and isinstance(each, int | float) else each
             for each, is_angle in zip_longest(items, turned[: len(items)])
@@ -122,10 +117,9 @@ class _FieldDraws:
             lengths = {len(each) if isinstance(each, tuple) else 1 for each in stated.values()}
             if len(lengths) > 1:
                 counts = " and ".join(map(str, sorted(lengths)))
-                message = f"the values have {counts} numbers, and each of a table has as many"
-                self._fault(
-                    "wrong-length", message, node, help="build without `--as worlds`: each sample is a model then"
-                )
+                message = f"the values have {counts} numbers, and in a table all have the same count"
+                help = "build without `--as worlds`: each sample is a model then"
+                self._fault("wrong-length", message, node, help=help)
             chosen = [stated[id(each)] for each in self._all_drawn(node, samples, 0)]
             return tuple(zip(*chosen, strict=True)) if isinstance(chosen[0], tuple) else (chosen,)
         angles = self._angles(node)
@@ -159,7 +153,7 @@ class _FieldDraws:
         """
         if name := name_of(node):
             return name
-        # Not its place in the model: an element that is added elsewhere must not change its draws.
+        # The place in the model does not count: an element that is added elsewhere must not change the draws.
         parent = parent_of(node)
         if parent is None:
             return str(node.tag)
@@ -176,22 +170,20 @@ class _FieldDraws:
     def _values(self, node: Node) -> Values:
         return Values(self.editing, node, 0, at=self.step.field.drawn_at)
 
-    # -- what is drawn -----------------------------------------------------------------------------------------
+    # -- the draws ---------------------------------------------------------------------------------------------
 
     def _drawn(self, node: Node, sample: int) -> Any:
         """Return the draw in the recipe's unit: a number, a list with a number for each component, or the choice."""
         entry = self.step.field
         _, subscript = attribute_and_index(entry.attr)
 
-        def one(place: int) -> Any:
+        count = None if entry.distribution.is_whole or subscript is not None else self._count(node)
+        draws = []
+        for place in range(1 if count is None else count):
             component, of = self._component(place)
-            found = bits(self.step.seed, sample, entry.stream, element=self._stream(node), component=component)
-            return entry.distribution.draw(found, of)
-
-        if entry.distribution.is_whole or subscript is not None:
-            return one(0)
-        count = self._count(node)
-        return one(0) if count is None else [one(place) for place in range(count)]
+            drawn = bits(self.step.seed, sample, entry.stream, element=self._stream(node), component=component)
+            draws.append(entry.distribution.draw(drawn, of))
+        return draws[0] if count is None else draws
 
     def _all_drawn(self, node: Node, samples: Sequence[int], place: int) -> Sequence[Any]:
         """Return the number at one place of the draw, for each of the samples."""
@@ -216,15 +208,16 @@ class _FieldDraws:
         entry, kind = self.step.field, kind_of(node)
         attribute = kind.attributes.get(entry.attr)
         if attribute is None or not attribute.is_number or attribute.max_length == 1:
-            return None  # what no such element has is reported where it is written
+            return None  # an unknown attribute is reported where it is written
         now = self._values(node).now(attribute)
         wanted = entry.distribution.components
         have = len(now) if isinstance(now, tuple) else None
         if now is None:
             have = wanted or (attribute.max_length if attribute.max_length == attribute.min_length else None)
         if have is None and now is None:
-            message = f"{self.editing.called(node)} has no `{entry.attr}`: how many numbers are to be drawn?"
-            self._fault("wrong-length", message, node, help=f'draw one, `attr: "{entry.attr}[0]"`, or a list of bounds')
+            message = f"{self.editing.called(node)} has no `{entry.attr}`, so the number of draws is unknown"
+            help = f'draw one number, `attr: "{entry.attr}[0]"`, or write a list of bounds'
+            self._fault("wrong-length", message, node, help=help)
         if wanted is not None and wanted != have:
             numbers = "1 number" if have is None else f"{have} numbers"
             expected = f"`{entry.distribution.kind}` {wanted}"
@@ -232,7 +225,7 @@ class _FieldDraws:
             self._fault("wrong-length", message, node)
         return have
 
-    # -- whether it can be ---------------------------------------------------------------------------------------
+    # -- checks --------------------------------------------------------------------------------------------------
 
     def check(self, node: Node, samples: Sequence[int]) -> None:
         """Report the first sample whose draw makes a number that has no meaning. Raises `UnusableValue`."""
@@ -271,7 +264,7 @@ class _FieldDraws:
             if number < 0:
                 called = self.editing.called(node)
                 message = f"sample {sample} of field `{entry.name}` gives {called} the {entry.attr} {number:.6g}"
-                help = "draw from what has a bound: `truncnormal: {mean: …, std: …, min: 0, max: …}`"
+                help = "draw from a distribution with bounds: `truncnormal: {mean: …, std: …, min: 0, max: …}`"
                 self._fault("out-of-range", message, node, help=help)
 
     def _check_unit(self, node: Node) -> None:
@@ -289,7 +282,7 @@ class _FieldDraws:
         if bare:
             called, kind = self.editing.called(node), distribution.kind
             message = f"`{entry.attr}` of {called} is an angle, and `{kind}` has no unit"
-            help = "write the unit behind the numbers (`5deg`, `0.1rad`), or `angle: degree` at the top of the recipe"
+            help = "write the unit after the numbers (`5deg`, `0.1rad`), or `angle: degree` at the top of the recipe"
             self._fault("bare-angle", message, node, help=help)
 
     def _angles(self, node: Node) -> list[bool]:

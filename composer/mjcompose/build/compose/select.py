@@ -27,10 +27,7 @@ _SHOWN = 12
 
 
 def select(editing: Editing, selector: Selector, path: Path) -> list[Node] | None:
-    """Return the selected elements, or None if the selector itself has an error, which is reported.
-
-    No elements are not an error here.
-    """
+    """Return the selected elements, perhaps none, or None if the selector itself has an error, which is reported."""
     selection = _selection(editing)
     if not editing.cost.allows(cost_of_selecting(selector, editing.root), editing.sink, editing.span(path)):
         return None
@@ -45,7 +42,7 @@ def select(editing: Editing, selector: Selector, path: Path) -> list[Node] | Non
 
 
 class Count(NamedTuple):
-    """How many elements a selector may select: `expect` if it says so, none if it is `optional`; `at` says it."""
+    """The number of elements that a selector may select: `expect` at the place `at`, or none if it is `optional`."""
 
     expect: int | None
     optional: bool
@@ -76,14 +73,9 @@ def _selection(editing: Editing) -> Selection:
     def holds(node: Node, selector: Selector) -> bool:
         return _holds(editing, selection, node, selector=selector)
 
-    linking = editing.linking
+    separator, base_class = editing.linking.request.separator, editing.linking.base_class
     selection = Selection(
-        editing.root,
-        editing.classes,
-        linking.request.separator,
-        parts=editing.parts,
-        base_class=linking.base_class,
-        holds=holds,
+        editing.root, editing.classes, separator, parts=editing.parts, base_class=base_class, holds=holds
     )
     return selection
 
@@ -153,7 +145,7 @@ def _attributes_of(family: str) -> frozenset[str]:
 
 
 def _in_its_unit(values: Values, attribute: Attribute, index: int | None, meant: Any) -> Any:
-    """Return what a condition compares with; angles are in the unit in which the element's value is given."""
+    """Return the value to compare with, with angles in the unit of the element's value."""
     if isinstance(meant, list):
         return [_in_its_unit(values, attribute, n, meant=each) for n, each in enumerate(meant)]
     angle = Angle.read(meant) if isinstance(meant, str) else None

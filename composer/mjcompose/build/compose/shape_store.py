@@ -1,8 +1,7 @@
-"""What was made of meshes, kept by content: beside the recipe for everybody, and in the store of this machine.
+"""Results of work on meshes, stored by content: next to the recipe for everybody, and in the store of this machine.
 
-A result follows from the bytes of a mesh, what its element says of it, a method and its settings: the hash of these is
-its key. CoACD may give other pieces on another machine or in another version. So the first result of a key that is
-kept beside the recipe counts, whatever would come out here and now; the lock pins its bytes.
+The key of a result is the hash of the mesh's bytes and attributes, the method and its settings. CoACD may give other
+pieces on another machine or in another version, so a result next to the recipe counts; the lock pins its bytes.
 """
 
 from __future__ import annotations
@@ -26,7 +25,7 @@ from mjcompose.sources.lock import shapes_folder
 from mjcompose.sources.store import store_folder
 
 FORMAT = 1
-"""Another one where the same key would have to give another result."""
+"""It changes when the same input must give another result."""
 _MOST = 256 * MIB
 _SHAPES = {
     "mesh": ("vertices", "faces"),
@@ -36,24 +35,24 @@ _ERRORS = ("hausdorff", "beyond", "short", "uncovered", "volume", "samples")
 
 
 def shapes_key(mesh: dict[str, str], method: str, wanted: Any) -> str:
-    """The key of a result; `mesh` has the attributes, of a file the hash of its bytes. No I/O."""
+    """Return the key of a result; `mesh` has the attributes, with the hash of a file's bytes. No I/O."""
     return blobs.key_of([FORMAT, sorted(mesh.items()), method, wanted])
 
 
 @dataclass(slots=True)
 class ShapeStore:
-    """Finds and keeps results. `used` has the bytes of those that were asked for, by key."""
+    """Finds and keeps results. `used` has the bytes of the requested results, by key."""
 
     context: Context
     used: dict[str, bytes] = field(default_factory=dict)
 
     def find(self, key: str, span: Span) -> dict[str, Any] | None:
-        """The result of a key; None where there is none, or a broken one beside the recipe, which is reported."""
-        content = self._beside(key, span) or blobs.get(self._store, "shapes", key)
+        """Return the result of a key; None without a result, or if the file is broken, which is reported."""
+        content = self._beside(key, span) or blobs.get(store_folder(self.context.environment), "shapes", key)
         if content is None:
             return None
         try:
-            found = parse_shapes(json.loads(content))
+            result = parse_shapes(json.loads(content))
         except (ValueError, RecursionError):
             path = self.path(key)
             message = f"`{self.context.shown(path) if path else key}` is not a collision shape that mjcompose made"
@@ -61,28 +60,24 @@ class ShapeStore:
             self.context.sink.error("lock-invalid", message, span, help=help)
             return None
         self.used[key] = content
-        return found
+        return result
 
-    def keep(self, key: str, found: dict[str, Any]) -> None:
+    def keep(self, key: str, result: dict[str, Any]) -> None:
         """Put a result into the store of this machine."""
-        content = (json.dumps(found, separators=(",", ":"), sort_keys=True, allow_nan=False) + "\n").encode()
+        content = (json.dumps(result, separators=(",", ":"), sort_keys=True, allow_nan=False) + "\n").encode()
         self.used[key] = content
         with contextlib.suppress(OSError):  # it is computed again the next time
-            blobs.put(self._store, "shapes", key, content=content)
+            blobs.put(store_folder(self.context.environment), "shapes", key, content=content)
 
     def path(self, key: str) -> Path | None:
-        """Where a result is kept beside the recipe, or would be."""
+        """Return the path of a result next to the recipe."""
         fetching = self.context.fetching
         if fetching is None or fetching.lock_file is None:
             return None
         return shapes_folder(fetching.lock_file) / f"{key}.json"
 
-    @property
-    def _store(self) -> str:
-        return store_folder(self.context.environment)
-
     def _beside(self, key: str, span: Span) -> bytes | None:
-        """What is kept beside the recipe, if it is what the lock pins; the lock is asked in any case."""
+        """Return the file next to the recipe, and report if it is not in the lock."""
         path, fetching = self.path(key), self.context.fetching
         if path is None or fetching is None:
             return None
@@ -108,34 +103,32 @@ class ShapeStore:
         if pinned is None or content is None:
             if fetching.remakes_shapes:
                 return
-            what = f"{lock} does not pin what is made of the mesh"
+            message = f"{lock} has no entry for the shapes of the mesh"
             if pinned is not None:
-                what = f"`{shown}`, which {lock} pins, does not exist"
+                message = f"`{shown}`, which {lock} pins, does not exist"
             report = self.context.sink.error if fetching.locked else self.context.sink.warning
-            help = f"run `mjcompose lock {fetching.recipe}` and commit what it writes"
-            report("lock-stale", what, span, help=help)
+            help = f"run `mjcompose lock {fetching.recipe}` and commit the files that it writes"
+            report("lock-stale", message, span, help=help)
         elif blobs.digest(content) != pinned:
             help = "take it from version control, or remove it and run `mjcompose lock`"
-            self.context.sink.error("source-changed", f"`{shown}` is not what {lock} pins", span, help=help)
+            self.context.sink.error("source-changed", f"`{shown}` differs from {lock}", span, help=help)
 
 
 def parse_shapes(data: Any) -> dict[str, Any]:
-    """A result of the right form: whoever keeps a file may have changed it. Raises ValueError. No I/O."""
+    """Return the result if it is valid: somebody may have changed the file. Raises ValueError. No I/O."""
     if not isinstance(data, dict) or {*data} != {"shapes", "error", "mesh", "made_with"}:
         raise ValueError("no result")
     shapes, error, mesh = data["shapes"], data["error"], data["mesh"]
     if not isinstance(shapes, list) or not shapes or not all(map(_is_shape, shapes)):
         raise ValueError("no shapes")
-    if (
-        not isinstance(error, dict)
-        or {*error} != {*_ERRORS}
-        or not all(value is None or _is_number(value) for value in error.values())
-    ):
+    if not isinstance(error, dict) or {*error} != {*_ERRORS}:
+        raise ValueError("no errors")
+    if not all(value is None or _is_number(value) for value in error.values()):
         raise ValueError("no errors")
     if not isinstance(mesh, dict) or not isinstance(mesh.get("faces"), int) or not _is_number(mesh.get("size")):
         raise ValueError("no mesh")
     if not isinstance(data["made_with"], dict):
-        raise ValueError("made with nothing")
+        raise ValueError("no versions")
     return data
 
 
@@ -154,11 +147,11 @@ def _is_shape(shape: Any) -> bool:
     vertices, faces = shape["vertices"], shape["faces"]
     if not isinstance(vertices, list) or not isinstance(faces, list) or len(vertices) < 4 or len(faces) < 4:
         return False
-    return all(isinstance(each, list) and len(each) == 3 and all(map(_is_number, each)) for each in vertices) and all(
-        isinstance(each, list)
-        and len(each) == 3
-        and all(type(corner) is int and 0 <= corner < len(vertices) for corner in each)
-        for each in faces
+    if not all(isinstance(each, list) and len(each) == 3 for each in (*vertices, *faces)):
+        return False
+    corners = (corner for face in faces for corner in face)
+    return all(_is_number(value) for vertex in vertices for value in vertex) and all(
+        type(corner) is int and 0 <= corner < len(vertices) for corner in corners
     )
 
 
@@ -167,7 +160,7 @@ def _is_number(value: Any) -> bool:
 
 
 def shapes_beside(folder: Path) -> dict[str, Path]:
-    """The results that a folder beside a recipe has, by key."""
+    """Return the files of results in a folder next to a recipe, by key."""
     try:
         names = os.listdir(folder)
     except OSError:

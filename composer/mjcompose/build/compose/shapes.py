@@ -1,9 +1,7 @@
-"""Verbs `collision` and `simplify`: meshes that are replaced or made smaller.
+"""Verbs `collision` and `simplify`: collision shapes for meshes, and meshes with fewer faces.
 
-Verb `collision`: new geoms touch in the place of a mesh's geom, which stays as it is seen.
-
-The mass and the inertia of a body stay what they were: the old geom keeps what it weighs, and the new ones weigh
-nothing.
+New geoms collide instead of the geom of a mesh, which stays visible. The mass and the inertia of the body stay as they
+are: the old geom keeps its mass, and the new geoms have none.
 """
 
 from __future__ import annotations
@@ -21,8 +19,7 @@ from mjcompose.base.diagnostic import Fault, Note, Path
 from mjcompose.base.rotation import IDENTITY_QUAT, ORIGIN, Pose
 from mjcompose.build.compose.editing import Editing
 from mjcompose.build.compose.mesh_jobs import MeshJob, MeshResult, MeshWorkshop
-from mjcompose.build.compose.values import UnusableValue, report_unusable
-from mjcompose.build.plan.plan import GeneratedShapes
+from mjcompose.build.compose.values import report_unusable
 from mjcompose.link import numbers
 from mjcompose.link.files import ASSETS
 from mjcompose.link.inertia import has_mass
@@ -41,7 +38,7 @@ _FILE_NAME = re.compile(r"[^\w.+-]")
 
 
 def to_obj(shape: Mapping[str, Any]) -> bytes:
-    r"""Vertices and faces as a file.
+    r"""Return vertices and faces as an OBJ file.
 
     >>> to_obj({"vertices": [[0, 0, 0], [1, 0, 0.5], [0, 1, 0]], "faces": [[0, 1, 2]]}).decode()
     'v 0 0 0\nv 1 0 0.5\nv 0 1 0\nf 1 2 3\n'
@@ -52,117 +49,91 @@ def to_obj(shape: Mapping[str, Any]) -> bytes:
 
 
 def write_file(editing: Editing, mesh: Node, name: str, key: str, shape: Mapping[str, Any]) -> None:
-    """Give a mesh the shape as its file, where it stands as the shape says, whatever its class says of scales."""
+    """Give a mesh the shape as its file, and cancel the scale and pose that its class may have."""
     linking, unit = editing.linking, editing.linking.base
     content = to_obj(shape)
-    # The key keeps it apart from every file that the model has.
-    file = f"{_FILE_NAME.sub('_', name)}.{key[:8]}.obj"
-    classes = dict.fromkeys(_NEUTRAL)
-    for attribute in (*classes, "content_type", "vertex", "normal", "texcoord", "face", "builtin", "params"):
+    for attribute in (*_NEUTRAL, "content_type", "vertex", "normal", "texcoord", "face", "builtin", "params"):
         mesh.attrib.pop(attribute, "")
     for attribute, neutral in _NEUTRAL.items():
         if (editing.effective(mesh, attribute) or neutral).split() != neutral.split():
             mesh.set(attribute, neutral)
     linking.files = [use for use in linking.files if use.element is not mesh]
+    # The key makes the name differ from every file that the model has.
     if editing.own:
+        file = f"{_FILE_NAME.sub('_', name)}.{key[:8]}.obj"
         mesh.set("file", file)
-        path = written_path(unit.settings, mesh, file)
-        unit.contents = {**unit.contents, path: content}
+        unit.contents = {**unit.contents, written_path(unit.settings, mesh, file): content}
         return
-    folders, _, last = name.rpartition("/")
-    path = f"{ASSETS}/{_folder(folders)}{_FILE_NAME.sub('_', last)}.{key[:8]}.obj"
+    *names, last = [_FILE_NAME.sub("_", each) for each in name.split("/")]
+    path = "/".join([ASSETS, *filter(None, (each.strip(".") for each in names)), f"{last}.{key[:8]}.obj"])
     mesh.set("file", path)
     linking.files.append(FileUse(mesh, "file", path, source=held(os.path.join(unit.directory, path)), content=content))
-
-
-def _folder(names: str) -> str:
-    steps = [_FILE_NAME.sub("_", each).strip(".") for each in names.split("/")]
-    return "".join(f"{each}/" for each in steps if each)
 
 
 _TAKEN = (
     "condim", "priority", "friction", "solmix", "solref", "solimp", "margin", "gap", "surfacevel", "adhesion",
 )  # fmt: skip
-"""What a geom says of its contacts; the new ones say the same, and are of the same class."""
+"""The new geoms have these attributes and the class of the old geom."""
 _UNSEEN = 3
-"""MuJoCo's viewers show the groups 0 to 2 as long as nobody asks for more."""
+"""MuJoCo's viewers show the groups 0 to 2 by default."""
 _SUFFIXES = {"hull": "hull", "decompose": "part", "spheres": "sphere"}
 
 
 def make_collision_geoms(
     editing: Editing, workshop: MeshWorkshop, found: list[Node], how: Collision, at: Path
 ) -> list[MeshResult]:
-    """Make the geoms; gives what was made, or nothing where there was no time for it."""
-    span = editing.span(at)
-    asked: list[tuple[Node, MeshJob]] = []
+    """Make the geoms and return the results; none if the workshop may not work now."""
+    jobs: list[tuple[Node, MeshJob]] = []
     for node in found:
         mesh = _mesh_of(editing, node, at)
         _check_free(editing, node, at)
-        each = workshop.job_for(editing, mesh, how.method, wanted=how.wanted, span=span)
-        if each is None:
-            raise UnusableValue
-        asked.append((node, each))
-    before = editing.sink.error_count
-    results = workshop.results(editing, [each for _, each in asked])
+        jobs.append((node, workshop.job_for(editing, mesh, how.method, wanted=how.wanted, span=editing.span(at))))
+    results = workshop.results(editing, [job for _, job in jobs])
     if results is None:
-        if editing.sink.error_count > before:
-            raise UnusableValue
         return []
     meshes: dict[tuple[str, int], str] = {}
     records = [
-        _collision_result(editing, node, each, result=results[each.key], meshes=meshes, at=at) for node, each in asked
+        _collision_result(editing, node, job, result=results[job.key], meshes=meshes, at=at) for node, job in jobs
     ]
     workshop.records += records
     return records
 
 
 def _mesh_of(editing: Editing, node: Node, at: Path) -> Node:
-    """The asset of a geom, which must be of type `mesh`."""
+    """Return the asset of a geom, which must be of type `mesh`."""
     type = editing.effective(node, "type") or "sphere"
     name = editing.effective(node, "mesh")
     if type != "mesh" or not name:
-        what = f"it is of type `{type}`"
-        help = "select the geoms of meshes alone: `where: {type: mesh}`"
-        if type in ("box", "sphere", "capsule", "cylinder", "ellipsoid") and not name:
-            what = f"it is a {type} already"
-        report_unusable(
-            editing,
-            node,
-            Fault("wrong-type", f"{editing.called(node)} has no mesh to start from: {what}", at, help=help),
-        )
+        is_shape = type in ("box", "sphere", "capsule", "cylinder", "ellipsoid") and not name
+        reason = f"it is a {type} already" if is_shape else f"it is of type `{type}`"
+        help = "select only the geoms of meshes: `where: {type: mesh}`"
+        message = f"{editing.called(node)} has no mesh to start from: {reason}"
+        report_unusable(editing, node, Fault("wrong-type", message, at, help=help))
     ends = numbers.read(editing.effective(node, "fromto") or "")
     if node.get("mesh") is None or (ends and not any(map(math.isnan, ends))):
-        what = "its mesh" if node.get("mesh") is None else "`fromto`"
-        message = f"a class gives {editing.called(node)} {what}, and would give it to the new geoms too"
+        inherited = "its mesh" if node.get("mesh") is None else "`fromto`"
+        message = f"a class gives {editing.called(node)} {inherited}, and would give it to the new geoms too"
         report_unusable(editing, node, Fault("not-supported", message, at, help="write it on the geoms"))
-    return find_mesh(editing, node, str(name), at=at)
+    return _named_mesh(editing, node, str(name), at=at)
 
 
-def find_mesh(editing: Editing, node: Node, name: str, at: Path) -> Node:
-    """The asset of that name, which a geom names."""
+def _named_mesh(editing: Editing, node: Node, name: str, at: Path) -> Node:
     mesh = editing.find_node("mesh", name)
     if mesh is None:
-        report_unusable(
-            editing, node, Fault("unknown-name", f"the mesh `{name}` of {editing.called(node)} does not exist", at)
-        )
-    assert mesh is not None
+        message = f"the mesh `{name}` of {editing.called(node)} does not exist"
+        report_unusable(editing, node, Fault("unknown-name", message, at))
     return mesh
 
 
 def _check_free(editing: Editing, node: Node, at: Path) -> None:
-    """What names the geom for its contacts would be about something that touches nothing."""
+    """Report pairs and sensors of the contacts of a geom, which will have no contacts."""
     name = name_of(node)
-    if not name:
-        return
-    users = [
-        each.node
-        for each in referrers(editing, "geom", name)
-        if each.node.tag == "pair" or (each.node.tag == "contact" and section_of(each.node) == "sensor")
-    ]
+    nodes = [each.node for each in referrers(editing, "geom", name)] if name else []
+    users = [each for each in nodes if each.tag == "pair" or (each.tag == "contact" and section_of(each) == "sensor")]
     if users:
-        notes = tuple(Note(f"{editing.called(each)} names it", editing.span_of(each)) for each in users)
-        message = f"{editing.called(node)} cannot get other collision shapes: its contacts are referred to"
-        help = "remove what names it, or select the other geoms"
+        notes = tuple(Note(f"{editing.called(user)} names it", editing.span_of(user)) for user in users)
+        message = f"{editing.called(node)} cannot have other collision shapes: elements refer to its contacts"
+        help = "remove these elements, or select other geoms"
         report_unusable(editing, node, Fault("still-referred-to", message, at, notes=notes, help=help))
 
 
@@ -173,7 +144,7 @@ def _collision_result(
     shapes = result["shapes"]
     many = len(shapes) > 1 or job.method in ("decompose", "spheres")
     pose = _pose(editing, node)
-    made = []
+    geoms = []
     for number, shape in enumerate(shapes):
         suffix = _SUFFIXES.get(job.method, shape["type"])
         end = f"_{suffix}{number:0{len(str(len(shapes) - 1))}d}" if many else f"_{suffix}"
@@ -188,34 +159,23 @@ def _collision_result(
             own = Pose(tuple(shape["pos"]), tuple(shape["quat"]))
             given = {"type": shape["type"], "size": numbers.text(shape["size"])}
             _write(editing, node, geom, given=given, pose=pose @ own)
-        made.append(geom)
+        geoms.append(geom)
     parent = node.getparent()
     assert parent is not None
-    place = parent.index(node) + 1
-    for number, geom in enumerate(made):
-        parent.insert(place + number, geom)
+    for index, geom in enumerate(geoms, parent.index(node) + 1):
+        parent.insert(index, geom)
         _leave_out(editing, geom)
         editing.making.origins.own(geom, editing.span(at))
         editing.note(geom)
     assign(editing, node, {"contype": "0", "conaffinity": "0"})
     editing.write(node, {"contype": at, "conaffinity": at})
-    about = GeneratedShapes(
-        name_of(node) or "",
-        mesh_name,
-        job.method,
-        wanted=job.wanted,
-        shapes=tuple(name_of(geom) or "" for geom in made),
-        faces=result["mesh"]["faces"],
-        error=result["error"],
-        made_with=result["made_with"],
-        key=job.key,
-        span=job.span,
-    )
-    return MeshResult(node, job.node, tuple(made), about=about)
+    names = tuple(name_of(geom) or "" for geom in geoms)
+    about = job.shapes_of(name_of(node) or "", result, shapes=names, faces=result["mesh"]["faces"])
+    return MeshResult(node, job.node, tuple(geoms), about=about)
 
 
 def _write(editing: Editing, old: Node, geom: Node, given: Mapping[str, str], pose: Pose) -> None:
-    """Return the attributes of a new geom, without those that undo what its class says."""
+    """Write the attributes of a new geom, except for those that depend on its class."""
     if old.get("class"):
         geom.set("class", str(old.get("class")))
     for name, text in given.items():
@@ -226,7 +186,7 @@ def _write(editing: Editing, old: Node, geom: Node, given: Mapping[str, str], po
         geom.set("quat", numbers.text(pose.quat))
     contype, conaffinity = (int(float(editing.effective(old, name) or 1)) for name in ("contype", "conaffinity"))
     if not contype and not conaffinity:
-        contype = conaffinity = 1  # it was only seen: now it touches, as MuJoCo's geoms do
+        contype = conaffinity = 1  # the old geom was only visible; the new geoms collide as MuJoCo's geoms do
     geom.set("contype", str(contype))
     geom.set("conaffinity", str(conaffinity))
     geom.set("group", str(max(_UNSEEN, int(float(editing.effective(old, "group") or 0)))))
@@ -237,7 +197,7 @@ def _write(editing: Editing, old: Node, geom: Node, given: Mapping[str, str], po
 
 
 def _leave_out(editing: Editing, geom: Node) -> None:
-    """Take back what the class says and the shape does not, and leave out what MuJoCo says anyway."""
+    """Cancel attributes of the class that the shape does not have, and remove MuJoCo's own defaults."""
     classes, childclass = editing.classes, childclass_of(geom)
     if geom.get("pos") is None and numbers.read(classes.effective(geom, childclass, "pos") or "0") != [0.0] * 3:
         geom.set("pos", "0 0 0")
@@ -252,7 +212,7 @@ def _leave_out(editing: Editing, geom: Node) -> None:
 
 
 def _pose(editing: Editing, node: Node) -> Pose:
-    """Return the pose of a geom in its body, with what its class says."""
+    """Return the pose of a geom in its body, with the attributes of its class."""
     given = {name: str(node.get(name)) for name in ("pos", *ORIENTATIONS) if node.get(name)}
     if "pos" not in given and (pos := editing.effective(node, "pos")):
         given["pos"] = pos
@@ -264,10 +224,10 @@ def _pose(editing: Editing, node: Node) -> Pose:
 
 
 def _orientation(editing: Editing, node: Node) -> tuple[str, str] | None:
-    """The orientation that a class gives a geom."""
+    """Return the orientation that a class gives a geom."""
     name = node.get("class") or childclass_of(node)
-    found = editing.classes.get(str(name) if name else None)
-    return None if found is None else found.orientation("geom")
+    dclass = editing.classes.get(str(name) if name else None)
+    return None if dclass is None else dclass.orientation("geom")
 
 
 def _new_mesh(editing: Editing, job: MeshJob, name: str, shape: Mapping[str, Any], at: Path) -> str:
@@ -277,7 +237,7 @@ def _new_mesh(editing: Editing, job: MeshJob, name: str, shape: Mapping[str, Any
     mesh = section.makeelement("mesh", {"name": free})
     section.append(mesh)
     write_file(editing, mesh, free, key=job.key, shape=shape)
-    # A thin piece would have too little volume for MuJoCo's inertia; nothing weighs anything by it.
+    # A thin piece has too little volume for MuJoCo's inertia; the geoms have no mass anyway.
     mesh.set("inertia", "shell")
     editing.making.origins.own(mesh, editing.span(at))
     editing.note(mesh)
@@ -285,7 +245,7 @@ def _new_mesh(editing: Editing, job: MeshJob, name: str, shape: Mapping[str, Any
 
 
 def _free(editing: Editing, namespace: str, name: str) -> str:
-    """The name, or with a number where something has it already."""
+    """Return the name, with a number if it is taken."""
     free, number = name, 1
     while editing.find_node(namespace, free) is not None:
         number += 1
@@ -296,29 +256,25 @@ def _free(editing: Editing, namespace: str, name: str) -> str:
 def simplify_meshes(
     editing: Editing, workshop: MeshWorkshop, found: list[Node], faces: int, at: Path
 ) -> list[MeshResult]:
-    """Give the meshes fewer faces; what has no more than that stays as it is."""
-    span = editing.span(at)
-    asked: list[MeshJob] = []
+    """Give the meshes fewer faces. A mesh that has no more than these stays as it is."""
+    jobs: list[MeshJob] = []
     for mesh in dict.fromkeys(_mesh(editing, node, at) for node in found):
         for geom in _geoms(editing, name_of(mesh) or ""):
-            if _is_weighed(editing, geom):
-                what = f"the inertia of {_body(editing, geom)} follows from it"
-                message = f"{editing.called(mesh)} cannot be simplified: {what}"
-                help = "write the `inertial` of the body, or give the geom `mass: 0` if another one has its mass"
+            body = next(geom.iterancestors("body"), None)
+            if body is None or not has_mass(geom, editing.classes):
+                continue
+            if not own(body, "inertial") or editing.linking.flat().settings.inertiafromgeom == "true":
+                reason = f"the inertia of {editing.called(body)} depends on it"
+                message = f"{editing.called(mesh)} cannot be simplified: {reason}"
+                help = "write the `inertial` of the body, or give the geom `mass: 0` if another geom has its mass"
                 report_unusable(editing, geom, Fault("mesh-unusable", message, at, help=help))
-        each = workshop.job_for(editing, mesh, "simplify", wanted={"faces": faces}, span=span)
-        if each is None:
-            raise UnusableValue
-        asked.append(each)
-    before = editing.sink.error_count
-    results = workshop.results(editing, asked)
+        jobs.append(workshop.job_for(editing, mesh, "simplify", wanted={"faces": faces}, span=editing.span(at)))
+    results = workshop.results(editing, jobs)
     if results is None:
-        if editing.sink.error_count > before:
-            raise UnusableValue
         return []
-    for each in asked:
-        _check_textures(editing, each.node, results[each.key], at=at)
-    records = [_simplify_result(editing, each, results[each.key], at=at) for each in asked]
+    for job in jobs:
+        _check_textures(editing, job.node, results[job.key], at=at)
+    records = [_simplify_result(editing, job, results[job.key], at=at) for job in jobs]
     workshop.records += records
     return records
 
@@ -329,7 +285,7 @@ def _mesh(editing: Editing, node: Node, at: Path) -> Node:
     name = editing.effective(node, "mesh") if node.tag == "geom" else None
     if not name:
         report_unusable(editing, node, Fault("wrong-type", f"{editing.called(node)} has no mesh to simplify", at))
-    return find_mesh(editing, node, str(name), at=at)
+    return _named_mesh(editing, node, str(name), at=at)
 
 
 def _geoms(editing: Editing, mesh: str) -> Iterator[Node]:
@@ -339,28 +295,15 @@ def _geoms(editing: Editing, mesh: str) -> Iterator[Node]:
                 yield geom
 
 
-def _body(editing: Editing, geom: Node) -> str:
-    holder = next(geom.iterancestors("body"), None)
-    return "the world" if holder is None else editing.called(holder)
-
-
-def _is_weighed(editing: Editing, geom: Node) -> bool:
-    """Whether the mass of a body comes from the geom, or may."""
-    holder = next(geom.iterancestors("body"), None)
-    if holder is None or not has_mass(geom, editing.classes):
-        return False
-    return not own(holder, "inertial") or editing.linking.flat().settings.inertiafromgeom == "true"
-
-
 def _check_textures(editing: Editing, mesh: Node, result: Mapping[str, Any], at: Path) -> None:
-    """Fewer faces do not say where a picture goes on them."""
+    """Report a texture whose place on fewer faces is unknown."""
     if not result["mesh"]["mapped"]:
         return
     for geom in _geoms(editing, name_of(mesh) or ""):
         name = editing.effective(geom, "material") or mesh.get("material")
         material = editing.find_node("material", str(name)) if name else None
         if material is not None and (material.get("texture") or len(material)):
-            message = f"{editing.called(mesh)} cannot be simplified: it says where the texture of `{name}` goes"
+            message = f"{editing.called(mesh)} cannot be simplified: it maps the texture of `{name}`"
             help = "select the meshes of geoms without a texture"
             report_unusable(editing, geom, Fault("mesh-unusable", message, at, help=help))
 
@@ -368,18 +311,7 @@ def _check_textures(editing: Editing, mesh: Node, result: Mapping[str, Any], at:
 def _simplify_result(editing: Editing, job: MeshJob, result: Mapping[str, Any], at: Path) -> MeshResult:
     mesh, name = job.node, name_of(job.node) or ""
     shape = result["shapes"][0]
-    about = GeneratedShapes(
-        "",
-        name,
-        "simplify",
-        wanted=job.wanted,
-        shapes=(),
-        faces=len(shape["faces"]),
-        error=result["error"],
-        made_with=result["made_with"],
-        key=job.key,
-        span=job.span,
-    )
+    about = job.shapes_of("", result, shapes=(), faces=len(shape["faces"]))
     if len(shape["faces"]) < result["mesh"]["faces"]:
         with changing(editing, mesh):
             if not mesh.get("name"):

@@ -1,9 +1,9 @@
-"""Values in an edit for one element, also a body's mass."""
+"""Values in an edit for one element, and the mass of a body."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NoReturn
 
@@ -33,25 +33,19 @@ if TYPE_CHECKING:
 def report_unusable(editing: Editing, node: Node, fault: Fault, it: str | None = None) -> NoReturn:
     """Report the fault, with the place where the element is written, and raise `UnusableValue`.
 
-    The entry ends there, since the other elements would have the same fault. `it` is what the note calls the element,
-    in place of its tag and name.
+    The entry ends there, because the other elements would have the same fault. `it` replaces the tag and name of the
+    element in the note.
     """
     notes = fault.all_notes()
-    # A number without a unit is a fault of the recipe, wherever the element is.
-    if fault.code != "bare-angle":
+    if fault.code != "bare-angle":  # the place of the element does not matter for a number without a unit
         notes.append(Note(f"{it or editing.called(node)} is written here", editing.span_of(node)))
-    message = fault.message
-    span = editing.span(fault.at, key=fault.key)
-    help = fault.help
-    fix = fault.fix
-    editing.sink.error(
-        fault.code, message, span, notes=notes, help=help, subjects=(*fault.names, *editing.subjects(node)), fix=fix
-    )
+    span, subjects = editing.span(fault.at, key=fault.key), (*fault.names, *editing.subjects(node))
+    editing.sink.error(fault.code, fault.message, span, notes=notes, help=fault.help, subjects=subjects, fix=fault.fix)
     raise UnusableValue
 
 
 VALUE = "value"
-# Newer MuJoCo takes higher coefficients as well; without them it is a number like any other.
+# Newer MuJoCo has higher coefficients. Without them, the value is one number.
 POLYNOMIALS = ("damping", "stiffness")
 RESERVED = ("name", "parent", "index")
 
@@ -89,8 +83,8 @@ class Values:
         scope = self.scope
         if value is not None:
             scope[VALUE] = value
-        found = self.evaluated(written, at, scope, needs_value=value is None)
-        return list(found) if isinstance(found, tuple) else found
+        result = self.evaluated(written, at, scope, needs_value=value is None)
+        return list(result) if isinstance(result, tuple) else result
 
     def evaluated(self, text: str, at: Path, scope: Mapping[str, Value], *, needs_value: bool = False) -> Value:
         """Return the value of a text with `${…}`. Names that are not in the scope are attributes of the element."""
@@ -104,32 +98,22 @@ class Values:
             raise UnusableValue from None
 
     def _report(self, error: ExpressionError, at: Path, scope: Mapping[str, Value], needs_value: bool) -> None:
-        editing = self.editing
-        node = find(editing.making.document, at)
-        span = locate(editing.making.document, at)
-        notes = (Note(f"for {editing.called(self.node)}", editing.span_of(self.node)),)
-        subjects = editing.subjects(self.node)
-        if not isinstance(error, UnknownName):
-            editing.sink.error("expression", error.message, span, notes=notes, help=error.help, subjects=subjects)
-            return
-        subjects = (error.name, *subjects)
-        if error.name == VALUE and needs_value:
-            what = next(step for step in reversed(at) if isinstance(step, str))
-            message = f"`value` does not exist: {editing.called(self.node)} has no `{what}` yet"
-            editing.sink.error("expression", message, span, notes=notes, subjects=subjects)
-            return
-        if error.name in kind_of(self.node).attributes:
-            message = f"{editing.called(self.node)} has no `{error.name}`: nothing gives it one"
-            editing.sink.error("expression", message, span, notes=notes, subjects=subjects)
-            return
-        editing.sink.error(
-            "unknown-name",
-            f"`{error.name}` does not exist in this expression",
-            span if not isinstance(node, Scalar) else node.span,
-            notes=(exists_note("name", list(scope), error.name),),
-            help=did_you_mean(error.name, list(scope)),
-            subjects=subjects,
-        )
+        editing, node = self.editing, find(self.editing.making.document, at)
+        called, span = editing.called(self.node), locate(editing.making.document, at)
+        notes = (Note(f"for {called}", editing.span_of(self.node)),)
+        code, message, help, subjects = "expression", error.message, error.help, editing.subjects(self.node)
+        if isinstance(error, UnknownName):
+            subjects, help = (error.name, *subjects), None
+            if error.name == VALUE and needs_value:
+                key = next(step for step in reversed(at) if isinstance(step, str))
+                message = f"`value` does not exist: {called} has no `{key}` yet"
+            elif error.name in kind_of(self.node).attributes:
+                message = f"{called} has no `{error.name}`"
+            else:
+                span, notes = node.span if isinstance(node, Scalar) else span, (exists_note("name", scope, error.name),)
+                code, message = "unknown-name", f"`{error.name}` does not exist in this expression"
+                help = did_you_mean(error.name, scope)
+        editing.sink.error(code, message, span, notes=notes, help=help, subjects=subjects)
 
     # -- the present values -------------------------------------------------------------------------------------
 
@@ -142,23 +126,20 @@ class Values:
             if attribute.type == "bool" or text in ("true", "false"):
                 return text == "true"
             return text
-        found = self.turned_out(attribute, numbers.read(text))
-        values = [int(each) for each in found] if attribute.type == "int" else found
+        values = numbers.read(text)
+        making = self.editing.making
+        wanted = making.angle_context.at(self.at).angle or "radian"
+        if wanted != making.model_angle:
+            angles = self.angles(attribute, len(values))
+            factor = numbers.RADIANS_PER_DEGREE if wanted == "radian" else 1 / numbers.RADIANS_PER_DEGREE
+            values = [each * factor if n in angles else each for n, each in enumerate(values)]
+        if attribute.type == "int":
+            values = [int(each) for each in values]
         if index is not None:
             return values[index] if index < len(values) else None
         if attribute.max_length == 1 or (attribute.name in POLYNOMIALS and not any(values[1:])):
             return values[0]
         return tuple(values)
-
-    def turned_out(self, attribute: Attribute, values: list[float]) -> list[float]:
-        """Return numbers of the model with their angles in the recipe's unit."""
-        making = self.editing.making
-        wanted = making.angle_context.at(self.at).angle or "radian"
-        if wanted == making.model_angle:
-            return values
-        turning = self.angles(attribute, len(values))
-        factor = numbers.RADIANS_PER_DEGREE if wanted == "radian" else 1 / numbers.RADIANS_PER_DEGREE
-        return [each * factor if n in turning else each for n, each in enumerate(values)]
 
     def angles(self, attribute: Attribute, count: int) -> Iterable[int]:
         """Return which of the numbers of an attribute of this element are angles."""
@@ -175,11 +156,9 @@ class Values:
 
 def attributes_scope(values: Values) -> dict[str, Value]:
     """Return every attribute of the element with its effective value, for `where`."""
-    found: dict[str, Value] = {}
-    for name, attribute in kind_of(values.node).attributes.items():
-        if name.isidentifier() and (now := values.now(attribute)) is not None:
-            found[name] = now
-    return found
+    attributes = kind_of(values.node).attributes.items()
+    known = {name: values.now(attribute) for name, attribute in attributes if name.isidentifier()}
+    return {name: value for name, value in known.items() if value is not None}
 
 
 def matches_value(attribute: Attribute, have: Value, wanted: object) -> bool:
@@ -210,31 +189,30 @@ _DEFAULT = Settings()
 
 
 class Masses:
-    """The masses of the selected bodies; one call to MuJoCo measures those that the tree does not determine."""
+    """The masses of bodies; one call to MuJoCo measures all masses that the tree does not determine."""
 
-    def __init__(self, editing: Editing, bodies: Collection[Node]) -> None:
-        self.editing, self.bodies = editing, bodies
+    def __init__(self, editing: Editing) -> None:
+        self.editing = editing
 
     def of(self, body: Node, at: Path) -> float:
         """Return the mass that MuJoCo computes for a body without its children, in kg."""
-        inertial = self._inertial(body)
+        inertial, editing = self._inertial(body), self.editing
         if inertial is not None:
             return numbers.read(str(inertial.get("mass") or "0"))[0]
-        own_masses = [self.editing.effective(geom, "mass") for geom in own(body, "geom")]
+        own_masses = [editing.effective(geom, "mass") for geom in own(body, "geom")]
         if own_masses and all(mass is not None for mass in own_masses):
             return sum(numbers.read(str(mass))[0] for mass in own_masses)
-        before = self.editing.sink.error_count
-        found, hidden = self._survey
-        if self.editing.sink.error_count > before:
+        before = editing.sink.error_count
+        survey, hidden = self._survey
+        if editing.sink.error_count > before:
             raise UnusableValue
-        mass = None if found is None else found.values(body, "body_mass", 1)
+        mass = None if survey is None else survey.values(body, "body_mass", 1)
         if mass is None:
-            message = f"the mass of {self.editing.called(body)} is not known{hidden}"
-            notes = (Note("it is written here", self.editing.span_of(body)),)
-            help = "`scale` needs not know it; or write a `mass` on each of its geoms"
-            self.editing.sink.error(
-                "selector", message, self.editing.span(at), notes=notes, help=help, subjects=self.editing.subjects(body)
-            )
+            message = f"the mass of {editing.called(body)} is not known{hidden}"
+            notes = (Note("it is written here", editing.span_of(body)),)
+            help = "use `scale`, which does not need the mass, or write a `mass` on each of its geoms"
+            subjects = editing.subjects(body)
+            editing.sink.error("selector", message, editing.span(at), notes=notes, help=help, subjects=subjects)
             raise UnusableValue
         return mass[0]
 
@@ -243,10 +221,9 @@ class Masses:
         factor = given
         if verb != "scale":
             assert now is not None
-            wanted = given if verb == "set" else now + given
             if now == 0:
-                self._nothing(body, at)
-            factor = wanted / now
+                self._report_no_mass(body, at)
+            factor = (given if verb == "set" else now + given) / now
         if factor < 0 or not math.isfinite(factor):
             message = f"the mass of {self.editing.called(body)} would be negative"
             span = self.editing.span(at)
@@ -275,10 +252,7 @@ class Masses:
         return found, ""
 
     def settle(self, *rules: str) -> None:
-        """Rules that change a model after its bodies are written out as what they give, before a body is changed.
-
-        Without `rules` those that change all bodies.
-        """
+        """Write out the results of compiler rules before a body is changed. Without `rules`, all rules for bodies."""
         from mjcompose.build.compose.keys import without_keys
         from mjcompose.link.inertia import MEASURED, write_inertias
         from mjcompose.link.linking import Linking
@@ -299,14 +273,12 @@ class Masses:
         from mjcompose.link.inertia import has_mass
 
         inertials = own(body, "inertial")
-        geoms = own(body, "geom")
         # With `inertiafromgeom="true"` an `<inertial>` holds only on bodies whose geoms have no mass: this weighs 2 kg.
         #   <body><inertial mass="9" pos="0 0 0" diaginertia="1 1 1"/><geom size="1" mass="2"/></body>
-        if self.editing.linking.flat().settings.inertiafromgeom == "true" and any(
-            has_mass(geom, self.editing.classes) for geom in geoms
-        ):
-            return None
-        return inertials[-1] if inertials else None
+        if self.editing.linking.flat().settings.inertiafromgeom != "true":
+            return inertials[-1] if inertials else None
+        has_own = any(has_mass(geom, self.editing.classes) for geom in own(body, "geom"))
+        return inertials[-1] if inertials and not has_own else None
 
     def _scale(self, body: Node, factor: float, at: Path) -> None:
         from mjcompose.link.inertia import has_mass
@@ -323,10 +295,10 @@ class Masses:
             return
         geoms = [geom for geom in own(body, "geom") if has_mass(geom, editing.classes)]
         if not geoms or editing.linking.flat().settings.inertiafromgeom == "false":
-            self._nothing(body, at)
+            self._report_no_mass(body, at)
         for geom in geoms:
             mass = editing.classes.effective(geom, childclass_of(geom), "mass")
-            # `mass="nan"` takes back the mass that a class gives: then the density counts.
+            # `mass="nan"` cancels the mass that a class gives: then the density counts.
             if mass is not None and not math.isnan(numbers.read(mass)[0]):
                 name, value = "mass", numbers.read(mass)[0]
             else:
@@ -335,18 +307,12 @@ class Masses:
             geom.set(name, numbers.text([factor * value]))
             editing.write(geom, {name: at})
 
-    def _nothing(self, body: Node, at: Path) -> None:
-        editing = self.editing
-        message = f"{editing.called(body)} has no mass of its own that could be scaled"
-        span = editing.span(at, key=True)
-        notes = (Note("it is written here", editing.span_of(body)),)
-        help = self._instead(body)
+    def _report_no_mass(self, body: Node, at: Path) -> NoReturn:
+        editing, help = self.editing, "set `mass` or `density` of a geom in it"
+        name = body.get("name", "")
+        if name.endswith(editing.linking.request.separator) and own(body, "body"):  # the joint of a part adds it
+            help = f'`{name}` only carries the joint of the part; its bodies are `body: "{name}?**"`'
+        message = f"{editing.called(body)} has no mass of its own to scale"
+        notes, span = (Note("it is written here", editing.span_of(body)),), editing.span(at, key=True)
         editing.sink.error("wrong-type", message, span, notes=notes, help=help, subjects=editing.subjects(body))
         raise UnusableValue
-
-    def _instead(self, body: Node) -> str:
-        """Return advice for a body without mass, such as the body that the joint of a part adds."""
-        name = body.get("name", "")
-        if name.endswith(self.editing.linking.request.separator) and own(body, "body"):
-            return f'`{name}` only carries the joint of the part; its bodies are `body: "{name}?**"`'
-        return "set `mass` or `density` of a geom in it"
