@@ -29,7 +29,7 @@ def test_a_part_that_is_not_in_it_is_told(folder: Path) -> None:
     (folder / "other.xml").write_text(MERGED.format(height="0.01").replace('palm" pos', 'hand" pos'))
     result = run("import", "other.xml", "models/tool.xml", "-o", "new.yaml")
     assert result.exit_code == 0 and "wrote new.yaml: 0 parts" in result.stdout
-    assert "warning[unknown-name]: `models/tool.xml` is nowhere in `other.xml`" in result.stderr
+    assert "warning[unknown-name]: `other.xml` has no body with the names of `models/tool.xml`" in result.stderr
 
 
 def test_what_differs_is_shown(folder: Path) -> None:

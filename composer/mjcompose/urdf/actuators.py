@@ -256,8 +256,6 @@ class Extras:
 
 _SPRINGS = {"springStiffness": "stiffness", "springReference": "springref"}
 CODE = "urdf-unread"
-
-
 _READ = {
     "link": "body or frame", "link/inertial": "inertial", "link/collision": "geom",
     "joint": "joint, or nothing if it is fixed", "joint/limit": "range and actuatorfrcrange",

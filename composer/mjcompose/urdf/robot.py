@@ -287,8 +287,6 @@ _ADVICE = {
     Topic.URDF_GEOMETRY: "write a `<box>`, `<cylinder>`, `<sphere>`, `<capsule>` or `<mesh>` in `<geometry>`",
 }  # fmt: skip
 _ELSE = "MuJoCo must be able to load the file by itself: fix it there"
-
-
 _OF_MESHES = (Topic.MESH_FORMAT, Topic.MESH_FILE, Topic.VERTICES, Topic.FLAT)
 Place = Callable[[Node, str | None], Span]
 """The place of an element, or of one of its attributes."""

@@ -217,7 +217,7 @@ def test_a_change_is_in_the_recipe(change: str, merged: str, tmp_path: Path) -> 
 
 def test_a_key_without_a_name_is_a_comment(merged: str, tmp_path: Path) -> None:
     found = imported(tmp_path, merged.replace('<key name="home"', "<key"))
-    assert "# not expressed: a key without a name; the keys of a recipe have one" in found.text
+    assert "# not expressed: a key without a name, which a recipe cannot write" in found.text
     assert found.outcome is not None and "keyframe #0 is missing" in left(found.outcome, "all.xml")
 
 

@@ -146,7 +146,9 @@ def test_a_part_that_is_not_there_is_told(tmp_path: Path) -> None:
     found = recover(tmp_path / "arm.xml", [tmp_path / "arm.xml", tmp_path / "tool.xml"], tmp_path / "o.yaml", context)
     assert found is not None and found.outcome is not None and found.outcome.same
     assert "base: ./arm.xml" in found.text and "attach" not in found.text
-    assert [each.message.split(":")[0] for each in context.sink.diagnostics] == ["`tool.xml` is nowhere in `arm.xml`"]
+    assert [each.message.split(":")[0] for each in context.sink.diagnostics] == [
+        "`arm.xml` has no body with the names of `tool.xml`"
+    ]
 
 
 def test_a_file_that_is_no_model_is_an_error(tmp_path: Path) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import re
 from collections.abc import Callable, Collection, Iterable
 from contextlib import ExitStack
@@ -43,7 +44,10 @@ def render_views(folder: Path, kept: tuple[str, str], context: Context, session:
         used: set[str] = set()
         try:
             for number, each in enumerate(answer.value["views"]):
-                stem = _stem(each["name"], used)
+                first = re.sub(r"[^\w.-]+", "_", each["name"]).lstrip(".") or "camera"
+                stems = (first if count == 1 else f"{first}_{count}" for count in itertools.count(1))
+                stem = next(stem for stem in stems if stem.lower() not in used)
+                used.add(stem.lower())
                 places = [folder / f"{stem}-{side}.png" for side in ("before", "after")]
                 for place, side in zip(places, "ab", strict=True):
                     with staged_file(context.folder / place, "--renders") as stage:
@@ -53,17 +57,6 @@ def render_views(folder: Path, kept: tuple[str, str], context: Context, session:
             context.sink.add(error.diagnostic)
             return ()
         return tuple(views)
-
-
-def _stem(name: str, used: set[str]) -> str:
-    """Return the stem of a view's files; two views never share one."""
-    stem = first = re.sub(r"[^\w.-]+", "_", name).lstrip(".") or "camera"
-    number = 1
-    while stem.lower() in used:
-        number += 1
-        stem = f"{first}_{number}"
-    used.add(stem.lower())
-    return stem
 
 
 def grouped(changes: Iterable[Change], causes: Causes, a: Side, b: Side) -> list[Group]:
@@ -99,19 +92,15 @@ def _worded(cause: Cause | None, a: Side, b: Side) -> Cause | None:
         return None
     before, after = block(cause.before, a), block(cause.after, b)
     if cause.before is not None and cause.after is not None:
-        ours, theirs = different(before, after), different(after, before)
-        before, after = ours, theirs
+        before, after = different(before, after), different(after, before)
     else:
         before, after = (
             lines if is_yaml(span) else lines[:1] for lines, span in ((before, cause.before), (after, cause.after))
         )
-    return Cause(
-        cause.words,
-        None if cause.before is None else a.operand.located(cause.before),
-        None if cause.after is None else b.operand.located(cause.after),
-        lines_before=excerpt(before),
-        lines_after=excerpt(after),
+    here, there = (
+        None if span is None else side.operand.located(span) for span, side in ((cause.before, a), (cause.after, b))
     )
+    return Cause(cause.words, here, there, lines_before=excerpt(before), lines_after=excerpt(after))
 
 
 ADDRESSES, COUNTS = "address", "count"
@@ -135,10 +124,11 @@ def diff(
         known = [operand.kind for operand in operands if operand is not None]
         asked = given or pick is not None or sample is not None
         if asked and len(known) == 2 and Kind.RECIPE not in known:
-            what = f"the cell `{pick}`" if pick is not None else f"the sample {sample}"
-            what = f"a value for `{next(iter(given))}`" if given else what
-            context.sink.error("unknown-name", f"{what} is asked for, and neither `{a}` nor `{b}` is a recipe",
-                               help="compare the recipe, or the bundle that it gives with these options")  # fmt: skip
+            option = f"the cell `{pick}`" if pick is not None else f"the sample {sample}"
+            option = f"a value for `{next(iter(given))}`" if given else option
+            message = f"you choose {option}, but neither `{a}` nor `{b}` is a recipe"
+            help = "compare the recipe, or the bundle that it gives with these options"
+            context.sink.error("unknown-name", message, help=help)
             return None
         sides: list[Side] = []
         for operand, kept in zip(operands, ("diff a", "diff b"), strict=True):
@@ -147,7 +137,7 @@ def diff(
             side = load(operand, kept, session, given=given, pick=pick, sample=sample)
             if side is None or operand.context.sink.has_errors:
                 operand.report(context.sink)
-            elif side is not None:
+            else:
                 sides.append(side)
         if len(sides) < 2:
             return None
@@ -171,14 +161,10 @@ def between(
     """
     answer = engine.call(session, contrast, [a.kept, b.kept], argument={"tolerance": tolerance})
     if not answer.ok:
-        said = answer.error or answer.crash
-        message = f"`{a.operand.label}` and `{b.operand.label}` cannot be compared: {said}"
+        message = f"`{a.operand.label}` and `{b.operand.label}` cannot be compared: {answer.error or answer.crash}"
         context.sink.error("mujoco-crash", message)
         return None
-    return _diff(contrast_of(answer.value), a, b, tolerance=tolerance, only=only, everything=everything)
-
-
-def _diff(found: Contrast, a: Side, b: Side, tolerance: float, only: Collection[str], everything: bool) -> Diff:
+    found = contrast_of(answer.value)
     causes = Causes(a, b, found)
     found = _narrowed(found, tolerance, only)
     follows = [each for each in found.changes if each.follows]
@@ -186,13 +172,12 @@ def _diff(found: Contrast, a: Side, b: Side, tolerance: float, only: Collection[
     if everything or not (wanted or found.moves or found.counts):
         wanted, follows = list(found.changes), []
     groups = grouped(wanted, causes, a, b=b)
-    paths = sorted({*a.digests, *b.digests})
-    files = tuple(path for path in paths if a.digests.get(path) != b.digests.get(path))
+    files = tuple(sorted({path for path, _ in a.digests.items() ^ b.digests.items()}))
     return Diff(a.end, b.end, found, groups=tuple(groups), files=files, follows=len(follows))
 
 
 def _narrowed(found: Contrast, tolerance: float, only: Collection[str]) -> Contrast:
-    """Return what was asked for. Arrays without a name of their own count only in a comparison to the bit."""
+    """Return the requested kinds. Arrays without a name of their own count only in a comparison to the bit."""
     if not only:
         return found if tolerance == 0 else replace(found, arrays=())
     return replace(

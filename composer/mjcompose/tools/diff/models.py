@@ -31,13 +31,9 @@ def named(roster: NameTable, kind: str, index: int) -> str:
     return f"{name} ({described})" if described else name
 
 
-_SIZES = ("nq", "nv", "nu", "na", "nmocap", "nsensordata")
-_KINDS = ("joint", "actuator", "sensor", "body")
-
-
 def counts(a: Model, b: Model, tolerance: float) -> Iterator[Count]:
     """Yield changes of vector sizes, of the numbers of elements, and of the total mass."""
-    for name in _SIZES:
+    for name in ("nq", "nv", "nu", "na", "nmocap", "nsensordata"):
         if getattr(a, name) != getattr(b, name):
             yield Count(name, int(getattr(a, name)), int(getattr(b, name)))
     for kind, known in KINDS.items():
@@ -52,7 +48,7 @@ def counts(a: Model, b: Model, tolerance: float) -> Iterator[Count]:
 def moves(matching: Correspondence) -> Iterator[Move]:
     """Yield joints, actuators, sensors and mocap bodies of both models whose address in a vector changed."""
     a, b = matching.alone.model, matching.composed.model
-    for kind in _KINDS:
+    for kind in ("joint", "actuator", "sensor", "body"):
         pairs = sorted(matching.pairs(kind), key=lambda pair: pair[1])
         for vector, (of, _) in VECTORS.items():
             for index, target in pairs if of == kind else ():
@@ -67,7 +63,7 @@ _FLAGS = {"disableflags": ("mjtDisableBit", "mjDSBL_", True), "enableflags": ("m
 
 
 def setting_changes(mujoco: Any, a: Model, b: Model, tolerance: float) -> Iterator[Change]:
-    """Yield changes of settings, flags one by one, with words in place of numbers."""
+    """Yield changes of settings, flags one by one, with words instead of numbers."""
     for difference in compare.option_differences(a, b):
         if difference.name in _FLAGS:
             yield from _flags(mujoco, difference)
@@ -75,11 +71,9 @@ def setting_changes(mujoco: Any, a: Model, b: Model, tolerance: float) -> Iterat
             before, after = (_word(mujoco, difference.name, each) for each in (difference.expected, difference.actual))
             yield Change("changed", difference.kind, "", field=difference.name, before=before, after=after)
     for difference in compare.statistic_differences(a, b):
-        if not _close(difference.expected, difference.actual, tolerance):
-            yield Change(
-                "changed", "statistic", "", field=difference.name, before=difference.expected,
-                after=difference.actual, follows=True,
-            )  # fmt: skip
+        before, after = difference.expected, difference.actual
+        if not _close(before, after, tolerance):
+            yield Change("changed", "statistic", "", field=difference.name, before=before, after=after, follows=True)
 
 
 def _flags(mujoco: Any, difference: Difference) -> Iterator[Change]:
@@ -89,10 +83,8 @@ def _flags(mujoco: Any, difference: Difference) -> Iterator[Change]:
         if word.startswith(prefix) and (difference.expected ^ difference.actual) & int(bit):
             states = [bool(each & int(bit)) is not disables for each in (difference.expected, difference.actual)]
             before, after = ("enable" if state else "disable" for state in states)
-            yield Change(
-                "changed", "option", "", field=f"flag {word.removeprefix(prefix).lower()}", before=before,
-                after=after,
-            )  # fmt: skip
+            field = f"flag {word.removeprefix(prefix).lower()}"
+            yield Change("changed", "option", "", field=field, before=before, after=after)
 
 
 def _word(mujoco: Any, name: str, value: Value) -> Value:
@@ -147,7 +139,7 @@ class Values:
                 note = str(after) if before is None and isinstance(after, str) else ""
                 yield Change(
                     "changed", kind, names[1], field=field, before=before, after=None if note else after,
-                    form=JOINT_TYPES[int(self.b.jnt_type[target])].word if kind == "joint" else "", entry="",
+                    form=JOINT_TYPES[int(self.b.jnt_type[target])].word if kind == "joint" else "",
                     index=(index, target), name_before=names[0], follows=about(field).is_computed, note=note,
                 )  # fmt: skip
 
@@ -164,7 +156,8 @@ class Values:
     def _row(self, name: str, before: Any, after: Any) -> Iterator[tuple[str, Value, Value]]:
         known = about(name)
         if known.enumeration:
-            yield name, self._word(name, before), self._word(name, after)
+            of = words(self.mujoco, name)
+            yield name, of.get(int(before), str(before)), of.get(int(after), str(after))
         elif SWITCH in known.traits or isinstance(before, bool):
             yield name, bool(before), bool(after)
         elif name.startswith("dof_"):  # a row for each degree of freedom
@@ -175,13 +168,10 @@ class Values:
     def _numbers(self, name: str, before: Any, after: Any) -> Iterator[tuple[str, Value, Value]]:
         ours, others = list(_flat(before)), list(_flat(after))
         different = [at for at, (x, y) in enumerate(zip(ours, others, strict=True)) if not close(x, y, self.tolerance)]
-        if not different:
-            return
-        if len(ours) <= _SHOWN:
+        if different and len(ours) <= _SHOWN:
             yield name, _value(before), _value(after)
-            return
-        for at in different[:_SHOWN]:
-            yield f"{name}[{at}]", ours[at], others[at]
+        else:
+            yield from ((f"{name}[{at}]", ours[at], others[at]) for at in different[:_SHOWN])
 
     def _run(self, name: str, mine: Array, theirs: Array) -> Iterator[tuple[str, Value, Value]]:
         if name == "text_data":
@@ -210,14 +200,8 @@ class Values:
         before, after = _servo(self.a, index), _servo(self.b, target)
         if before is None or after is None or before.keys() != after.keys():
             return None
-        return [
-            (name, value, after[name])
-            for name, value in before.items()
-            if not close(value, after[name], self.tolerance)
-        ]
-
-    def _word(self, name: str, value: int) -> str:
-        return words(self.mujoco, name).get(int(value), str(value))
+        pairs = ((name, value, after[name]) for name, value in before.items())
+        return [pair for pair in pairs if not close(pair[1], pair[2], self.tolerance)]
 
 
 def _servo(model: Model, index: int) -> dict[str, float] | None:
@@ -279,8 +263,9 @@ def _prefixes(
     gone, come = _behind(lost, b), _behind(new, a)
     pairs = []
     for before, mine in gone.items():
-        best = max(come, key=lambda after: _share(mine, come[after]), default=None)
-        if best is not None and _share(mine, come[best]) >= _ALIKE:
+        shares = {after: len(mine & theirs) / len(mine | theirs) for after, theirs in come.items()}
+        best = max(shares, key=shares.__getitem__, default=None)
+        if best is not None and shares[best] >= _ALIKE:
             pairs.append((before, best))
             del come[best]
     return pairs
@@ -296,10 +281,6 @@ def _behind(names: Mapping[str, list[str]], other: NameTable) -> dict[str, set[t
             if separator and first not in known:
                 found[f"{first}/"].add((kind, rest))
     return found
-
-
-def _share(mine: set[tuple[str, str]], theirs: set[tuple[str, str]]) -> float:
-    return len(mine & theirs) / len(mine | theirs)
 
 
 def _alike(
@@ -333,37 +314,31 @@ def contrast(mujoco: Any, a: Model, b: Model, given: Mapping[str, Any]) -> dict[
     known = given.get("names")
     names = renames(mine, theirs) if known is None else known
     matching = Correspondence(mine, theirs, prefix="", mount=Mount(), renamed=names, by_order=known is None)
-    values = Values(mujoco, matching, float(given["tolerance"]))
+    tolerance = float(given["tolerance"])
+    values = Values(mujoco, matching, tolerance)
     changes = [
         *(_renamed(names, matching) if known is None else ()), *_presence(matching), *references(matching),
-        *values.changes(), *_keys(matching, float(given["tolerance"])),
-        *setting_changes(mujoco, a, b, tolerance=float(given["tolerance"])),
+        *values.changes(), *_keys(matching, tolerance), *setting_changes(mujoco, a, b, tolerance=tolerance),
     ]  # fmt: skip
     arrays = [name for name, *_ in compare.unequal_attributes(a, b)]
     contrast = Contrast(
         identical=not arrays, changes=tuple(changes), moves=tuple(moves(matching)),
-        counts=tuple(counts(a, b, float(given["tolerance"]))), arrays=() if changes else tuple(arrays),
+        counts=tuple(counts(a, b, tolerance)), arrays=() if changes else tuple(arrays),
         elements={kind: (mine.count(kind), theirs.count(kind)) for kind in KINDS},
     )  # fmt: skip
     return asdict(contrast)
 
 
 def contrast_of(data: Mapping[str, Any]) -> Contrast:
+    frozen = ({name: _frozen(value) for name, value in each.items()} for each in data["changes"])
     return Contrast(
-        identical=data["identical"],
-        changes=tuple(
-            Change(**{**each, "before": _frozen(each["before"]), "after": _frozen(each["after"]),
-                      "index": tuple(each["index"])})
-            for each in data["changes"]
-        ),
-        moves=tuple(Move(**each) for each in data["moves"]),
-        counts=tuple(Count(**each) for each in data["counts"]),
-        arrays=tuple(data["arrays"]),
-        elements={kind: (a, b) for kind, (a, b) in data["elements"].items()},
+        identical=data["identical"], changes=tuple(Change(**each) for each in frozen),
+        moves=tuple(Move(**each) for each in data["moves"]), counts=tuple(Count(**each) for each in data["counts"]),
+        arrays=tuple(data["arrays"]), elements={kind: (a, b) for kind, (a, b) in data["elements"].items()},
     )  # fmt: skip
 
 
-def _frozen(value: Any) -> Value:
+def _frozen(value: Any) -> Any:
     return tuple(_frozen(each) for each in value) if isinstance(value, list) else value
 
 

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import os
+from collections import defaultdict
 from collections.abc import Iterator
+from contextlib import suppress
 from difflib import SequenceMatcher
 from functools import cached_property
+from itertools import takewhile
 from pathlib import Path
 from textwrap import dedent
 from typing import TYPE_CHECKING
@@ -86,12 +89,12 @@ class Recipes:
         self.side = side
         self.plans: list[Plan] = []
         self.attached: dict[Span, tuple[Plan, AttachPart]] = {}
-        self._given: dict[str, list[Span]] = {}
+        self._given: dict[str, list[Span]] = defaultdict(list)
         for plan in () if side.plan is None else side.plan.plans():
             if all(plan is not each for each in self.plans):
                 self._collect(plan)
         for name, node in side.given.items():
-            self._given.setdefault(name, []).append(node.span)
+            self._given[name].append(node.span)
 
     def _collect(self, plan: Plan) -> None:
         self.plans.append(plan)
@@ -101,25 +104,19 @@ class Recipes:
             given = find(plan.document, at)
             if isinstance(given, Mapping):
                 for name, (_, node) in given.entries.items():
-                    self._given.setdefault(name, []).append(node.span)
+                    self._given[name].append(node.span)
 
     def attachment(self, part: Part) -> Mapping | None:
         """Return the entry of the recipe that attaches a part."""
-        if part.span is None or part.span not in self.attached:
-            return None
-        plan, step = self.attached[part.span]
-        found = find(plan.document, step.at)
-        return found if isinstance(found, Mapping) else None
+        return self.same(self, part)
 
     def same(self, other: Recipes, part: Part) -> Mapping | None:
-        """Return what this side has at the path where the other side attaches a part."""
+        """Return the entry of this side at the path where the other side attaches a part."""
         if part.span is None or part.span not in other.attached:
             return None
         plan, step = other.attached[part.span]
         number = next(number for number, each in enumerate(other.plans) if each is plan)
-        if number >= len(self.plans):
-            return None
-        found = find(self.plans[number].document, step.at)
+        found = find(self.plans[number].document, step.at) if number < len(self.plans) else None
         return found if isinstance(found, Mapping) else None
 
     def base(self) -> Mapping | None:
@@ -154,8 +151,8 @@ class Recipes:
     def conditions(self) -> Iterator[tuple[Span, Node]]:
         """Yield the place of every item with a `when`, and its condition."""
         for document in self._documents:
-            for node in _mappings(document):
-                if "when" in node.entries:
+            for node in _walk(document):
+                if isinstance(node, Mapping) and "when" in node.entries:
                     yield node.span, node.entries["when"][1]
 
     @property
@@ -185,18 +182,13 @@ class Recipes:
     def _expressions(self) -> dict[_Place, tuple[str, ...]]:
         found: dict[_Place, tuple[str, ...]] = {}
         for document in self._documents:
-            for scalar in _scalars(document):
-                if isinstance(scalar.value, str) and is_template(scalar.value):
+            for scalar in _walk(document):
+                if isinstance(scalar, Scalar) and isinstance(scalar.value, str) and is_template(scalar.value):
                     span = scalar.span
-                    found[span.file, span.line, span.column] = _names(scalar.value)
+                    with suppress(ExpressionError):
+                        names = dict.fromkeys(each.name for each in Template.parse(scalar.value).names())
+                        found[span.file, span.line, span.column] = tuple(names)
         return found
-
-
-def _names(text: str) -> tuple[str, ...]:
-    try:
-        return tuple(dict.fromkeys(each.name for each in Template.parse(text).names()))
-    except ExpressionError:
-        return ()
 
 
 def _pieces(document: Node) -> Iterator[Node]:
@@ -207,25 +199,12 @@ def _pieces(document: Node) -> Iterator[Node]:
             yield piece
 
 
-def _scalars(node: Node) -> Iterator[Scalar]:
-    if isinstance(node, Scalar):
-        yield node
-    elif isinstance(node, Sequence):
-        for item in node.items:
-            yield from _scalars(item)
-    else:
-        for _, value in node.entries.values():
-            yield from _scalars(value)
-
-
-def _mappings(node: Node) -> Iterator[Mapping]:
-    if isinstance(node, Mapping):
-        yield node
-        for _, value in node.entries.values():
-            yield from _mappings(value)
-    elif isinstance(node, Sequence):
-        for item in node.items:
-            yield from _mappings(item)
+def _walk(node: Node) -> Iterator[Node]:
+    yield node
+    if not isinstance(node, Scalar):
+        values = node.items if isinstance(node, Sequence) else [value for _, value in node.entries.values()]
+        for value in values:
+            yield from _walk(value)
 
 
 class Written:
@@ -302,18 +281,15 @@ class Written:
     def _lines(self, a: str, b: str) -> tuple[frozenset[int], frozenset[int]]:
         """Return the numbers of the lines that only A has, and of those that only B has."""
         if (a, b) not in self._known:
-            found: tuple[set[int], set[int]] = set(), set()
-            for first, last, start, end in self._stretches(a, b):
-                found[0].update(range(first + 1, last + 1))
-                found[1].update(range(start + 1, end + 1))
-            self._known[a, b] = frozenset(found[0]), frozenset(found[1])
+            stretches = self._stretches(a, b)
+            ours = frozenset(number for first, last, _, _ in stretches for number in range(first + 1, last + 1))
+            theirs = frozenset(number for _, _, start, end in stretches for number in range(start + 1, end + 1))
+            self._known[a, b] = ours, theirs
         return self._known[a, b]
 
     def _stretches(self, a: str, b: str) -> list[tuple[int, int, int, int]]:
-        ours, theirs = (
-            [line.strip() for line in side.lines(file)] for side, file in zip(self.sides, (a, b), strict=True)
-        )
-        return list(_different(ours, theirs))
+        lines = ([line.strip() for line in side.lines(file)] for side, file in zip(self.sides, (a, b), strict=True))
+        return list(_different(*lines))
 
 
 def name(side: Side, file: str | None) -> str:
@@ -341,17 +317,16 @@ def _files(side: Side, recipes: Recipes) -> Iterator[str]:
 
 def _different(ours: list[str], theirs: list[str]) -> Iterator[tuple[int, int, int, int]]:
     """Yield the stretches of lines that differ. Common lines at the start and the end are skipped quickly."""
-    head = next(
-        (at for at, (x, y) in enumerate(zip(ours, theirs, strict=False)) if x != y), min(len(ours), len(theirs))
-    )
-    rest = min(len(ours), len(theirs)) - head
-    tail = next(
-        (at for at, (x, y) in enumerate(zip(ours[::-1], theirs[::-1], strict=False)) if x != y or at == rest), rest
-    )
+    head = _common(ours, theirs)
+    tail = _common(ours[head:][::-1], theirs[head:][::-1])
     mine, yours = ours[head : len(ours) - tail], theirs[head : len(theirs) - tail]
     for tag, first, last, start, end in SequenceMatcher(None, mine, yours, autojunk=False).get_opcodes():
         if tag != "equal":
             yield first + head, last + head, start + head, end + head
+
+
+def _common(ours: list[str], theirs: list[str]) -> int:
+    return sum(1 for _ in takewhile(lambda pair: pair[0] == pair[1], zip(ours, theirs, strict=False)))
 
 
 def _line(side: Side, file: str, number: int) -> Span:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Callable, Iterator
+from itertools import takewhile
 from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING
 
@@ -47,7 +48,6 @@ if TYPE_CHECKING:
 
 _SEVERAL = 2  # if as many elements change alike, their class changed
 _ASSETS = frozenset(("material", *NAMED_AFTER_FILE))
-_BODY = "body"
 _IN_WORLD = "{body: world}"
 _IN_BODIES = ("geom", "site", "joint", "freejoint", "inertial", "light", "camera")
 _SORTED = frozenset({"pair", "exclude"})  # MuJoCo orders these in its own way
@@ -114,15 +114,15 @@ class Comparison:
         return self.theirs(each, "body", str(before.get("name"))) == after.get("name")
 
     def names_in_merged(self, each: Instance) -> Names:
-        found: Names = {}
+        found: Names = defaultdict(dict)
         for (part, namespace, name), new in self.new_names.items():
             if part == id(each):
-                found.setdefault(namespace, {})[name] = new
+                found[namespace][name] = new
         assets = assets_of(self.merged)
         for tag, name in assets_of(self.parts[each.part]):
             if (tag, each.prefix + name) not in assets and (tag, name) in assets:
-                found.setdefault(tag, {})[name] = name
-        return found
+                found[tag][name] = name
+        return dict(found)
 
     def values(self, node: Node, unit: Unit) -> dict[str, str]:
         """Return what an asset writes or gets from its class, with file paths as the recipe needs them."""
@@ -130,13 +130,12 @@ class Comparison:
         found = {}
         for name, attribute in kind.attributes.items():
             value = unit.classes.effective(node, None, name)
-            if value is None or name in ("name", "class"):
-                continue
-            found[name] = " ".join(value.split())
-            if attribute.type == "file":
-                settings = unit.settings
-                folder = settings.texture_folder if attribute.folder == "texture" else settings.mesh_folder
-                found[name] = self.relative(unit.directory / folder / value)
+            if value is not None and name not in ("name", "class"):
+                found[name] = " ".join(value.split())
+                if attribute.type == "file":
+                    settings = unit.settings
+                    folder = settings.texture_folder if attribute.folder == "texture" else settings.mesh_folder
+                    found[name] = self.relative(unit.directory / folder / value)
         return found
 
     def edit(self, verbs: dict[str, str], rank: int = 0) -> None:
@@ -145,10 +144,8 @@ class Comparison:
     def pose(self, body: Node, unit: Unit) -> Pose:
         """Return the pose of a body in the body around it, including its frames."""
         pose = pose_in(body, unit.settings)
-        parent = body.getparent()
-        while parent is not None and parent.tag == "frame":
-            pose = pose_in(parent, unit.settings) @ pose
-            parent = parent.getparent()
+        for frame in takewhile(lambda above: above.tag == "frame", body.iterancestors()):
+            pose = pose_in(frame, unit.settings) @ pose
         return pose
 
     def compare(self, each: Instance) -> None:
@@ -159,10 +156,9 @@ class Comparison:
             there = self.there.get((namespace, self.theirs(each, namespace, name)))
             select = selector_of(namespace, item.kind.tag, each.out + name)
             if there is None or (there.kind.tag != item.kind.tag and not self.same(item.node, there.node, each)):
-                if not gone.isdisjoint(item.node.iterancestors()):
-                    continue  # it is removed together with its parent
-                gone.add(item.node)
-                self.edit({"select": select, "remove": "true"}, REMOVED + (item.section == "worldbody"))
+                if gone.isdisjoint(item.node.iterancestors()):  # others are removed together with their parent
+                    gone.add(item.node)
+                    self.edit({"select": select, "remove": "true"}, REMOVED + (item.section == "worldbody"))
                 continue
             self.covered.add(there.node)
             moved = self.moved(item, there, each)
@@ -171,7 +167,7 @@ class Comparison:
                 changes = {k: v for k, v in changes.items() if (each.is_base and not moved) or k not in POSE}
             self.pairs.append(Pair(select, item, each, changes=changes, moved=moved))
             if item.kind.tag == "body":
-                self.unnamed(item.node, there.node, selector_of(_BODY, _BODY, each.out + name), each=each)
+                self.unnamed(item.node, there.node, selector_of("body", "body", each.out + name), each=each)
 
     def changes(self, before: Item, after: Item, each: Instance) -> dict[str, str | None]:
         """Return the values that differ between an element of the part and the merged model.
@@ -236,22 +232,20 @@ class Comparison:
             pair = pairs[0]
             attribute = pair.item.kind.attributes[name]
             called = owner if pair.each.is_base else pair.each.out + (owner if owner != MAIN else "")
-            settled.setdefault(called, {}).setdefault(tag, {})[name] = written_value(
-                attribute, self.name(attribute, value)
-            )
-            before = effective(pair.item, self.parts[pair.each.part]).get(name)
-            self.found_changes.append(
-                Changed(
-                    "default class", called, f"{tag} {name}", before=before, after=value,
-                    unit=self.unit(pair, name), count=len(pairs),
-                )
-            )  # fmt: skip
+            text = written_value(attribute, self.name(attribute, value))
+            settled.setdefault(called, {}).setdefault(tag, {})[name] = text
+            change = Changed("default class", called, f"{tag} {name}", *self.ends(pair, name, value), count=len(pairs))
+            self.found_changes.append(change)
             for each in pairs:
                 del each.changes[name]
         for owner, tags in settled.items():
             self.edit({"select": f"{{default: {word(owner)}}}", "set": nested(dict(tags))}, CLASSES)
         for pair in self.pairs:
             self.change(pair)
+
+    def ends(self, pair: Pair, name: str, after: str | None) -> tuple[str | None, str | None, str]:
+        """Return an attribute's value in the part, its new value, and its unit."""
+        return effective(pair.item, self.parts[pair.each.part]).get(name), after, self.unit(pair, name)
 
     def owner(self, pair: Pair, name: str) -> str | None:
         """Return the class that sets an element's value, or None if the element itself or nothing sets it."""
@@ -260,27 +254,23 @@ class Comparison:
             return None
         found = unit.classes.get(str(node.get("class") or childclass_of(node) or MAIN))
         given = found.lookup(default_tag(node), name)
-        if given is None:
-            return None
-        above = given[1].getparent()
+        above = None if given is None else given[1].getparent()
         return None if above is None else str(above.get("class") or MAIN)
 
     def change(self, pair: Pair) -> None:
         attributes = pair.item.kind.attributes
-        gone = {name: "null" for name, value in pair.changes.items() if value is None}
-        written = gone | {
+        removed = {name: "null" for name, value in pair.changes.items() if value is None}
+        written = removed | {
             k: written_value(attributes[k], self.name(attributes[k], v))
             for k, v in pair.changes.items()
             if v is not None
         }
-        before = effective(pair.item, self.parts[pair.each.part])
         for name, value in pair.changes.items():
-            if value is not None or name in before:
-                place = Changed(
-                    pair.item.kind.tag, self.called(pair), name, before=before.get(name), after=value,
-                    unit=self.unit(pair, name),
-                )  # fmt: skip
-                self.found_changes.append(place)
+            before, after, unit = self.ends(pair, name, value)
+            if before is not None or after is not None:
+                self.found_changes.append(
+                    Changed(pair.item.kind.tag, self.called(pair), name, before=before, after=after, unit=unit)
+                )
         if pair.changes or pair.moved:
             verbs = {"select": pair.select} | ({"set": flow(written)} if written else {})
             self.edit(verbs | ({"move": flow(pair.moved)} if pair.moved else {}))
@@ -292,11 +282,11 @@ class Comparison:
         if name:
             return pair.each.out + name
         body = parent_body(item.node) if item.section == "worldbody" else None
-        if body is not None and body.get("name"):
-            number = list(body.iterchildren(item.kind.tag)).index(item.node)
-            return f"#{number} of body `{pair.each.out}{body.get('name')}`"
-        number = list(item.node.getparent().iterchildren(item.kind.tag)).index(item.node)  # type: ignore[union-attr]
-        return f"#{number}"
+        is_named = body is not None and body.get("name")
+        holder = body if body is not None and is_named else item.node.getparent()
+        assert holder is not None
+        number = list(holder.iterchildren(item.kind.tag)).index(item.node)
+        return f"#{number} of body `{pair.each.out}{holder.get('name')}`" if is_named else f"#{number}"
 
     def unit(self, pair: Pair, name: str) -> str:
         """Return the unit in which the merged model writes an attribute."""
@@ -305,26 +295,21 @@ class Comparison:
         if kind.tag == "joint" and pair.item.section == "worldbody":
             form = effective(pair.item, self.parts[pair.each.part]).get("type", "hinge")
         if attribute.angle is not None and form in ("", *ANGULAR):
-            if attribute.angle == "joint" or form:
-                return "deg" if self.merged.settings.angle == "degree" else "rad"
-            return ""
+            angle = "deg" if self.merged.settings.angle == "degree" else "rad"
+            return angle if attribute.angle == "joint" or form else ""
         arrays = {"joint": ("jnt", "dof"), "camera": ("cam",), "material": ("mat",), "texture": ("tex",)}
-        for array in arrays.get(kind.tag, (kind.tag,)):
-            if known := unit(f"{array}_{name}", form):
-                return known
-        return ""
+        units = (unit(f"{array}_{name}", form) for array in arrays.get(kind.tag, (kind.tag,)))
+        return next(filter(None, units), "")
 
     def compare_assets(self, each: Instance) -> None:
         """Write the edits of the part's own assets; their files remain the part's."""
         part, assets = self.parts[each.part], assets_of(self.merged)
         for (tag, name), node in assets_of(part).items():
             there = assets.get((tag, each.prefix + name), assets.get((tag, name)))
-            if there is None:
-                continue
-            kind = GRAMMAR.element(tag)
-            item = Item(node, kind, "asset", namespace=tag)
-            changes = self.changes(item, Item(there, kind, "asset", namespace=tag), each)
-            self.pairs.append(Pair(selector_of(tag, tag, each.out + name), item, each, changes=changes, moved={}))
+            if there is not None:
+                kind, select = GRAMMAR.element(tag), selector_of(tag, tag, each.out + name)
+                item, other = (Item(one, kind, "asset", namespace=tag) for one in (node, there))
+                self.pairs.append(Pair(select, item, each, changes=self.changes(item, other, each), moved={}))
 
     def compare_sections(self, each: Instance) -> None:
         """Compare unnamed elements of sections, paired by what they refer to."""
@@ -362,9 +347,9 @@ class Comparison:
     def beside(self, here: Node, each: Instance) -> list[str]:
         """Compare the bodies without a name beside the part's root; return selectors of those to drop."""
         around = each.body.getparent()
-        kind = GRAMMAR.within("worldbody")[_BODY]
+        kind = GRAMMAR.within("worldbody")["body"]
         one, other = (
-            [Item(node, kind, "worldbody", namespace=_BODY) for node in _without_name(holder, _BODY)]
+            [Item(node, kind, "worldbody", namespace="body") for node in _without_name(holder, "body")]
             for holder in (here, each.body if around is None else around)
         )
         other = [item for item in other if item.node not in self.covered]
@@ -376,7 +361,7 @@ class Comparison:
             else:
                 self.covered.add(b.node)
                 self.unnamed(a.node, b.node, select, each=each)
-        return dropped[::-1]  # one that goes must not renumber those that are still to go
+        return dropped[::-1]  # a removal must not renumber the following ones
 
     def meant(self, item: Item, each: Instance | None) -> tuple[object, ...]:
         """Return what identifies an unnamed element: its tag, and its references by their names in the merged model."""
@@ -401,7 +386,7 @@ class Comparison:
 
     def unnamed(self, before: Node, after: Node, parent: str, each: Instance) -> None:
         """Compare unnamed elements, paired by their order; `parent` is the selector of their parent."""
-        for tag in (*_IN_BODIES, _BODY):
+        for tag in (*_IN_BODIES, "body"):
             kind = GRAMMAR.within("worldbody")[tag]
             one, other = (
                 [Item(node, kind, "worldbody", namespace=tag) for node in _without_name(body, tag)]
@@ -414,7 +399,7 @@ class Comparison:
                 else:
                     self.covered.add(b.node)
                     self.pairs.append(Pair(select, a, each, changes=self.changes(a, b, each), moved={}))
-                    if tag == _BODY:
+                    if tag == "body":
                         self.unnamed(a.node, b.node, select, each=each)
 
     def written(self, item: Item) -> Iterator[tuple[str, Attribute, str]]:

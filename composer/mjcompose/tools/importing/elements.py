@@ -1,14 +1,14 @@
 """The elements of a model by kind and name, and which of them mean the same.
 
 A merged model may write the same thing differently: in radians, with six digits, with `pos` and `quat` for
-`fromto`, with a class in place of an attribute. Comparing compiled models limits edits to differences in meaning.
+`fromto`, with a class instead of an attribute. Comparing compiled models limits edits to differences in meaning.
 """
 
 from __future__ import annotations
 
 import math
 from collections import defaultdict
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import field
 from pathlib import PurePosixPath
 from typing import TYPE_CHECKING, Any
@@ -43,27 +43,21 @@ def nested(values: dict[str, object]) -> str:
     return flow({k: nested(v) if isinstance(v, dict) else str(v) for k, v in values.items()})
 
 
-def flow_list(values: list[str]) -> str:
-    return "[" + ", ".join(word(value) for value in values) + "]"
-
-
 def numbers(values: tuple[float, ...]) -> str:
-    return "[" + ", ".join(map(_short, values)) + "]"
+    """Return numbers with twelve digits if that is all except rounding, and with all digits otherwise.
 
-
-def _short(value: float) -> str:
-    """Return a number with twelve digits if that is all but its rounding, and with all digits otherwise.
-
-    >>> _short(0.1 + 0.2), _short(1e-17), _short(0.943714364147489)
-    ('0.3', '0', '0.943714364147489')
+    >>> numbers((0.1 + 0.2, 1e-17, 0.943714364147489))
+    '[0.3, 0, 0.943714364147489]'
     """
-    short = f"{round(value, 12) + 0.0:.12g}"
-    return short if math.isclose(float(short), value, rel_tol=1e-15, abs_tol=1e-15) else repr(value)
+    shorts = [f"{round(value, 12) + 0.0:.12g}" for value in values]
+    exact = (
+        short if math.isclose(float(short), value, rel_tol=1e-15, abs_tol=1e-15) else repr(value)
+        for short, value in zip(shorts, values, strict=True)
+    )
+    return f"[{', '.join(exact)}]"
 
 
 SECTIONS = ("worldbody", "tendon", "equality", "actuator", "sensor", "contact")
-_SETTINGS = ("option", "size", "visual", "statistic")
-_CLASSES = frozenset({"name", "class", "childclass"})
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,9 +76,7 @@ class Item:
 
 def items(unit: Unit) -> Iterator[Item]:
     """Yield the elements of the body tree and of the sections in their order, without the steps of tendons."""
-    for section in unit.root:
-        if section.tag not in SECTIONS:
-            continue
+    for section in unit.root.iterchildren(*SECTIONS):
         kinds = GRAMMAR.within(str(section.tag))
         nodes = section.iter("*") if section.tag == "worldbody" else section.iterchildren("*")
         for node in nodes:
@@ -102,13 +94,9 @@ def named(unit: Unit) -> dict[tuple[str, str], Item]:
 def effective(item: Item, unit: Unit) -> dict[str, str]:
     """Return the values that an element writes or gets from its class, without names and classes."""
     around = childclass_of(item.node)
-    found = {}
-    for name in item.kind.attributes:
-        if name not in _CLASSES:
-            value = unit.classes.effective(item.node, around, name)
-            if value is not None:
-                found[name] = " ".join(value.split())
-    return found
+    names = (name for name in item.kind.attributes if name not in ("name", "class", "childclass"))
+    values = {name: unit.classes.effective(item.node, around, name) for name in names}
+    return {name: " ".join(value.split()) for name, value in values.items() if value is not None}
 
 
 def differing(one: dict[str, str], other: dict[str, str], kind: ElementType, prefix: str) -> dict[str, str | None]:
@@ -119,9 +107,8 @@ def differing(one: dict[str, str], other: dict[str, str], kind: ElementType, pre
     changes: dict[str, str | None] = {}
     for name, attribute in kind.attributes.items():
         before, after = (each.get(name) or default_text(attribute) for each in (one, other))
-        if before == after or (before and after and _same(before, after, attribute, prefix=prefix)):
-            continue
-        changes[name] = after
+        if before != after and not (before and after and _same(before, after, attribute, prefix=prefix)):
+            changes[name] = after
     return changes
 
 
@@ -162,9 +149,8 @@ def settings_of(unit: Unit) -> dict[tuple[str, ...], str]:
         for child in node.iterchildren("*"):
             walk(child, (*path, str(child.tag)))
 
-    for section in unit.root:
-        if section.tag in _SETTINGS:
-            walk(section, (str(section.tag),))
+    for section in unit.root.iterchildren("option", "size", "visual", "statistic"):
+        walk(section, (str(section.tag),))
     return found
 
 
@@ -225,26 +211,21 @@ def selector_of(namespace: str, tag: str, name: str) -> str:
 
 
 def written_value(attribute: Attribute, text: str) -> str:
-    parts = text.split()
-    if attribute.separated and (attribute.max_length != 1):
-        return flow_list(parts)
-    if attribute.type == "bool" or attribute.is_number:
-        return text
-    return word(text)
+    if attribute.separated and attribute.max_length != 1:
+        return f"[{', '.join(map(word, text.split()))}]"
+    return text if attribute.type == "bool" or attribute.is_number else word(text)
 
 
 POSE = frozenset({"pos", "quat", "axisangle", "xyaxes", "zaxis", "euler", "fromto"})
-_ANGLES = ("range", "ref", "springref", "springyield")
 
 
 def plain(values: Mapping[str, str], tag: str, settings: Settings, degrees: bool) -> dict[str, str]:
     """Return the values with joint angles in the given unit."""
     found = dict(values)
-    slides = tag == "joint" and found.get("type") == "slide"
-    if tag != "joint" or slides or (settings.angle == "degree") == degrees:
+    if tag != "joint" or found.get("type") == "slide" or (settings.angle == "degree") == degrees:
         return found
     factor = 180 / math.pi if degrees else math.pi / 180
-    for name in _ANGLES:
+    for name in ("range", "ref", "springref", "springyield"):
         if name in found:
             found[name] = " ".join(f"{number * factor:.12g}" for number in read(found[name]))
     return found
@@ -277,12 +258,8 @@ def at_the_same_place(one: Mapping[str, str], settings: Settings, other: Mapping
     here, there = placed(one, settings), placed(other, others)
     if here is None or there is None or len(here[1]) != len(there[1]):
         return False
-    quats = (list(here[0].quat), list(there[0].quat))
-    return (
-        near(list(here[0].pos), list(there[0].pos))
-        and (near(*quats) or near(quats[0], [-each for each in quats[1]]))
-        and near(here[1], there[1])
-    )
+    is_turned_alike = is_near(here[0].quat, there[0].quat) or is_near(here[0].quat, [-x for x in there[0].quat])
+    return is_turned_alike and is_near(here[0].pos, there[0].pos) and is_near(here[1], there[1])
 
 
 def is_rounded(exact: float, written: float) -> bool:
@@ -350,10 +327,10 @@ def is_rounding(change: Change) -> bool:
     ours, theirs = numbers_likeness(change.before), numbers_likeness(change.after)
     if ours is None or theirs is None or len(ours) != len(theirs):
         return False
-    return near(ours, theirs) or (change.field.endswith("quat") and near(ours, [-each for each in theirs]))
+    return is_near(ours, theirs) or (change.field.endswith("quat") and is_near(ours, [-each for each in theirs]))
 
 
-def near(ours: list[float], theirs: list[float]) -> bool:
+def is_near(ours: Sequence[float], theirs: Sequence[float]) -> bool:
     size = max([_SMALLEST, *map(abs, ours), *map(abs, theirs)])
     return all(abs(a - b) <= ROUNDING * size for a, b in zip(ours, theirs, strict=True))
 

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import os
+from collections import defaultdict
 from collections.abc import Callable
 from dataclasses import field, replace
+from itertools import count
 from pathlib import Path
 from typing import TYPE_CHECKING
 from xml.sax.saxutils import quoteattr
@@ -53,7 +55,7 @@ from mjcompose.urdf.read import UrdfReader
 if TYPE_CHECKING:
     from lxml.etree import _Element as Node
 
-_CLOSE = 1e-9  # metres, and quaternion components
+_CLOSE = 1e-9  # meters, and quaternion components
 
 
 @dataclass(slots=True)
@@ -106,10 +108,10 @@ class _Proposer(Comparison):
         self.left_over()
         head, renamed = self.head(), self.rename()
         nameless = tuple(at for at, key in enumerate(self.merged.root.iter("key")) if not key.get("name"))
-        keys: dict[str, list[str]] = {}
+        keys: dict[str, list[str]] = defaultdict(list)
         for each in sorted(self.found, key=lambda each: not each.is_base):
             for key in self.parts[each.part].root.iter("key"):
-                keys.setdefault(str(key.get("name") or ""), []).append("base" if each.is_base else each.key)
+                keys[str(key.get("name") or "")].append("base" if each.is_base else each.key)
         return Proposal(
             head, self.entries, self.found, renamed=renamed, alike=self.alike, nameless_keys=nameless,
             keys=keys, changed=tuple(self.found_changes),
@@ -154,46 +156,37 @@ class _Proposer(Comparison):
     def head(self) -> list[str]:
         """Return the first lines of the recipe."""
         model = self.merged.model
-        head = ["recipe: 1", *([f"name: {word(model)}"] if model else [])]
-        head += [f"angle: {self.merged.settings.angle}"]
-        if self.separator != "/":
-            head.append(f"separator: {quoted(self.separator)}")
-        head += [f"base: {word(self.references[each.part])}" for each in self.found if each.is_base]
-        return head
+        return [
+            "recipe: 1", *([f"name: {word(model)}"] if model else []), f"angle: {self.merged.settings.angle}",
+            *([f"separator: {quoted(self.separator)}"] if self.separator != "/" else []),
+            *(f"base: {word(self.references[each.part])}" for each in self.found if each.is_base),
+        ]  # fmt: skip
 
     def rename(self) -> dict[str, dict[str, str]]:
         """Rename elements with another name in the merged model; return the names that only verification renames."""
-        renamed: dict[str, dict[str, str]] = {}
-        for (namespace, name), new in self.names.items():
-            if name != new:
-                renamed.setdefault(namespace, {})[name] = new
-        for namespace, pairs in renamed.items():
-            for name, new in pairs.items():
-                if (namespace, name) not in self.there:
-                    continue  # the name of an asset does not matter
-                tag = self.there[namespace, name].kind.tag
-                select = selector_of(namespace, tag, new)
+        kept: dict[str, dict[str, str]] = defaultdict(dict)
+        changed = [(namespace, name, new) for (namespace, name), new in self.names.items() if name != new]
+        order = list(dict.fromkeys(namespace for namespace, _, _ in changed))
+        for namespace, name, new in sorted(changed, key=lambda change: order.index(change[0])):
+            if (namespace, name) in self.there:
+                select = selector_of(namespace, self.there[namespace, name].kind.tag, new)
                 self.edit({"select": select, "rename": word(name)}, RENAMED)
-        return {  # at the end, the others have their names again
-            namespace: {name: new for name, new in pairs.items() if (namespace, name) not in self.there}
-            for namespace, pairs in renamed.items()
-        }
+            else:  # the name of an asset does not matter
+                kept[namespace][name] = new
+        return dict(kept)
 
     def label(self, section: str, word: str) -> str:
         """Return an unused key for an unnamed element of a section."""
         kind = section.partition("/")[2] or section
         taken = {name for (namespace, name) in self.there if namespace == kind}
         taken |= {name for (tag, name) in assets_of(self.merged) if tag == kind}
-        number = 1
-        while (
-            key := word if number == 1 and section.startswith("asset/") else f"{word}_{number}"
-        ) in taken | self.labels:
-            number += 1
+        keys = (word if number == 1 and section.startswith("asset/") else f"{word}_{number}" for number in count(1))
+        key = next(key for key in keys if key not in taken | self.labels)
         self.labels.add(key)
         return key
 
     def attach(self, each: Instance, dropped: list[str]) -> None:
-        """Write the attachment of the part; `dropped` are selectors of elements to leave out."""
+        """Write the attachment of the part; `dropped` are selectors of omitted elements."""
         if each.is_base:
             return
         values = {"model": word(self.references[each.part])}
@@ -202,7 +195,7 @@ class _Proposer(Comparison):
         if parent is not None:
             name = self.names.get(("body", str(parent.get("name"))))
             if name is None:
-                note = f"the body `{parent.get('name')}` that it is attached to is in none of the parts"
+                note = f"no part has the body `{parent.get('name')}` that it is attached to"
                 self.entries.append(Entry("attach", f"{each.key}: {flow(values)}", note))
                 return
             site = self.site(parent, pose)
@@ -236,18 +229,16 @@ class _Proposer(Comparison):
 
     def compiler(self) -> None:
         """Write the compiler settings of the whole model that differ from the base."""
-        base = next((self.parts[each.part] for each in self.found if each.is_base), None)
-        said = [
-            {}
-            if unit is None
-            else {str(k): str(v) for node in unit.root.iterchildren("compiler") for k, v in node.attrib.items()}
-            for unit in (self.merged, base)
-        ]
+        base = [self.parts[each.part] for each in self.found if each.is_base]
+        ours, theirs = (
+            {str(k): str(v) for unit in units for node in unit.root.iterchildren("compiler") for k, v in node.items()}
+            for units in ([self.merged], base)
+        )
         attributes = GRAMMAR.section("compiler").attributes
         values = {
-            name: written_value(attributes[name], said[0][name])
-            for name in sorted(SETTABLE & attributes.keys() & said[0].keys())
-            if said[0][name] != said[1].get(name, default_text(attributes[name]))
+            name: written_value(attributes[name], ours[name])
+            for name in sorted(SETTABLE & attributes.keys() & ours.keys())
+            if ours[name] != theirs.get(name, default_text(attributes[name]))
         }
         if values:
             self.entries.append(Entry("compiler", flow(values)))
@@ -288,7 +279,7 @@ class _Proposer(Comparison):
                     continue  # it comes with its parent
                 name = "world" if parent.tag == "worldbody" else self.names.get(("body", str(parent.get("name"))))
                 text = self.fragment(node)
-                note = None if name else "it stands in a body without a name"
+                note = None if name else "it is in a body without a name"
                 self.entries.append(Entry("add", f"{{to: {word(name or '?')}, xml: {quoted(text)}}}", note))
             elif item.section == "contact":
                 values = flow({k: word(self.name(a, v)) for k, a, v in self.written(item)})
@@ -299,8 +290,7 @@ class _Proposer(Comparison):
                     key = self.label(item.section, f"{key}_new")
                     select = selector_of(item.namespace, item.kind.tag, key)
                     self.edit({"select": select, "rename": word(item.name)}, RENAMED)
-                text = f"{word(key)}: {{xml: {quoted(self.fragment(node, key))}}}"
-                self.entries.append(Entry(item.section, text))
+                self.entries.append(Entry(item.section, f"{word(key)}: {{xml: {quoted(self.fragment(node, key))}}}"))
             else:
                 key = self.label(item.section, item.kind.tag)
                 text = f"{word(key)}: {{name: {quoted('')}, xml: {quoted(self.fragment(node))}}}"
@@ -315,9 +305,9 @@ class _Proposer(Comparison):
 
     def fragment(self, node: Node, called: str | None = None) -> str:
         """Return an element of the merged model as text, with the values from its classes; `called` is its name."""
-        kind = GRAMMAR.within(str(_section(node).tag)).get(str(node.tag))
+        section = [node, *node.iterancestors()][-2]  # below the root
+        tag, kind = str(node.tag), GRAMMAR.within(str(section.tag)).get(str(node.tag))
         around = childclass_of(node)
-        tag = str(node.tag)
         text = f"<{tag}"
         for name in kind.attributes if kind is not None else map(str, node.keys()):
             if name in ("class", "childclass"):
@@ -327,51 +317,37 @@ class _Proposer(Comparison):
                 shown = self.name(kind.attributes[name], str(value)) if kind is not None else str(value)
                 shown = called if called is not None and name == "name" else shown
                 text += f" {name}={quoteattr(' '.join(shown.split()))}"
-        # Elements of a part already exist there, and are moved.
+        # Elements of a part exist already, and are moved.
         inside = "".join(self.fragment(child) for child in node.iterchildren("*") if child not in self.covered)
         return f"{text}>{inside}</{tag}>" if inside else f"{text}/>"
 
 
-def _section(node: Node) -> Node:
-    parent = node.getparent()
-    while parent is not None and parent.tag != "mujoco":
-        node, parent = parent, parent.getparent()
-    return node
-
-
 @dataclass(frozen=True, slots=True)
 class OfUrdf:
-    """The text of the recipe; the rows of what was read and what was not, each with its place."""
+    """The text of the recipe, and a row for each kind of element with its place."""
 
     text: str
     rows: tuple[ReadRow, ...]
 
 
 def of_urdf(path: Path, target: Path, context: Context) -> OfUrdf | None:
-    """The recipe for a URDF, with all that it needs to build; None where it has faults, which go to the sink."""
+    """Return a recipe for a URDF that builds, or None if the URDF has faults, which go to the sink."""
     try:
         source = resolve(str(path.absolute()), relative_to=target.parent, environment=context.environment)
     except SourceError as error:
         context.sink.add(error.at(Span(context.shown(path), 1, 1)))
         return None
-    choices = UrdfChoices(visuals="keep")
     with Session() as session:
-        reader = UrdfReader(replace(source, urdf=choices), Sink(), session, shown=context.shown)
-        unit = reader.unit()
-        if unit is None and {each.code for each in reader.sink.errors} == {INERTIA}:
-            choices = replace(choices, inertia="repair")
+        for choices in (UrdfChoices(visuals="keep"), UrdfChoices(visuals="keep", inertia="repair")):
             reader = UrdfReader(replace(source, urdf=choices), Sink(), session, shown=context.shown)
             unit = reader.unit()
+            if unit is not None or {each.code for each in reader.sink.errors} != {INERTIA}:
+                break
     for each in reader.sink.diagnostics:
         if each.code != UNREAD or each.severity is Severity.ERROR:
             context.sink.add(each)
     if unit is None:
         return None
-    has_unread = any(row.why and not row.is_minor for row in unit.table)
-    return OfUrdf(_text(path, target, unit, choices=choices, has_unread=has_unread), unit.table)
-
-
-def _text(path: Path, target: Path, unit: Unit, choices: UrdfChoices, has_unread: bool) -> str:
     file = Path(os.path.relpath(path.absolute(), target.absolute().parent)).as_posix()
     file = file if file.startswith(".") else f"./{file}"
     keys = {"visuals": choices.visuals, "inertia": choices.inertia}
@@ -379,26 +355,22 @@ def _text(path: Path, target: Path, unit: Unit, choices: UrdfChoices, has_unread
         "recipe: 1", f"name: {path.name.partition('.')[0]}", "", "base:", f"  model: {file}",
         f"  urdf: {{{', '.join(f'{name}: {value}' for name, value in keys.items() if value)}}}",
     ]  # fmt: skip
-    if has_unread:
+    if any(row.why and not row.is_minor for row in unit.table):
         lines.append(f"  allow: [{UNREAD}]")
-    moving = [each for each in unit.root.iter("joint") if each.get("name")]
-    if unit.root.find("actuator") is None and moving:
+    if unit.root.find("actuator") is None and any(each.get("name") for each in unit.root.iter("joint")):
         lines += ["", "# The file commands no joint: `actuators: all` in `urdf` gives each of them a motor."]
-    return "\n".join(lines) + "\n"
+    return OfUrdf("\n".join(lines) + "\n", unit.table)
 
 
 def table(rows: tuple[ReadRow, ...]) -> list[str]:
-    """The rows as text: first what was read, then what was not."""
-    found = []
-    for heading, chosen in (
-        ("read", [row for row in rows if not row.why]),
-        ("not in the model", [row for row in rows if row.why]),
-    ):
-        if chosen:
-            found.append(f"{heading}:")
+    """Return the rows as text: elements that were read, then elements that are not in the model."""
+    lines = []
+    for heading, is_read in (("read", True), ("not in the model", False)):
+        chosen = [row for row in rows if bool(row.why) is not is_read]
         width = max((len(row.called) for row in chosen), default=0)
-        found += [f"  {row.called:{width}}  {row.why or row.became}  ({row.span})" for row in chosen]
-    return found
+        lines += [f"{heading}:"] if chosen else []
+        lines += [f"  {row.called:{width}}  {row.why or row.became}  ({row.span})" for row in chosen]
+    return lines
 
 
 _LISTS = frozenset({"add", "edit"})

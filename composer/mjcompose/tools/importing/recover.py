@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import os
+from collections import defaultdict
 from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import replace
 from itertools import groupby
 from pathlib import Path
 
 from mjcompose.base.dataclass import dataclass
-from mjcompose.base.diagnostic import Diagnostic, Span
+from mjcompose.base.diagnostic import Diagnostic
 from mjcompose.base.files import unsaved
 from mjcompose.base.report import counted
 from mjcompose.build.bundle.bundle import Bundle
+from mjcompose.build.bundle.staging import sibling
 from mjcompose.build.stages import Request, build
 from mjcompose.build.verify.compile import WHOLE
 from mjcompose.link.source_check import check_source
@@ -127,12 +129,10 @@ _ASSETS = ("texture", "material", "mesh", "hfield", "skin")
 
 def changed(facts: tuple[elements.Changed, ...]) -> Iterator[str]:
     """Yield one line for each changed attribute: ``mesh `elbow`: scale 1 1 1 → 1.1 1.1 1.1``."""
-    alike: dict[tuple[object, ...], list[elements.Changed]] = {}
+    alike: dict[elements.Changed, list[elements.Changed]] = defaultdict(list)
     for each in facts:
-        key = (each.kind, each.attribute, each.before, each.after, each.unit, each.count)
-        alike.setdefault(key, []).append(each)
-    for several in alike.values():
-        each = several[0]
+        alike[replace(each, name="")].append(each)
+    for each, several in alike.items():
         unit = f" {each.unit}" if each.unit else ""
         before, after = ("none" if value is None else f"{value}{unit}" for value in (each.before, each.after))
         of = subject(each.kind, [one.name for one in several])
@@ -243,12 +243,10 @@ class _Recovery:
                 found = other
         for number, part in enumerate(self.parts):
             if not any(each.part == number for each in proposal.found):
-                self.context.sink.warning(
-                    "unknown-name",
-                    f"`{self.context.shown(part)}` is nowhere in `{self.context.shown(self.merged)}`: no body and what "
-                    "stands in it have its names",
-                    help="only parts whose names are kept, with a prefix or without, are found",
-                )
+                missing, merged = self.context.shown(part), self.context.shown(self.merged)
+                message = f"`{merged}` has no body with the names of `{missing}`"
+                help = "mjcompose finds only parts that keep their names, with a prefix or without"
+                self.context.sink.warning("unknown-name", message, help=help)
         return found
 
     def proposal(self, likeness: Callable[[Instance, elements.Names], elements.Likeness]) -> Proposal:
@@ -260,12 +258,13 @@ class _Recovery:
 
     def settled(self, proposal: Proposal) -> Recovered:
         """Return the proposal without the entries that do not build, and with the keys that it lacked."""
-        out, context = self.out, self.context
         for number in range(_ROUNDS):
-            self.progress("trying the recipe" if not number else f"trying the recipe without what failed ({number})")
+            self.progress(f"trying the recipe{f' without the failed entries ({number})' if number else ''}")
             text, places = recipe_text(proposal)
             bundle, faults = self.built(text)
-            guilty = [(places[line], fault) for fault in faults if (line := _line(fault, out, context)) in places]
+            shown = self.context.shown(self.out)
+            lines = [fault.span.line if fault.span and fault.span.file == shown else 0 for fault in faults]
+            guilty = [(places[line], fault) for line, fault in zip(lines, faults, strict=True) if line in places]
             if bundle is not None or not guilty:
                 break
             for entry, fault in guilty:
@@ -281,40 +280,29 @@ class _Recovery:
         keys = keyframes(changes, proposal, missing)
         for each in changes:
             if each.kind == "key" and each.what == "removed" and not _has_name(each):
-                note = "a key without a name; the keys of a recipe have one"
+                note = "a key without a name, which a recipe cannot write"
                 proposal.entries.append(elements.Entry("keyframe", f"key_{each.index[0]}: {{}}", note))
-                text, _ = recipe_text(proposal)
+        proposal.entries += keys
+        text, _ = recipe_text(proposal)
         if keys:
             self.progress("trying the recipe with its keyframes")
-            proposal.entries += keys
-            text, _ = recipe_text(proposal)
             bundle, faults = self.built(text)
             outcome = None if bundle is None else self.trial.outcome(proposal)
         return Recovered(text, proposal, bundle, faults=tuple(faults), outcome=outcome, refused=self.trial.refused)
 
     def built(self, text: str) -> tuple[Bundle | None, list[Diagnostic]]:
         """Build the text as if it were at `out`."""
-        from mjcompose.build.bundle.staging import sibling
-
         out, context = self.out, self.context
         trial = sibling(out, "trial")  # which is never written
         own = Context(environment=context.environment, folder=context.folder)
         with unsaved({os.path.realpath(trial): text.encode()}):
             result = build(Request(trial), own, session=self.session)
-        faults = [
-            replace(each, span=_at(each, trial, out, context=own), others=(), cells=()) for each in own.sink.errors
-        ]
+        faults = []
+        for each in own.sink.errors:
+            is_here = each.span is not None and each.span.file == own.shown(trial)
+            span = replace(each.span, file=own.shown(out)) if each.span is not None and is_here else each.span
+            faults.append(replace(each, span=span, others=(), cells=()))
         return (None if result is None else result.bundle), faults
-
-
-def _at(fault: Diagnostic, trial: Path, out: Path, context: Context) -> Span | None:
-    if fault.span is None or fault.span.file != context.shown(trial):
-        return fault.span
-    return replace(fault.span, file=context.shown(out))
-
-
-def _line(fault: Diagnostic, out: Path, context: Context) -> int:
-    return fault.span.line if fault.span is not None and fault.span.file == context.shown(out) else 0
 
 
 def _reference(path: Path, folder: Path) -> str:
@@ -341,10 +329,8 @@ def keyframes(changes: Collection[Change], proposal: Proposal, missing: Collecti
             rows.setdefault(each.name, {}).setdefault(each.field.removeprefix("key_"), {})[each.entry] = numbers
     entries = []
     for name, row in rows.items():
-        said = ", ".join(
-            f"{field}: {{{', '.join(f'{word(k)}: {v}' for k, v in values.items())}}}" for field, values in row.items()
-        )
         sources = [] if name in missing else proposal.keys.get(name, [])
-        start = f"from: {{{', '.join(f'{word(each)}: {word(name)}' for each in sources)}}}, " if sources else ""
-        entries.append(elements.Entry("keyframe", f"{word(name)}: {{{start}{said}}}"))
+        parts = {"from": elements.flow(dict.fromkeys(sources, word(name)))} if sources else {}
+        fields = {field: elements.flow(values) for field, values in row.items()}
+        entries.append(elements.Entry("keyframe", f"{word(name)}: {elements.flow(parts | fields)}"))
     return entries

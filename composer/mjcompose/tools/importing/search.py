@@ -97,9 +97,7 @@ class Instance:
 def find(merged: Unit, parts: list[Unit]) -> list[Instance]:
     """Return the places of the parts, in the order of the merged model's bodies; they do not overlap."""
     bodies = {str(body.get("name")): body for body in _bodies(merged) if body.get("name")}
-    candidates: list[Instance] = []
-    for number, part in enumerate(parts):
-        candidates += _of_part(number, part, bodies)
+    candidates = [each for number, part in enumerate(parts) for each in _of_part(number, part, bodies)]
     found: list[Instance] = []
     taken: set[str] = set()
     for each in sorted(candidates, key=lambda each: (-each.likeness, -len(each.names), each.part)):
@@ -122,12 +120,10 @@ def separator_of(found: list[Instance]) -> str:
 
 def name_in_recipe(found: list[Instance], labels: list[str], separator: str) -> None:
     """Choose the base, and the key of every other part."""
-    base = next((each for each in found if not each.prefix and (parent_body(each.body) is None)), None)
-    if base is not None:
-        base.is_base = True
     taken: set[str] = set()
     for each in found:
-        if each.is_base:
+        if not each.prefix and parent_body(each.body) is None and not any(other.is_base for other in found):
+            each.is_base = True
             continue
         key = each.prefix.removesuffix(separator) if each.prefix.endswith(separator) else labels[each.part]
         if separator in ("/", ":"):
@@ -140,19 +136,15 @@ def name_in_recipe(found: list[Instance], labels: list[str], separator: str) -> 
 
 def parent_body(body: Node) -> Node | None:
     """Return the body around, ignoring frames; None for the world."""
-    parent = body.getparent()
-    while parent is not None and parent.tag not in ("body", "worldbody"):
-        parent = parent.getparent()
+    parent = next(body.iterancestors("body", "worldbody"), None)
     return parent if parent is not None and parent.tag == "body" else None
 
 
 def _of_part(number: int, part: Unit, bodies: dict[str, Node]) -> Iterator[Instance]:
-    own = frozenset(str(body.get("name")) for body in _bodies(part) if body.get("name"))
-    root = next((body for body in _bodies(part) if body.get("name")), None)
-    if root is None:
-        return
-    name = str(root.get("name"))
-    for there, body in bodies.items():
+    named = [body for body in _bodies(part) if body.get("name")]
+    own = frozenset(str(body.get("name")) for body in named)
+    for there, body in bodies.items() if named else ():
+        root, name = named[0], str(named[0].get("name"))
         if there.endswith(name):
             prefix = there.removesuffix(name)
             likeness = sum(prefix + each in bodies for each in own) / len(own)
@@ -167,7 +159,7 @@ def _bodies(unit: Unit) -> Iterator[Node]:
 
 _BODY = re.compile(rb"""<body\b[^>]*?\bname\s*=\s*["']([^"']+)["']""")
 _MODEL = re.compile(rb"<mujoco[\s>]")
-# To be a part, a model must share this much of its bodies with the merged one, and at least so many.
+# A part must share this much of its bodies with the merged model, and at least this number.
 _SEARCHING_ENOUGH, _LEAST = 0.8, 2
 _MOST = 60
 _LARGEST = 16 << 20
@@ -213,11 +205,8 @@ def search(merged: Path, folders: Iterable[Path], context: Context, progress: Ca
         if share >= _SEARCHING_ENOUGH:
             likely.append((share, candidate))
     likely = sorted(likely, key=lambda each: -each[0])[:_MOST]
-    units: list[tuple[Candidate, Unit]] = []
-    for _, candidate in likely:
-        unit = parse_file(candidate.path, Sink(), file=str(candidate.path))
-        if unit is not None:
-            units.append((candidate, unit))
+    read = [(candidate, parse_file(candidate.path, Sink(), file=str(candidate.path))) for _, candidate in likely]
+    units = [(candidate, unit) for candidate, unit in read if unit is not None]
     pieces = [each for each in units if _named(each[1]) != bodies]
     parts, covered = _found(whole, pieces)
     if covered != bodies:  # a copy of the whole model is less useful than its parts, but better than nothing
