@@ -14,6 +14,7 @@ from mjcompose.base.suggest import advised, exists_note
 from mjcompose.language.attach import Attachment, Prefixes, Start
 from mjcompose.language.check import CheckEntry
 from mjcompose.language.codes import Codes
+from mjcompose.language.contact import Contact
 from mjcompose.language.datasheets import Datasheets
 from mjcompose.language.edit import Edits
 from mjcompose.language.element import FRAGMENT, Reader, label
@@ -26,7 +27,6 @@ from mjcompose.language.forms.walk import has_key, inside
 from mjcompose.language.keyframe import Keyframe
 from mjcompose.language.placing import Frame, Place
 from mjcompose.language.sections import ByTag, DefaultClass, Defaults, Extension, Section, Singleton, Typed
-from mjcompose.language.select import Collisions, Contacts
 from mjcompose.language.value import Element
 from mjcompose.language.wording import EXCLUSIVE, is_unprintable, kind_of, unprintable
 from mjcompose.model.grammar import GRAMMAR, ElementType
@@ -241,7 +241,7 @@ class Recipe(Model):
     """Elements under a body, a frame or the world."""
     deformable: Annotated[tuple[Element, ...], ByTag("deformable")] = ()
     """Flexes and skins: by tag, a mapping from their names."""
-    contact: Annotated[tuple[Element | Collisions, ...], Contacts("contact")] = ()
+    contact: Contact = Field(default_factory=Contact)
     """Pairs of geoms that may touch and bodies that may not: lists by tag, or `exclude: touching`, `exclude` and
     `collide: {between: [ARM, TABLE]}`."""
     tendon: Annotated[tuple[Element, ...], Typed("tendon")] = ()
@@ -305,6 +305,8 @@ def _depth(info: FieldInfo) -> int:
     if (section := next((mark for mark in info.metadata if isinstance(mark, Section)), None)) is not None:
         return section.depth
     kind = inside(info.annotation, 0)
+    if kind is Contact:
+        return Contact.depth
     return 1 if has_key(kind, "when") else 2 if has_key(inside(kind, 1), "when") else 0
 
 

@@ -104,33 +104,6 @@ class ByTag(Elements):
 
 
 @dataclass(frozen=True, slots=True)
-class Lists(Elements):
-    """Form of a mapping from tags to lists of elements: `contact`. It is read as a tuple of `Element`."""
-
-    depth = 3
-
-    def content(self, reader: Reader, value: Any) -> tuple[Element, ...]:
-        elements: list[Element] = []
-        for kind, items, at in self.tags(reader, value):
-            if not isinstance(items, list):
-                message = f"`{kind.tag}` in `{self.tag}` expects a list, got {kind_of(items)}"
-                help = f"write `{kind.tag}: [{{…}}]`" if isinstance(items, dict) else None
-                reader.faults.append(Fault("wrong-type", message, at, help=help))
-                continue
-            elements += reader.children(kind, items, at, owner=f"`{self.tag}`")
-        return tuple(elements)
-
-    def schema(self) -> Schema:
-        kinds = self.kind.children.values()
-        return mapping(
-            {
-                kind.tag: described({"type": "array", "items": reference(f"element:{kind.path}")}, kind.doc)
-                for kind in kinds
-            }
-        )
-
-
-@dataclass(frozen=True, slots=True)
 class Singleton(Section):
     """Form of such a section: a mapping of its attributes and children.
 

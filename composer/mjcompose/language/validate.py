@@ -21,7 +21,7 @@ from mjcompose.language.forms.context import Settings
 from mjcompose.language.forms.translate import misspelt, translated
 from mjcompose.language.placing import faults_in_place
 from mjcompose.language.recipe import VERSION, Recipe, sections_of
-from mjcompose.language.sections import ByTag, Lists, Typed
+from mjcompose.language.sections import ByTag, Typed
 from mjcompose.language.wording import kind_of, shown
 from mjcompose.model.grammar import GRAMMAR
 from mjcompose.text.node import Key, Mapping, Node, Scalar, find, locate, texts, to_python
@@ -212,7 +212,7 @@ def _in_section(name: str, value: Any) -> str | None:
     for tag, section in GRAMMAR.root.children.items():
         if tag in ("option", "visual", "statistic") and name in {*section.attributes, *section.children}:
             return f"write it in `{tag}`: `{tag}: {{{name}: {_short(value)}}}`"
-        if tag in (*sections_of(ByTag), *sections_of(Lists)) and name in section.children:
+        if tag in (*sections_of(ByTag), "contact") and name in section.children:
             return f"write it in the section `{tag}`: `{tag}: {{{name}: …}}`"
         if tag in sections_of(Typed) and name in section.children:
             return f"write it in the section `{tag}`: `{tag}: {{NAME: {{type: {name}, …}}}}`"

@@ -88,13 +88,6 @@ class Wanted:
     pattern: bool = False
 
 
-_OF_ELEMENTS: tuple[tuple[Path, Wanted], ...] = (
-    (("contact", "collide", "between", ANY), Wanted((PART,))),
-    (("contact", "exclude", ANY, "between", ANY), Wanted((PART,))),
-)
-"""The keys that take names in sections which are read by MJCF's grammar; the others declare them."""
-
-
 @cache
 def _rows() -> tuple[tuple[Path, Wanted], ...]:
     rows: dict[Path, Wanted] = {}
@@ -102,7 +95,7 @@ def _rows() -> tuple[tuple[Path, Wanted], ...]:
         rows[at] = Wanted(name.scope, pattern=name.glob)
         if at[-1] == ANY:
             rows.setdefault(at[:-1], rows[at])
-    return (*_OF_ELEMENTS, *rows.items())
+    return tuple(rows.items())
 
 
 @cache

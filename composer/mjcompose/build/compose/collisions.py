@@ -16,7 +16,7 @@ from mjcompose.build.compose.elements import ElementBuilder
 from mjcompose.build.compose.load import FINISHED, keep_finished
 from mjcompose.build.plan.plan import PlacedModel, Plan
 from mjcompose.build.plan.steps import SetCollisions
-from mjcompose.language.select import BETWEEN
+from mjcompose.language.contact import BETWEEN
 from mjcompose.link.key_layout import names_of_copies
 from mjcompose.link.linking import Linking
 from mjcompose.model.classes import childclass_of, own

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, ClassVar, Literal
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Path, Span
 from mjcompose.base.sink import Sink
+from mjcompose.language.contact import Collisions, Contact
 from mjcompose.language.edit import Edit
 from mjcompose.language.expand import Concrete
 from mjcompose.language.fragment import names_in
@@ -18,7 +19,6 @@ from mjcompose.language.keyframe import Keyframe
 from mjcompose.language.parameters import Substitution
 from mjcompose.language.recipe import Recipe, sections_of
 from mjcompose.language.sections import Elements, Singleton
-from mjcompose.language.select import Collisions
 from mjcompose.language.validate import judge
 from mjcompose.language.value import Element
 from mjcompose.text.node import Mapping, Node, locate, to_python
@@ -217,7 +217,9 @@ def _added_places_of(element: Element, document: Mapping) -> Iterator[tuple[str,
 class AppendElement(Step):
     """Append an element to a section."""
 
-    sections: ClassVar[tuple[str, ...]] = sections_of(Elements)
+    sections: ClassVar[tuple[str, ...]] = tuple(
+        name for name in Recipe.model_fields if name in (*sections_of(Elements), "contact")
+    )
     section: str
     element: Element
     span: Span
@@ -225,9 +227,9 @@ class AppendElement(Step):
     @classmethod
     def of(cls, given: StepInput) -> Iterator[Step]:
         for section in cls.sections:
-            for element in getattr(given.recipe, section):
-                if isinstance(element, Element):
-                    yield cls(section, element, given.span(element.at, key=True))
+            written = getattr(given.recipe, section)
+            for element in written.elements if isinstance(written, Contact) else written:
+                yield cls(section, element, given.span(element.at, key=True))
 
     @property
     def words(self) -> str:
@@ -300,9 +302,8 @@ class SetCollisions(Step):
 
     @classmethod
     def of(cls, given: StepInput) -> Iterator[Step]:
-        for each in given.recipe.contact:
-            if isinstance(each, Collisions):
-                yield cls(each, given.span(each.at))
+        for each in given.recipe.contact.collisions:
+            yield cls(each, given.span(each.at))
 
     @property
     def words(self) -> str:

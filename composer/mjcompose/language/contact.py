@@ -1,0 +1,156 @@
+"""The section `contact`: pairs, and which bodies and parts do not collide or may collide."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, ClassVar, Literal
+
+from pydantic import BeforeValidator, Discriminator, Field, Tag
+
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.diagnostic import Fault, Path
+from mjcompose.base.suggest import closest
+from mjcompose.language.element import Reader, label
+from mjcompose.language.forms.context import ByGrammar, Settings
+from mjcompose.language.forms.definitions import Schema, reference
+from mjcompose.language.forms.model import Model
+from mjcompose.language.forms.rules import OneOf
+from mjcompose.language.forms.scalars import Checked, Count, Expects, Items, Name, When, whole
+from mjcompose.language.value import Element
+from mjcompose.language.wording import kind_of
+from mjcompose.model.grammar import GRAMMAR
+
+BETWEEN = "between"
+SAMPLES = 1000
+
+
+@dataclass(frozen=True, slots=True)
+class Collisions:
+    """Bodies that must not collide (`exclude`), or geoms that may (`collide`).
+
+    The two `sides` are names of parts or globs over bodies. They are empty for bodies that already touch, and for
+    bodies that are found with random configurations, of which `samples` are drawn with a `seed`. `at` is the path
+    of the entry from the top of the recipe.
+    """
+
+    what: Literal["exclude", "collide"]
+    sides: tuple[tuple[str, ...], ...]
+    at: Path
+    samples: int | None = None
+    seed: int = 0
+
+
+class _ElementOf(ByGrammar):
+    """An element, by the path of its kind in the grammar."""
+
+    def __init__(self, path: str) -> None:
+        self.kind = GRAMMAR.element(path)
+
+    def schema(self) -> Schema:
+        return reference(f"element:{self.kind.path}")
+
+    def read(self, value: Any, faults: list[Fault], settings: Settings) -> Element | None:
+        return Reader(settings, faults).element(self.kind, value, (), label(self.kind.tag, value))
+
+
+_Side = Annotated[
+    tuple[Annotated[str, Name("part", glob=True, what="a name or a glob")], ...],
+    Items(1, single=True),
+    Expects("a name, a glob or a list of them"),
+]
+_Sides = Annotated[tuple[_Side, ...], Items(2, 2), Expects("two sides", "[ARM, TABLE]")]
+
+
+class Auto(Model):
+    """Bodies that need not collide. `plan` has the reason for each pair."""
+
+    example: ClassVar = f"{{samples: {SAMPLES}}}"
+
+    samples: Annotated[int, Field(ge=1, le=1_000_000), BeforeValidator(whole)] = SAMPLES
+    """in how many random poses nothing may touch"""
+    seed: Count = 0
+    """of the poses"""
+
+
+class Between(Model):
+    """Two sides: parts by name, or globs over names of bodies."""
+
+    example: ClassVar = "{between: [ARM, TABLE]}"
+
+    between: _Sides = Field(examples=["[ARM, TABLE]"])
+    """the two sides: parts by name, or globs over names of bodies"""
+    when: When = None
+
+
+class Excluded(Model):
+    """Bodies that do not collide: those of two sides, or those that need not."""
+
+    rules: ClassVar = (
+        OneOf(BETWEEN, "auto", lacks="names no bodies", advice="write `between: [ARM, TABLE]`, or `auto: {}`"),
+    )
+    example: ClassVar = "{between: [ARM, TABLE]}"
+
+    between: _Sides | None = None
+    """the two sides: parts by name, or globs over names of bodies"""
+    auto: Auto | None = None
+    """bodies that need not collide; `plan` has the reason for each pair"""
+    when: When = None
+
+
+def _form_of(entry: Any) -> str:
+    if isinstance(entry, Element):
+        return "<element>"
+    if not isinstance(entry, dict):
+        return "<word>" if isinstance(entry, str) else "<mapping>"
+    is_ours = not entry or any(key == "auto" or closest(key, (BETWEEN,)) for key in entry)
+    return "<mapping>" if is_ours else "<element>"
+
+
+def _lone_fault(value: Any) -> Fault | None:
+    if not isinstance(value, dict) or _form_of(value) != "<element>":
+        return None
+    message = f"`exclude` in `contact` expects a list, got {kind_of(value)}"
+    return Fault("wrong-type", message, help="write `exclude: [{…}]`")
+
+
+_Exclude = Annotated[
+    Annotated[Literal["touching", "auto"], Tag("<word>")]
+    | Annotated[Element, _ElementOf("contact/exclude"), Tag("<element>")]
+    | Annotated[Excluded, Tag("<mapping>")],
+    Discriminator(_form_of),
+]
+
+
+class Contact(Model):
+    """Pairs of geoms that may touch, and bodies that may not."""
+
+    noun: ClassVar = "element"
+    depth: ClassVar = 3
+    example: ClassVar = "{exclude: [{body1: NAME, body2: NAME}]}"
+
+    pair: Annotated[tuple[Annotated[Element, _ElementOf("contact/pair")], ...], Items(), Expects("a list")] = ()
+    """Pairs of geoms that may touch."""
+    exclude: Annotated[tuple[_Exclude, ...], Items(single=True), Checked(_lone_fault, first=True)] = ()
+    """Pairs of bodies that do not touch, the bodies `between` parts, those that are `touching` in the beginning, or all
+    that need not collide: `auto`."""
+    collide: Annotated[tuple[Between, ...], Items(single=True)] = ()
+    """A pair for every two geoms between parts that could not touch otherwise."""
+
+    @property
+    def elements(self) -> tuple[Element, ...]:
+        """The elements of MJCF."""
+        return (*self.pair, *(each for each in self.exclude if isinstance(each, Element)))
+
+    @property
+    def collisions(self) -> tuple[Collisions, ...]:
+        """The other entries."""
+        top = self.at or ("contact",)
+        found = [Collisions("collide", each.between, each.at) for each in self.collide]
+        for index, each in enumerate(self.exclude):
+            if isinstance(each, str):
+                at = (*top, "exclude", index)
+                found.append(Collisions("exclude", (), at, samples=SAMPLES if each == "auto" else None))
+            elif isinstance(each, Excluded) and each.auto is not None:
+                found.append(Collisions("exclude", (), each.at, samples=each.auto.samples, seed=each.auto.seed))
+            elif isinstance(each, Excluded):
+                found.append(Collisions("exclude", each.between or (), each.at))
+        return tuple(found)
