@@ -149,7 +149,7 @@ def test_by_tag(recipe: Callable[[str], Recipe]) -> None:
 
 def test_lists(recipe: Callable[[str], Recipe]) -> None:
     contact = recipe("contact: {exclude: [{body1: a, body2: b}], pair: [{geom1: c, geom2: d}]}").contact
-    assert [(each.tag, each.at) for each in contact] == [
+    assert [(each.tag, each.at) for each in contact.elements] == [
         ("exclude", ("contact", "exclude", 0)),
         ("pair", ("contact", "pair", 0)),
     ]

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal, Self
 
-from pydantic import BeforeValidator, Discriminator, Field, Tag
+from pydantic import BeforeValidator, Discriminator, Field, ModelWrapValidatorHandler, PrivateAttr, Tag, model_validator
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Fault, Path
@@ -112,12 +112,11 @@ def _lone_fault(value: Any) -> Fault | None:
     return Fault("wrong-type", message, help="write `exclude: [{…}]`")
 
 
-_Exclude = Annotated[
-    Annotated[Literal["touching", "auto"], Tag("<word>")]
-    | Annotated[Element, _ElementOf("contact/exclude"), Tag("<element>")]
-    | Annotated[Excluded, Tag("<mapping>")],
-    Discriminator(_form_of),
-]
+_Word = Annotated[Literal["touching", "auto"], Tag("<word>")]
+_Bodies = Annotated[Excluded, Tag("<mapping>")]
+_Element = Annotated[Element, _ElementOf("contact/exclude"), Tag("<element>")]
+_Exclude = Annotated[_Word | _Bodies | _Element, Discriminator(_form_of)]
+_Lone = Annotated[_Word | _Bodies, Discriminator(_form_of)]
 
 
 class Contact(Model):
@@ -129,16 +128,26 @@ class Contact(Model):
 
     pair: Annotated[tuple[Annotated[Element, _ElementOf("contact/pair")], ...], Items(), Expects("a list")] = ()
     """Pairs of geoms that may touch."""
-    exclude: Annotated[tuple[_Exclude, ...], Items(single=True), Checked(_lone_fault, first=True)] = ()
+    exclude: Annotated[tuple[_Exclude, ...], Items(single=_Lone), Checked(_lone_fault, first=True)] = ()
     """Pairs of bodies that do not touch, the bodies `between` parts, those that are `touching` in the beginning, or all
     that need not collide: `auto`."""
     collide: Annotated[tuple[Between, ...], Items(single=True)] = ()
     """A pair for every two geoms between parts that could not touch otherwise."""
 
+    _written: tuple[str, ...] = PrivateAttr(())
+
+    @model_validator(mode="wrap")
+    @classmethod
+    def _in_order(cls, value: Any, handler: ModelWrapValidatorHandler[Self]) -> Self:
+        made = handler(value)
+        made._written = tuple(value) if isinstance(value, dict) else ()
+        return made
+
     @property
     def elements(self) -> tuple[Element, ...]:
-        """The elements of MJCF."""
-        return (*self.pair, *(each for each in self.exclude if isinstance(each, Element)))
+        """The elements of MJCF, in the order of the file."""
+        entries = (each for key in self._written for each in getattr(self, key))
+        return tuple(each for each in entries if isinstance(each, Element))
 
     @property
     def collisions(self) -> tuple[Collisions, ...]:

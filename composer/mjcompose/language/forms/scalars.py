@@ -208,12 +208,14 @@ BYTES: Mapping[str, float] = {
 
 
 class Items:
-    """A list of `least` to `most` values, read as a tuple; with `single`, one value may stand for a list of one.
+    """A list of `least` to `most` values, read as a tuple; with `single`, one value is a list of one.
+
+    `single` is the type of such a value, or True for that of the items.
 
     `Annotated[tuple[Glob, ...], Items(1, single=True)]` has its items' form in its own type.
     """
 
-    def __init__(self, least: int = 0, most: int | None = None, *, single: bool = False, unique: bool = False) -> None:
+    def __init__(self, least: int = 0, most: int | None = None, *, single: Any = False, unique: bool = False) -> None:
         self.least, self.most, self._single, self._unique = least, most, single, unique
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
@@ -221,7 +223,8 @@ class Items:
         # Not a tuple, which pydantic calls too short beside a wrong item.
         several: CoreSchema = core_schema.list_schema(item, min_length=self.least or None, max_length=self.most)
         if self._single:
-            both = core_schema.union_schema([item, several])
+            lone = item if self._single is True else handler.generate_schema(self._single)
+            both = core_schema.union_schema([lone, several])
             several = core_schema.no_info_before_validator_function(_listed, several, json_schema_input_schema=both)
         return core_schema.no_info_after_validator_function(self._read, several)
 
