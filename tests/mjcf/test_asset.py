@@ -57,7 +57,7 @@ def test_numpy_numbers_are_positions() -> None:
         (lambda: mjcf.Asset(b"", "stl"), "`extension` expects a suffix such as `.stl`, got `stl`"),
         (lambda: mjcf.Asset(b"", ".stl", "../a"), "`prefix` expects the name of a file without folders"),
         (lambda: mjcf.Asset(path=3), "`path` expects a path, got `int`"),
-        (lambda: mjcf.Asset(), "made of `contents` or of a `path`, one of them"),
+        (lambda: mjcf.Asset(), "takes either `contents` or a `path`"),
         (lambda: _framed().insert("joint", 0.5), "`position` expects an integer, got `0.5`"),
         (lambda: _framed().root.worldbody.geom.__setitem__(0, None), "a geom of a list cannot be set"),
     ],

@@ -154,7 +154,7 @@ def test_a_class_of_an_attached_model_gives_what_it_says() -> None:
 
 def test_an_actuator_that_goes_on_needing_its_class_is_told() -> None:
     model = _of_actuators('<position inheritrange="0.5" gear="2"/>', '<motor name="m" joint="j"/>')
-    with pytest.warns(mjcf.MjcfWarning, match=r"`<motor>` `m` keeps needing its default class"):
+    with pytest.warns(mjcf.MjcfWarning, match=r"`<motor>` `m` still needs its default class"):
         _same(model)
     assert model.find("motor", "m").gear.tolist() == [2]
 

@@ -39,5 +39,5 @@ def test_the_examples_of_the_page(
     assert told[2:5] == ["base default", "arm default", "fore default"]
     assert told[last + 2].startswith("[0.01 0.02] ")
     assert told[last + 5] == '<body name="custom_body">'
-    assert told[-3:-1] == ["3 numbers; 0 0 0 where it is not set anywhere.", "['gravcomp']"]
+    assert told[-3:-1] == ["3 numbers; 0 0 0 if it is not set anywhere.", "['gravcomp']"]
     assert told[-1].startswith("True ['Equality', 'EqualityConnect', ")

@@ -5,14 +5,15 @@ from pathlib import Path
 
 import pytest
 from mjcompose import mjcf
+from mjcompose.base.diagnostic import Diagnostic
 from mjcompose.base.report import MjcomposeError
 from mjcompose.base.sink import Sink
 from mjcompose.mjcf import errors as elsewhere
-from mjcompose.mjcf.errors import failure, raise_errors
+from mjcompose.mjcf.errors import error_of, raise_errors
 
 
 def test_a_fault_is_a_value_error_with_diagnostics() -> None:
-    error = failure("name-clash", "there are two", help="rename one")
+    error = error_of(Diagnostic("name-clash", "there are two", help="rename one"))
     assert isinstance(error, mjcf.MjcfError) and isinstance(error, ValueError) and isinstance(error, MjcomposeError)
     assert str(error) == "error[name-clash]: there are two\n  = help: rename one"
     assert pickle.loads(pickle.dumps(error)).diagnostics == error.diagnostics

@@ -28,7 +28,7 @@ def test_help_says_what_an_element_and_its_attributes_are(geom: mjcf.Element) ->
     assert "`<geom>`: a shape that collides" in told
     assert "friction: sliding, spinning (m) and rolling (m) friction [1 to 3 numbers]" in told
     friction = inspect.getdoc(type(geom).friction)
-    assert friction is not None and "1 0.005 0.0001 where it is not set anywhere" in friction
+    assert friction is not None and "1 0.005 0.0001 if it is not set anywhere" in friction
     assert "add('geom', …)" in (inspect.getdoc(type(geom.parent).geom) or "")
 
 
@@ -38,9 +38,9 @@ def test_help_says_what_an_element_and_its_attributes_are(geom: mjcf.Element) ->
         ("geom", "type", "'plane', 'hfield', 'sphere'"),
         ("geom", "material", "a material, or its name"),
         ("geom", "class", "a default class, or its name"),
-        ("sensor/framepos", "objname", "of the kind that `objtype` says, or its name; it must be set"),
+        ("sensor/framepos", "objname", "of the kind in `objtype`, or its name; it must be set"),
         ("mesh", "file", "a file name, or an `Asset`"),
-        ("geom", "shellinertia", "True or False; false where"),
+        ("geom", "shellinertia", "True or False; false if"),
         ("flex", "body", "elements of the kind body, or their names"),
     ],
 )

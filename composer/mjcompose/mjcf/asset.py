@@ -16,15 +16,12 @@ from lxml import etree
 from numpy.typing import NDArray
 
 from mjcompose.base.access import ALL, Door
-from mjcompose.base.dataclass import dataclass
-from mjcompose.base.diagnostic import call_site
 from mjcompose.base.files import CODE, Refused, read_regular
 from mjcompose.mjcf.errors import MjcfError, failure
 from mjcompose.mjcf.flat import bundle_paths
 from mjcompose.mjcf.model import Model
 from mjcompose.model.edit import BadBone, renamed_skin, skins
 from mjcompose.model.files import in_archive, join, read_settings, stem, written_path
-from mjcompose.model.unit import Unit
 
 
 def as_path(argument: str, value: object) -> Path:
@@ -40,18 +37,13 @@ def as_path(argument: str, value: object) -> Path:
 Folders = Sequence[str | os.PathLike[str]]
 
 
-def as_folders(argument: str, value: object) -> tuple[Path, ...]:
-    """Return the argument, a list of folders, as paths. Raises `MjcfError` if it is anything else."""
-    if isinstance(value, str | bytes) or not isinstance(value, Sequence):
-        raise wrong_argument(argument, "a list of folders", repr(value))
-    return tuple(as_path(argument, each) for each in value)
-
-
 def door_of(confine_to: Folders | None) -> Door:
-    """Return the door of a model that a program reads: to these folders, or to all that MuJoCo reads."""
+    """Return the door of a model that a program reads: to these folders, or to all files that MuJoCo reads."""
     if confine_to is None:
         return ALL
-    folders = as_folders("confine_to", confine_to)
+    if isinstance(confine_to, str | bytes) or not isinstance(confine_to, Sequence):
+        raise wrong_argument("confine_to", "a list of folders", repr(confine_to))
+    folders = tuple(as_path("confine_to", each) for each in confine_to)
     whose = ", ".join(f"`{folder}`" for folder in folders) or "no folder"
     return Door.of(
         folders, f"{whose}, which is all that `confine_to` names", "add the folder: `confine_to=[…, '{absolute}']`"
@@ -88,24 +80,11 @@ def as_files(argument: str, value: object) -> dict[str, bytes]:
 
 def wrong_argument(argument: str, what: str, got: object) -> MjcfError:
     """Return the error that `argument` expects `what` and got something else."""
-    return failure("wrong-type", f"`{argument}` expects {what}, got `{got}`", call_site())
+    return failure("wrong-type", f"`{argument}` expects {what}, got `{got}`")
 
 
 Skins = list[tuple[Model, dict[str, bytes | Path]]]
 """Models, and what their skin files are to be, by written path."""
-
-
-@dataclass(frozen=True, slots=True)
-class _Prefixes:
-    """Replaces the prefix `old` of a name by `new`, except in the names in `own`, which are the model's own."""
-
-    old: str
-    new: str
-    own: Container[str]
-
-    def __call__(self, name: str) -> str | None:
-        moved = name.startswith(self.old) and name not in self.own
-        return self.new + name[len(self.old) :] if moved else None
 
 
 def renamed_skins(model: Model, rename: Callable[[str], str | None]) -> dict[str, bytes | Path]:
@@ -119,37 +98,34 @@ def renamed_skins(model: Model, rename: Callable[[str], str | None]) -> dict[str
         try:
             content = renamed_skin(model.unit.source_of(skin.path), rename)
         except BadBone as fault:
-            raise failure("bad-name", f"{fault}, `{skin.written}`", call_site()) from None
+            raise failure("bad-name", f"{fault}, `{skin.written}`") from None
         if content is not None:
             found[skin.path] = content
     return found
 
 
-def skins_after_body(model: Model, old: str, new: str) -> Skins:
-    """Return the new skin files of a model and of the models above it after a body is renamed."""
-    found: Skins = []
-    for here, prefix in model.levels():
-        changed = renamed_skins(here, {prefix + old: prefix + new}.get)
-        if changed:
-            found.append((here, changed))
-    return found
+def skins_after_renaming(model: Model, old: str, new: str, *, is_prefix: bool = False) -> Skins:
+    """Return the new skin files of a model and of the models above it after a body, or the prefix of a child, changes.
+
+    Names that begin with a prefix and are a model's own stay.
+    """
+    changed: Skins = []
+    for here, way in model.levels():
+
+        def rename(name: str, own: Container[str] = here.names.declared.get("body", {}), way: str = way) -> str | None:
+            if name == way + old or (is_prefix and name.startswith(way + old) and name not in own):
+                return way + new + name[len(way + old) :]
+            return None
+
+        if skins := renamed_skins(here, rename):
+            changed.append((here, skins))
+    return changed
 
 
-def skins_after_prefix(parent: Model, old: str, new: str) -> Skins:
-    """Return the new skin files of a model and of the models above it after the prefix of a child changes."""
-    found: Skins = []
-    for here, prefix in parent.levels():
-        changed = renamed_skins(here, _Prefixes(prefix + old, prefix + new, here.names.declared.get("body", {})))
-        if changed:
-            found.append((here, changed))
-    return found
-
-
-def apply_skins(skins: Skins) -> None:
-    """Set the new skin files on their models."""
-    for model, files in skins:
-        known = model.unit.contents
-        model.unit.contents = (known if isinstance(known, Files) else Files(known)).with_files(files)
+def add_files(model: Model, files: Mapping[str, bytes | Path]) -> None:
+    """Add files to those of a model that are not at their written paths."""
+    known = model.unit.contents
+    model.unit.contents = (known if isinstance(known, Files) else Files(known)).with_files(files)
 
 
 class Owner(Protocol):
@@ -186,17 +162,11 @@ class LiveArray(np.ndarray[Any, Any]):
 
     def __setitem__(self, key: Any, value: Any) -> None:
         if self._owner is None:
-            try:
-                super().__setitem__(key, value)
-            except ValueError:
-                if self.flags.writeable:
-                    raise
-                raise failure(
-                    "wrong-type",
-                    "a part of an attribute's array cannot be written to by itself",
-                    call_site(),
-                    help="write to the whole array, `element.pos[:2] = …`, or to a `copy()`",
-                ) from None
+            if not self.flags.writeable:
+                message = "a part of an attribute's array cannot be written to by itself"
+                help = "write to the whole array, `element.pos[:2] = …`, or to a `copy()`"
+                raise failure("wrong-type", message, help=help)
+            super().__setitem__(key, value)
             return
         element, attribute = self._owner
         now = element.get(attribute)
@@ -213,7 +183,7 @@ class LiveArray(np.ndarray[Any, Any]):
     def _refused(self, fault: Exception) -> Exception:
         element, attribute = self._owner or (None, "")
         what = "an array" if element is None else f"`{attribute}` of {element._described()}"
-        return failure("wrong-type", f"{what} cannot take this: {fault}", call_site())
+        return failure("wrong-type", f"{what} cannot take this: {fault}")
 
     def __repr__(self) -> str:
         return repr(self.view(np.ndarray))
@@ -276,8 +246,7 @@ class Asset:
     ) -> None:
         """Make an asset from either `contents` or `path`. The file at a path is read when `contents` is accessed."""
         if (contents is None) == (path is None):
-            message = "an `Asset` is made of `contents` or of a `path`, one of them"
-            raise failure("wrong-type", message, call_site())
+            raise failure("wrong-type", "an `Asset` takes either `contents` or a `path`")
         self._data = contents
         self._model: Model | None = None
         if path is not None:
@@ -302,10 +271,9 @@ class Asset:
             return read_regular(self.path)
         except OSError as error:
             message = f"the file `{self.path}` cannot be read: {error.strerror or str(error)}"
-            archive = in_archive(self.path)
-            if archive is not None:
+            if (archive := in_archive(self.path)) is not None:
                 message = "`{}` has no file `{}`".format(*archive)
-            raise failure("asset-missing", message, call_site()) from None
+            raise failure("asset-missing", message) from None
 
     @property
     def bundle_path(self) -> str | None:
@@ -378,17 +346,12 @@ def asset_of(model: Model, tag: str, name: str) -> Asset:
     if isinstance(known, bytes):
         asset = Asset(known, posixpath.splitext(written)[1] or ".bin", stem(written))
     else:
-        asset = Asset(path=known if isinstance(known, Path) else _admitted(unit, written))
+        try:
+            asset = Asset(path=known or unit.door.admit(join(str(unit.directory), written)))
+        except Refused as refused:
+            raise failure(CODE, refused.message(), help=refused.help) from None
     asset._model = model
     return asset
-
-
-def _admitted(unit: Unit, written: str) -> Path:
-    """Return the path of a file that the model's text refers to. Raises `MjcfError` if it may not be read."""
-    try:
-        return Path(unit.door.admit(join(str(unit.directory), written)))
-    except Refused as refused:
-        raise failure(CODE, refused.message(), call_site(), help=refused.help) from None
 
 
 def place_asset(model: Model, tag: str, asset: Asset, contents: dict[str, bytes | Path]) -> str:

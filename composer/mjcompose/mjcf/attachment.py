@@ -8,7 +8,7 @@ from typing import cast
 
 from lxml.etree import _Element as Node
 
-from mjcompose.base.diagnostic import Note, call_site
+from mjcompose.base.diagnostic import Note
 from mjcompose.mjcf import edit
 from mjcompose.mjcf.attributed import targets
 from mjcompose.mjcf.element import Element, RootElement
@@ -64,7 +64,6 @@ class AttachmentFrame(Element):
             raise failure(
                 "unknown-element",
                 f"an attachment frame takes joints, got `{tag}`",
-                call_site(),
                 help="add it to the attached model, or to the body that the model is attached to",
             )
         free = [joint for joint in self._node if _is_free(joint)]
@@ -73,7 +72,6 @@ class AttachmentFrame(Element):
             raise failure(
                 "name-clash",
                 "a free joint must be the only joint of a frame",
-                call_site(),
                 notes=(Note(f"{describe(self._model, there)} is here", self._model.span(there)),),
             )
         kind = self._child_kind(tag)
@@ -89,7 +87,6 @@ class AttachmentFrame(Element):
                 raise failure(
                     "unknown-attribute",
                     f"an attachment frame has no `{name}` of its own",
-                    call_site(),
                     help="it has `pos`, one orientation, and `mocap`; its name is the child's `model`",
                 )
         if attributes.get("mocap") not in (None, False, "false"):
@@ -105,18 +102,17 @@ class AttachmentFrame(Element):
             raise failure(
                 "name-clash",
                 f"another body is called `{name}` already, as the frame would be",
-                call_site(),
                 notes=(Note(f"{describe(taken.model, taken.node)} is here", taken.model.span(taken.node)),),
                 help="give it another name, or the attached model: `other.model = '…'`",
             )
 
     def remove(self, cascade: bool = False) -> None:
         """Raise `MjcfError`: an attachment frame cannot be removed. Call `detach()` on the child instead."""
-        raise failure("not-supported", "an attachment frame goes with its model: `detach()` that", call_site())
+        raise failure("not-supported", "an attachment frame goes with its model: `detach()` that")
 
     def attach(self, other: RootElement) -> Element:
         """Raise `MjcfError`: attach models to an element of the parent or of the child instead."""
-        raise failure("attach-place", "an attachment frame takes joints, not models", call_site())
+        raise failure("attach-place", "an attachment frame takes joints, not models")
 
 
 def get_attachment_frame(element: Element) -> AttachmentFrame | None:

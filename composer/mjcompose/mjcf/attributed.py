@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Any, Self
 import numpy as np
 from lxml.etree import _Element as Node
 
-from mjcompose.base.diagnostic import Span, call_site
+from mjcompose.base.diagnostic import Span
 from mjcompose.base.report import short_traceback
 from mjcompose.mjcf import edit
 from mjcompose.mjcf.asset import LiveArray, as_name, asset_of
-from mjcompose.mjcf.errors import MjcfAttributeError, MjcfError, failure, no_attribute
+from mjcompose.mjcf.errors import MjcfAttributeError, failure, no_attribute
 from mjcompose.mjcf.model import Model, Target
 from mjcompose.mjcf.value import BadValue, decode, describe, is_reference, resolved
 from mjcompose.mjcf.views import always_there, view, views
@@ -95,7 +95,7 @@ class Attributed:
         if known is None:
             raise no_attribute(self._kind, attribute)
         if self._alive()._node.get(known.name) is None:
-            raise failure("unknown-attribute", f"`{attribute}` of {self._described()} is not set", call_site())
+            raise failure("unknown-attribute", f"`{attribute}` of {self._described()} is not set")
         origins, file = self._model.unit.origins, self._model.unit.file
         return origins.span(self._node, file, known.name)
 
@@ -152,30 +152,20 @@ class Attributed:
         member = getattr(type(self), name, None)
         if isinstance(member, property):
             if member.fset is None:
-                raise self._cannot_set(name)
+                help = f"`set_attributes({name}=…)` sets the attribute of that name, `get('{name}')` reads it"
+                hidden = attribute_of(self._kind, name) is not None
+                message = f"`{name}` of {self._described()} cannot be set"
+                raise failure("wrong-type", message, help=help if hidden else None, kind=MjcfAttributeError)
             object.__setattr__(self, name, value)
         elif name.rstrip("_") in self._kind.children and attribute_of(self._kind, name) is None:
             self._refuse_child(name)
         else:
             self._write({name: value})
 
-    def _cannot_set(self, name: str) -> MjcfError:
-        hidden = attribute_of(self._kind, name) is not None
-        return failure(
-            "wrong-type",
-            f"`{name}` of {self._described()} cannot be set",
-            call_site(),
-            help=f"`set_attributes({name}=…)` sets the attribute of that name, `get('{name}')` reads it"
-            if hidden
-            else None,
-            kind=MjcfAttributeError,
-        )
-
     def _refuse_child(self, name: str) -> None:
         raise failure(
             "wrong-type",
             f"`{name}` of {self._described()} is an element and cannot be set",
-            call_site(),
             help=f"set its attributes, or add one: `add('{name.rstrip('_')}', …)`",
         )
 
@@ -202,7 +192,7 @@ class Attributed:
 
     def _alive(self) -> Self:
         if self._removed:
-            raise failure("unknown-element", f"`<{self.tag}>` was removed from its model", call_site())
+            raise failure("unknown-element", f"`<{self.tag}>` was removed from its model")
         return self
 
 

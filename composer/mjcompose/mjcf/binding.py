@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjcompose.base.dataclass import dataclass
-from mjcompose.base.diagnostic import Note, call_site
+from mjcompose.base.diagnostic import Note
 from mjcompose.base.suggest import did_you_mean
 from mjcompose.mjcf.compile import IN_PLACE, ScatteredRows, flat_indices
 from mjcompose.mjcf.errors import MjcfAttributeError, MjcfError, failure
@@ -152,7 +152,6 @@ def _is_simple(model: Model, array: str, row: int) -> Exception:
     return failure(
         "not-supported",
         f"`{array.removeprefix('body_')}` of the body `{name or row}` cannot be changed after compiling",
-        call_site(),
         notes=(Note("MuJoCo compiled it as a simple body, whose part of the mass matrix is a diagonal"),),
         help="compile it with `simple='false'` on the body",
     )
@@ -329,16 +328,13 @@ class Binding:
             raise failure(
                 "wrong-type",
                 f"a binding is indexed by the name of a field, got `{shorten(repr(key))}`",
-                call_site(),
                 help="`binding['xpos']`, `binding['xpos', 'z']` or `binding['xpos', [0, 2]]`",
             )
         if not rest:
             return name, None
         has = getattr(self, name)
         if has.ndim < (1 if self._one else 2):
-            raise failure(
-                "wrong-type", f"`{name}` of {self._labelled()} has one number for each, and no columns", call_site()
-            )
+            raise failure("wrong-type", f"`{name}` of {self._labelled()} has one number for each, and no columns")
         known = column_names(fields(self._kind)[name].array, has.shape[-1])
         try:
             at = number_columns(rest[0], known)
@@ -347,7 +343,6 @@ class Binding:
             raise failure(
                 "out-of-range",
                 f"`{name}` has no column `{fault.args[0] if isinstance(fault, KeyError) else shorten(repr(rest[0]))}`",
-                call_site(),
                 notes=(Note(f"it has {has.shape[-1]}" + (f": {', '.join(known)}" if known else "")),),
             ) from None
         return name, (..., at)
@@ -418,7 +413,6 @@ class Binding:
             raise failure(
                 "unknown-attribute",
                 f"{self._labels[at]} is not {run.required} and has no `{field.array}`",
-                call_site(),
                 kind=MjcfAttributeError,
             )
         return rows
@@ -432,19 +426,18 @@ class Binding:
         what = f"`{name}` of {self._labelled()}"
         if got is None:
             shown = shorten(repr(value))
-            return failure("wrong-type", f"{what} expects numbers, got `{shown}`", call_site())
-        return failure("wrong-length", f"{what} has the shape {has.shape}, got {got.shape}", call_site())
+            return failure("wrong-type", f"{what} expects numbers, got `{shown}`")
+        return failure("wrong-length", f"{what} has the shape {has.shape}, got {got.shape}")
 
     def _numbered(self, name: str) -> Exception:
         message = f"`{name}` is the number that MuJoCo has given and cannot be set"
-        return failure("wrong-type", message, call_site(), kind=MjcfAttributeError)
+        return failure("wrong-type", message, kind=MjcfAttributeError)
 
     def _unknown(self, name: str) -> Exception:
         known = sorted(fields(self._kind))
         return failure(
             "unknown-attribute",
             f"a compiled {self._kind} has no field `{name}`",
-            call_site(),
             notes=(Note("fields that exist: " + ", ".join(_shortest(self._kind))),),
             help=did_you_mean(name, known),
             kind=MjcfAttributeError,
@@ -463,7 +456,7 @@ class EmptyBinding:
 
     def __setattr__(self, name: str, value: Any) -> None:
         if np.size(value):
-            raise failure("wrong-length", f"`{name}` of nothing has the shape (0,), got {np.shape(value)}", call_site())
+            raise failure("wrong-length", f"`{name}` of nothing has the shape (0,), got {np.shape(value)}")
 
     def __getitem__(self, key: object) -> Array:
         return np.empty(0)

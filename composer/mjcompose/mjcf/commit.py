@@ -59,7 +59,10 @@ def commit(model: Model, node: Node, given: Mapping[str, str], found: DefaultCla
     enough either, the actuator still needs its class, and an `MjcfWarning` says so. With `partly`, only some of the
     attributes were requested: then the actuator keeps its tag and its class.
     """
-    sections = _sections(found)
+    # The default sections of the class's model, or none if the class and those above set nothing.
+    setting = next(_written_elements(found), None)
+    root = None if setting is None else next(each for each in setting.iterancestors() if each.tag == ROOT)
+    sections = [] if root is None else list(root.iterchildren("default"))
     spelled = copy.copy(node)
     spelled.attrib.pop("class", "")
     if found.name != MAIN:
@@ -68,7 +71,8 @@ def commit(model: Model, node: Node, given: Mapping[str, str], found: DefaultCla
     if wanted is None:  # MuJoCo says why when the model is compiled
         return
     as_good: Node | None = None
-    bare = settings(sections, _bare(spelled)) or {}
+    name = str(spelled.get("class") or "")  # a `general` of the same class without any other attribute
+    bare = settings(sections, spelled.makeelement(_GENERAL, {"class": name} if name else {})) or {}
     for candidate in _candidates(spelled, given, wanted, bare=bare, in_general=not partly):
         if settings(sections, candidate) != wanted:
             continue
@@ -83,16 +87,8 @@ def commit(model: Model, node: Node, given: Mapping[str, str], found: DefaultCla
             return
     if as_good is not None:
         _replace_by(model, node, as_good)
-    message = f"{describe(model, node)} keeps needing its default class, which gives it what cannot be written"
+    message = f"{describe(model, node)} still needs its default class, which sets values that cannot be written"
     warn(message, MjcfWarning)
-
-
-def _sections(found: DefaultClass) -> list[Node]:
-    """Return the default sections of the class's model, or none if the class and those above set nothing."""
-    for element in _written_elements(found):
-        above = [each for each in element.iterancestors() if each.tag == ROOT]
-        return list(above[0].iterchildren("default"))
-    return []
 
 
 def _written_elements(found: DefaultClass | None) -> Iterator[Node]:
@@ -105,7 +101,7 @@ def _written_elements(found: DefaultClass | None) -> Iterator[Node]:
 def _candidates(
     node: Node, given: Mapping[str, str], wanted: Mapping[str, str], bare: Mapping[str, str], *, in_general: bool
 ) -> Iterator[Node]:
-    """Yield the element with all attributes from its classes, with those that all tags share, and as a `general`."""
+    """Yield the element with all attributes from its classes, with those of all tags, and as a `general`."""
     for names in (given.keys(), given.keys() & OF_ALL):
         candidate = copy.copy(node)
         candidate.attrib.update({name: given[name] for name in sorted(names)})
@@ -125,19 +121,13 @@ def _candidates(
     yield general
 
 
-def _bare(node: Node) -> Node:
-    """Return a `general` of the same class without any other attribute."""
-    found = str(node.get("class") or "")
-    return node.makeelement(_GENERAL, {"class": found} if found else {})
-
-
 def _replace_by(model: Model, node: Node, other: Node) -> None:
     """Give an element the tag and attributes of another one. Existing references to its Element stay valid."""
     model.forget(node)
     if node.tag != other.tag:
         warn(
-            f"{describe(model, node)} is written as a `{other.tag}`: its default class gives it what a "
-            f"`{node.tag}` cannot say",
+            f"{describe(model, node)} is written as a `{other.tag}`: its default class sets values that a "
+            f"`{node.tag}` cannot have",
             MjcfWarning,
         )
         node.tag = other.tag
@@ -188,7 +178,6 @@ def _by_role(node: Node) -> dict[str, str]:
     return {**attribute, **layers}
 
 
-_SECTIONS_OF_NO_ELEMENTS = ("default", "extension")
 _NEVER_GIVEN = frozenset({"class", "texture"})  # textures are a matter of several elements
 # Attributes of which the nearest that is written counts alone.
 _ONE_OF = (frozenset(ORIENTATIONS), frozenset({"type", "directional"}), frozenset({"kv", "dampratio"}))
@@ -232,7 +221,6 @@ def _known(attributes: Collection[str]) -> frozenset[str]:
             raise failure(
                 "unknown-attribute",
                 f"default classes give no element an attribute `{name}`",
-                call_site(),
                 help=did_you_mean(name, every),
             )
         found.add(known.name)
@@ -242,23 +230,18 @@ def _known(attributes: Collection[str]) -> frozenset[str]:
 def _commit_all(model: Model, node: Node, only: frozenset[str] | None) -> None:
     above = model.frame_above(node)
     if above is None:
-        _commit_below(model, node, only)
+        classes = Classes(model.unit.root)
+        for each in _elements_below(node):
+            name = str(each.get("class") or "") or (childclass_of(each) if _is_in(each, "worldbody") else None)
+            _commit(model, each, _class(model, classes, name), only=only)
     else:
         _commit_joints(model, node, only)
     for attachment in model.attachments.values():
-        inside = attachment.frame is above or node in (attachment.host, *attachment.host.iterancestors())
-        if inside:
+        if attachment.frame is above or node in (attachment.host, *attachment.host.iterancestors()):
             if above is None:
                 _commit_joints(model, attachment.frame, only)
             if above is None or above is node:
                 _commit_all(attachment.child, attachment.child.unit.root, only)
-
-
-def _commit_below(model: Model, top: Node, only: frozenset[str] | None) -> None:
-    classes = Classes(model.unit.root)
-    for node in _elements_below(top):
-        found = str(node.get("class") or "") or (childclass_of(node) if _is_in_world(node) else None)
-        _commit(model, node, _class(model, classes, found), only=only)
 
 
 def _commit_joints(model: Model, top: Node, only: frozenset[str] | None) -> None:
@@ -285,12 +268,10 @@ def _elements_below(top: Node) -> Iterator[Node]:
     tags = frozenset(GRAMMAR.section("default").children) | {"fixed", "spatial"}
     sections = top.iterchildren("*") if top.tag == ROOT else [top]
     for section in sections:
-        if section.tag in _SECTIONS_OF_NO_ELEMENTS or _is_in(section, _SECTIONS_OF_NO_ELEMENTS):
+        if section.tag in ("default", "extension") or _is_in(section, "default", "extension"):
             continue
         for node in section.iter("*"):
-            parent = node.getparent()
-            written = kind_of(node) if parent is not None else None
-            if written is not None and "class" in written.attributes and default_tag(node) in tags:
+            if node.getparent() is not None and "class" in kind_of(node).attributes and default_tag(node) in tags:
                 yield node
 
 
@@ -304,7 +285,9 @@ def _commit(model: Model, node: Node, found: DefaultClass, only: frozenset[str] 
         own = str(node.get(name) or "")
         if not own and _counts_empty(attributes[name]) and node.get(name) is not None:
             continue
-        if not own and (_is_settled(node, name) or (name == "cranklength" and not node.get("cranksite"))):
+        # The element may set another attribute that has the same meaning.
+        is_set = any(name in group and any(node.get(each) for each in group) for group in _ONE_OF)
+        if not own and (is_set or (name == "cranklength" and not node.get("cranksite"))):
             continue
         whole = _completed(attributes[name], own, value) if own else value
         if whole != own:
@@ -327,7 +310,8 @@ def _class_attributes(found: DefaultClass, node: Node, attributes: Mapping[str, 
     """Return the attributes that a class and those above it set for an element; the nearest class wins."""
     inherited = {} if found.parent is None else _class_attributes(found.parent, node, attributes)
     tag = default_tag(node)
-    for element in _written(found, ACTUATORS if tag in ACTUATORS else (tag,)):
+    elements = [each for name in (ACTUATORS if tag in ACTUATORS else (tag,)) for each in found.elements.get(name, ())]
+    for element in sorted(elements, key=_place) if len(elements) > 1 else elements:
         for key, value in element.items():
             name = str(key)
             if name not in attributes or name in _NEVER_GIVEN:
@@ -348,19 +332,6 @@ def _counts_empty(attribute: Attribute) -> bool:
     return attribute.type in _TEXTS
 
 
-def _is_settled(node: Node, name: str) -> bool:
-    """Return whether an element sets another attribute that has the same meaning as this one."""
-    return any(name in group and any(node.get(each) for each in group) for group in _ONE_OF)
-
-
-def _written(found: DefaultClass, tags: Collection[str]) -> list[Node]:
-    """Return the elements of one class that have these tags, in document order."""
-    elements = [element for tag in tags for element in found.elements.get(tag, ())]
-    if len(tags) > 1 and len(elements) > 1:
-        elements.sort(key=_place)
-    return elements
-
-
 def _place(node: Node) -> list[int]:
     """Return the position of a node in its document as a sort key."""
     parent = node.getparent()
@@ -377,9 +348,5 @@ def _completed(attribute: Attribute, own: str, inherited: str) -> str:
     return own if len(items) >= len(more) else " ".join([*items, *more[len(items) :]])
 
 
-def _is_in_world(node: Node) -> bool:
-    return _is_in(node, ("worldbody",))
-
-
-def _is_in(node: Node, sections: tuple[str, ...]) -> bool:
-    return any(above.tag in sections for above in node.iterancestors())
+def _is_in(node: Node, *sections: str) -> bool:
+    return next(node.iterancestors(*sections), None) is not None

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import copy
-from collections.abc import Callable, Mapping
-from pathlib import Path
+from collections.abc import Callable
 from typing import Any
 
 from lxml import etree
 from lxml.etree import _Element as Node
 
-from mjcompose.base.access import Door
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Span
 from mjcompose.mjcf.attributed import Attributed
@@ -95,52 +93,34 @@ class _Attached:
 
 @dataclass(frozen=True, slots=True)
 class _Composition:
-    """A model and all its attachments; comments of the model's header are stored by their places below the root."""
+    """A model and all its attachments; comments of the model's header are stored by their places below the root.
+
+    `kept` has the fields of its unit that pickle as they are.
+    """
 
     tree: _Tree
     header: list[int]
-    file: str
-    directory: Path
-    label: str
-    contents: Mapping[str, bytes | Path]
+    kept: dict[str, Any]
     texts: dict[str, FileText]
     attached: list[_Attached]
-    door: Door
 
     @classmethod
     def of(cls, model: Model) -> _Composition:
         unit = model.unit
         places = {node: at for at, node in enumerate(unit.root.iter())} if model.attachments else {}
-        return cls(
-            _Tree.of(unit.root, unit.origins),
-            list(map(unit.root.index, unit.header)),
-            unit.file,
-            directory=unit.directory,
-            label=unit.label,
-            contents=unit.contents,
-            texts=unit.origins.texts,
-            attached=[
-                _Attached(cls.of(each.child), _Tree.of(each.frame, unit.origins), places[each.host])
-                for each in model.attachments.values()
-            ],
-            door=unit.door,
-        )
+        attached = [
+            _Attached(cls.of(each.child), _Tree.of(each.frame, unit.origins), places[each.host])
+            for each in model.attachments.values()
+        ]
+        kept = {name: getattr(unit, name) for name in ("file", "directory", "label", "contents", "door")}
+        header = list(map(unit.root.index, unit.header))
+        return cls(_Tree.of(unit.root, unit.origins), header, kept, texts=unit.origins.texts, attached=attached)
 
     def restored(self) -> Model:
         origins = Origins(texts=self.texts)
         root = self.tree.restored(origins)
         header = tuple(root[at] for at in self.header)
-        unit = Unit(
-            root,
-            self.file,
-            self.directory,
-            label=self.label,
-            contents=self.contents,
-            origins=origins,
-            header=header,
-            door=self.door,
-        )
-        model = Model(unit)
+        model = Model(Unit(root, origins=origins, header=header, **self.kept))
         nodes = list(root.iter()) if self.attached else []
         for each in self.attached:
             child = each.child.restored()

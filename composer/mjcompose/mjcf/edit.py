@@ -15,7 +15,8 @@ from lxml.etree import _Element as Node
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Note, call_site
 from mjcompose.base.suggest import did_you_mean
-from mjcompose.mjcf.asset import Asset, Files, Skins, apply_skins, place_asset, skins_after_body
+from mjcompose.link.linking import detach
+from mjcompose.mjcf.asset import Asset, Skins, add_files, place_asset, skins_after_renaming
 from mjcompose.mjcf.errors import MjcfError, failure, no_attribute
 from mjcompose.mjcf.model import Attachment, Model, Target
 from mjcompose.mjcf.value import BadValue, describe, encode, is_reference, name_for, namespace_of, plain_text
@@ -33,8 +34,7 @@ def remove(model: Model, node: Node, cascade: bool) -> None:
         raise failure(
             "not-supported",
             "the root of a model cannot be removed",
-            call_site(),
-            help="`detach()` takes an attached model out of the one it is attached to",
+            help="`detach()` removes an attached model from the model that it is attached to",
         )
     removal = Removal.of([(model, node)]).with_referrers() if cascade else None
     if removal is not None:
@@ -67,10 +67,8 @@ def _take_out(model: Model, node: Node) -> None:
                 discard(model, child)
             node.remove(child)
         return
-    parent = node.getparent()
-    assert parent is not None
     discard(model, node)
-    parent.remove(node)
+    detach(node)
 
 
 def release(model: Model, prefix: str) -> None:
@@ -143,7 +141,7 @@ def check(
     turned = [name for name in ORIENTATIONS if edit.texts.get(name)]
     if len(turned) > 1:
         both = " and ".join(f"`{name}`" for name in turned)
-        raise failure("wrong-type", f"`<{kind.tag}>` can have one orientation, got {both}", call_site())
+        raise failure("wrong-type", f"`<{kind.tag}>` can have one orientation, got {both}")
     _check_name(model, kind, edit, node=node, frame=frame)
     if node is not None and frame is None:
         edit.skins = _skins(model, kind, edit, node=node)
@@ -181,9 +179,9 @@ def _text(
 
 def write(model: Model, node: Node, edit: Edit) -> None:
     """Carry out an edit that has been checked."""
-    _take_contents(model, edit)
-    apply_skins(edit.skins)
-    _give_names(edit)
+    _prepare(model, edit)
+    for changed, files in edit.skins:
+        add_files(changed, files)
     if edit.texts:
         site = call_site()
         model.unit.origins.settings.setdefault(node, {}).update(dict.fromkeys(edit.texts, site))
@@ -192,9 +190,8 @@ def write(model: Model, node: Node, edit: Edit) -> None:
     else:
         assign(model, node, edit.texts)
     model.awaited.update(((node, name), awaited) for name, awaited in edit.awaited.items())
-    if (
-        cast(int | None, node.sourceline) is None and node not in model.unit.origins.owners
-    ):  # made because it was asked for
+    is_from_file = cast(int | None, node.sourceline) is not None
+    if not is_from_file and node not in model.unit.origins.owners:  # it was created on access
         model.unit.origins.own(node, call_site())
     if edit.renaming is not None:
         edit.renaming.carry_out()
@@ -210,8 +207,7 @@ def is_nameless(kind: ElementType, attribute: Attribute) -> bool:
 
 def create(model: Model, parent: Node, tag: str, edit: Edit, position: int | None) -> Node:
     """Create an element below `parent`, at the end or before the child at `position`, and return it."""
-    _take_contents(model, edit)
-    _give_names(edit)
+    _prepare(model, edit)
     attributes = {name: text for name, text in edit.texts.items() if text is not None}
     node = parent.makeelement(tag, attributes)
     later = None if position is None else _child_at(parent, position)
@@ -234,20 +230,16 @@ def _child_at(parent: Node, position: int) -> Node | None:
     return next(from_the_end, next(parent.iterchildren("*"), None))
 
 
-def _take_contents(model: Model, edit: Edit) -> None:
+def _prepare(model: Model, edit: Edit) -> None:
+    """Add the files of an edit, and give names to the referenced elements that have none."""
     if edit.contents:
-        known = model.unit.contents
-        model.unit.contents = (known if isinstance(known, Files) else Files(known)).with_files(edit.contents)
-
-
-def _give_names(edit: Edit) -> None:
-    """Give names to the referenced elements that have none."""
-    for (model, node), name in edit.given.items():
+        add_files(model, edit.contents)
+    for (target, node), name in edit.given.items():
         attribute = naming_attribute(kind_of(node))
         assert attribute is not None
         node.set(attribute.name, name)
-        model.unit.origins.settings.setdefault(node, {})[attribute.name] = call_site()
-        model.note(node)
+        target.unit.origins.settings.setdefault(node, {})[attribute.name] = call_site()
+        target.note(node)
 
 
 def _check_name(model: Model, kind: ElementType, edit: Edit, node: Node | None, frame: Attachment | None) -> None:
@@ -267,7 +259,7 @@ def _check_name(model: Model, kind: ElementType, edit: Edit, node: Node | None, 
     if not name:
         return
     if node is not None and namespace == "default" and node.getparent() is model.unit.root and name != MAIN:
-        raise failure("wrong-type", f"the top default class is called `{MAIN}`, and cannot be `{name}`", call_site())
+        raise failure("wrong-type", f"the top default class is called `{MAIN}`, and cannot be `{name}`")
     before = None if node is None else model.declared(node)
     if before is not None and before[1] != name:
         edit.renaming = Renaming.of([NewName(model, namespace, before[1], new=name)])
@@ -277,11 +269,10 @@ def _check_name(model: Model, kind: ElementType, edit: Edit, node: Node | None, 
     taken = model.top.lookup(namespace, model.full_prefix + name)
     if taken is None or (taken.model is model and taken.node is node):
         return
-    what = "default class" if namespace == "default" else namespace
+    is_class = namespace == "default"
     raise failure(
-        "class-clash" if namespace == "default" else "name-clash",
-        f"another {what} is called `{model.full_prefix + name}` already",
-        call_site(),
+        "class-clash" if is_class else "name-clash",
+        f"another {'default class' if is_class else namespace} is called `{model.full_prefix + name}` already",
         notes=(Note(f"{describe(taken.model, taken.node)} is here", taken.model.span(taken.node)),),
         help="give one of the two another name",
     )
@@ -300,7 +291,7 @@ def _skins(model: Model, kind: ElementType, edit: Edit, node: Node) -> Skins:
     if attribute is None or attribute.declares != "body" or attribute.name not in edit.texts:
         return []
     before, name = model.declared(node), edit.texts[attribute.name]
-    return skins_after_body(model, before[1], name) if before and name and before[1] != name else []
+    return skins_after_renaming(model, before[1], name) if before and name and before[1] != name else []
 
 
 def check_lists(renaming: Renaming[Model]) -> None:
@@ -310,7 +301,6 @@ def check_lists(renaming: Renaming[Model]) -> None:
         raise failure(
             "wrong-type",
             unlistable_message(reference, new, describe(here, user)),
-            call_site(),
             notes=(Note("the list is here", here.span(user)),),
         )
 
@@ -330,4 +320,4 @@ def _bad_value(
             help = did_you_mean(refusal.unknown, attribute.keywords)
     else:
         code = "wrong-length" if refusal.is_length else "wrong-type"
-    return failure(code, f"`{spoken(attribute.name)}` of {what} {refusal}", call_site(), help=help)
+    return failure(code, f"`{spoken(attribute.name)}` of {what} {refusal}", help=help)

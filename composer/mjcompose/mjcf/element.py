@@ -115,7 +115,6 @@ class Element(NodeView):
             raise failure(
                 "name-clash",
                 f"{self._described()} has a `<{kind.tag}>` already, and can have one only",
-                call_site(),
                 notes=(Note("it is here", self._model.span(existing)),),
             )
         checked = edit.check(self._model, kind, targets(attributes))
@@ -462,7 +461,6 @@ class ElementList(Sequence[_E]):
         raise failure(
             "wrong-type",
             f"a {self.tag} of a list cannot be set",
-            call_site(),
             help=f"set its attributes, or remove it and `insert('{self.tag}', position, …)` another one",
         )
 

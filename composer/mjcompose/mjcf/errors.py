@@ -60,8 +60,8 @@ def failure(
     help: str | None = None,
     kind: type[MjcfError] | None = None,
 ) -> MjcfError:
-    """Return an exception for one error."""
-    return error_of(Diagnostic(code, message, span, notes=tuple(notes), help=help), kind)
+    """Return an exception for one error, by default at the line of the caller's program."""
+    return error_of(Diagnostic(code, message, span or call_site(), notes=tuple(notes), help=help), kind)
 
 
 def error_of(diagnostic: Diagnostic, kind: type[MjcfError] | None = None) -> MjcfError:
@@ -87,7 +87,6 @@ def unknown_tag(tag: object, message: str, known: Iterable[str]) -> MjcfError:
     return failure(
         "unknown-element",
         message,
-        call_site(),
         notes=(exists_note("element", names, written),),
         help=TAGS.get(str(tag)) or (f"did you mean `{near[0]}`?" if near else None),
     )

@@ -14,7 +14,7 @@ from lxml import etree
 from lxml.etree import _Element as Node
 
 from mjcompose.base.dataclass import dataclass
-from mjcompose.base.diagnostic import Cause, Diagnostic, Note, call_site
+from mjcompose.base.diagnostic import Cause, Diagnostic, Note
 from mjcompose.base.log import warn
 from mjcompose.base.report import render
 from mjcompose.base.sink import Sink
@@ -44,9 +44,7 @@ from mjcompose.sources.context import Context
 def prune(unit: Unit) -> None:
     """Remove the empty elements from the tree of a model."""
     for node in list(empty_elements(unit)):
-        while _is_empty(node) and node is not unit.root:
-            parent = node.getparent()
-            assert parent is not None
+        while _is_empty(node) and (parent := node.getparent()) is not None:
             parent.remove(node)
             node = parent
 
@@ -56,7 +54,9 @@ def empty_elements(unit: Unit) -> Iterator[Node]:
     for section in unit.root.iterchildren("*"):
         if section.tag in HOLDS_ONE_OF_EACH:
             for node in filter(_is_empty, section.iter("*")):
-                if section.tag != "default" or not (says_something(node) and _is_meant(unit, node)):
+                # Elements without a line and an owner were created on access.
+                is_written = cast(int | None, node.sourceline) is not None or node in unit.origins.owners
+                if section.tag != "default" or not (says_something(node) and is_written):
                     yield node
         elif _is_empty(section):
             yield section
@@ -66,15 +66,18 @@ def _is_empty(node: Node) -> bool:
     return not len(node) and not node.keys()
 
 
-def _is_meant(unit: Unit, node: Node) -> bool:
-    """Return whether an element was written in a file or added by a program. Others were created on access."""
-    return cast(int | None, node.sourceline) is not None or node in unit.origins.owners
-
-
 def with_unique_names(files: Sequence[FileUse]) -> list[tuple[FileUse, str]]:
-    """Return each file with a path, so that no two paths end in the same file name. Sub-models use these paths too."""
+    """Return each file with a path. No two paths end in the same file name. Sub-models use these paths too."""
     taken: dict[str, str] = {}
-    names = {use.path: _free(use.path, taken) for use in files}
+    names: dict[str, str] = {}
+    for path in dict.fromkeys(use.path for use in files):
+        folder, _, base = path.rpartition("/")
+        start, suffix = posixpath.splitext(base)
+        number, name = 1, base
+        while taken.setdefault(name.lower(), path) != path:
+            number += 1
+            name = f"{start}-{number}{suffix}"
+        names[path] = f"{folder}/{name}"
     return [(_with_file_names(use, names) if _is_model(use) else use, names[use.path]) for use in files]
 
 
@@ -88,16 +91,6 @@ def rename_file(element: Node, attribute: str, file: str) -> None:
     if attribute == "file" and element.tag in NAMED_AFTER_FILE and not element.get("name"):
         element.set("name", stem(str(element.get("file"))))
     element.set(attribute, file)
-
-
-def _free(path: str, taken: dict[str, str]) -> str:
-    folder, _, base = path.rpartition("/")
-    stem, suffix = posixpath.splitext(base)
-    number, name = 1, base
-    while taken.setdefault(name.lower(), path) != path:
-        number += 1
-        name = f"{stem}-{number}{suffix}"
-    return f"{folder}/{name}"
 
 
 def _is_model(use: FileUse) -> bool:
@@ -190,8 +183,6 @@ def _without_folders(unit: Unit, text: str) -> str | None:
 
 
 _SHOWN = 20
-_FRAME = "the attachment frame is a body only once it has a joint"
-_OUTSIDE = "`../` stands for the model that this one is attached to"
 
 
 def check_references(model: Model, sink: Sink) -> None:
@@ -237,7 +228,9 @@ def _report(model: Model, namespace: str, name: str, users: list[Use], sink: Sin
     outside, inner = model, name
     while inner.startswith(UP) and outside.hung is not None:
         outside, inner = outside.hung.parent, inner[len(UP) :]
-    frame = namespace == "body" and any(not rest for _, rest in outside.split(inner))
+    help = "`../` is the model that this one is attached to" if name.startswith(UP) else None
+    if namespace == "body" and any(not rest for _, rest in outside.split(inner)):
+        help = "the attachment frame is a body only once it has a joint"
     sink.add(
         unresolved(
             model,
@@ -245,17 +238,13 @@ def _report(model: Model, namespace: str, name: str, users: list[Use], sink: Sin
             name,
             span=model.span(first),
             message=f"{describe(model, first)} refers to the {word(namespace)} `{name}`, which does not exist",
-            help="the attachment frame is a body only once it has a joint"
-            if frame
-            else _OUTSIDE
-            if name.startswith(UP)
-            else None,
+            help=help,
             notes=notes if len(users) > 1 else (),
         )
     )
 
 
-# The linker speaks to the writers of recipes; this is what a Python user can do.
+# The linker's advice is for recipes; this is advice for Python.
 _RENAME = "rename one of the two, or the attached model: `child.model = '…'`"
 _HELP = {
     "option-conflict": "make the two agree, or pass `conflict='base'`, which lets the model's own "
@@ -274,7 +263,7 @@ _HELP = {
 class Flat:
     """One model without attachments, the files it names, and the warnings from linking.
 
-    `is_measured` says that MuJoCo was asked for values, which depend on the bytes of files.
+    `is_measured` is set if MuJoCo computed values, which depend on the bytes of files.
     """
 
     unit: Unit
@@ -314,17 +303,21 @@ def link_checked(model: Model, conflict: Policy, copy: Callable[[Model], Unit], 
     """
     sink = _NamesChecked()
     mounting = Mounting(model, copy)
-    prefixes = (
-        UP,
-        *(part.prefix for part in mounting.parts),
-        *(name for part in mounting.parts for name in part.outward.values()),
-    )
+    outward = (name for part in mounting.parts for name in part.outward.values())
+    prefixes = (UP, *(part.prefix for part in mounting.parts), *outward)
     for unit in (mounting.base, *(part.unit for part in mounting.parts)):
         prune(unit)
+    started: list[Measure] = []
     with ExitStack() as ending:
-        started: list[Measure] = []
-        measure = _measure(sink, prefixes, ending, started=started) if mounting.parts else None
-        linking = Linking(mounting.base, mounting.parts, sink, request=Request(conflict=conflict), measure=measure)
+
+        def measure(unit: Unit, arrays: tuple[str, ...], *, attempt: bool = False) -> Mapping[str, list[float]]:
+            """Measure values of a unit alone in a process of MuJoCo, which starts with the first call."""
+            if not started:
+                started.append(measure_with(Context(sink), session=ending.enter_context(Session())))
+            return started[0](without_outward(unit, prefixes), arrays, attempt=attempt)
+
+        measured = measure if mounting.parts else None
+        linking = Linking(mounting.base, mounting.parts, sink, request=Request(conflict=conflict), measure=measured)
         if not mounting.parts:
             if check_keys:
                 layouts(linking)
@@ -349,7 +342,7 @@ def _check(model: Model, conflict: Policy) -> None:
     """Raise `MjcfError` if `conflict` is not a policy, or if a reference names nothing."""
     if conflict not in get_args(Policy):
         words = ", ".join(f"`{word}`" for word in get_args(Policy))
-        raise failure("wrong-keyword", f"`conflict` is one of {words}, got `{conflict}`", call_site())
+        raise failure("wrong-keyword", f"`conflict` is one of {words}, got `{conflict}`")
     names = Sink()
     check_references(model, names)
     raise_errors(names)
@@ -369,8 +362,8 @@ def text(model: Model, conflict: Policy) -> str:
     """Return the composition as MJCF text. See `RootElement.to_xml_string`."""
     state = _state(model, conflict) if model.attachments else None
     if model.written is not None and model.written[0] == state:
-        _, found, told = model.written
-        _issue(told)
+        _, found, warnings = model.written
+        _issue(warnings)
         return found
     _check(model, conflict)
     known = relocated_text(model, label(model))
@@ -454,20 +447,6 @@ class _NamesChecked(Sink):
     def add(self, diagnostic: Diagnostic, cause: Cause | None = None) -> None:
         if diagnostic.code != "unknown-name":
             super().add(diagnostic, cause)
-
-
-def _measure(sink: Sink, prefixes: tuple[str, ...], ending: ExitStack, started: list[Measure]) -> Measure:
-    """Return a function that measures a unit alone with MuJoCo, for values that the tree does not contain.
-
-    MuJoCo runs in a separate process, which starts with the first call and ends with `ending`.
-    """
-
-    def measure(unit: Unit, arrays: tuple[str, ...], *, attempt: bool = False) -> Mapping[str, list[float]]:
-        if not started:
-            started.append(measure_with(Context(sink), session=ending.enter_context(Session())))
-        return started[0](without_outward(unit, prefixes), arrays, attempt=attempt)
-
-    return measure
 
 
 def _for_python(diagnostic: Diagnostic) -> Diagnostic:

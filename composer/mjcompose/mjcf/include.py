@@ -13,7 +13,7 @@ from lxml.etree import _Element as Node
 from mjcompose.base.diagnostic import Note, call_site
 from mjcompose.base.log import warn
 from mjcompose.base.sink import Sink
-from mjcompose.mjcf.asset import Asset, Files, asset_of, place_asset
+from mjcompose.mjcf.asset import Asset, add_files, asset_of, place_asset
 from mjcompose.mjcf.copies import duplicate
 from mjcompose.mjcf.errors import MjcfWarning, raise_errors
 from mjcompose.mjcf.model import Model
@@ -53,8 +53,7 @@ def take_model(model: Model, source: Unit, element: Node) -> None:
             files = {f"{folder}/{path}": content for path, content in theirs.items()}
             name = f"{folder}/{file}"
     element.set("file", name)
-    before = model.unit.contents
-    model.unit.contents = (before if isinstance(before, Files) else Files(before)).with_files(files)
+    add_files(model, files)
 
 
 def _are_free(model: Model, files: dict[str, bytes | Path]) -> bool:
@@ -89,7 +88,18 @@ def include_copy(model: Model, other: Model, override: bool) -> None:
     settled: list[str] = []
     for conflict in _conflicts(model, source):
         if not override:
-            _refuse(conflict, model, source, other=other, sink=sink)
+            names = f"`{model.name}` and `{other.name}`"
+            sink.error(
+                "option-conflict",
+                f"`{'/'.join(conflict.path)}` has `{conflict.attribute}`, which is not the same in {names}",
+                call_site(),
+                notes=[
+                    Note(f"`{where.name}` has {_shown(setting)}", setting and where.span(setting.node))
+                    for where, setting in ((model, conflict.mine), (source, conflict.theirs))
+                ],
+                help="make the two agree, pass `override=True`, which takes the other's setting, or `attach` the "
+                "other: an attached model keeps its own",
+            )
         elif conflict.path[0] in _READ_BY:
             winner = model if conflict.theirs is None else other
             settled.append(
@@ -104,13 +114,15 @@ def include_copy(model: Model, other: Model, override: bool) -> None:
     models = list(source.unit.root.iterfind("asset/model[@file]"))
     for setting in _settings(source.unit.root):
         if setting.attribute not in _FOLDERS or setting.path != ("compiler",):
-            _place_for(model, setting.path).set(setting.attribute, setting.value)
+            place = model.section(setting.path[0])
+            for tag in setting.path[1:]:
+                place = model.only_child(place, tag)
+            place.set(setting.attribute, setting.value)
     moved = list(_move(model, source))
     contents: dict[str, bytes | Path] = {}
     for node, attribute, asset in files:
         node.set(attribute, place_asset(model, str(node.tag), asset, contents=contents))
-    known = model.unit.contents
-    model.unit.contents = (known if isinstance(known, Files) else Files(known)).with_files(contents)
+    add_files(model, contents)
     for node in models:
         take_model(model, source.unit, node)
     for top in moved:
@@ -149,29 +161,15 @@ def _conflicts(model: Model, source: Model) -> Iterator[_Conflict]:
         path, attribute = key
         if path == ("compiler",) and attribute in _FOLDERS:
             continue
-        values = [None if each is None else each.value for each in (mine.get(key), theirs.get(key))]
+        one, other = (None if each is None else each.value for each in (mine.get(key), theirs.get(key)))
         if path[0] in _READ_BY and both_have_elements:
             if path == ("compiler",):
-                values = [getattr(Settings(), attribute, None) if each is None else each for each in values]
-        elif None in values:
+                default = getattr(Settings(), attribute, None)
+                one, other = default if one is None else one, default if other is None else other
+        elif one is None or other is None:
             continue
-        if not _equal(values[0], values[1]):
+        if (one is not other) if one is None or other is None else not _equal(one, other):
             yield _Conflict(path, attribute, mine.get(key), theirs=theirs.get(key))
-
-
-def _refuse(conflict: _Conflict, model: Model, source: Model, other: Model, sink: Sink) -> None:
-    path, attribute = "/".join(conflict.path), conflict.attribute
-    sink.error(
-        "option-conflict",
-        f"`{path}` has `{attribute}`, which is not the same in `{model.name}` and `{other.name}`",
-        call_site(),
-        notes=[
-            Note(f"`{where.name}` has {_shown(each)}", None if each is None else where.span(each.node))
-            for where, each in ((model, conflict.mine), (source, conflict.theirs))
-        ],
-        help="make the two agree, pass `override=True`, which takes what the other has, or `attach` the "
-        "other: an attached model keeps its own",
-    )
 
 
 def _check_names(model: Model, source: Model, other: Model, sink: Sink) -> None:
@@ -206,18 +204,10 @@ def _settings(root: Node) -> Iterator[_Setting]:
             above = [str(each.tag) for each in node.iterancestors() if each is not root]
             path = (*reversed(above), str(node.tag))
             yield from (_Setting(path, str(name), str(value), node=node) for name, value in node.items())
-    for section in root.iterchildren("default"):
-        for node in section.iterchildren("*"):
-            if node.tag != "default":
-                path = ("default", str(node.tag))
-                yield from (_Setting(path, str(name), str(value), node=node) for name, value in node.items())
-
-
-def _place_for(model: Model, path: tuple[str, ...]) -> Node:
-    node = model.section(path[0])
-    for tag in path[1:]:
-        node = model.only_child(node, tag)
-    return node
+    for node in root.iterfind("default/*"):
+        if node.tag != "default":
+            path = ("default", str(node.tag))
+            yield from (_Setting(path, str(name), str(value), node=node) for name, value in node.items())
 
 
 def _move(model: Model, source: Model) -> Iterator[Node]:
@@ -260,9 +250,7 @@ def _has_elements(root: Node) -> bool:
     return any(len(section) for section in root.iterchildren("*") if section.tag not in (*_SETTINGS, "default"))
 
 
-def _equal(a: str | None, b: str | None) -> bool:
-    if a is None or b is None:
-        return a is b
+def _equal(a: str, b: str) -> bool:
     numbers = [[parse_real(item) for item in items(text)] for text in (a, b)]
     return numbers[0] == numbers[1] if None not in (*numbers[0], *numbers[1]) else a.split() == b.split()
 

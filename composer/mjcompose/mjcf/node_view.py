@@ -14,7 +14,7 @@ from mjcompose.base.report import short_traceback
 from mjcompose.base.sink import Sink
 from mjcompose.link.linking import Policy
 from mjcompose.mjcf import edit
-from mjcompose.mjcf.asset import apply_skins, renamed_skins, skins_after_prefix
+from mjcompose.mjcf.asset import add_files, renamed_skins, skins_after_renaming
 from mjcompose.mjcf.attributed import Attributed
 from mjcompose.mjcf.copies import copied, pickled_element
 from mjcompose.mjcf.edit import release
@@ -53,7 +53,7 @@ def escape_separators(model: Model) -> None:
                     help="rename one of the two, or read the model without `escape_separators`",
                 )
     raise_errors(sink)
-    apply_skins([(model, renamed_skins(model, _escaped))])
+    add_files(model, renamed_skins(model, _escaped))
     for names in declared.values():
         for name, node in names.items():
             attribute = naming_attribute(kind_of(node))
@@ -80,30 +80,24 @@ def attach(model: Model, host: Node, child: Model) -> Node:
         raise failure(
             "attach-place",
             f"nothing can be attached to {place}",
-            call_site(),
             help="attach to a site, a body, a frame or the worldbody",
         )
     if any(above.tag == "replicate" for above in host.iterancestors()):
-        raise failure("not-supported", f"{place} is inside a `<replicate>`, where nothing can be attached", call_site())
+        raise failure("not-supported", f"{place} is inside a `<replicate>`, where nothing can be attached")
     if child is model or child in model.ancestors():
-        message = f"`{child.name}` cannot be attached to itself" if child is model else (
-            f"`{child.name}` cannot be attached to {place}, which is part of it"
-        )  # fmt: skip
-        raise failure("attach-cycle", message, call_site())
+        where = "itself" if child is model else f"{place}, which is part of it"
+        raise failure("attach-cycle", f"`{child.name}` cannot be attached to {where}")
     if child.hung is not None:
         there = child.hung
         raise failure(
             "attach-place",
             f"`{child.name}` is attached already, to {describe(there.parent, there.host)} of `{there.parent.name}`",
-            call_site(),
             notes=(Note("it was attached here", there.parent.span(there.frame)),),
             help="`detach()` it first, or attach a copy: `copy.deepcopy(model)`",
         )
     _check_prefix(model, child, child.name)
     frame = etree.Element("body")
-    attachment = Attachment(model, child, host, frame=frame)
-    model.attachments[child.prefix] = attachment
-    child.hung = attachment
+    child.hung = model.attachments[child.prefix] = Attachment(model, child, host, frame=frame)
     update_references(model.top)
     model.unit.origins.own(frame, call_site())
     return frame
@@ -112,27 +106,25 @@ def attach(model: Model, host: Node, child: Model) -> Node:
 def detach(child: Model) -> None:
     """Detach a model from its parent. See `RootElement.detach`."""
     if child.hung is None:
-        raise failure("attach-place", f"`{child.name}` is not attached to anything", call_site())
+        raise failure("attach-place", f"`{child.name}` is not attached to anything")
     release(child.hung.parent, child.prefix)
 
 
 def set_model_name(model: Model, name: str | None) -> None:
     """Rename a model. If it is attached, update the references from the models above to the new prefix."""
-    written = edit.check(model, kind_of(model.unit.root), {"model": name})
-    attachment = model.hung
-    old = model.prefix
+    text = edit.check(model, kind_of(model.unit.root), {"model": name}).texts["model"]
+    attachment, old = model.hung, model.prefix
     if attachment is not None:
         _check_prefix(attachment.parent, model, name or model.unit.label, itself=model)
-    text = written.texts["model"]
-    if attachment is not None:
         new = (text or model.unit.label) + SEPARATOR
         renaming = Renaming.of_prefix(attachment.parent, old, new)
         edit.check_lists(renaming)
-        skins = skins_after_prefix(attachment.parent, old, new) if new != old else []
+        skins = skins_after_renaming(attachment.parent, old, new, is_prefix=True) if new != old else []
     replace(model.unit.root, {"model": text})
     if attachment is None or model.prefix == old:
         return
-    apply_skins(skins)
+    for changed, files in skins:
+        add_files(changed, files)
     parent = attachment.parent
     parent.attachments = {each.child.prefix: each for each in parent.attachments.values()}
     renaming.carry_out()
@@ -146,7 +138,6 @@ def _check_prefix(model: Model, child: Model, name: str, itself: Model | None = 
         raise failure(
             "name-clash",
             f"a model called `{name}` is attached to `{model.name}` already",
-            call_site(),
             notes=(Note("it was attached here", model.span(taken.frame)),),
             help="give one of the two another name first: `other.model = '…'`",
         )
@@ -165,7 +156,6 @@ def _check_prefix(model: Model, child: Model, name: str, itself: Model | None = 
                     raise failure(
                         "name-clash",
                         f"there is a {namespace} `{known}` in `{here.name}`, which would have two",
-                        call_site(),
                         notes=(
                             Note("one is here", here.span(node)),
                             Note("the other is here", found.model.span(found.node)),
@@ -260,7 +250,6 @@ class NodeView(Attributed):
             raise failure(
                 "not-supported",
                 "an element cannot be copied without its model",
-                call_site(),
                 help="copy the model: `copy.deepcopy(element.root)`",
             )
         return cast(Self, copied(self, memo))
@@ -294,14 +283,14 @@ class NodeView(Attributed):
 def model_of(root: object, what: str) -> Model:
     """Return the model of a `RootElement`. Raises `MjcfError` for anything else; `what` names the argument."""
     if not isinstance(root, NodeView) or root._node is not root._model.unit.root:
-        raise failure("wrong-type", f"{what} is a `RootElement`, got `{type(root).__name__}`", call_site())
+        raise failure("wrong-type", f"{what} is a `RootElement`, got `{type(root).__name__}`")
     return root._model
 
 
 def checked(element: object) -> NodeView:
     """Return the argument if it is an element of a model. Raises `MjcfError` if it is not, or was removed."""
     if not isinstance(element, NodeView):
-        raise failure("wrong-type", f"expects an element, got `{type(element).__name__}`", call_site())
+        raise failure("wrong-type", f"expects an element, got `{type(element).__name__}`")
     return element._alive()
 
 

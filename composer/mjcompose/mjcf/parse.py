@@ -86,7 +86,7 @@ def from_xml_string(
     b'...'
     """
     if not isinstance(xml_string, str | bytes):
-        raise failure("wrong-type", f"`xml_string` expects text, got `{type(xml_string).__name__}`", call_site())
+        raise failure("wrong-type", f"`xml_string` expects text, got `{type(xml_string).__name__}`")
     files = Files(as_files("assets", assets))
     directory = as_path("base_dir", base_dir) if base_dir is not None else Path()
     door = door_of(confine_to)
@@ -115,13 +115,12 @@ def from_file(
         raise failure(
             "wrong-type",
             f"`file_object` expects an open file, got `{type(file_object).__name__}`",
-            call_site(),
             help="`from_path` takes the path of a file, `from_xml_string` text",
         )
     try:
         data = file_object.read()
     except (OSError, ValueError) as error:  # closed, or not open for reading
-        raise failure("file-unreadable", f"`file_object` cannot be read: {error}", call_site()) from None
+        raise failure("file-unreadable", f"`file_object` cannot be read: {error}") from None
     name = getattr(file_object, "name", None)
     if not isinstance(name, str):
         return from_xml_string(data, escape_separators=escape_separators, confine_to=confine_to)
@@ -150,11 +149,11 @@ def from_zip(path: str | os.PathLike[str], *, escape_separators: bool = False) -
     """
     archive = as_path("path", path)
     if os.path.isdir(archive):
-        raise failure("file-unreadable", f"`{archive}` is a folder, not a zip", call_site())
+        raise failure("file-unreadable", f"`{archive}` is a folder, not a zip")
     try:
         bundle = read(archive)
     except ReadError as error:
-        raise failure(error.code, error.message, call_site()) from None
+        raise failure(error.code, error.message) from None
     folder, name = posixpath.split(bundle.model)
     files = {posixpath.relpath(each, folder or "."): content for each, content in bundle.files.items()}
     label = archive.stem if name == MODEL else posixpath.splitext(name)[0]
@@ -270,7 +269,6 @@ def _files(model: RootElement, model_filename: str, conflict: Policy) -> tuple[d
         raise failure(
             "output-kind",
             f"`model_filename` expects the name of an XML file, got `{model_filename}`",
-            call_site(),
             help="a name without folders that ends in `.xml`",
         )
     flat = flatten(model._model, conflict)
@@ -281,7 +279,7 @@ def _files(model: RootElement, model_filename: str, conflict: Policy) -> tuple[d
     try:
         check_paths(files)
     except BundleError as error:
-        raise failure("file-unreadable", f"a file of the model cannot be exported: {error}", call_site()) from None
+        raise failure("file-unreadable", f"a file of the model cannot be exported: {error}") from None
     issue_warnings(flat)
     return files, [*flat.unit.origins.texts, *(use.source for use in flat.files)]
 
@@ -292,7 +290,7 @@ def _check_is_model(model: object) -> None:
     what = f"`{type(model).__name__}`"
     if isinstance(model, Element):
         what = "an element; its `root` is the model"
-    raise failure("wrong-type", f"a model is a `RootElement`, got {what}", call_site())
+    raise failure("wrong-type", f"a model is a `RootElement`, got {what}")
 
 
 def _write(files: dict[str, bytes], stage: Path) -> None:
@@ -303,7 +301,7 @@ def _write(files: dict[str, bytes], stage: Path) -> None:
 
 
 def _output_failure(error: OutputError) -> MjcfError:
-    return failure(error.code, error.message, call_site(), help=error.help)
+    return failure(error.code, error.message, help=error.help)
 
 
 @short_traceback
@@ -323,7 +321,7 @@ def from_spec(spec: Any) -> RootElement:
     """
     mujoco = engine()
     if not isinstance(spec, mujoco.MjSpec):
-        raise failure("wrong-type", f"`spec` expects an `MjSpec`, got `{type(spec).__name__}`", call_site())
+        raise failure("wrong-type", f"`spec` expects an `MjSpec`, got `{type(spec).__name__}`")
     try:
         copied = spec.copy()
         compiled = copied.compile()

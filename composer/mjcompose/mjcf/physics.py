@@ -51,7 +51,7 @@ class Rendering:
         """Render an RGB image of the shape `(height, width, 3)`."""
         for what, number in (("height", height), ("width", width)):
             if not isinstance(number, int | np.integer) or number < 1:
-                raise failure("out-of-range", f"`{what}` is a number of pixels, got `{number}`", call_site())
+                raise failure("out-of-range", f"`{what}` is a number of pixels, got `{number}`")
         if self._renderer is None or self._size != (height, width):
             self.close()
             self._renderer, self._size = _renderer(model, height, width), (height, width)
@@ -76,11 +76,10 @@ def _renderer(model: Any, height: int, width: int) -> Any:
         if read_sentence(str(error)).topic is Topic.FRAMEBUFFER:
             size = f"{width} times {height} pixels"
             message = f"OpenGL has no room for a picture of {size}: {error}"
-            raise failure("out-of-range", message, call_site()) from error
+            raise failure("out-of-range", message) from error
         raise failure(
             "not-supported",
             f"OpenGL is not available for rendering: {error}",
-            call_site(),
             help="without a display set `MUJOCO_GL=egl` (or `osmesa`) before MuJoCo is imported",
         ) from error
     finally:
@@ -119,7 +118,7 @@ class Physics:
         """Make physics of an `MjModel`, and of its `MjData` if one is given. Neither is copied."""
         for what, value, kind in (("model", model, "MjModel"), ("data", data, "MjData")):
             if not isinstance(value, getattr(engine(), kind)) and not (value is None and what == "data"):
-                raise failure("wrong-type", f"`{what}` expects an `{kind}`, got `{type(value).__name__}`", call_site())
+                raise failure("wrong-type", f"`{what}` expects an `{kind}`, got `{type(value).__name__}`")
         self._model = model
         self._data = engine().MjData(model) if data is None else data
         self.legacy_step = False
@@ -152,12 +151,12 @@ class Physics:
         Raises `MjcfError` if MuJoCo refuses the text.
         """
         if not isinstance(xml_string, str):
-            raise failure("wrong-type", f"`xml_string` expects text, got `{type(xml_string).__name__}`", call_site())
+            raise failure("wrong-type", f"`xml_string` expects text, got `{type(xml_string).__name__}`")
         files = as_files("assets", assets)
         try:
             text = xml_string.encode()
         except UnicodeEncodeError as error:
-            raise failure("not-mjcf", f"`xml_string` is not Unicode text: {error.reason}", call_site()) from None
+            raise failure("not-mjcf", f"`xml_string` is not Unicode text: {error.reason}") from None
         return cls(compile_text(text, files))
 
     @classmethod
@@ -169,7 +168,7 @@ class Physics:
         """
         file = as_path("path", path)
         if not os.path.isfile(file):
-            raise failure("file-not-found", f"the file `{file}` does not exist", call_site())
+            raise failure("file-not-found", f"the file `{file}` does not exist")
         mujoco = engine()
         binary = file.suffix.lower() == ".mjb"
         if not binary:
@@ -208,7 +207,7 @@ class Physics:
     def timestep(self, seconds: float) -> None:
         number = _seconds("timestep", seconds)
         if number <= 0:
-            raise failure("out-of-range", f"`timestep` is longer than nothing, got `{number}`", call_site())
+            raise failure("out-of-range", f"`timestep` is longer than nothing, got `{number}`")
         self._model.opt.timestep = number
 
     @short_traceback
@@ -226,7 +225,7 @@ class Physics:
                 return
         except TypeError:  # no integer, or one that is too large for C
             as_index("n", n)
-        raise failure("out-of-range", f"`n` is a number of steps, got `{n}`", call_site())
+        raise failure("out-of-range", f"`n` is a number of steps, got `{n}`")
 
     def forward(self) -> None:
         """Compute all quantities that depend on the state and the controls, without advancing the time."""
@@ -303,7 +302,6 @@ class Physics:
             raise failure(
                 "wrong-type",
                 f"elements are bound, or sequences of them, got `{type(got).__name__}`",
-                call_site(),
                 help="`find` gives None where no such element exists" if got is None else None,
             )
         for each in several:
@@ -321,7 +319,6 @@ class Physics:
                 "wrong-type",
                 f"elements of one kind are bound together, got the {kind} {first._described()} and the "
                 f"{other} {second._described()}",
-                call_site(),
             )
         kind = next(iter(kinds))
         ids = [self._found(each, kind) for each in elements]
@@ -336,7 +333,6 @@ class Physics:
             raise failure(
                 "not-supported",
                 f"{element._described()} is not an object of a compiled model",
-                call_site(),
                 notes=(exists_note("kind", sorted(KINDS), element.tag),),
             )
         return kind
@@ -390,13 +386,13 @@ class Physics:
             else:
                 message = f"the compiled model has no {kind} `{own}`"
             notes = (exists_note(kind, names, own),)
-        return failure("unknown-name", message, call_site(), notes=notes, help=help)
+        return failure("unknown-name", message, notes=notes, help=help)
 
     def _row(self, kind: str, given: int | str | NodeView) -> int:
         """Return the index of a keyframe or a camera, given its index, name or element."""
         if isinstance(given, NodeView):
             if self._kind(given._alive()) != kind:
-                raise failure("wrong-type", f"expects a {kind}, got {given._described()}", call_site())
+                raise failure("wrong-type", f"expects a {kind}, got {given._described()}")
             return self._found(given, kind)
         names = self._roster.names[kind]
         if isinstance(given, str) and given in self._roster.ids[kind]:
@@ -408,7 +404,7 @@ class Physics:
         message = f"the compiled model has no {kind} `{given}`"
         if isinstance(given, str):
             raise error_of(unknown_name(kind, given, known, span=call_site(), message=message))
-        raise failure("out-of-range", message, call_site(), notes=(exists_note(kind, known, str(given)),))
+        raise failure("out-of-range", message, notes=(exists_note(kind, known, str(given)),))
 
     def __repr__(self) -> str:
         sizes = ", ".join(f"{name}={getattr(self._model, name)}" for name in ("nq", "nv", "nu", "nbody"))
@@ -422,7 +418,7 @@ def _seconds(what: str, value: object) -> float:
     except (TypeError, ValueError):
         number = math.nan
     if not math.isfinite(number):
-        raise failure("wrong-type", f"`{what}` expects a number of seconds, got `{value!r}`", call_site())
+        raise failure("wrong-type", f"`{what}` expects a number of seconds, got `{value!r}`")
     return number
 
 

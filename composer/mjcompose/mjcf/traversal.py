@@ -53,7 +53,10 @@ def children(model: Model, node: Node, query: Query) -> Iterator[Target]:
             yield Target(model, child)
     for attachment in model.attachments.values():
         if attachment.container is node:
-            yield from _attached_children(attachment, query)
+            if not attachment.is_body:
+                yield from _top_level(attachment.child, query)
+            elif "body" in query.paths:
+                yield Target(model, attachment.frame)
         elif is_section(node) and section != WORLD_SECTION:
             for other in attachment.child.unit.root.iterchildren(section):
                 yield from children(attachment.child, other, query)
@@ -82,13 +85,6 @@ def is_below(outer: Target, inner: Target) -> bool:
         if node is outer.node:
             return True
     return outer.node in node.iterancestors()
-
-
-def _attached_children(attachment: Attachment, query: Query) -> Iterator[Target]:
-    if not attachment.is_body:
-        yield from _top_level(attachment.child, query)
-    elif "body" in query.paths:
-        yield Target(attachment.parent, attachment.frame)
 
 
 def _top_level(model: Model, query: Query) -> Iterator[Target]:
@@ -166,8 +162,8 @@ def _section_tags(model: Model) -> list[str]:
 
 def find_first(here: Target, tag: str, name: str | None) -> Target | None:
     """Return the first match below `here`, or the one with that name. See `Element.find`."""
-    from_root = _is_root(here)
-    wanted = _query(here, tag, from_root)
+    from_root = here.node is here.model.unit.root
+    wanted = _query(here, tag)
     if name is None:
         return next(_matches(here, wanted), None)
     name = as_name("name", name)
@@ -196,7 +192,7 @@ def cached_element(model: Model, tag: str, name: str) -> Any:
 
 def find_every(here: Target, tag: str, immediate_children_only: bool) -> Iterator[Target]:
     """Yield all matches below `here`. See `Element.find_all`."""
-    wanted = _query(here, tag, _is_root(here))
+    wanted = _query(here, tag)
     return children(*here, wanted) if immediate_children_only else _matches(here, wanted)
 
 
@@ -210,15 +206,12 @@ def find_attached(model: Model, prefix: str) -> Model | None:
 
 
 def _matches(here: Target, wanted: Query) -> Iterator[Target]:
-    return from_root(here.model, wanted) if _is_root(here) else matches_below(*here, wanted)
+    return from_root(here.model, wanted) if here.node is here.model.unit.root else matches_below(*here, wanted)
 
 
-def _query(here: Target, tag: str, from_root: bool) -> Query:
+def _query(here: Target, tag: str) -> Query:
+    from_root = here.node is here.model.unit.root
     wanted = query(tag, None if from_root else section_of(here.node)) if isinstance(tag, str) else None
     if wanted is None or not (wanted.paths or query(tag, None).paths):
         raise unknown_tag(tag, f"MJCF has no element `{tag}`", tags_of())
     return wanted
-
-
-def _is_root(here: Target) -> bool:
-    return here.node is here.model.unit.root

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable
 from functools import cache
 from typing import Any
 
@@ -85,11 +85,9 @@ def members(kind: ElementType, taken: Iterable[str]) -> dict[str, Any]:
     """Return a property for each attribute and child whose name is not in `taken`, and the class docstring."""
     found: dict[str, Any] = {}
     for tag, child in kind.children.items():
-        found[spoken(tag)] = property(_child(tag), _refuse(tag), _refuse(tag), _of_child(kind, child))
+        found[spoken(tag)] = _child_property(tag, _of_child(kind, child))
     for attribute in kind.attributes.values():
-        found[spoken(attribute.name)] = property(
-            _getter(attribute), _setter(attribute.name), _deleter(attribute.name), of_attribute(attribute)
-        )
+        found[spoken(attribute.name)] = _attribute_property(attribute)
     for name in taken:
         found.pop(name, None)
     return {**found, "__doc__": of_element(kind)}
@@ -101,7 +99,8 @@ def of_element(kind: ElementType) -> str:
     attributes = {spoken(each.name): each for each in named_first}
     lines = [f"`<{kind.tag}>`: {kind.doc}." if kind.doc else f"`<{kind.tag}>`."]
     if attributes:
-        lines += ["", "Attributes:", *(f"    {name}: {_first(each)}" for name, each in attributes.items())]
+        rows = (f"    {name}: {each.doc or each.name} [{_takes(each)}]" for name, each in attributes.items())
+        lines += ["", "Attributes:", *rows]
     if kind.children:
         lines += ["", f"Children: {', '.join(map(spoken, kind.children))}."]
     return "\n".join(lines)
@@ -114,27 +113,19 @@ def of_attribute(attribute: Attribute) -> str:
     >>> print(of_attribute(GRAMMAR.element('geom').attributes['friction']))
     sliding, spinning (m) and rolling (m) friction
     <BLANKLINE>
-    1 to 3 numbers; 1 0.005 0.0001 where it is not set anywhere.
+    1 to 3 numbers; 1 0.005 0.0001 if it is not set anywhere.
     """
-    return f"{attribute.doc}\n\n{'; '.join(_remarks(attribute))}.".strip()
-
-
-def _first(attribute: Attribute) -> str:
-    return f"{attribute.doc or attribute.name} [{_takes(attribute)}]"
-
-
-def _remarks(attribute: Attribute) -> Iterator[str]:
-    yield _takes(attribute)
+    remarks = [_takes(attribute)]
     if attribute.required:
-        yield "it must be set"
+        remarks.append("it must be set")
     elif attribute.default is not None:
-        yield f"{to_text(attribute, attribute.default)} where it is not set anywhere"
-    yield from attribute.versions()
+        remarks.append(f"{to_text(attribute, attribute.default)} if it is not set anywhere")
+    return f"{attribute.doc}\n\n{'; '.join([*remarks, *attribute.versions()])}.".strip()
 
 
 def _takes(attribute: Attribute) -> str:
     if attribute.refers_by is not None:
-        return f"an element of the kind that `{attribute.refers_by}` says, or its name"
+        return f"an element of the kind in `{attribute.refers_by}`, or its name"
     if attribute.refers is not None:
         what = {"default": "default class"}.get(attribute.refers, attribute.refers.removeprefix("attached:"))
         several = attribute.type == "references"
@@ -155,25 +146,19 @@ def _of_child(kind: ElementType, child: ElementType) -> str:
     if always_there(kind, child):
         return f"{what}An element that is always there."
     if child.max_count == 1:
-        return f"{what}An element, or None where there is none: `add('{child.tag}', …)` makes it."
+        return f"{what}An element, or None if there is none: `add('{child.tag}', …)` makes it."
     return f"{what}The elements of this tag, in their order: `add('{child.tag}', …)` makes more."
 
 
-def _getter(attribute: Attribute) -> Callable[[Any], Any]:
-    return lambda element: element._read(attribute)
+def _attribute_property(attribute: Attribute) -> property:
+    def write(element: Any, value: object = None) -> None:
+        element._write({attribute.name: value})
+
+    return property(lambda element: element._read(attribute), write, write, of_attribute(attribute))
 
 
-def _setter(name: str) -> Callable[[Any, object], None]:
-    return lambda element, value: element._write({name: value})
+def _child_property(tag: str, doc: str) -> property:
+    def refuse(element: Any, value: object = None) -> None:
+        element._refuse_child(tag)
 
-
-def _deleter(name: str) -> Callable[[Any], None]:
-    return lambda element: element._write({name: None})
-
-
-def _child(tag: str) -> Callable[[Any], Any]:
-    return lambda element: element._children(tag)
-
-
-def _refuse(tag: str) -> Callable[..., None]:
-    return lambda element, value=None: element._refuse_child(tag)
+    return property(lambda element: element._children(tag), refuse, refuse, doc)
