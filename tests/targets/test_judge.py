@@ -28,7 +28,7 @@ def told(*losses: Loss, text: str = PROBE, single: bool = False, **changed: floa
     [
         ("body_mass", "the mass of `base` is 16, not 8"),
         ("body_inertia", "the inertia of `base` is 0.106667 "),
-        ("body_ipos", "the centre of mass of `b4` is at 0.075"),
+        ("body_ipos", "the center of mass of `b4` is at 0.075"),
         ("body_pos", "the pose of `"),
         ("dof_damping", "the damping of the joint `j1` is 1, not 0.5"),
         ("dof_frictionloss", "the dry friction of the joint `j1` is 0.1, not 0.05"),

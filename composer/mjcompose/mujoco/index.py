@@ -142,15 +142,16 @@ def ranged(index: Index, vectors: Mapping[str, Sequence[float]]) -> Iterator[Ran
         value = float(values[0])
         if joint.type == "ball":
             value, bounds = 2 * math.atan2(math.hypot(*values[1:]), abs(value)), (0.0, joint.range[1])
-        yield Ranged("joint", number, "qpos", value, bounds, BY_WORD[joint.type].range_unit)
+        yield Ranged("joint", number, "qpos", value=value, range=bounds, unit=BY_WORD[joint.type].range_unit)
     for number, actuator in enumerate(index.actuators):
         unit = actuator.unit if actuator.ctrl_size == 1 else None
         controls = ctrl[actuator.ctrl_address : actuator.ctrl_address + actuator.ctrl_size]
         for value, limits in zip(controls, actuator.ctrl_ranges, strict=False):
             if limits is not None:
-                yield Ranged("actuator", number, "ctrl", float(value), limits, unit)
+                yield Ranged("actuator", number, "ctrl", value=float(value), range=limits, unit=unit)
         if len(act) and actuator.act_size and actuator.act_range is not None:
-            yield Ranged("actuator", number, "act", float(act[actuator.act_address]), actuator.act_range, unit)
+            value = float(act[actuator.act_address])
+            yield Ranged("actuator", number, "act", value=value, range=actuator.act_range, unit=unit)
 
 
 def _frozen(value: Any) -> Any:

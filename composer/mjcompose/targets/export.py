@@ -1,4 +1,4 @@
-"""A bundle is written for a target."""
+"""Write a bundle for a target."""
 
 from __future__ import annotations
 
@@ -104,15 +104,16 @@ def aimed(bundle: Bundle, target: str, model: Unit, *, at: Span, context: Contex
     the model, or if MuJoCo reads the plain text as another model.
     """
     if WORLDS in bundle.files:
-        message = f"`{target}` has no room for worlds"
-        context.sink.error(CANNOT, message, at, help="build without `--as worlds`")
+        context.sink.error(CANNOT, f"`{target}` cannot hold worlds", at, help="build without `--as worlds`")
         return None
     with scratch("target") as folder:
         found = exported(bundle, target, Path(folder), session=session)
         if isinstance(found, str):
             context.sink.error(FAILED, f"the model cannot be written for `{target}`: {found}", at)
             return None
-        made = _files(Path(folder, "out"))
+        out = Path(folder, "out")
+        files = [path for path in sorted(out.rglob("*")) if os.path.isfile(path)]
+        made = {path.relative_to(out).as_posix(): path.read_bytes() for path in files}
     for each in found["differences"]:
         context.sink.error(
             FAILED, f"MuJoCo reads the plain text of the model back as another one: {each}", at,
@@ -142,18 +143,10 @@ def _warn(target: str, losses: Sequence[Loss], places: _Places, at: Span, contex
     notes: list[Note] = []
     if others:
         if ignored > 1:
-            message = f"{title} ignores {ignored} kinds of what is in the model"
+            message = f"{title} ignores {ignored} kinds of elements and attributes of the model"
         notes = [Note("\n".join(f"{place}: {words}" for place, words in lines))]
     help = "the manifest names all of these elements under `target`" if others else None
     context.sink.warning(LOSS, message, span, notes=notes, help=help)
-
-
-def _files(folder: Path) -> dict[str, bytes]:
-    return {
-        path.relative_to(folder).as_posix(): path.read_bytes()
-        for path in sorted(folder.rglob("*"))
-        if os.path.isfile(path)
-    }
 
 
 def _bundle(
@@ -189,14 +182,10 @@ class _Places:
 
     def span(self, loss: Loss) -> Span | None:
         """Return the place of the element, or None for a copy that MuJoCo has made."""
-        node = self._node(loss) if loss.kind else None
-        return None if node is None else self.model.origins.span(node, self.model.file)
-
-    def _node(self, loss: Loss) -> Node | None:
         self._order = self._order or compiled_order(self.model.root)
-        nodes = self._order.get(loss.kind, ())
-        if len(nodes) == len(self.names.get(loss.kind, ())) and None not in nodes:
-            return nodes[loss.number]
-        if not loss.name:
-            return None
-        return next((node for node in nodes if node is not None and node.get("name") == loss.name), None)
+        nodes, node = self._order.get(loss.kind, ()), None
+        if nodes and len(nodes) == len(self.names.get(loss.kind, ())) and None not in nodes:
+            node = nodes[loss.number]
+        elif loss.name:
+            node = next((each for each in nodes if each is not None and each.get("name") == loss.name), None)
+        return None if node is None else self.model.origins.span(node, self.model.file)

@@ -1,7 +1,7 @@
-"""Compare what a consumer reads of a model with what MuJoCo has. Runs in MuJoCo's child process.
+"""Compare a model as a consumer reads it with MuJoCo's. Runs in MuJoCo's child process.
 
 Both are facts: numbers of bodies, joints and actuators by name, the count of each kind of shape, poses, and the end
-of a motion. What a target has lost, by its own account, is not compared.
+of a motion. Reported losses of a target are not compared.
 """
 
 from __future__ import annotations
@@ -65,15 +65,12 @@ def judged(mujoco: Any, model: Any, question: Facts) -> list[str]:
 
     It is called by `mjcompose.mujoco.engine.call`.
     """
-    losses = [Loss(**each) for each in question["losses"]]
-    found = differences(
-        mujoco, model, question["facts"], asked=question["asked"], losses=losses, single=question["single"]
-    )
-    return [each.message for each in found]
+    question = {**question, "losses": [Loss(**each) for each in question["losses"]]}
+    return [each.message for each in differences(mujoco, model, **question)]
 
 
 def questions(model: Any, count: int = 50, seed: int = 1) -> Facts:
-    """Return what consumers are asked for: `count` random `poses`, and the `seconds` of a motion from a pose, `home`.
+    """Return the questions for consumers: `count` random `poses`, and the `seconds` of a motion from a pose, `home`.
 
     A pose has `joints`, a list of numbers (rad, m) by joint name, and `free`, a position (m) and a quaternion
     (w, x, y, z) by body name.
@@ -220,34 +217,31 @@ def _shapes(model: Any, mine: dict[str, int], read: dict[str, int], losses: Iter
 
 
 def _masses(mujoco: Any, model: Any, facts: Facts, tolerance: float) -> Iterator[Difference]:
-    def differs(message: str) -> Difference:
-        return Difference("inertia", "body", name, message=message)
-
+    composite = bool(facts.get("composite"))
     for body in range(1, model.nbody):
-        name = model.body(body).name
-        # What has no name each program calls as it likes; in a composite, what is fixed is part of its holder.
-        if not name or (facts.get("composite") and model.body_weldid[body] != body):
+        name, message = model.body(body).name, None
+        # Each program gives nameless bodies a name of its own; in a composite, a fixed body is part of its holder.
+        if not name or (composite and model.body_weldid[body] != body):
             continue
-        if name not in facts["bodies"]:
-            yield differs(f"the body `{name}` is missing")
-            continue
-        parts = [body]
-        if facts.get("composite"):
-            parts = [each for each in range(model.nbody) if model.body_weldid[each] == body]
+        parts = [each for each in range(model.nbody) if model.body_weldid[each] == body] if composite else [body]
         mass, com, inertia = _composite(mujoco, model, body, parts=parts)
-        read = facts["bodies"][name]
-        if abs(read["mass"] - mass) > tolerance * max(1.0, mass):
-            yield differs(f"the mass of `{name}` is {read['mass']:.9g}, not {mass:.9g}")
+        read = facts["bodies"].get(name)
+        if read is None:
+            message = f"the body `{name}` is missing"
+        elif abs(read["mass"] - mass) > tolerance * max(1.0, mass):
+            message = f"the mass of `{name}` is {read['mass']:.9g}, not {mass:.9g}"
         elif mass > 0 and np.abs(np.array(read["com"]) - com).max() > max(tolerance, 1e-7):
-            yield differs(f"the centre of mass of `{name}` is at {_shown(read['com'])}, not {_shown(com)}")
+            message = f"the center of mass of `{name}` is at {_shown(read['com'])}, not {_shown(com)}"
         elif mass > 0 and np.abs(np.array(read["inertia"]) - inertia).max() > tolerance * np.abs(inertia).max() + 1e-12:
-            yield differs(f"the inertia of `{name}` is {_shown(read['inertia'])}, not {_shown(inertia)}")
+            message = f"the inertia of `{name}` is {_shown(read['inertia'])}, not {_shown(inertia)}"
+        if message is not None:
+            yield Difference("inertia", "body", name, message=message)
 
 
 def _composite(mujoco: Any, model: Any, body: int, parts: list[int]) -> tuple[float, Any, Any]:
-    """Return mass (kg), centre (m) and inertia about the centre (kg·m²) of a body and everything fixed to it.
+    """Return mass (kg), center (m), shape (3,), and inertia about it (kg·m²), shape (3, 3), of a body and its parts.
 
-    Centre and inertia are in the frame of the body. Their shapes are (3,) and (3, 3).
+    Center and inertia are in the frame of the body.
     """
     data = mujoco.MjData(model)
     mujoco.mj_kinematics(model, data)

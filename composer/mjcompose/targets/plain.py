@@ -18,7 +18,7 @@ from lxml import etree
 from lxml.etree import _Element as Node
 
 from mjcompose.model.classes import ORIENTATIONS, Classes, chain, given, text_in_effect
-from mjcompose.model.files import file_attributes, join
+from mjcompose.model.files import file_attributes, join, stem
 from mjcompose.model.grammar import GRAMMAR, number_text
 from mjcompose.model.select import kind_of
 from mjcompose.model.values import items, parse_real
@@ -70,15 +70,11 @@ def saved(mujoco: Any, spec: Any) -> Node:
         kind = kind_of(element)
         for name, value in element.items():
             attribute = kind.attributes.get(str(name))
-            if attribute is not None and attribute.is_number:
-                element.set(str(name), _short(str(value)))
+            if attribute is not None and attribute.is_number:  # MuJoCo writes 0.1 as 0.10000000000000001
+                numbers = [parse_real(each) for each in items(str(value))]
+                if None not in numbers:
+                    element.set(str(name), " ".join(number_text(each) for each in numbers if each is not None))
     return root
-
-
-def _short(value: str) -> str:
-    """Return the same numbers with the fewest digits: MuJoCo writes 0.1 as 0.10000000000000001."""
-    found = [parse_real(each) for each in items(value)]
-    return value if None in found else " ".join(number_text(each) for each in found if each is not None)
 
 
 def without_classes(root: Node) -> None:
@@ -104,7 +100,12 @@ def without_classes(root: Node) -> None:
     for element, texts in found:
         for name, text in texts.items():
             if text is not None:
-                element.set(name, _trimmed(text) if name in _POLYNOMIALS else text)
+                if name in _POLYNOMIALS:
+                    linear, *higher = text.split() or [""]
+                    while higher and float(higher[-1]) == 0:
+                        higher.pop()
+                    text = " ".join([linear, *higher])
+                element.set(name, text)
     for element in root.iter("*"):
         for name in ("class", "childclass") if element.tag != "default" else ():
             element.attrib.pop(name, "")
@@ -113,14 +114,7 @@ def without_classes(root: Node) -> None:
 
 
 _POLYNOMIALS = ("damping", "stiffness")
-"""What older versions of MJCF, and what reads those, have one number for."""
-
-
-def _trimmed(text: str) -> str:
-    words = text.split()
-    while len(words) > 1 and float(words[-1]) == 0:
-        words.pop()
-    return " ".join(words)
+"""Attributes of one number in older versions of MJCF, and in the programs that read them."""
 
 
 def _layers(material: Node, classes: Classes) -> None:
@@ -178,13 +172,17 @@ def write_meshes(root: Node, model: Any, names: list[str]) -> dict[str, bytes]:
     ids = {name: number for number, name in enumerate(names)}
     files: dict[str, bytes] = {}
     for mesh in root.iterfind("asset/mesh"):
-        number = ids[mesh.get("name") or _stem(str(mesh.get("file")))]
+        number = ids[mesh.get("name") or stem(str(mesh.get("file")))]
         if next(mesh.iterchildren("plugin"), None) is not None:
             continue  # a plugin makes its surface
         mesh.set("name", names[number])
         for attribute in _GONE:
             mesh.attrib.pop(attribute, "")
-        path = _free(f"{FOLDER}/{_NOT_IN_FILES.sub('_', names[number])}", files)
+        name, copies = f"{FOLDER}/{_NOT_IN_FILES.sub('_', names[number])}", 1
+        path, taken = f"{name}.obj", {each.casefold() for each in files}
+        while path.casefold() in taken:
+            copies += 1
+            path = f"{name}_{copies}.obj"
         mesh.set("file", path)
         files[path] = obj(model, number)
     return files
@@ -196,37 +194,21 @@ def obj(model: Any, number: int) -> bytes:
 
 
 def _lines(model: Any, number: int) -> Iterator[str]:
-    vertices = _run(model.mesh_vert, model.mesh_vertadr[number], model.mesh_vertnum[number])
-    normals = _run(model.mesh_normal, model.mesh_normaladr[number], model.mesh_normalnum[number])
+    def rows(name: str) -> Any:
+        start = getattr(model, f"mesh_{name}adr")[number]
+        return getattr(model, f"mesh_{name}")[start : start + getattr(model, f"mesh_{name}num")[number]].tolist()
+
     faces = slice(model.mesh_faceadr[number], model.mesh_faceadr[number] + model.mesh_facenum[number])
     corners = [model.mesh_face[faces], model.mesh_facenormal[faces]]
-    yield from ("v {:.9g} {:.9g} {:.9g}".format(*each) for each in vertices.tolist())
+    yield from ("v {:.9g} {:.9g} {:.9g}".format(*each) for each in rows("vert"))
     if model.mesh_texcoordadr[number] >= 0:
-        coordinates = _run(model.mesh_texcoord, model.mesh_texcoordadr[number], model.mesh_texcoordnum[number])
         # MuJoCo flips the second texture coordinate of OBJ files.
-        yield from (f"vt {u:.9g} {np.float32(1) - np.float32(v):.9g}" for u, v in coordinates.tolist())
+        yield from (f"vt {u:.9g} {np.float32(1) - np.float32(v):.9g}" for u, v in rows("texcoord"))
         corners.insert(1, model.mesh_facetexcoord[faces])
-    yield from ("vn {:.9g} {:.9g} {:.9g}".format(*each) for each in normals.tolist())
+    yield from ("vn {:.9g} {:.9g} {:.9g}".format(*each) for each in rows("normal"))
     between = "/" if len(corners) == 3 else "//"
     for face in np.stack(corners, axis=-1) + 1:
         yield "f " + " ".join(between.join(map(str, corner)) for corner in face.tolist())
-
-
-def _run(array: Any, start: int, count: int) -> Any:
-    return array[start : start + count]
-
-
-def _stem(file: str) -> str:
-    name = file.replace("\\", "/").rpartition("/")[2]
-    return name.rpartition(".")[0] or name
-
-
-def _free(path: str, files: dict[str, bytes]) -> str:
-    taken = {each.casefold() for each in files}
-    number, found = 1, f"{path}.obj"
-    while found.casefold() in taken:
-        number, found = number + 1, f"{path}_{number + 1}.obj"
-    return found
 
 
 _DYNAMICS = ("dyntype", "dynprm", "actrange", "actlimited", "actdim", "actearly")
@@ -411,7 +393,10 @@ def plain(mujoco: Any, path: Path) -> Draft:
         if len(elements[kind]) != names.count(kind):
             count = f"{len(elements[kind])} of {names.count(kind)}"
             raise CannotBePlain(f"MuJoCo {mujoco.__version__} saves {count} elements of the kind {kind}")
-    _compiler(root)
+    for compiler in root.iterchildren("compiler"):  # these settings are already applied to the values
+        for name in _DONE:
+            compiler.attrib.pop(name, "")
+        compiler.set("inertiafromgeom", "false")
     files = keep_files(root, path.parent, spec)
     files |= write_meshes(root, model, names.names["mesh"])
     write_values(mujoco, model, elements)
@@ -420,14 +405,6 @@ def plain(mujoco: Any, path: Path) -> Draft:
     elements["actuator"] = list(root.iterfind("actuator/*"))
     etree.indent(root)
     return Draft(mujoco, model, root, files=files, elements=elements)
-
-
-def _compiler(root: Node) -> None:
-    """Remove the compiler settings that are already applied to the values."""
-    for compiler in root.iterchildren("compiler"):
-        for name in _DONE:
-            compiler.attrib.pop(name, "")
-        compiler.set("inertiafromgeom", "false")
 
 
 def _materials(model: Any, elements: dict[str, list[Node]], names: NameTable) -> None:

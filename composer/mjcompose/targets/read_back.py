@@ -1,4 +1,4 @@
-"""The check `targets`: models are written for other programs, which read them back."""
+"""The check `targets`: write models for other programs, which read them back."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import re
 import subprocess
 import sys
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -77,20 +77,17 @@ def interpreter(reader: Reader, environment: Mapping[str, str]) -> str | None:
     folder = environment.get(CONSUMERS)
     named = Path(folder, reader.program, _INTERPRETER) if folder else None
     for python in (named, Path(sys.executable)):
-        if python is not None and os.path.isfile(python) and _has(str(python), reader.module):
-            return str(python)
+        if python is not None and os.path.isfile(python):
+            command = [str(python), "-I", "-c", _ASK, reader.module]
+            if subprocess.run(command, capture_output=True, check=False).returncode == 0:
+                return str(python)
     return None
-
-
-def _has(python: str, module: str) -> bool:
-    asked = subprocess.run([python, "-I", "-c", _ASK, module], capture_output=True, check=False)
-    return asked.returncode == 0
 
 
 def read_back(reader: Reader, python: str, model: Path, questions: dict[str, Any]) -> dict[str, Any] | str:
     """Return the facts of a model as the program reads it, or an error message.
 
-    The facts are those of `judging.py`: numbers by name, the count of shapes, poses, and the end of a motion. Files are
+    The facts are those of `judge.py`: numbers by name, the count of shapes, poses, and the end of a motion. Files are
     written beside the folder of the model.
     """
     asked, out = model.parent.with_suffix(".poses.json"), model.parent.with_suffix(".facts.json")
@@ -129,10 +126,7 @@ class Work:
     environment: Mapping[str, str]
 
 
-Found = tuple[Sequence[Fault], dict[str, Any]]
-
-
-def carry_out(work: Work, asked: dict[str, Any]) -> Found:
+def carry_out(work: Work, asked: dict[str, Any]) -> tuple[Sequence[Fault], dict[str, Any]]:
     """Return a finding for each target that lacks something of the model, cannot read it, or reads another one.
 
     `asked` is a check `targets` as a mapping.
@@ -157,15 +151,18 @@ def carry_out(work: Work, asked: dict[str, Any]) -> Found:
 def _about(
     work: Work, name: str, folder: Path, asked: dict[str, Any], questions: dict[str, Any]
 ) -> tuple[list[Fault], Any]:
-    """Return the findings for one target, and what was measured of it."""
+    """Return the findings for one target, and its number of losses or the version of the program."""
     reader = READERS[name] if asked["read"] else None
     python = None if reader is None else interpreter(reader, work.environment)
     if reader is not None and python is None:
         return [_missing(name, reader)], None
-    written = _written(work, name, folder)
+    written = exported(work.bundle, name, folder, session=work.session)
+    if not isinstance(written, str) and written["differences"]:
+        written = f"MuJoCo reads the plain text of the model back as another one: {written['differences'][0]}"
     if isinstance(written, str):
         return [Fault(_FAILED, f"the model cannot be written for `{name}`: {written}")], None
-    lacked = [each for each in written.losses if not each.otherwise]
+    all_losses = [Loss(**each) for each in written["losses"]]
+    lacked = [each for each in all_losses if not each.otherwise]
     if lacked and asked["losses"] == "error":
         return [_lacking(name, lacked)], len(lacked)
     losses: list[Fault] = []
@@ -174,18 +171,15 @@ def _about(
         losses.append(Fault(LOSS, first, notes=(Note("\n".join(others)),) if others else ()))
     if reader is None or python is None:
         return losses, len(lacked)
-    refused = next((each for each in written.losses if each.refused), None)
+    refused = next((each for each in lacked if each.refused), None)
     facts: dict[str, Any] | str
     if refused is not None:
         facts = f"{refused.shown}: {refused.why}"
     else:
-        facts = read_back(reader, python, placed(written.folder, written.model), questions=questions)
+        facts = read_back(reader, python, placed(folder / "out", written["model"]), questions=questions)
     if isinstance(facts, str):
         return [Fault(_FAILED, f"`{name}` does not read the model: {facts}")], None
-    question = {
-        "facts": facts, "asked": questions, "single": reader.single,
-        "losses": [asdict(each) for each in written.losses],
-    }  # fmt: skip
+    question = {"facts": facts, "asked": questions, "single": reader.single, "losses": written["losses"]}
     answer = engine.call(work.session, judged, [work.whole], argument=question)
     wrong = list(answer.value) if answer.ok else [str(answer.error or answer.crash)]
     version = str(facts["version"])
@@ -234,20 +228,3 @@ def placed(folder: Path, model: str) -> Path:
         named = str(etree.parse(about, etree.XMLParser(resolve_entities=False)).findtext("name"))
         folder = folder.rename(folder.with_name(named))
     return folder / model
-
-
-@dataclass(frozen=True, slots=True)
-class _Written:
-    folder: Path
-    model: str
-    losses: Sequence[Loss]
-
-
-def _written(work: Work, target: str, folder: Path) -> _Written | str:
-    """Return what is written for a target, or an error message."""
-    found = exported(work.bundle, target, folder, session=work.session)
-    if isinstance(found, str):
-        return found
-    if found["differences"]:
-        return f"MuJoCo reads the plain text of the model back as another one: {found['differences'][0]}"
-    return _Written(folder / "out", found["model"], [Loss(**each) for each in found["losses"]])

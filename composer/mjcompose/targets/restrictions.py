@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Collection
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -21,28 +20,27 @@ _EMPTY = {"mass": "0", "pos": "0 0 0", "quat": "1 0 0 0", "diaginertia": "0 0 0"
 def one_root(*, with_free: bool) -> Limit:
     """Return a limit that puts the bodies of the world into one.
 
-    It is for a target that reads one body in the world, or places it by its centre of mass. Bodies with a free joint
+    It is for a target that reads one body in the world, or places it by its center of mass. Bodies with a free joint
     are moved only `with_free`, because MuJoCo does not read them there.
     """
-    return Limit("roots", Outcome.WRITTEN, partial(_one_root, with_free))
 
+    def apply(draft: Draft) -> None:
+        for world in draft.root.iterfind("worldbody"):
+            bodies = list(world.iterchildren("body"))
+            free = [body for body in bodies if _is_free(body)]
+            if with_free and len(bodies) == 1 and free:
+                continue
+            held = bodies if with_free else [body for body in bodies if body not in free]
+            if not held:
+                continue
+            draft.mujoco_reads &= not (with_free and free)  # MJCF has free joints at the top alone
+            root = etree.SubElement(world, "body", name=NAME, pos="0 0 0", quat="1 0 0 0")
+            etree.SubElement(root, "inertial", _EMPTY)
+            root.extend(held)
+            for body in held:
+                draft.lose("roots", body, f"a body `{NAME}` holds the bodies of the world", outcome=Outcome.WRITTEN)
 
-def _one_root(with_free: bool, draft: Draft) -> None:
-    for world in draft.root.iterfind("worldbody"):
-        bodies = list(world.iterchildren("body"))
-        free = [body for body in bodies if _is_free(body)]
-        if with_free and len(bodies) == 1 and free:
-            continue
-        held = bodies if with_free else [body for body in bodies if body not in free]
-        if not held:
-            continue
-        draft.mujoco_reads &= not (with_free and free)  # MJCF has free joints at the top alone
-        root = etree.SubElement(world, "body", name=NAME, pos="0 0 0", quat="1 0 0 0")
-        etree.SubElement(root, "inertial", _EMPTY)
-        root.extend(held)
-        for body in held:
-            why = f"a body `{NAME}` holds the bodies of the world"
-            draft.lose("roots", body, why, outcome=Outcome.WRITTEN)
+    return Limit("roots", Outcome.WRITTEN, apply)
 
 
 def _is_free(body: Node) -> bool:
@@ -52,29 +50,27 @@ def _is_free(body: Node) -> bool:
 
 def single_joints(mass: str = "0") -> Limit:
     """Return a limit that gives each further joint of a body a body of its own, with this mass (kg) and inertia."""
-    return Limit("joints", Outcome.WRITTEN, partial(_split, mass))
 
+    def apply(draft: Draft) -> None:
+        for body in list(draft.root.iterfind(".//body")):
+            joints, holder = list(body.iterchildren("joint")), body.getparent()
+            if len(joints) < 2 or holder is None:
+                continue
+            draft.mujoco_reads &= mass != "0"  # nothing that moves may be without a mass there
+            draft.lose("joints", body, "each joint except the last has a body of its own", outcome=Outcome.WRITTEN)
+            at, place = holder.index(body), {"pos": str(body.get("pos")), "quat": str(body.get("quat"))}
+            for joint in joints[:-1]:
+                between = etree.Element("body", {"name": f"{body.get('name')}__{joint.get('name')}", **place})
+                heavy = {"mass": mass, "diaginertia": f"{mass} {mass} {mass}"}
+                etree.SubElement(between, "inertial", _EMPTY | heavy)
+                between.append(joint)
+                holder.insert(at, between)
+                holder, at, place = between, len(between), {"pos": "0 0 0", "quat": "1 0 0 0"}
+            body.set("pos", place["pos"])
+            body.set("quat", place["quat"])
+            holder.append(body)
 
-def _split(mass: str, draft: Draft) -> None:
-    for body in list(draft.root.iterfind(".//body")):
-        joints = list(body.iterchildren("joint"))
-        holder = body.getparent()
-        if len(joints) < 2 or holder is None:
-            continue
-        draft.mujoco_reads &= mass != "0"  # nothing that moves may be without a mass there
-        draft.lose("joints", body, "each joint but the last has a body of its own", outcome=Outcome.WRITTEN)
-        at = holder.index(body)
-        place = {"pos": str(body.get("pos")), "quat": str(body.get("quat"))}
-        for joint in joints[:-1]:
-            between = etree.Element("body", {"name": f"{body.get('name')}__{joint.get('name')}", **place})
-            heavy = {"mass": mass, "diaginertia": f"{mass} {mass} {mass}"}
-            etree.SubElement(between, "inertial", _EMPTY | heavy)
-            between.append(joint)
-            holder.insert(at, between)
-            holder, at, place = between, len(between), {"pos": "0 0 0", "quat": "1 0 0 0"}
-        body.set("pos", place["pos"])
-        body.set("quat", place["quat"])
-        holder.append(body)
+    return Limit("joints", Outcome.WRITTEN, apply)
 
 
 def _zeroed(draft: Draft) -> None:
@@ -131,74 +127,69 @@ _SHOWN_GROUP = 2
 _ZERO = frozenset("0. ")
 
 
-def left_out(feature: str, *paths: str, why: str = "") -> Limit:
-    """Return a limit that removes the elements at these paths. `why` says what follows from that."""
-    return Limit(feature, Outcome.LEFT_OUT, partial(_leave_out, feature, paths, why))
+def left_out(feature: str, *paths: str, why: str = "", but: Collection[str] = ()) -> Limit:
+    """Return a limit that removes the elements at these paths, except some tags. `why` says what follows from that."""
 
+    def apply(draft: Draft) -> None:
+        for path in paths:
+            for element in list(draft.root.iterfind(path)):
+                if element.tag not in but:
+                    draft.lose(feature, element, why)
+                    draft.remove(element)
 
-def only(feature: str, path: str, tags: Collection[str], why: str = "") -> Limit:
-    """Return a limit that removes the elements at a path whose tag is none of these."""
-    return Limit(feature, Outcome.PARTLY, partial(_leave_out, feature, (path,), why, but=tags))
+    return Limit(feature, Outcome.PARTLY if but else Outcome.LEFT_OUT, apply)
 
 
 def refused(feature: str, path: str, why: str, help: str) -> Limit:
     """Return a limit that refuses a model with an element at this path."""
-    return Limit(feature, Outcome.REFUSED, partial(_refuse, feature, path, why, help))
+
+    def apply(draft: Draft) -> None:
+        for element in draft.root.iterfind(path):
+            draft.lose(feature, element, why, outcome=Outcome.REFUSED, help=help)
+
+    return Limit(feature, Outcome.REFUSED, apply)
 
 
 def without_attribute(
     feature: str, path: str, name: str, what: str, why: str = "", *, also: Collection[str] = ()
 ) -> Limit:
-    """Return a limit that removes an attribute, and those that mean nothing without it.
+    """Return a limit that removes an attribute, and attributes that mean nothing without it.
 
     A value other than zero is a loss.
     """
-    return Limit(feature, Outcome.LEFT_OUT, partial(_take, feature, path, name, what, why, also))
+
+    def apply(draft: Draft) -> None:
+        for element in draft.root.iterfind(path):
+            value = str(element.attrib.pop(name, ""))
+            for each in also:
+                element.attrib.pop(each, "")
+            if not _ZERO.issuperset(value):
+                draft.lose(feature, element, why, what=what)
+
+    return Limit(feature, Outcome.LEFT_OUT, apply)
 
 
 def no_shapes(*kinds: str) -> Limit:
     """Return a limit that removes geoms of these types, and the height fields that no geom uses then."""
-    return Limit("shapes", Outcome.PARTLY, partial(_without_shapes, kinds))
+
+    def apply(draft: Draft) -> None:
+        for _, geom in list(draft.of("geom")):
+            if geom.get("type") in kinds:
+                shape = "height field" if geom.get("type") == "hfield" else geom.get("type")
+                draft.lose("shapes", geom, what=f"the {shape}")
+                draft.remove(geom)
+        used = {geom.get("hfield") for geom in draft.root.iterfind(".//geom")}
+        for field in list(draft.root.iterfind("asset/hfield")):
+            if field.get("name") not in used:
+                draft.remove(field)
+
+    return Limit("shapes", Outcome.PARTLY, apply)
 
 
 def unread_in(joints: str, *attributes: str) -> tuple[Limit, ...]:
     """Return limits that remove attributes from joints of a type."""
     path = f".//joint[@type='{joints}']"
     return tuple(without_attribute(_DYNAMICS[name], path, name, what=_WORDS.get(name, name)) for name in attributes)
-
-
-def _leave_out(feature: str, paths: Collection[str], why: str, draft: Draft, *, but: Collection[str] = ()) -> None:
-    for path in paths:
-        for element in list(draft.root.iterfind(path)):
-            if element.tag not in but:
-                draft.lose(feature, element, why)
-                draft.remove(element)
-
-
-def _refuse(feature: str, path: str, why: str, help: str, draft: Draft) -> None:
-    for element in draft.root.iterfind(path):
-        draft.lose(feature, element, why, outcome=Outcome.REFUSED, help=help)
-
-
-def _take(feature: str, path: str, name: str, what: str, why: str, also: Collection[str], draft: Draft) -> None:
-    for element in draft.root.iterfind(path):
-        value = str(element.attrib.pop(name, ""))
-        for each in also:
-            element.attrib.pop(each, "")
-        if not _ZERO.issuperset(value):
-            draft.lose(feature, element, why, what=what)
-
-
-def _without_shapes(kinds: Collection[str], draft: Draft) -> None:
-    for _, geom in list(draft.of("geom")):
-        if geom.get("type") in kinds:
-            shape = "height field" if geom.get("type") == "hfield" else geom.get("type")
-            draft.lose("shapes", geom, what=f"the {shape}")
-            draft.remove(geom)
-    used = {geom.get("hfield") for geom in draft.root.iterfind(".//geom")}
-    for field in list(draft.root.iterfind("asset/hfield")):
-        if field.get("name") not in used:
-            draft.remove(field)
 
 
 def _hidden(draft: Draft) -> None:
@@ -216,8 +207,7 @@ def _linear(draft: Draft) -> None:
                 first, *rest = str(element.get(name) or "0").split()
                 if rest:
                     element.set(name, first)
-                    what = f"the higher terms of {name}"
-                    draft.lose("polynomials", element, "what is linear is read", what=what)
+                    draft.lose("polynomials", element, "it reads the linear term", what=f"the higher terms of {name}")
 
 
 def _plain_colors(draft: Draft) -> None:
@@ -248,7 +238,7 @@ NO_CAMERAS = left_out("cameras", ".//camera")
 NO_LIGHTS = left_out("lights", ".//light")
 NO_SITES = left_out("sites", ".//site")
 NO_TENDONS = left_out("tendons", "tendon/*")
-NO_EQUALITY = left_out("equality", "equality/*", why="what they couple moves freely")
+NO_EQUALITY = left_out("equality", "equality/*", why="the bodies that they couple move freely")
 NO_PAIRS = left_out("pairs", "contact/pair")
 NO_EXCLUDES = left_out("excludes", "contact/exclude", why="these bodies collide")
 NO_SOFT = left_out("soft", "deformable/*", "asset/skin")
@@ -277,18 +267,17 @@ _JOINT = 0  # mjTRN_JOINT
 
 def servos(*tags: str) -> Limit:
     """Return a limit that keeps actuators with these tags that act on a hinge or a slide, and removes the others."""
-    return Limit("actuators", Outcome.PARTLY if tags else Outcome.LEFT_OUT, partial(_servos, tags))
+    why = f"it reads {' and '.join(f'`{tag}`' for tag in tags)} of hinges and slides" if tags else ""
 
+    def apply(draft: Draft) -> None:
+        simple_actuators(draft.root, any_input=True)
+        single = {joint.get("name") for joint in draft.root.iterfind(".//joint") if joint.get("type") in _SINGLE}
+        for actuator in list(draft.root.iterfind("actuator/*")):
+            if actuator.tag not in tags or actuator.get("joint") not in single:
+                draft.lose("actuators", actuator, why)
+                draft.remove(actuator)
 
-def _servos(tags: tuple[str, ...], draft: Draft) -> None:
-    simple_actuators(draft.root, any_input=True)
-    single = {joint.get("name") for joint in draft.root.iterfind(".//joint") if joint.get("type") in _SINGLE}
-    for actuator in list(draft.root.iterfind("actuator/*")):
-        if actuator.tag in tags and actuator.get("joint") in single:
-            continue
-        why = f"it reads {' and '.join(f'`{tag}`' for tag in tags)} of hinges and slides" if tags else ""
-        draft.lose("actuators", actuator, why)
-        draft.remove(actuator)
+    return Limit("actuators", Outcome.PARTLY if tags else Outcome.LEFT_OUT, apply)
 
 
 def _one_for_each_joint(draft: Draft) -> None:
@@ -317,8 +306,8 @@ def _at_joints(draft: Draft) -> None:
                 actuator.set(name, text(float(str(actuator.get(name))) * gear**2))
         _scale(actuator, "forcerange", gear)
         _scale(actuator, "ctrlrange", gear if actuator.tag == "motor" else 1 / gear)
-        draft.lose("gears", actuator, "their gear is in their gains, and controls are at the joint",
-                   outcome=Outcome.WRITTEN)  # fmt: skip
+        why = "their gear is in their gains, and controls are at the joint"
+        draft.lose("gears", actuator, why, outcome=Outcome.WRITTEN)
 
 
 def _gear(actuator: Node) -> float:
@@ -338,8 +327,8 @@ def _symmetric(draft: Draft) -> None:
             most = max(map(abs, ends), default=0.0)
             if ends and (ends[0] != -most or ends[1] != most):
                 actuator.set(name, text((-most, most)))
-                draft.lose("effort", actuator, "it has the same limit on both sides",
-                           what=f"the narrower side of `{name}`")  # fmt: skip
+                why = "it has the same limit on both sides"
+                draft.lose("effort", actuator, why, what=f"the narrower side of `{name}`")
 
 
 def _reflected(draft: Draft) -> None:
@@ -378,10 +367,8 @@ def _greatest(model: Any, actuator: int) -> float | None:
     ends = np.array([-np.inf, np.inf])
     if model.actuator_forcelimited[actuator]:
         ends = model.actuator_forcerange[actuator]
-    plain = not (
-        model.actuator_gaintype[actuator] or model.actuator_biastype[actuator] or model.actuator_dyntype[actuator]
-    )
-    if plain and model.actuator_ctrllimited[actuator]:
+    is_motor = not any(getattr(model, f"actuator_{name}type")[actuator] for name in ("gain", "bias", "dyn"))
+    if is_motor and model.actuator_ctrllimited[actuator]:
         ends = np.clip(ends, *np.sort(model.actuator_ctrlrange[actuator] * model.actuator_gainprm[actuator][0]))
     most = float(np.abs(ends).max()) * abs(float(model.actuator_gear[actuator][0]))
     return most if np.isfinite(most) else None

@@ -1,9 +1,7 @@
-"""Whether MuJoCo reads a model back as the intended one.
+"""Compare a model with the model that MuJoCo reads back. Runs in MuJoCo's child process.
 
-Runs in MuJoCo's child process.
-
-Every array of `mjModel` is compared. MuJoCo computes the frame of a mesh from the vertices that it reads, so that
-it may differ; an element with a mesh is therefore compared by where its surface is.
+Every array of `mjModel` is compared. MuJoCo computes the frame of a mesh from the vertices that it reads, so the frame
+may differ; an element with a mesh is therefore compared by the place of its surface.
 """
 
 from __future__ import annotations
@@ -115,11 +113,7 @@ def _close(before: Any, after: Any, rows: Any) -> bool:
 
 
 def _rows(model: Any, name: str) -> Any:
-    """Return which rows of an array are compared.
-
-    The poses of meshes, the looks of fixed tendons and the bias of actuators without one mean nothing, so they are
-    not compared.
-    """
+    """Return the rows of an array that have a meaning: meshes have no pose, fixed tendons no looks, some no bias."""
     kind = name.partition("_")[0]
     if name in _POSES:
         return ~np.isin(getattr(model, f"{kind}_type"), _MESHES)
@@ -168,18 +162,16 @@ def _surface(kind: str, model: Any, number: int) -> dict[tuple[str, float], Any]
     quat, pos = (getattr(model, f"{kind}_{name}")[number] for name in ("quat", "pos"))
     faces = slice(model.mesh_faceadr[mesh], model.mesh_faceadr[mesh] + model.mesh_facenum[mesh])
 
-    def corners(values: Any, start: int, of_faces: Any) -> Any:
-        return values[start + of_faces[faces].ravel()]
+    def corners(name: str, of_faces: Any) -> Any:
+        start = int(getattr(model, f"mesh_{name}adr")[mesh])
+        return getattr(model, f"mesh_{name}")[start + of_faces[faces].ravel()]
 
-    vertices = corners(model.mesh_vert, int(model.mesh_vertadr[mesh]), model.mesh_face)
-    normals = corners(model.mesh_normal, int(model.mesh_normaladr[mesh]), model.mesh_facenormal)
     found = {
-        (_SURFACE, 10 * TOLERANCE): rotated(quat, vertices) + pos,
-        ("normals", 1000 * TOLERANCE): rotated(quat, normals),
+        (_SURFACE, 10 * TOLERANCE): rotated(quat, corners("vert", model.mesh_face)) + pos,
+        ("normals", 1000 * TOLERANCE): rotated(quat, corners("normal", model.mesh_facenormal)),
     }
-    if (start := int(model.mesh_texcoordadr[mesh])) >= 0:
-        coordinates = corners(model.mesh_texcoord, start, model.mesh_facetexcoord)
-        found["texture coordinates", 10 * TOLERANCE] = coordinates
+    if model.mesh_texcoordadr[mesh] >= 0:
+        found["texture coordinates", 10 * TOLERANCE] = corners("texcoord", model.mesh_facetexcoord)
     return found
 
 

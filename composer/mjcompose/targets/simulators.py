@@ -28,13 +28,13 @@ _KNOWN = frozenset(
 
 def _unknown_pairs(mujoco: Any, model: Any) -> Iterator[tuple[int, str]]:
     shapes = words(mujoco, "geom_type")
-    told = set()
+    reported = set()
     pairs = zip(model.pair_geom1.tolist(), model.pair_geom2.tolist(), strict=True)
     for first, second in chain(colliding(model), pairs):
         pair = sorted((first, second), key=lambda number: int(model.geom_type[number]))
         one, other = (shapes[int(model.geom_type[number])] for number in pair)
-        if (one, other) not in _KNOWN and (pair[0], one, other) not in told:
-            told.add((pair[0], one, other))
+        if (one, other) not in _KNOWN and (pair[0], one, other) not in reported:
+            reported.add((pair[0], one, other))
             yield pair[0], f"MJX cannot compute contacts of a {one} with a {other}"
 
 
@@ -68,7 +68,7 @@ _SENSORS = (
     "JOINTLIMITPOS", "JOINTLIMITVEL", "JOINTLIMITFRC", "TENDONLIMITPOS", "TENDONLIMITVEL", "TENDONLIMITFRC",
     "INSIDESITE", "GEOMDIST", "GEOMNORMAL", "GEOMFROMTO", "E_POTENTIAL", "E_KINETIC", "PLUGIN", "USER",
 )  # fmt: skip
-_ACTUATORS = "leave it out with `edit`, or write a `motor` in its place"
+_OUT = "remove it with `edit`"
 _NETFORCE = 3  # of `reduce`, in `sensor_intprm`
 
 MJX_ACTUATORS = refused_members(
@@ -81,27 +81,25 @@ MJX_ACTUATORS = refused_members(
          "MJX has no such gain"),
         ("actuator_biastype", "mjtBias", ("mjBIAS_DCMOTOR", "mjBIAS_SO3", "mjBIAS_USER"), "MJX has no such bias"),
     ),
-    help=_ACTUATORS,
+    help=f"{_OUT}, or write a `motor` instead",
 )  # fmt: skip
 MJX_EQUALITY = refused_members(
     "equality", "equality",
     (("eq_type", "mjtEq", ("mjEQ_FLEX", "mjEQ_FLEXVERT", "mjEQ_FLEXSTRAIN", "mjEQ_DISTANCE"),
       "MJX has no such constraint"),),
-    help="leave it out with `edit`",
+    help=_OUT,
 )  # fmt: skip
 MJX_SENSORS = refused_members(
     "sensors", "sensor",
     (("sensor_type", "mjtSensor", tuple(f"mjSENS_{name}" for name in _SENSORS), "MJX has no such sensor"),),
-    help="leave it out with `edit`",
+    help=_OUT,
 )  # fmt: skip
 
 
 def _medium(mujoco: Any, model: Any) -> Iterator[tuple[int, str]]:
-    """`implicitfast`, where a medium brakes."""
     option = model.opt
-    if option.integrator == int(mujoco.mjtIntegrator.mjINT_IMPLICITFAST) and (
-        option.density > 0 or option.viscosity > 0 or option.wind.any()
-    ):
+    has_medium = option.density > 0 or option.viscosity > 0 or option.wind.any()
+    if has_medium and option.integrator == int(mujoco.mjtIntegrator.mjINT_IMPLICITFAST):
         yield 0, "MJX has no integrator `implicitfast` in a medium: with `density`, `viscosity` or `wind`"
 
 
@@ -111,27 +109,29 @@ MJX_OPTIONS = refused_options(
 )  # fmt: skip
 
 
+_NO_MARGIN = "MJX has no margin for contacts with meshes and height fields"
+
+
+def _has_mesh(mujoco: Any, model: Any, geoms: tuple[int, int]) -> bool:
+    shapes = words(mujoco, "geom_type")
+    return any(shapes[int(model.geom_type[geom])] in ("mesh", "hfield") for geom in geoms)
+
+
 def _margins(mujoco: Any, model: Any) -> Iterator[tuple[int, str]]:
     """Yield a geom with a margin from each pair that may touch and that has a mesh or a height field."""
-    shapes = words(mujoco, "geom_type")
     reported = set()
     for pair in colliding(model):
-        kinds = {shapes[int(model.geom_type[geom])] for geom in pair}
-        if kinds & {"mesh", "hfield"} and any(model.geom_margin[geom] for geom in pair):
-            geom = next(each for each in pair if model.geom_margin[each])
-            if geom not in reported:
-                reported.add(geom)
-                yield geom, "MJX has no margin for contacts with meshes and height fields"
+        geom = next((each for each in pair if model.geom_margin[each]), None)
+        if geom is not None and geom not in reported and _has_mesh(mujoco, model, pair):
+            reported.add(geom)
+            yield geom, _NO_MARGIN
 
 
 def _pair_margins(mujoco: Any, model: Any) -> Iterator[tuple[int, str]]:
-    """Yield the contact pairs with a margin and a mesh or a height field."""
-    shapes = words(mujoco, "geom_type")
-    for pair in range(model.npair):
-        geoms = int(model.pair_geom1[pair]), int(model.pair_geom2[pair])
-        kinds = {shapes[int(model.geom_type[each])] for each in geoms}
-        if model.pair_margin[pair] and kinds & {"mesh", "hfield"}:
-            yield pair, "MJX has no margin for contacts with meshes and height fields"
+    pairs = zip(model.pair_geom1.tolist(), model.pair_geom2.tolist(), strict=True)
+    for number, geoms in enumerate(pairs):
+        if model.pair_margin[number] and _has_mesh(mujoco, model, geoms):
+            yield number, _NO_MARGIN
 
 
 MJX_PAIR_MARGINS = refused_elements("margins", "pair", _pair_margins, help="write `set: {margin: 0}`")
@@ -155,22 +155,18 @@ def _contact_sensors(mujoco: Any, model: Any) -> Iterator[tuple[int, str]]:
 
 
 MJX_CONTACT_SENSORS = refused_elements(
-    "contact sensors", "sensor", _contact_sensors, help="name geoms in its place, with another `reduce`"
+    "contact sensors", "sensor", _contact_sensors, help="name geoms instead, with another `reduce`"
 )
 
 
 def _flexes_mjx(_mujoco: object, model: Any) -> Iterator[tuple[int, str]]:
-    for number in range(model.nflex):
-        yield number, "MJX has no flexes"
+    return ((number, "MJX has no flexes") for number in range(model.nflex))
 
 
-MJX_SOFT = replace(
-    NO_SOFT, refuses=refused_elements("soft", "flex", _flexes_mjx, help="leave it out with `edit`").refuses
-)
-"""What is written for MJX is without them; a model that still has one is refused."""
+MJX_SOFT = replace(NO_SOFT, refuses=refused_elements("soft", "flex", _flexes_mjx, help=_OUT).refuses)
+"""The files for MJX are without them; a compiled model that has one is refused."""
 
 
-_OUT = "leave it out with `edit`"
 _DENSE_DOFS = 60
 _AXES = np.eye(3)
 
@@ -182,7 +178,7 @@ WARP_ACTUATORS = refused_members(
         ("actuator_gaintype", "mjtGain", ("mjGAIN_PID",), "MuJoCo Warp has no such gain"),
         ("actuator_biastype", "mjtBias", ("mjBIAS_SO3",), "MuJoCo Warp has no such bias"),
     ),
-    help="write a `motor` or a `position` in its place: `convert: {to: position}`",
+    help="write a `motor` or a `position` instead: `convert: {to: position}`",
 )  # fmt: skip
 WARP_EQUALITY = refused_members(
     "equality", "equality",
@@ -192,7 +188,7 @@ WARP_EQUALITY = refused_members(
 
 
 def _options(mujoco: Any, model: Any) -> Iterator[tuple[int, str]]:
-    """Options that MuJoCo Warp has, but not beside others."""
+    """Yield options that MuJoCo Warp refuses together with others."""
     option, sleeps = model.opt, is_enabled(mujoco, model, "sleep")
     discrete = getattr(mujoco.mjtIntegrator, "mjINT_DISCRETE", None)
     if option.noslip_iterations > 0 and discrete is not None and option.integrator == int(discrete):
@@ -256,31 +252,31 @@ def _flexes_warp(mujoco: Any, model: Any) -> Iterator[tuple[int, str]]:
     newton = newton and discrete is not None and model.opt.integrator == int(discrete)
     touching = (model.flex_contype & model.flex_conaffinity) != 0
     for number in range(model.nflex):
+        lacking = None
         if abs(int(interpolated[number])) == 2:
-            yield number, "MuJoCo Warp has no flexes of quadratic elements"
+            lacking = "flexes of quadratic elements"
         elif rigid[number]:
-            yield number, "MuJoCo Warp has no rigid flexes"
+            lacking = "rigid flexes"
         elif internal[number]:
-            yield number, "MuJoCo Warp has no contacts inside a flex: `internal`"
+            lacking = "contacts inside a flex: `internal`"
         elif interpolated[number] and model.flex_selfcollide[number] and touching[number]:
-            yield number, "MuJoCo Warp has no contacts of an interpolated flex with itself: `selfcollide`"
+            lacking = "contacts of an interpolated flex with itself: `selfcollide`"
         elif interpolated[number] and passive[number] and model.flex_dim[number] >= 2:
-            yield number, "MuJoCo Warp has no passive contacts of an interpolated flex: `passive`"
+            lacking = "passive contacts of an interpolated flex: `passive`"
         elif newton and not interpolated[number] and not _simple(mujoco, model, number):
-            bends = model.flex_bendingadr[number] >= 0
-            at = int(model.flex_stiffnessadr[number])
-            if bends or (model.flex_dim[number] > 1 and at >= 0 and model.flex_stiffness[at] != 0):
-                why = "no elastic flex on moving bodies with `discrete` and the solver `Newton`"
-                yield number, f"MuJoCo Warp has {why}"
+            stiff = model.flex_dim[number] > 1 and (at := int(model.flex_stiffnessadr[number])) >= 0
+            if model.flex_bendingadr[number] >= 0 or (stiff and model.flex_stiffness[at] != 0):
+                lacking = "elastic flex on moving bodies with `discrete` and the solver `Newton`"
+        if lacking:
+            yield number, f"MuJoCo Warp has no {lacking}"
 
 
 def _beside_flexes(mujoco: Any, model: Any) -> Iterator[tuple[int, str]]:
-    """The shapes that MuJoCo Warp refuses in a model with flexes, whether they touch one or not."""
-    if model.nflex:
-        for word in ("sdf", "hfield"):
-            shape = int(getattr(mujoco.mjtGeom, f"mjGEOM_{word.upper()}"))
-            for number in np.flatnonzero(model.geom_type == shape).tolist():
-                yield number, f"MuJoCo Warp has no `{word}` in a model with flexes"
+    """Yield the shapes that MuJoCo Warp refuses in a model with flexes, even if they touch none."""
+    for word in ("sdf", "hfield") if model.nflex else ():
+        shape = int(getattr(mujoco.mjtGeom, f"mjGEOM_{word.upper()}"))
+        for number in np.flatnonzero(model.geom_type == shape).tolist():
+            yield number, f"MuJoCo Warp has no `{word}` in a model with flexes"
 
 
 def _velocities(mujoco: Any, model: Any) -> Iterator[tuple[int, str]]:
@@ -298,5 +294,5 @@ def _velocities(mujoco: Any, model: Any) -> Iterator[tuple[int, str]]:
 WARP_FLEXES = refused_elements("soft", "flex", _flexes_warp, help=_OUT)
 WARP_BESIDE_FLEXES = refused_elements("soft", "geom", _beside_flexes, help=_OUT)
 WARP_VELOCITIES = refused_elements(
-    "contact sensors", "sensor", _velocities, help="leave `linvel` and `angvel` out of its `data`"
+    "contact sensors", "sensor", _velocities, help="remove `linvel` and `angvel` from its `data`"
 )

@@ -1,17 +1,16 @@
 """Limits about MuJoCo's solver: options, the softness of contacts and limits, gravity compensation.
 
-Only values that differ from MuJoCo's defaults are reported, since nobody has chosen the others.
+They report only values that differ from MuJoCo's defaults, because nobody has chosen the others.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator, Sequence
-from functools import partial
 from typing import Any
 
 import numpy as np
 
-from mjcompose.targets.target import Draft, Limit, Outcome, Refusal, Refuses
+from mjcompose.targets.target import Draft, Limit, Outcome, Refusal
 
 OPTION = "option"
 Missing = tuple[str, str, Collection[str], str]
@@ -25,15 +24,33 @@ def refused_members(feature: str, kind: str, missing: Sequence[Missing], help: s
 
     A member that the running MuJoCo does not have is ignored.
     """
-    return refused_elements(feature, kind, partial(_members, tuple(missing)), help=help)
+
+    def flagged(mujoco: Any, model: Any) -> Iterator[tuple[int, str]]:
+        for array, enum, names, why in missing:
+            members = getattr(mujoco, enum).__members__
+            lacking = [int(members[name]) for name in names if name in members]
+            yield from ((number, why) for number in np.flatnonzero(np.isin(getattr(model, array), lacking)).tolist())
+
+    return refused_elements(feature, kind, flagged, help=help)
 
 
 def refused_elements(
     feature: str, kind: str, flagged: Flagged, help: str, outcome: Outcome = Outcome.SOME_REFUSED
 ) -> Limit:
     """Return a limit that refuses a model with an element that `flagged` finds."""
-    refuses = partial(_elements, kind, flagged, help)
-    return Limit(feature, outcome, partial(_refuse, feature, refuses), refuses=refuses)
+
+    def refuses(mujoco: Any, model: Any) -> Iterator[Refusal]:
+        for number, why in flagged(mujoco, model):
+            yield Refusal(kind, number, why, help=help)
+
+    def apply(draft: Draft) -> None:
+        option = next(draft.root.iterchildren(OPTION), draft.root)
+        nodes = {0: option} if kind == OPTION else dict(draft.of(kind))
+        for number, why in flagged(draft.mujoco, draft.model):
+            if number in nodes:
+                draft.lose(feature, nodes[number], why, outcome=Outcome.REFUSED, help=help)
+
+    return Limit(feature, outcome, apply, refuses=refuses)
 
 
 def refused_options(
@@ -41,63 +58,27 @@ def refused_options(
 ) -> Limit:
     """Return a limit that refuses a model with one of these values of an option, or one of these flags enabled.
 
-    `together` finds what is refused only in combination with something else; its numbers mean nothing.
+    `together` finds values that are refused only in combination with something else; its numbers mean nothing.
     """
-    flagged = partial(_options_compiled, name, tuple(enums), tuple(flags), together)
-    help = "write another one in the section `option` of the recipe"
-    return refused_elements("options", OPTION, flagged, help=help)
 
-
-def _refuse(feature: str, refuses: Refuses, draft: Draft) -> None:
-    nodes = {OPTION: {0: next(draft.root.iterchildren(OPTION), draft.root)}}
-    for each in refuses(draft.mujoco, draft.model):
-        if each.kind not in nodes:
-            nodes[each.kind] = dict(draft.of(each.kind))
-        if each.number in nodes[each.kind]:
-            node = nodes[each.kind][each.number]
-            draft.lose(feature, node, each.why, outcome=Outcome.REFUSED, help=each.help)
-
-
-def _elements(kind: str, flagged: Flagged, help: str, mujoco: Any, model: Any) -> Iterator[Refusal]:
-    for number, why in flagged(mujoco, model):
-        yield Refusal(kind, number, why, help=help)
-
-
-def _members(missing: Sequence[Missing], mujoco: Any, model: Any) -> Iterator[tuple[int, str]]:
-    for array, enum, names, why in missing:
-        for number in np.flatnonzero(np.isin(getattr(model, array), _numbers(mujoco, enum, names))).tolist():
-            yield number, why
-
-
-def _options_compiled(
-    name: str, enums: Sequence[tuple[str, str, Collection[str]]], flags: Sequence[str],
-    together: Flagged | None, mujoco: Any, model: Any,
-) -> Iterator[tuple[int, str]]:  # fmt: skip
-    for field, enum, names in enums:
-        word = _word(mujoco, enum, int(getattr(model.opt, field)))
-        if word in names:
-            yield 0, f"{name} has no {field} `{word.partition('_')[2].lower()}`"
-    for flag in flags:
-        if is_enabled(mujoco, model, flag):
-            yield 0, f"{name} does not have the flag `{flag}`"
-    if together is not None:
+    def flagged(mujoco: Any, model: Any) -> Iterator[tuple[int, str]]:
+        for field, enum, names in enums:
+            members, value = getattr(mujoco, enum).__members__, int(getattr(model.opt, field))
+            for word in names:
+                if word in members and int(members[word]) == value:
+                    yield 0, f"{name} has no {field} `{word.partition('_')[2].lower()}`"
+        for flag in flags:
+            if is_enabled(mujoco, model, flag):
+                yield 0, f"{name} does not have the flag `{flag}`"
         yield from together(mujoco, model)
+
+    return refused_elements("options", OPTION, flagged, help="write another one in the section `option` of the recipe")
 
 
 def is_enabled(mujoco: Any, model: Any, flag: str) -> bool:
     """Whether a flag is on that is off by default; a MuJoCo may not have it."""
     bit = getattr(mujoco.mjtEnableBit, f"mjENBL_{flag.upper()}", None)
     return bit is not None and bool(int(model.opt.enableflags) & int(bit))
-
-
-def _numbers(mujoco: Any, enum: str, names: Collection[str]) -> list[int]:
-    members = getattr(mujoco, enum).__members__
-    return [int(members[name]) for name in names if name in members]
-
-
-def _word(mujoco: Any, enum: str, value: int) -> str:
-    members = getattr(mujoco, enum).__members__
-    return next((name for name, each in members.items() if int(each) == value), str(value))
 
 
 def with_plugins(kind: str) -> Flagged:
@@ -125,7 +106,21 @@ def unread_contacts(*friction: str, but: Collection[str] = ()) -> Limit:
 
     Attributes in `but` and these kinds of `friction` are read by the target.
     """
-    return Limit("contacts", Outcome.LEFT_OUT, partial(_contacts, friction, but))
+    names = [each for each in _SOFTNESS if each not in but]
+
+    def apply(draft: Draft) -> None:
+        model, plain = draft.model, _plain(draft)
+        for number, node in draft.of("geom"):
+            if model.geom_contype[number] or model.geom_conaffinity[number]:
+                changed = _changed(model, plain, number, names=names, kind="geom")
+                for word in friction:
+                    at = _FRICTION[word]
+                    if model.geom_friction[number][at] != plain.geom_friction[0][at]:
+                        changed.append(f"{word} friction")
+                if changed:
+                    draft.lose("contacts", node, what=f"{_listed(changed)} of the contacts")
+
+    return Limit("contacts", Outcome.LEFT_OUT, apply)
 
 
 def _plain(draft: Draft) -> Any:
@@ -150,26 +145,14 @@ def _gravity(draft: Draft) -> None:
         draft.lose("gravity", option, f"set it to {shown} in the program", what="gravity")
 
 
-def _contacts(friction: Collection[str], but: Collection[str], draft: Draft) -> None:
-    model, plain = draft.model, _plain(draft)
-    for number, node in draft.of("geom"):
-        if not model.geom_contype[number] and not model.geom_conaffinity[number]:
-            continue
-        names = [each for each in _SOFTNESS if each not in but]
-        changed = list(_changed(model, plain, number, names=names, kind="geom"))
-        for word in friction:
-            at = _FRICTION[word]
-            if model.geom_friction[number][at] != plain.geom_friction[0][at]:
-                changed.append(f"{word} friction")
-        if changed:
-            draft.lose("contacts", node, what=f"{_listed(changed)} of the contacts")
-
-
-def _changed(model: Any, plain: Any, number: int, names: Collection[str], kind: str) -> Iterator[str]:
-    for name in names:
-        array = f"{kind}_{name}"
-        if not np.array_equal(getattr(model, array)[number], getattr(plain, array)[0]):
-            yield name
+def _changed(model: Any, plain: Any, number: int, names: Collection[str], kind: str) -> list[str]:
+    """Return the attributes of an element that are not the defaults of MuJoCo."""
+    arrays = {name: f"{kind}_{name}" for name in names}
+    return [
+        name
+        for name, array in arrays.items()
+        if not np.array_equal(getattr(model, array)[number], getattr(plain, array)[0])
+    ]
 
 
 def _bits(draft: Draft) -> None:
@@ -184,7 +167,7 @@ def _joints(draft: Draft) -> None:
     model, plain = draft.model, _plain(draft)
     for number, node in draft.of("joint"):
         if model.jnt_limited[number]:
-            changed = list(_changed(model, plain, number, names=("solref", "solimp", "margin"), kind="jnt"))
+            changed = _changed(model, plain, number, names=("solref", "solimp", "margin"), kind="jnt")
             if changed:
                 draft.lose("softness", node, what=f"{_listed(changed)} of the limits")
 

@@ -58,7 +58,7 @@ FEATURES: Mapping[str, str] = {
 """By name: words for people."""
 
 COMPARED: Mapping[str, str] = {
-    "inertia": "masses, centres of mass, inertias",
+    "inertia": "masses, centers of mass, inertias",
     "poses": "poses of all bodies in 50 configurations",
     "limits": "limits of joints",
     "damping": "damping of joints",

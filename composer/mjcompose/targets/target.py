@@ -86,7 +86,14 @@ def in_words(title: str, group: list[Loss]) -> str:
     'Pinocchio ignores damping of 5 joints: `j0`, `j1`, `j2` and 2 more'
     """
     first = group[0]
-    counted = _counted(group)
+    kind = first.kind or first.tag
+    counted = _OPTION
+    if kind != _OPTION:
+        word = _SINGULARS.get(kind, kind) if len(group) == 1 else _PLURALS.get(kind, f"{kind}s")
+        names = [f"`{each.name}`" for each in group if each.name]
+        shown = names if len(names) <= _NAMED + 1 else [*names[:_NAMED]]
+        listed = f": {', '.join(shown)}" if names else ""
+        counted = f"{len(group)} {word}{listed}" + (f" and {len(names) - _NAMED} more" if shown != names else "")
     if first.otherwise:
         return f"{title} gets {counted} in another form: {first.why}"
     if first.refused:
@@ -95,22 +102,6 @@ def in_words(title: str, group: list[Loss]) -> str:
     if first.tag == _OPTION and first.what:
         counted, of = first.what, ""
     return f"{title} ignores {of}{counted}" + (f"; {first.why}" if first.why else "")
-
-
-def _counted(group: list[Loss]) -> str:
-    """Return the number of elements with their kind and the first of their names."""
-    first = group[0]
-    kind = first.kind or first.tag
-    if kind == _OPTION:
-        return _OPTION
-    word = _SINGULARS.get(kind, kind) if len(group) == 1 else _PLURALS.get(kind, f"{kind}s")
-    names = [f"`{each.name}`" for each in group if each.name]
-    if not names:
-        return f"{len(group)} {word}"
-    shown = names if len(names) <= _NAMED + 1 else names[:_NAMED]
-    more = len(names) - len(shown)
-    listed = f"{', '.join(shown)} and {more} more" if more else ", ".join(shown)
-    return f"{len(group)} {word}: {listed}"
 
 
 @dataclass(slots=True)
@@ -133,20 +124,16 @@ class Draft:
     _rows: dict[Node, tuple[str, int]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        self._rows = {
-            node: (kind, number) for kind, nodes in self.elements.items() for number, node in enumerate(nodes)
-        }
+        for kind, nodes in self.elements.items():
+            self._rows.update((node, (kind, number)) for number, node in enumerate(nodes))
 
     def lose(
         self, feature: str, node: Node, why: str = "", *, what: str = "", outcome: Outcome = Outcome.LEFT_OUT,
         help: str | None = None,
     ) -> None:  # fmt: skip
         """Record that the target cannot express an element, or `what` it has."""
-        kind, number = self._rows.get(node, ("", -1))
-        tag, name = str(node.tag), str(node.get("name") or "")
-        self.losses.append(
-            Loss(feature, kind, number, tag=tag, name=name, why=why, what=what, outcome=outcome, help=help)
-        )
+        row, tag, name = self._rows.get(node, ("", -1)), str(node.tag), str(node.get("name") or "")
+        self.losses.append(Loss(feature, *row, tag, name, why=why, what=what, outcome=outcome, help=help))
 
     def remove(self, node: Node) -> None:
         """Remove an element, and its section if it becomes empty."""
@@ -179,7 +166,7 @@ def write_mjcf(draft: Draft) -> dict[str, bytes]:
 
 @dataclass(frozen=True, slots=True)
 class Refusal:
-    """An element of a compiled model that a simulator does not take; of its options the kind is `option`."""
+    """An element of a compiled model that a simulator does not take; the kind of its options is `option`."""
 
     kind: str
     number: int
@@ -187,21 +174,18 @@ class Refusal:
     help: str
 
 
-Refuses = Callable[[Any, Any], Iterator[Refusal]]
-"""Of MuJoCo and a compiled model: what a simulator refuses of it."""
-
-
 @dataclass(frozen=True, slots=True)
 class Limit:
-    """A feature that a target does not support. `apply` changes the draft and records what is lost.
+    """A feature that a target does not support. `apply` changes the draft and records each loss.
 
-    `refuses` judges the compiled model alone, for simulators that take MuJoCo's own `mjModel`.
+    `refuses` yields the elements of a compiled model (after MuJoCo, as its second argument) that a simulator refuses,
+    for simulators that take MuJoCo's own `mjModel`.
     """
 
     feature: str
     outcome: Outcome
     apply: Callable[[Draft], None]
-    refuses: Refuses | None = None
+    refuses: Callable[[Any, Any], Iterator[Refusal]] | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -77,55 +77,45 @@ def _inertial(model: Any, body: int) -> Node:
 
 def _shapes(draft: Draft, number: int, geom: Node, into: Node, package: str) -> None:
     model = draft.model
-    collides = bool(model.geom_contype[number]) or bool(model.geom_conaffinity[number])
-    shown = int(model.geom_group[number]) < _SHOWN_GROUPS
+    kinds = ["visual"] if int(model.geom_group[number]) < _SHOWN_GROUPS else []
+    kinds += ["collision"] if model.geom_contype[number] or model.geom_conaffinity[number] else []
     where = pose(model.geom_pos[number], model.geom_quat[number])
     shapes = list(_geometry(draft, number, geom, package=package))
     if not shapes:
         draft.lose("shapes", geom, what=f"the {'height field' if geom.get('type') == 'hfield' else geom.get('type')}")
-    for kind in [kind for kind, wanted in (("visual", shown), ("collision", collides)) if wanted]:
+    for kind in kinds:
         for at, shape in shapes:
             holder = etree.SubElement(into, kind)
             holder.append(origin(joined(where, at)))
             etree.SubElement(holder, "geometry").append(etree.fromstring(etree.tostring(shape)))
             if kind == "visual":
+                color, at_material = model.geom_rgba[number], int(model.geom_matid[number])
+                if at_material >= 0 and np.allclose(color, (0.5, 0.5, 0.5, 1)):  # MuJoCo's default
+                    color = model.mat_rgba[at_material]
                 material = etree.SubElement(holder, "material", name=f"{into.get('name')}_{number}")
-                etree.SubElement(material, "color", rgba=text(_color(model, number)))
-
-
-def _color(model: Any, number: int) -> Any:
-    material = int(model.geom_matid[number])
-    default = bool(np.allclose(model.geom_rgba[number], (0.5, 0.5, 0.5, 1)))
-    return model.mat_rgba[material] if material >= 0 and default else model.geom_rgba[number]
+                etree.SubElement(material, "color", rgba=text(color))
 
 
 def _geometry(draft: Draft, number: int, geom: Node, package: str) -> Iterator[tuple[Pose, Node]]:
     """Yield the shapes of a geom in its frame."""
-    size, here = draft.model.geom_size[number], shifted((0, 0, 0))
-    match geom.get("type"):
-        case "box":
-            yield here, etree.Element("box", size=text(2 * size))
-        case "sphere":
-            yield here, etree.Element("sphere", radius=text(size[0]))
-        case "cylinder":
-            yield here, _cylinder(size)
-        case "capsule":  # which URDF does not have: the same surface in three pieces
-            yield here, _cylinder(size)
-            for end in (size[1], -size[1]):
-                yield shifted((0, 0, end)), etree.Element("sphere", radius=text(size[0]))
-        case "mesh":
-            meshes = draft.root.iterfind("asset/mesh")
-            file = next(each.get("file") for each in meshes if each.get("name") == geom.get("mesh"))
-            yield here, etree.Element("mesh", filename=f"package://{package}/{file}")
-
-
-def _cylinder(size: Any) -> Node:
-    return etree.Element("cylinder", radius=text(size[0]), length=text(2 * size[1]))
+    size, kind, here = draft.model.geom_size[number], geom.get("type"), shifted((0, 0, 0))
+    if kind == "box":
+        yield here, etree.Element("box", size=text(2 * size))
+    elif kind == "sphere":
+        yield here, etree.Element("sphere", radius=text(size[0]))
+    elif kind in ("cylinder", "capsule"):
+        yield here, etree.Element("cylinder", radius=text(size[0]), length=text(2 * size[1]))
+        for end in (size[1], -size[1]) if kind == "capsule" else ():  # URDF has no capsules
+            yield shifted((0, 0, end)), etree.Element("sphere", radius=text(size[0]))
+    elif kind == "mesh":
+        meshes = draft.root.iterfind("asset/mesh")
+        file = next(each.get("file") for each in meshes if each.get("name") == geom.get("mesh"))
+        yield here, etree.Element("mesh", filename=f"package://{package}/{file}")
 
 
 NO_LIMIT = "1000000"
 """URDF wants a number where MuJoCo has no limit."""
-_FREE, _BALL, _SLIDE, _HINGE = range(4)
+_FREE, _SLIDE = 0, 2  # mjJNT_FREE, mjJNT_SLIDE
 
 
 def hung(draft: Draft, body: int, name: str, parent: str) -> Iterator[Node]:
@@ -145,8 +135,12 @@ def hung(draft: Draft, body: int, name: str, parent: str) -> Iterator[Node]:
         anchor = np.asarray(model.jnt_pos[number], dtype=float)
         ends = at == len(joints) - 1 and not anchor.any()
         child = name if ends else f"{name}__{called}"
-        frame = joined(stands, shifted(anchor - last), _before_reference(model, number))
-        found = _joint(called, _type(model, number), parent, child=child, frame=frame)
+        # URDF has the frame at the zero of a joint, not at its reference.
+        back, axis = -float(model.qpos0[model.jnt_qposadr[number]]), model.jnt_axis[number]
+        slides = int(model.jnt_type[number]) == _SLIDE
+        frame = joined(stands, shifted(anchor - last), shifted(back * axis) if slides else about(axis, back))
+        kind = "prismatic" if slides else "revolute" if model.jnt_limited[number] else "continuous"
+        found = _joint(called, kind, parent, child=child, frame=frame)
         _motion(draft, number, node, joint=found)
         yield found
         if not ends:
@@ -159,19 +153,6 @@ def hung(draft: Draft, body: int, name: str, parent: str) -> Iterator[Node]:
 def fixed(name: str, parent: str, child: str, frame: Pose) -> Node:
     """Return a joint that does not move."""
     return _joint(name, "fixed", parent, child=child, frame=frame)
-
-
-def _before_reference(model: Any, number: int) -> Pose:
-    """Return the pose from the reference of a joint to its zero, at which URDF has the frame."""
-    reference = float(model.qpos0[model.jnt_qposadr[number]])
-    axis = model.jnt_axis[number]
-    return about(axis, -reference) if int(model.jnt_type[number]) == _HINGE else shifted(-reference * axis)
-
-
-def _type(model: Any, number: int) -> str:
-    if int(model.jnt_type[number]) == _SLIDE:
-        return "prismatic"
-    return "revolute" if model.jnt_limited[number] else "continuous"
 
 
 def _joint(name: str, kind: str, parent: str, child: str, frame: Pose) -> Node:
@@ -196,9 +177,8 @@ def _motion(draft: Draft, number: int, node: Node, joint: Node) -> None:
     elif joint.get("type") == "prismatic":
         limit.set("lower", f"-{NO_LIMIT}")
         limit.set("upper", NO_LIMIT)
-    etree.SubElement(
-        joint, "dynamics", damping=text(model.dof_damping[dof]), friction=text(model.dof_frictionloss[dof])
-    )
+    damping, friction = text(model.dof_damping[dof]), text(model.dof_frictionloss[dof])
+    etree.SubElement(joint, "dynamics", damping=damping, friction=friction)
     if model.dof_armature[dof]:
         draft.lose("armature", node, what="armature")
 
@@ -210,22 +190,18 @@ def mimics(draft: Draft, joints: dict[str, Node]) -> None:
         leader, follower = str(node.get("joint2") or ""), str(node.get("joint1") or "")
         polynomial = model.eq_data[number][:5]
         if node.tag != "joint" or leader not in joints or follower not in joints:
-            draft.lose("equality", node, "what they couple moves freely")
+            draft.lose("equality", node, "the bodies that they couple move freely")
         elif polynomial[2:].any():
             draft.lose("equality", node, "a joint follows another in proportion only")
         elif not model.eq_active0[number]:
-            draft.lose("equality", node, "they are not active at the start, and nothing can switch them on")
+            draft.lose("equality", node, "they are inactive at the start, and nothing can activate them")
         elif joints[follower].find("mimic") is not None:
             draft.lose("equality", node, "a joint follows one other")
         else:
-            zero = [
-                float(model.qpos0[model.jnt_qposadr[each]])
-                for each in (int(model.eq_obj1id[number]), int(model.eq_obj2id[number]))
-            ]
-            offset = zero[0] + polynomial[0] - polynomial[1] * zero[1]
-            etree.SubElement(
-                joints[follower], "mimic", joint=leader, multiplier=text(polynomial[1]), offset=text(offset)
-            )
+            ids = model.eq_obj1id[number], model.eq_obj2id[number]
+            zeros = [float(model.qpos0[model.jnt_qposadr[each]]) for each in ids]
+            factor, offset = polynomial[1], zeros[0] + polynomial[0] - polynomial[1] * zeros[1]
+            etree.SubElement(joints[follower], "mimic", joint=leader, multiplier=text(factor), offset=text(offset))
 
 
 _INTERFACE = {"motor": "effort", "position": "position", "velocity": "velocity"}
@@ -273,19 +249,13 @@ def semantics(draft: Draft, name: str, names: list[str], joints: dict[str, Node]
             if node.get("name") in movable:
                 value = model.key_qpos[number][model.jnt_qposadr[joint]]
                 etree.SubElement(state, "joint", name=str(node.get("name")), value=text(value))
-    for body in range(1, model.nbody):
-        if parent := int(model.body_parentid[body]):
-            _apart(root, names[parent], names[body], reason="Adjacent")
-    for signature in model.exclude_signature.tolist():
-        pair = signature >> 16, signature & 0xFFFF
-        if all(pair):
-            _apart(root, names[pair[0]], names[pair[1]], reason="Excluded in MuJoCo")
+    apart = [(int(model.body_parentid[body]), body, "Adjacent") for body in range(1, model.nbody)]
+    apart += [(each >> 16, each & 0xFFFF, "Excluded in MuJoCo") for each in model.exclude_signature.tolist()]
+    for first, second, reason in apart:
+        if first and second:
+            etree.SubElement(root, "disable_collisions", link1=names[first], link2=names[second], reason=reason)
     etree.indent(root)
     return etree.tostring(root, xml_declaration=True, encoding="utf-8") + b"\n"
-
-
-def _apart(root: Node, first: str, second: str, reason: str) -> None:
-    etree.SubElement(root, "disable_collisions", link1=first, link2=second, reason=reason)
 
 
 WORLD = "world"
@@ -320,7 +290,8 @@ def write_urdf(draft: Draft) -> dict[str, bytes]:
     robot = etree.Element("robot", name=title)
     joints: dict[str, Node] = {}
     links = [link(draft, number, name, package=package) for number, name in enumerate(names)]
-    floating = model.nbody > 1 and not (model.body_parentid[2:] == 0).any() and _is_free(draft, 1)
+    floating = model.nbody > 1 and not (model.body_parentid[2:] == 0).any() and bool(model.body_jntnum[1] == 1)
+    floating = floating and model.jnt_type[model.body_jntadr[1]] == _FREE
     if floating:
         draft.lose("roots", bodies[1], "the root is the body that moves freely, not a world", outcome=Outcome.WRITTEN)
         for geom in [node for number, node in draft.of("geom") if int(model.geom_bodyid[number]) == 0]:
@@ -336,7 +307,10 @@ def write_urdf(draft: Draft) -> dict[str, bytes]:
                     joints[str(each.get("name"))] = each
     for number, site in draft.of("site"):
         if site.get("name") and not (floating and int(model.site_bodyid[number]) == 0):
-            robot.extend(_frame(draft, number, str(site.get("name")), names=names))
+            name = f"{site.get('name')}_site" if site.get("name") in names else str(site.get("name"))
+            where = pose(model.site_pos[number], model.site_quat[number])
+            holder = names[int(model.site_bodyid[number])]
+            robot.extend((massless(name), fixed(f"{name}_fixed", holder, name, frame=where)))
     mimics(draft, joints)
     system = control(draft, joints)
     if system is not None:
@@ -346,18 +320,10 @@ def write_urdf(draft: Draft) -> dict[str, bytes]:
     return {
         draft.output: etree.tostring(robot, xml_declaration=True, encoding="utf-8") + b"\n",
         "model.srdf": semantics(draft, title, names, joints=joints),
-        "package.xml": _PACKAGE.format(name=package, title=_escaped(title)).encode(),
+        "package.xml": _PACKAGE.format(name=package, title=title.replace("&", "&amp;").replace("<", "&lt;")).encode(),
         "CMakeLists.txt": _CMAKE.format(name=package).encode(),
         **meshes,
     }
-
-
-def _frame(draft: Draft, site: int, name: str, names: list[str]) -> list[Node]:
-    """Return a site as a link that is fixed to the link of its body."""
-    model = draft.model
-    called = f"{name}_site" if name in names else name
-    where = pose(model.site_pos[site], model.site_quat[site])
-    return [massless(called), fixed(f"{called}_fixed", names[int(model.site_bodyid[site])], called, frame=where)]
 
 
 def package_name(title: str) -> str:
@@ -368,12 +334,3 @@ def package_name(title: str) -> str:
     """
     found = _NOT_IN_PACKAGES.sub("_", title.lower()).strip("_")
     return found if found[:1].isalpha() else f"robot_{found}".strip("_")
-
-
-def _is_free(draft: Draft, body: int) -> bool:
-    model = draft.model
-    return bool(model.body_jntnum[body] == 1 and model.jnt_type[model.body_jntadr[body]] == 0)
-
-
-def _escaped(text: str) -> str:
-    return text.replace("&", "&amp;").replace("<", "&lt;")

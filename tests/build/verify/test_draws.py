@@ -187,7 +187,7 @@ def test_copies_without_names_are_not_guessed(tmp_path: Path) -> None:
         recipe(tmp_path, ["f: {select: {geom: '**'}, attr: 'friction[0]', uniform: [1, 2]}"], model=model)
     )
     assert found is None
-    assert any("it is not known which is which" in each.message for each in context.sink.diagnostics)
+    assert any("cannot be distinguished" in each.message for each in context.sink.diagnostics)
 
 
 def test_behind_an_actuator_with_several_outputs(tmp_path: Path) -> None:

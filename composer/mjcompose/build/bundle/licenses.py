@@ -35,7 +35,7 @@ def license_rows(plan: Plan, context: Context) -> list[Row]:
     rows = []
     for label, source in sources(plan):
         files = tuple(context.shown(file) for file in source.licenses if not is_empty(file))
-        rows.append(Row(label, source.reference, license_of(source), files))
+        rows.append(Row(label, source.reference, license_of(source), files=files))
     return rows
 
 

@@ -1,4 +1,4 @@
-"""The manifest: what a bundle was made of, what is in it, and where things are in the compiled model.
+"""The manifest: the sources of a bundle, its content, and the addresses in the compiled model.
 
 It holds no time and no path of the machine it was made on, so that the same input gives the same bytes.
 """
@@ -63,19 +63,19 @@ class _Part(BaseModel):
 
 
 class Recipe(_Part):
-    """The recipe as the build was asked for it."""
+    """The recipe of the build."""
 
     path: str = Field(description="The name of its file.")
     sha256: str = Field(description="Of the recipe file.")
 
 
 class Origin(_Part):
-    """What an input was fetched or installed with."""
+    """The repository, archive or package of an input."""
 
     id: str = Field(description="The model reference without the file in it.")
-    commit: str | None = Field(default=None, description="Of a git repository.")
-    tree: str | None = Field(default=None, description="Of a git repository: git's hash of all its files.")
-    sha256: str | None = Field(default=None, description="Of an archive.")
+    commit: str | None = Field(None, description="Of a git repository.")
+    tree: str | None = Field(None, description="Of a git repository: git's hash of all its files.")
+    sha256: str | None = Field(None, description="Of an archive.")
 
 
 def _list_kinds(schema: dict[str, Any]) -> None:
@@ -85,16 +85,13 @@ def _list_kinds(schema: dict[str, Any]) -> None:
 
 
 class OfUrdf(_Part):
-    """Elements of one kind in a URDF, and what became of them."""
+    """Elements of one kind in a URDF, and their result."""
 
-    what: str = Field(
-        description="Their tag and the one that it stands in, such as `joint/limit`; behind it an attribute, where only"
-        " that is meant, or the tag that they lack."
-    )
+    what: str = Field(description="Their tag with its parent, such as `joint/limit`, and the attribute, if any.")
     count: int = Field(ge=1, description="How many there are.")
-    became: str | None = Field(default=None, description="What they are in the model; null for nothing.")
-    why: str | None = Field(default=None, description="Why they are not in the model; null if they are.")
-    origin: str = Field(description="Where the first one is written, as FILE:LINE.")
+    became: str | None = Field(None, description="Their form in the model; null for nothing.")
+    why: str | None = Field(None, description="Why they are not in the model; null if they are.")
+    origin: str = Field(description="Where the first is written, as FILE:LINE.")
 
 
 class Input(_Part):
@@ -104,16 +101,12 @@ class Input(_Part):
     reference: str = Field(description="The model reference as the recipe writes it.")
     kind: str = Field(description="The kind of reference.", json_schema_extra=_list_kinds)
     sha256: str
-    origin: Origin | None = Field(default=None, description="null for a file that is named by its path.")
-    license: str | None = Field(default=None, description="As an SPDX expression; null when it is not known.")
-    licenses: tuple[str, ...] = Field(
-        default=(), description="Its license files, as paths in this bundle; equal ones of several parts are one file."
-    )
-    package: str | None = Field(default=None, description="The Python package it came from.")
-    version: str | None = Field(default=None, description="The version of that package, or the commit.")
-    urdf: tuple[OfUrdf, ...] = Field(
-        default=(), description="What of a URDF was read, and what was not; left out for other models."
-    )
+    origin: Origin | None = Field(None, description="null for a file that is named by its path.")
+    license: str | None = Field(None, description="As an SPDX expression; null when it is not known.")
+    licenses: tuple[str, ...] = Field((), description="Its license files in this bundle, each stored once.")
+    package: str | None = Field(None, description="The Python package it came from.")
+    version: str | None = Field(None, description="The version of that package, or the commit.")
+    urdf: tuple[OfUrdf, ...] = Field((), description="The elements of a URDF, read or not; omitted for other models.")
 
 
 def _finite(value: dict[str, Any]) -> dict[str, Any]:
@@ -123,32 +116,26 @@ def _finite(value: dict[str, Any]) -> dict[str, Any]:
 
 
 class Part(_Part):
-    """What an input became: where its own world stands, and what of it the recipe changed on purpose."""
+    """A part of the model: the place of its own world, and the changes that the recipe makes."""
 
-    part: str = Field(description="What the recipe calls it; `base` is the model that the recipe starts from.")
+    part: str = Field(description="Its name in the recipe; `base` is the model that the recipe starts from.")
     input: int = Field(ge=0, description="Which of the inputs it is, counted from 0.")
-    prefix: str = Field(description="What stands before its names, separator included.")
-    body: str | None = Field(default=None, description="The body it is fixed to; null for the world.")
-    pos: tuple[float, float, float] | None = Field(
-        default=(0, 0, 0), description="Of its world in the frame of that body, in metres; null if not known."
-    )
-    quat: tuple[float, float, float, float] | None = Field(default=(1, 0, 0, 0), description="Likewise.")
-    keys: str | None = Field(
-        default="", description="What stands before the names of its keyframes; null where they were left out."
-    )
+    prefix: str = Field(description="The prefix of its names, separator included.")
+    body: str | None = Field(None, description="The body it is fixed to; null for the world.")
+    pos: tuple[float, float, float] | None = Field((0, 0, 0), description="In that body, in meters; null if unknown.")
+    quat: tuple[float, float, float, float] | None = Field((1, 0, 0, 0), description="Likewise.")
+    keys: str | None = Field("", description="The prefix of its keyframes; null if they were omitted.")
     renamed: dict[str, dict[str, str]] = Field(
-        default={},
-        description="By kind of name: its own name and the one in the model, for those that are not the own name"
-        " behind the prefix.",
+        {}, description="By kind: own names, and names in the model other than prefix and own name."
     )
-    welded: bool = Field(default=False, description="Whether free joints at its root were taken away.")
-    stands: bool = Field(default=True, description="Whether it is fixed in the world.")
-    changed: tuple[str, ...] = Field(default=(), description="The arrays of mjModel that the recipe changes in it.")
+    welded: bool = Field(False, description="Whether free joints at its root were removed.")
+    stands: bool = Field(True, description="Whether it is fixed in the world.")
+    changed: tuple[str, ...] = Field((), description="The arrays of mjModel that the recipe changes in it.")
     replaced_keys: tuple[str, ...] = Field(
-        default=(), description="Names of keyframes that the recipe writes in place of its own."
+        (), description="Names of keyframes that the recipe writes instead of its own."
     )
-    obscure: str | None = Field(default=None, description="Why it cannot be compared with its source, if so.")
-    subtree: str | None = Field(default=None, description="The one body that was taken of its source, if so.")
+    obscure: str | None = Field(None, description="Why it cannot be compared with its source, if so.")
+    subtree: str | None = Field(None, description="The body that was taken from its source, if not all.")
 
 
 class Adopted(_Part):
@@ -157,15 +144,13 @@ class Adopted(_Part):
     setting: str = Field(description="Its path, such as `option.cone`.")
     value: str
     parts: tuple[str, ...] = Field(description="The prefixes of the parts that write it.")
-    origin: str | None = Field(default=None, description="Where the first of them writes it, as FILE:LINE.")
+    origin: str | None = Field(None, description="Where the first of them writes it, as FILE:LINE.")
 
 
 class Read(_Part):
     """One file that was read: a recipe, a model, what these include, a mesh, a license."""
 
-    path: str = Field(
-        description="Relative to the recipe, or after the reference of what it was fetched or installed with."
-    )
+    path: str = Field(description="Relative to the recipe, or after the reference that it was fetched with.")
     sha256: str
 
 
@@ -177,8 +162,10 @@ class File(_Part):
     size: int = Field(ge=0, description="In bytes.")
 
 
-_ORIGIN = Field(default=None, description="Where it is written, as FILE:LINE; null for what MuJoCo multiplies.")
-_PLACE = Field(default=None, description="Where it is written, as FILE:LINE.")
+_VALUES = "Measured values, rounded to four digits, so they are the same on other machines."
+_DRAWN = "The drawn number; angles in radians, or in the unit of a parameter."
+_ORIGIN = Field(None, description="Where it is written, as FILE:LINE; null for a copy that MuJoCo makes.")
+_PLACE = Field(None, description="Where it is written, as FILE:LINE.")
 Range = tuple[float | None, float | None]
 """Lower and upper end; None for no limit."""
 
@@ -193,17 +180,9 @@ class Joint(_Part):
     qpos_size: int = Field(ge=1)
     dof: int = Field(ge=0, description="Where its entries in qvel begin.")
     dof_size: int = Field(ge=1)
-    unit: str | None = Field(
-        default=None,
-        description="Of qpos: rad, m or quaternion; null for a free joint, which has metres and a quaternion.",
-    )
-    velocity_unit: str | None = Field(
-        default=None, description="Of qvel: rad/s or m/s; null for a free joint, which has both."
-    )
-    range: Range | None = Field(
-        default=None,
-        description="In its unit, the angle of a ball joint in rad; null when that, or one end, is not limited.",
-    )
+    unit: str | None = Field(None, description="Of qpos: rad, m or quaternion; null for a free joint.")
+    velocity_unit: str | None = Field(None, description="Of qvel: rad/s or m/s; null for a free joint.")
+    range: Range | None = Field(None, description="In its unit, of a ball joint in rad; null for no limit or end.")
     origin: str | None = _ORIGIN
 
 
@@ -211,23 +190,19 @@ class Actuator(_Part):
     """An actuator and its entries in ctrl and act."""
 
     name: str
-    type: str | None = Field(default=None, description="The tag MJCF has for it; null for what MuJoCo multiplies.")
+    type: str | None = Field(None, description="The tag MJCF has for it; null for a copy that MuJoCo makes.")
     ctrl: int = Field(ge=0, description="Where its entries in ctrl begin.")
     ctrl_size: int = Field(ge=0)
-    act: int | None = Field(default=None, description="Where its entries in act begin; null without any.")
-    act_size: int = Field(default=0, ge=0)
+    act: int | None = Field(None, description="Where its entries in act begin; null without any.")
+    act_size: int = Field(0, ge=0)
     unit: str | None = Field(
-        default=None,
-        description="Of its only control: rad or m for a position, rad/s or m/s for a velocity, N m or N,"
-        " 1 for an activation; null where a gear or a gain gives it another meaning.",
+        None,
+        description="Of its only control: rad or m for a position, rad/s or m/s for a velocity, N m or N, 1 for an"
+        " activation; null if a gear or a gain gives it another meaning.",
     )
-    ranges: tuple[Range | None, ...] = Field(
-        default=(), description="Of each control, in its unit; null for one that is not limited."
-    )
-    act_range: Range | None = Field(default=None, description="Of its activation; null when that is not limited.")
-    force_range: Range | None = Field(
-        default=None, description="Of the force or torque it gives; null when that is not limited."
-    )
+    ranges: tuple[Range | None, ...] = Field((), description="Of each control, in its unit; null for no limit.")
+    act_range: Range | None = Field(None, description="Of its activation; null when that is not limited.")
+    force_range: Range | None = Field(None, description="Of its force or torque; null if that is not limited.")
     origin: str | None = _ORIGIN
 
 
@@ -238,10 +213,8 @@ class Sensor(_Part):
     type: str = Field(description="The tag MJCF has for it.")
     address: int = Field(ge=0, description="Where its entries in sensordata begin.")
     size: int = Field(ge=0)
-    unit: str | None = Field(default=None, description="null where the type does not settle it.")
-    cutoff: float | None = Field(
-        default=None, description="In its unit, the greatest value it reports; null when nothing is cut off."
-    )
+    unit: str | None = Field(None, description="null if the type does not decide it.")
+    cutoff: float | None = Field(None, description="The greatest value, in its unit; null if nothing is cut off.")
     origin: str | None = _ORIGIN
 
 
@@ -251,8 +224,8 @@ class Camera(_Part):
     name: str
     body: str
     fovy: float = Field(description="The vertical field of view.")
-    unit: Literal["deg", "m"] = Field(description="Of fovy: degrees, or metres for an orthographic camera.")
-    resolution: tuple[int, int] = Field(description="Width and height in pixels, as the model asks for it.")
+    unit: Literal["deg", "m"] = Field(description="Of fovy: degrees, or meters for an orthographic camera.")
+    resolution: tuple[int, int] = Field(description="Width and height in pixels.")
     origin: str | None = _ORIGIN
 
 
@@ -275,63 +248,53 @@ class Index(_Part):
 
 
 class Check(_Part):
-    """A check that was run on the compiled model, and held."""
+    """A check that the compiled model passed."""
 
-    name: str = Field(description="What the outermost recipe calls it.")
+    name: str = Field(description="Its name in the outermost recipe.")
     kind: str
-    values: dict[str, float | int | bool | str | tuple[float, ...] | None] = Field(
-        default={}, description="What was found; four digits, so that it is the same on other machines."
-    )
+    values: dict[str, float | int | bool | str | tuple[float, ...] | None] = Field({}, description=_VALUES)
     origin: str | None = _PLACE
 
 
 class Draw(_Part):
-    """What `randomize` drew for one element, or for a parameter."""
+    """A draw of `randomize` for an element or a parameter."""
 
     field: str = Field(description="The name of the field in the recipe.")
-    element: str | None = Field(default=None, description="What the draw goes by; null for a parameter.")
+    element: str | None = Field(None, description="The element; null for a parameter.")
     attribute: str = Field(description="The attribute, or the parameter.")
-    component: int = Field(default=0, ge=0, description="Which number of the attribute the first one is.")
+    component: int = Field(0, ge=0, description="Which number of the attribute the first one is.")
     operation: Literal["set", "scale", "offset"] = Field(
-        description="Whether what was drawn is the value, a factor of it or added to it."
+        description="Whether the number is the value, a factor, or added."
     )
-    value: bool | int | float | str | tuple[bool | int | float | str, ...] = Field(
-        description="What was drawn; angles in radians, those of a parameter in its unit."
-    )
+    value: bool | int | float | str | tuple[bool | int | float | str, ...] = Field(description=_DRAWN)
 
 
 class GeneratedShape(_Part):
-    """What `collision` or `simplify` made of a mesh, and how far it is from it."""
+    """Shapes that `collision` or `simplify` made of a mesh, and their distance from it."""
 
     mesh: str
-    geom: str = Field(default="", description="The geom that no longer touches; empty for one without a name.")
+    geom: str = Field("", description="The geom that no longer touches; empty for one without a name.")
     how: str = Field(description="The method with its settings.")
-    shapes: tuple[str, ...] = Field(
-        default=(), description="The geoms that touch in its place; none of a mesh that was simplified."
-    )
-    hausdorff: float = Field(description="The greater one of `beyond` and `short`.")
-    beyond: float = Field(description="In metres: how far the shapes reach out of the mesh at most.")
-    short: float = Field(description="In metres: how far the mesh reaches out of the shapes at most.")
-    uncovered: float | None = Field(
-        description="The share of the mesh's surface outside of the shapes; null of a mesh that was simplified."
-    )
-    volume: float | None = Field(
-        description="Of all shapes together, by that of the mesh; null for a mesh that is open."
-    )
+    shapes: tuple[str, ...] = Field((), description="The geoms that touch instead; empty for a simplified mesh.")
+    hausdorff: float = Field(description="The greater of `beyond` and `short`.")
+    beyond: float = Field(description="In meters: how far the shapes reach out of the mesh at most.")
+    short: float = Field(description="In meters: how far the mesh reaches out of the shapes at most.")
+    uncovered: float | None = Field(description="The share of the mesh outside of them; null if simplified.")
+    volume: float | None = Field(description="Of all shapes together, divided by the mesh's; null for an open mesh.")
     samples: int = Field(ge=0, description="At how many points the distances were measured.")
-    made_with: dict[str, str] = Field(default={}, description="The packages that made it, and their versions.")
-    key: str = Field(description="The hash of what it follows from.")
+    made_with: dict[str, str] = Field({}, description="The packages that made it, and their versions.")
+    key: str = Field(description="The hash of all that it depends on.")
     origin: str | None = _PLACE
 
 
 class UnsupportedFeature(_Part):
-    """What a target cannot express, and is not in its bundle, or is there in another way."""
+    """Elements that a target cannot express: omitted from its bundle, or written in another form."""
 
     feature: str
     tag: str
     why: str
     count: int = Field(ge=1)
-    names: tuple[str, ...] = Field(default=(), description="Of those that have one.")
+    names: tuple[str, ...] = Field((), description="Of the elements that have a name.")
 
 
 class TargetRecord(_Part):
@@ -342,56 +305,39 @@ class TargetRecord(_Part):
 
 
 class Manifest(_Part):
-    """What a bundle was made of, what is in it, and where things are in the compiled model."""
+    """The sources of a bundle, its content, and the addresses in the compiled model."""
 
-    manifest: Literal[1] = Field(default=1, description="The version of this format.")
+    manifest: Literal[1] = Field(1, description="The version of this format.")
     name: str
     description: str | None = None
-    model: str = Field(default="model.xml", description="The MJCF file among the files.")
-    mjcompose: str = Field(default=__version__, description="The version of mjcompose that made the bundle.")
+    model: str = Field("model.xml", description="The MJCF file among the files.")
+    mjcompose: str = Field(__version__, description="The version of mjcompose that made the bundle.")
     mujoco: str | None = Field(description="The version of MuJoCo that verified it; null when none did.")
     grammar: str = Field(description="The version of MuJoCo whose MJCF the grammar describes.")
     extensions: dict[str, str] = Field(
-        default={}, description="The other packages whose words the recipe uses, and their versions; left out without."
+        {}, description="Other packages that the recipe uses: versions. Omitted if none."
     )
-    recipe: Recipe | None = Field(default=None, description="null for a model that Python composed.")
-    separator: str = Field(default="/", description="What stands between a prefix and a name.")
-    cell: str | None = Field(default=None, description="The cell of the recipe's matrix; null for none.")
-    variants: dict[str, str] = Field(default={}, description="The chosen value of every variant.")
-    params: Annotated[dict[str, Any], AfterValidator(_finite)] = Field(
-        default={}, description="The value of every parameter."
-    )
-    seed: int | None = Field(default=None, description="Of the draws; null without `randomize`.")
-    sample: int | None = Field(default=None, ge=0, description="The sample's number; 0 is the nominal model.")
+    recipe: Recipe | None = Field(None, description="null for a model that Python composed.")
+    separator: str = Field("/", description="Between a prefix and a name.")
+    cell: str | None = Field(None, description="The cell of the recipe's matrix; null for none.")
+    variants: dict[str, str] = Field({}, description="The chosen value of every variant.")
+    params: Annotated[dict[str, Any], AfterValidator(_finite)] = Field({}, description="The value of every parameter.")
+    seed: int | None = Field(None, description="Of the draws; null without `randomize`.")
+    sample: int | None = Field(None, ge=0, description="The sample's number; 0 is the nominal model.")
     draws: tuple[Draw, ...] = ()
     inputs: tuple[Input, ...] = ()
     parts: tuple[Part, ...] = ()
-    adopted: tuple[Adopted, ...] = Field(
-        default=(), description="The settings that the model takes from its parts, which agree on them."
-    )
-    read: tuple[Read, ...] = Field(default=(), description="Every file that the model was made from.")
-    licenses: dict[str, tuple[str, ...]] = Field(
-        default={}, description="The parts by license; those of which it is not known are under `unknown`."
-    )
+    adopted: tuple[Adopted, ...] = Field((), description="The settings that the model takes from its parts.")
+    read: tuple[Read, ...] = Field((), description="Every file that the model was made from.")
+    licenses: dict[str, tuple[str, ...]] = Field({}, description="The parts by license, or under `unknown`.")
     files: tuple[File, ...]
-    merged: Mapping[str, Mapping[str, str]] = Field(
-        default={},
-        description="What `--dedup` merged, by kind: for each name that is gone, the name that stands for it.",
-    )
-    picture: str | None = Field(
-        default=None, description="Of `--picture`: a picture of the model, beside the bundle; left out without one."
-    )
-    target: TargetRecord | None = Field(
-        default=None, description="Of `--target`: what the bundle was written for; left out without one."
-    )
-    union: int | None = Field(
-        default=None, ge=2, description="Of a union: how many models it has the parts of; left out for any other model."
-    )
-    made: tuple[GeneratedShape, ...] = Field(
-        default=(), description="What was made of meshes; left out where nothing was."
-    )
-    checks: tuple[Check, ...] = Field(default=(), description="What was checked, and held.")
-    index: Index | None = Field(default=None, description="null when the model was not verified.")
+    merged: Mapping[str, Mapping[str, str]] = Field({}, description="Of `--dedup`: replacements by name.")
+    picture: str | None = Field(None, description="Of `--picture`: the picture next to the bundle; omitted if none.")
+    target: TargetRecord | None = Field(None, description="Of `--target`: the program; omitted without the option.")
+    union: int | None = Field(None, ge=2, description="The number of models in a union; omitted for other models.")
+    made: tuple[GeneratedShape, ...] = Field((), description="The shapes made of meshes; omitted if none.")
+    checks: tuple[Check, ...] = Field((), description="The checks that the model passed.")
+    index: Index | None = Field(None, description="null when the model was not verified.")
     warnings: tuple[str, ...] = ()
 
 

@@ -393,15 +393,11 @@ class Maker:
             cache.keep_raw(digest, text)
         name = portable(built.plan, built.composed.model, context).name
         record = Record(
-            **result.facts(),
-            model=built.bundle.model,
-            files=self._kept(built.bundle, known) if text is None else (),
-            text=digest,
-            diagnostics=tuple(context.sink.diagnostics),
-            checks=tuple(outcomes),
+            **result.facts(), model=built.bundle.model, files=self._kept(built.bundle, known) if text is None else (),
+            text=digest, diagnostics=tuple(context.sink.diagnostics), checks=tuple(outcomes),
             recipes=tuple(KeptRecipe(each.path, name(Path(each.path)), each.state) for each in recipes),
             places=hash_of_positions(built.plan),
-        )
+        )  # fmt: skip
         mentions = mentions_positions(built.plan, record, built.bundle.files[MANIFEST])
         record = replace(record, mentions_positions=mentions)
         packages = list(names.packages(built.plan))

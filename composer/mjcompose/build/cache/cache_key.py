@@ -236,13 +236,9 @@ class BuildOptions:
     def key(self, recipe: Path, folder: Path, environment: Mapping[str, str], store: Path) -> CacheKey:
         """Return the key of the model of a recipe file, with these options."""
         flags = {
-            "`--no-compile`": not self.verified,
-            "`--dedup`": self.deduplicated,
-            "`--locked`": self.locked,
-            "`--offline`": self.offline,
-            "`--picture`": self.pictured,
-            "`--as worlds`": self.worlds,
-        }
+            "`--no-compile`": not self.verified, "`--dedup`": self.deduplicated, "`--locked`": self.locked,
+            "`--offline`": self.offline, "`--picture`": self.pictured, "`--as worlds`": self.worlds,
+        }  # fmt: skip
         parts = {name: GIVEN for name, given in flags.items() if given}
         if self.target is not None:
             parts["`--target`"] = self.target

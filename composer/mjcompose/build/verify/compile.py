@@ -244,7 +244,7 @@ def verify(
         fault = parse(compiled.error)
     elif compiled.forward is not None:
         fault = Fault(f"the model compiles, but its first forward step fails: {compiled.forward}")
-    return Verified(compiled, fault, compiled.crash, warnings)
+    return Verified(compiled, fault, compiled.crash, warnings=warnings)
 
 
 @contextmanager

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import io
+import itertools
 import json
 import math
 import zipfile
 from collections.abc import Callable, Iterator, Sequence
-from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -61,9 +61,8 @@ class DrawTable:
         for each, found in zip(numeric, answer.value, strict=True):
             if "error" in found:
                 message = f"field `{each.field.name}` cannot be drawn at run time: {found['error']}"
-                self._fault(
-                    each.field, message, "or draw the `mass` of its body" if each.first.attribute == "density" else ""
-                )
+                instead = "or draw the `mass` of its body" if each.first.attribute == "density" else ""
+                self._fault(each.field, message, instead)
             else:
                 self._add(each, found)
         return self.context.sink.error_count == before
@@ -73,45 +72,31 @@ class DrawTable:
         wanted = self.plan.randomize
         assert wanted is not None
         data = {
-            "randomize": _FORMAT,
-            "model": MODEL,
-            "samples_file": SAMPLES,
-            "seed": wanted.seed,
-            "samples": wanted.samples,
-            "mujoco": self.session.mujoco_version,
+            "randomize": _FORMAT, "model": MODEL, "samples_file": SAMPLES, "seed": wanted.seed,
+            "samples": wanted.samples, "mujoco": self.session.mujoco_version,
             "fields": {each.name: _field(each) for each in wanted.fields},
             "columns": [{"column": name, **column} for name, column in self.columns.items()],
-        }
-        table = io.BytesIO()
-        with io.TextIOWrapper(table, "utf-8", newline="", write_through=True) as text:
-            write_rows(text, ["sample", *self.columns], self._rows(wanted.samples))
-            samples = table.getvalue()
+        }  # fmt: skip
+        table = io.StringIO(newline="")
+        nominal = [0, *[None] * len(self.columns)]
+        rows = zip(range(1, wanted.samples + 1), *self.values.values(), strict=True)
+        write_rows(table, ["sample", *self.columns], itertools.chain([nominal], rows))
         described = json.dumps(data, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
-        return bundle.with_files({DRAWS: described.encode(), SAMPLES: samples})
-
-    def _rows(self, samples: int) -> Iterator[Sequence[Any]]:
-        yield [0, *[None] * len(self.columns)]
-        yield from zip(range(1, samples + 1), *self.values.values(), strict=True)
+        return bundle.with_files({DRAWS: described.encode(), SAMPLES: table.getvalue().encode()})
 
     def _is_numeric(self, each: ElementDraws) -> bool:
         first = each.first.value if isinstance(each.first.value, tuple) else (each.first.value,)
         if not any(isinstance(value, str) for value in first):
             return True
-        message = f"field `{each.field.name}` draws names, which a model that is compiled cannot change"
-        self._fault(each.field, message)
+        self._fault(each.field, f"field `{each.field.name}` draws names, which a compiled model cannot change")
         return False
 
     def _add(self, each: ElementDraws, found: dict[str, Any]) -> None:
         for component, (name, _) in enumerate(each.first.columns()):
             if name not in self.columns:
                 low, high = _bounds(each, component)
-                self.columns[name] = {
-                    "field": each.field.name,
-                    "operation": each.field.operation,
-                    "low": low,
-                    "high": high,
-                    "targets": [],
-                }
+                about = {"field": each.field.name, "operation": each.field.operation, "low": low, "high": high}
+                self.columns[name] = {**about, "targets": []}
                 self.values[name] = each.numbers[component]
             of = {"type": each.family, "name": each.name or "", "id": found["id"]}
             self.columns[name]["targets"] += [{**of, **target} for target in found["targets"][component]]
@@ -128,24 +113,18 @@ class DrawTable:
 
 
 def _question(each: ElementDraws) -> dict[str, Any]:
+    element = {"tag": each.tag, "family": each.family, "name": each.name, "place": each.place}
     return {
-        "tag": each.tag,
-        "family": each.family,
-        "name": each.name,
-        "place": each.place,
-        "attribute": each.first.attribute,
-        "start": each.first.start,
-        "count": len(each.first.columns()),
-    }
+        **element, "attribute": each.first.attribute, "start": each.first.start, "count": len(each.first.columns()),
+    }  # fmt: skip
 
 
 def _bounds(each: ElementDraws, component: int) -> tuple[float | None, float | None]:
     """Return the least and the greatest number that may be drawn, in the table's unit; None for no bound."""
     distribution = each.field.distribution
-    if distribution.kind == CHOICE:
-        numbers = distribution.extremes(component) or tuple(map(float, each.numbers[component]))  # type: ignore[arg-type]
-    else:
-        numbers = distribution.extremes(component)
+    numbers = distribution.extremes(component)
+    if distribution.kind == CHOICE and not numbers:
+        numbers = tuple(map(float, each.numbers[component]))  # type: ignore[arg-type]
     unit = distribution.unit
     if unit is None and each.unit == "degree" and each.angles[component : component + 1] == (True,):
         unit = "deg"
@@ -156,19 +135,13 @@ def _bounds(each: ElementDraws, component: int) -> tuple[float | None, float | N
 
 
 def _field(field: DrawField) -> dict[str, Any]:
-    """Return what the recipe says about a field, with the numbers as written."""
+    """Return a field of the recipe, with the numbers as written."""
     distribution = field.distribution
+    parameters = {name: list(each) if len(each) > 1 else each[0] for name, each in distribution.parameters.items()}
     return {
-        "select": str(field.select),
-        "attribute": field.attr,
-        "operation": field.operation,
-        "per": field.per,
-        "distribution": distribution.kind,
-        "parameters": {
-            name: list(each) if len(each) > 1 else each[0] for name, each in distribution.parameters.items()
-        },
-        "unit": distribution.unit,
-    }
+        "select": str(field.select), "attribute": field.attr, "operation": field.operation, "per": field.per,
+        "distribution": distribution.kind, "parameters": parameters, "unit": distribution.unit,
+    }  # fmt: skip
 
 
 _CLOSE = 1e-9
@@ -178,10 +151,9 @@ _CLOSE = 1e-9
 def resolve_addresses(mujoco: Any, model: Model, asked: list[dict[str, Any]]) -> list[dict[str, Any]]:
     """Return for each element its id and the addresses of its numbers in mjModel, or an `error`.
 
-    Runs under `mjcompose.mujoco.engine.call`. Each of `asked` has `tag`, `family`, `name` or `place`, `attribute`,
-    and `start` and `count` of its numbers. The answer has `id`, and under `targets` for each number a list of
-    `{array, index}`; with a `sign` if it is not 1, and with `follows` if the value changes in proportion to
-    the first.
+    Runs under `mjcompose.mujoco.engine.call`. Each question has `tag`, `family`, `name` or `place`, `attribute`, and
+    `start` and `count` of its numbers. The answer has `id`, and under `targets` for each number a list of
+    `{array, index}`; with a `sign` if it is not 1, and with `follows` if the value changes in proportion to the first.
     """
     return [_resolved(mujoco, model, each) for each in asked]
 
@@ -189,16 +161,13 @@ def resolve_addresses(mujoco: Any, model: Model, asked: list[dict[str, Any]]) ->
 def _resolved(mujoco: Any, model: Model, asked: dict[str, Any]) -> dict[str, Any]:
     tag, family, attribute = asked["tag"], asked["family"], asked["attribute"]
     gains = GAINS.get((tag, attribute))
-    known = family in TAGS and (gains or attribute in attributes(family))
-    if not known:
+    if family not in TAGS or not (gains or attribute in attributes(family)):
         return {"error": f"`{attribute}` of `{tag}` is not an array of mjModel"}
     number = _id(mujoco, model, asked)
     if isinstance(number, str):
         return {"error": number}
     if family == "body" and attribute == MASS:
-        inertia: list[dict[str, Any]] = [
-            {"array": "body_inertia", "index": [number, n], "follows": True} for n in range(3)
-        ]
+        inertia = [{"array": "body_inertia", "index": [number, n], "follows": True} for n in range(3)]
         return {"id": number, "targets": [[{"array": "body_mass", "index": [number]}, *inertia]]}
     if gains is not None:
         targets = [{"array": array, "index": [number, n], "sign": sign} for array, n, sign in gains]
@@ -212,11 +181,9 @@ def _resolved(mujoco: Any, model: Model, asked: dict[str, Any]) -> dict[str, Any
     last = asked["start"] + asked["count"]
     if found is None or last > width:
         return {"error": f"`{attribute}` of `{tag}` has not as many numbers in mjModel"}
-    found_at: list[list[dict[str, Any]]] = [
-        [{"array": array, "index": [row] if found.ndim == 1 else [row, n]} for row in rows]
-        for n in range(asked["start"], last)
-    ]
-    return {"id": number, "targets": found_at}
+    components = range(asked["start"], last)
+    indices = [[[row] if found.ndim == 1 else [row, n] for row in rows] for n in components]
+    return {"id": number, "targets": [[{"array": array, "index": index} for index in each] for each in indices]}
 
 
 def _id(mujoco: Any, model: Model, asked: dict[str, Any]) -> int | str:
@@ -234,7 +201,7 @@ def _id(mujoco: Any, model: Model, asked: dict[str, Any]) -> int | str:
         return f"`{asked['tag']}` without a name cannot be found in the compiled model"
     there = np.flatnonzero(getattr(model, ON_BODIES[family]) == number)
     if len(there) != count:
-        return f"of the {family}s in body `{body}` that have no name it is not known which is which"
+        return f"the {family}s without a name in body `{body}` cannot be distinguished"
     return int(there[position])
 
 
@@ -254,6 +221,8 @@ def with_worlds(table: DrawTable, bundle: Bundle, build: Build) -> Bundle:
 
     The first, middle and last sample are built, and each array of mjModel is compared.
     """
+    wanted = table.plan.randomize
+    assert wanted is not None
     with scratch("worlds") as folder:
         paths = {"draws": str(folder / "draws.npy"), "out": str(folder / "worlds.npz")}
         np.save(paths["draws"], np.array(list(table.values.values()), float).T)
@@ -262,8 +231,7 @@ def with_worlds(table: DrawTable, bundle: Bundle, build: Build) -> Bundle:
         if not answer.ok:
             table.crashed(answer)
             return bundle
-        count = _count(table)
-        for sample in sorted({1, (count + 1) // 2, count}):
+        for sample in sorted({1, (wanted.samples + 1) // 2, wanted.samples}):
             if not build(sample):
                 return bundle
             question = {**paths, "world": sample - 1}
@@ -272,39 +240,20 @@ def with_worlds(table: DrawTable, bundle: Bundle, build: Build) -> Bundle:
                 table.crashed(answer)
                 return bundle
             if answer.value:
-                _fault(table, sample, answer.value)
+                listed = ", ".join(f"`{name}`" for name in answer.value)
+                message = f"world {sample - 1} differs from sample {sample} as a build makes it: {listed}"
+                help = "remove the fields that change these, or build without `--as worlds`"
+                table.context.sink.error(
+                    CODE, message, locate(table.plan.document, ("randomize",), key=True), help=help
+                )
                 return bundle
-        return bundle.with_files({WORLDS: _described(table, Path(paths["out"]).read_bytes())})
-
-
-def _count(table: DrawTable) -> int:
-    wanted = table.plan.randomize
-    assert wanted is not None
-    return wanted.samples
-
-
-def _fault(table: DrawTable, sample: int, arrays: list[str]) -> None:
-    listed = ", ".join(f"`{name}`" for name in arrays)
-    table.context.sink.error(
-        CODE,
-        f"world {sample - 1} is not what a build makes of sample {sample}: {listed}",
-        locate(table.plan.document, ("randomize",), key=True),
-        help="remove the fields that change these, or build without `--as worlds`",
-    )
-
-
-def _described(table: DrawTable, content: bytes) -> bytes:
-    """Return the file with its description in it."""
-    wanted = table.plan.randomize
-    assert wanted is not None
-    about: dict[str, object] = {
-        "worlds": _FORMAT, "model": MODEL, "mujoco": table.session.mujoco_version,
-        "seed": wanted.seed, "samples": wanted.samples,
-    }  # fmt: skip
-    out = BytesIO(content)
-    with zipfile.ZipFile(out, "a") as archive:
-        archive.writestr(zipfile.ZipInfo("about.json"), json.dumps(about))
-    return out.getvalue()
+        about = {
+            "worlds": _FORMAT, "model": MODEL, "mujoco": table.session.mujoco_version,
+            "seed": wanted.seed, "samples": wanted.samples,
+        }  # fmt: skip
+        with zipfile.ZipFile(paths["out"], "a") as archive:
+            archive.writestr(zipfile.ZipInfo("about.json"), json.dumps(about))
+        return bundle.with_files({WORLDS: Path(paths["out"]).read_bytes()})
 
 
 Place = tuple[str, int]

@@ -1,4 +1,4 @@
-"""Warn of numbers that no model means: keys outside the ranges of the compiled model, servos stiffer than anything."""
+"""Warn of implausible numbers: keys outside the ranges of the compiled model, servos stiffer than any drive."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ import math
 from itertools import chain
 from typing import TYPE_CHECKING
 
-from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Note, Span
 from mjcompose.base.sink import Sink
 from mjcompose.build.plan.plan import Plan
@@ -34,7 +33,6 @@ def check_key_ranges(plan: Plan, model: Unit, index: Index, sink: Sink) -> None:
     if not plan.keyframes:
         return
     written = {str(key.get("name")): key for key in model.root.iterfind("keyframe/key")}
-    ranges = _RangeCheck(plan, model, sink)
     for step in plan.keyframes:
         element = written.get(step.key.name)
         if element is None:
@@ -47,7 +45,7 @@ def check_key_ranges(plan: Plan, model: Unit, index: Index, sink: Sink) -> None:
             for name in _written_names(step.key, vector, index):
                 for each in found.get((vector, name), ()):
                     if not each.is_within():
-                        ranges.report(step.key, (vector, name), each)
+                        _report(plan, model, step.key, entry=(vector, name), bound=each, sink=sink)
 
 
 def _name(index: Index, each: Ranged) -> str:
@@ -60,7 +58,7 @@ def _name(index: Index, each: Ranged) -> str:
 
 
 def check_stiffness(model: Unit, index: Index, at: Span, sink: Sink) -> None:
-    """Warn of servos whose joints feel more than any drive is stiff: mostly a `kp` that a gear multiplies twice."""
+    """Warn of servos that are stiffer at their joints than any drive: mostly a `kp` that a gear multiplies twice."""
     stiff = [(number, each) for number, each in enumerate(index.actuators) if each.stiffness > _STIFFEST]
     if not stiff:
         return
@@ -70,18 +68,13 @@ def check_stiffness(model: Unit, index: Index, at: Span, sink: Sink) -> None:
     spans = [None if node is None else model.origins.span(node, model.file) for node in nodes]
     listed = ", ".join(f"`{each.name}`" if each.name else f"number {number}" for number, each in stiff[:_SHOWN])
     more = f" and {len(stiff) - _SHOWN} more" if len(stiff) > _SHOWN else ""
+    subject = f"the actuator {listed} gives its joint"
+    if len(stiff) > 1:
+        subject = f"the actuators {listed}{more} give their joints up to"
     most = max(each.stiffness for _, each in stiff)
-    what = (
-        f"the actuator {listed} gives its joint"
-        if len(stiff) == 1
-        else f"the actuators {listed}{more} give their joints"
-    )
-    sink.warning(
-        "stiff-actuator",
-        f"{what} {'' if len(stiff) == 1 else 'up to '}{most:.3g} N·m/rad, gear included",
-        next((span for span in spans if span is not None), at),
-        help="MuJoCo multiplies `kp` by the square of `gear`: divide it by that, or set `gear` to 1",
-    )
+    span = next((span for span in spans if span is not None), at)
+    help = "MuJoCo multiplies `kp` by the square of `gear`: divide `kp` by that, or set `gear` to 1"
+    sink.warning("stiff-actuator", f"{subject} {most:.3g} N·m/rad, gear included", span, help=help)
 
 
 def _written_names(key: Keyframe, vector: str, index: Index) -> list[str]:
@@ -94,33 +87,21 @@ def _written_names(key: Keyframe, vector: str, index: Index) -> list[str]:
     return list(dict.fromkeys([*names, *(path[0] for path in key.controls.held if len(path) == 1)]))
 
 
-@dataclass(frozen=True, slots=True)
-class _RangeCheck:
-    plan: Plan
-    model: Unit
-    sink: Sink
-
-    def report(self, key: Keyframe, entry: tuple[str, str], bound: Ranged) -> None:
-        """Warn of a number of a key that is out of its range. `entry` is the vector and the name."""
-        low, high = bound.range
-        (vector, name), model = entry, self.model
-        kind = _KINDS[vector]
-        holder, unit = _element(model.root, kind, name), bound.unit or ""
-        if vector == "act" and holder is not None and _integrates(holder, model):
-            unit = unit.removesuffix("/s")
-        in_degrees = unit.startswith("rad") and _in_degrees(self.plan, key, entry)
-        named = (unit.replace("rad", "deg") if in_degrees else unit) if unit != "1" else ""
-        value, least, most = (
-            f"{math.degrees(number) if in_degrees else number:.6g} {named}".rstrip()
-            for number in (bound.value, low, high)
-        )
-        self.sink.warning(
-            "out-of-range",
-            f"`{vector}` of `{name}` is {value}, outside of its range from {least} to {most}",
-            locate(self.plan.document, (*key.at, *entry)),
-            notes=() if holder is None else (Note(f"the {kind}", model.origins.span(holder, model.file)),),
-            help=_instead(key, entry, bound),
-        )
+def _report(plan: Plan, model: Unit, key: Keyframe, entry: tuple[str, str], bound: Ranged, sink: Sink) -> None:
+    (vector, name), (low, high) = entry, bound.range
+    kind = _KINDS[vector]
+    holder, unit = _element(model.root, kind, name), bound.unit or ""
+    if vector == "act" and holder is not None and _integrates(holder, model):
+        unit = unit.removesuffix("/s")
+    in_degrees = unit.startswith("rad") and _in_degrees(plan, key, entry)
+    named = (unit.replace("rad", "deg") if in_degrees else unit) if unit != "1" else ""
+    value, least, most = (
+        f"{math.degrees(number) if in_degrees else number:.6g} {named}".rstrip() for number in (bound.value, low, high)
+    )
+    message = f"`{vector}` of `{name}` is {value}, outside of its range from {least} to {most}"
+    notes = () if holder is None else (Note(f"the {kind}", model.origins.span(holder, model.file)),)
+    span = locate(plan.document, (*key.at, *entry))
+    sink.warning("out-of-range", message, span, notes=notes, help=_instead(key, entry, bound))
 
 
 def _instead(key: Keyframe, entry: tuple[str, str], bound: Ranged) -> str | None:

@@ -39,22 +39,14 @@ def write_facts(version, model, array, placed, moved):
 def numbers(model: Any, array: Any) -> Any:
     """Return the facts without poses: of bodies, joints and actuators by name, and the count of each shape."""
     shapes = [SHAPES[kind] for kind in np.asarray(array("geom_type")).tolist() if kind < len(SHAPES)]
-    found = {
-        "bodies": {
-            model.body(number).name: body(array, number) for number in range(1, model.nbody) if model.body(number).name
-        },
-        "joints": {
-            model.joint(number).name: joint(model, array, number)
-            for number in range(model.njnt)
-            if model.joint(number).name and model.jnt_type[number] != FREE
-        },
-        "actuators": {
-            model.actuator(number).name: actuator(model, array, number)
-            for number in range(model.nu)
-            if model.actuator(number).name
-        },
-        "shapes": {kind: shapes.count(kind) for kind in sorted(set(shapes))},
-    }
+    bodies = {model.body(number).name: body(array, number) for number in range(1, model.nbody)}
+    rows = [number for number in range(model.njnt) if model.jnt_type[number] != FREE]
+    joints = {model.joint(number).name: joint(model, array, number) for number in rows}
+    actuators = {model.actuator(number).name: actuator(model, array, number) for number in range(model.nu)}
+    for named in (bodies, joints, actuators):
+        named.pop("", None)
+    counts = {kind: shapes.count(kind) for kind in sorted(set(shapes))}
+    found = {"bodies": bodies, "joints": joints, "actuators": actuators, "shapes": counts}
     for number in range(model.njnt):
         name = model.joint(number).name
         if name in found["joints"] and model.jnt_type[number] in (HINGE, SLIDE) and not model.jnt_actgravcomp[number]:
