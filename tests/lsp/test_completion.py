@@ -42,6 +42,7 @@ def test_sites_of_the_parts_by_final_name_with_where_they_are(editor: Editor) ->
         (f"keyframe:\n  k:\n    from: {{arm: {MARK}", "home", "base"),
         (f"check:\n  c: {{reachable: {{site: {MARK}", "table/mount", "arm/base"),
         (f"edit:\n  - {{select: {{part: {MARK}", "base", "arm/base"),
+        (f"edit:\n  - {{select: {{actuator: a}}, datasheet: {{model: {MARK}", "dynamixel-xm430-w350", "arm/base"),
         (f"add:\n  - to: world\n    body:\n      geom: {{material: {MARK}", "floor", "arm/base"),
     ],
 )

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.build.plan.plan import BASE, AttachPart, Plan, part_name
+from mjcompose.language.datasheets import library
 from mjcompose.language.forms.walk import name_scopes
 from mjcompose.language.keyframe import FROM, VECTORS
 from mjcompose.language.recipe import Recipe
@@ -69,7 +70,7 @@ def label(node: Node) -> str:
 
 
 ANY = "*"
-PART, KEY = "part", "key"
+PART, KEY, DATASHEET = "part", "key", "datasheet"
 
 
 @dataclass(frozen=True, slots=True)
@@ -149,6 +150,10 @@ def fitting(wanted: Wanted, names: Names, plan: Plan | None) -> Iterator[tuple[i
     for rank, namespace in enumerate(wanted.namespaces):
         if namespace == PART:
             yield from ((rank, Known(part, PART, PART)) for part in names.parts)
+            continue
+        if namespace == DATASHEET:
+            sheets = {**library(), **(plan.datasheets if plan is not None else {})}
+            yield from ((rank, Known(sheet, DATASHEET, DATASHEET)) for sheet in sheets)
             continue
         for name, known in names.known.get(namespace, {}).items():
             fits = not wanted.tags or known.tag in wanted.tags or known.name == WORLD
