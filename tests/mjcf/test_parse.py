@@ -325,7 +325,7 @@ def test_zips_that_cannot_be_read(tmp_path: Path) -> None:
         ({"a.xml": model, "b.xml": model}, "and several other models: `a.xml`, `b.xml`"),
         ({"readme.txt": "hello"}, "has neither `model.xml` nor `z.xml`"),
         ({"../model.xml": model}, "is not a bundle"),
-        ({"model.xml": "<mujoco><worldbdy/></mujoco>"}, "`<worldbdy>` cannot stand in `<mujoco>`"),
+        ({"model.xml": "<mujoco><worldbdy/></mujoco>"}, "`<worldbdy>` cannot be in `<mujoco>`"),
     ):
         with pytest.raises(MjcfError, match=re.escape(message)):
             mjcf.from_zip(_zip(tmp_path / "z.zip", files))

@@ -156,7 +156,7 @@ def test_what_is_too_much_already_needs_no_more_reading(folder: Path, monkeypatc
     from mjcompose.model import mesh_cost as counting
 
     read = []
-    monkeypatch.setattr(counting, "_memories", {})
+    counting._memory.cache_clear()
     monkeypatch.setattr(counting, "read_regular", lambda path: read.append(path) or OPEN)
     for name in "abc":
         (folder / f"{name}.stl").write_bytes(OPEN)

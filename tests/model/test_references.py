@@ -206,5 +206,5 @@ def test_attached_names(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("tag", ["mesh", "hfield", "texture", "skin", "model"])
 def test_names_taken_from_files_are_listed(tag: str) -> None:
-    assert tag in GRAMMAR.implicit_names
+    assert tag in GRAMMAR._data["implicit_names"]
     assert any(attribute.type == "file" for attribute in GRAMMAR.element(tag).attributes.values())

@@ -174,7 +174,7 @@ def _report_missing_place(linking: Linking, part: Part) -> None:
     kind, name = part.place.kind, part.place.name or ""
     added = [] if linking.later_places is None else linking.later_places.names()
     names = [
-        *(each for each in linking.names.of(kind) if not each.startswith(part.prefix or "\0")),
+        *(each for each in linking.names.known(kind) if not each.startswith(part.prefix or "\0")),
         *(each for of_kind, each in added if of_kind == kind),
     ]
     notes = [exists_note(kind, names, name)]
@@ -185,7 +185,7 @@ def _report_missing_place(linking: Linking, part: Part) -> None:
     near, fix = closest(name, names), None if other else renaming(name, names)
     help = f"did you mean `{kind}: {near[0]}`?" if near else None
     if not near and not names:
-        bodies = [each for each in linking.names.of("body") if not each.startswith(part.prefix or "\0")]
+        bodies = [each for each in linking.names.known("body") if not each.startswith(part.prefix or "\0")]
         if bodies and kind != "body":
             notes.append(exists_note("body", bodies, name))
             help = "attach it to a body, with a `pos` if need be: `body: NAME`"

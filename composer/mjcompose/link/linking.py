@@ -350,7 +350,7 @@ class Linking:
 
     def known_names(self, namespace: str) -> list[str]:
         """Return the names in a namespace."""
-        return self.names.of(namespace)
+        return self.names.known(namespace)
 
     def kinds_of(self, name: str) -> list[str]:
         """Return the namespaces in which the name exists."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import field
 from functools import cache, cached_property
+from itertools import pairwise
 from typing import Literal
 
 from lxml.etree import _Element as Node
@@ -28,36 +29,28 @@ class DefaultClass:
     parent: DefaultClass | None
     elements: dict[str, list[Node]] = field(default_factory=dict)
 
-    def lookup(self, tag: str, attribute: str) -> tuple[str, Node] | None:
-        """Return the value that reaches an element of `tag` through this class, and the element that writes it."""
+    def line(self) -> Iterator[DefaultClass]:
+        """Yield the class and all that it inherits from, the nearest first."""
         here: DefaultClass | None = self
         while here is not None:
-            for element in reversed(here.elements.get(tag, ())):
-                value = written(element, attribute)
-                if value is not None:
-                    return value, element
+            yield here
             here = here.parent
-        return None
+
+    def _writers(self, tag: str) -> Iterator[Node]:
+        return (element for here in self.line() for element in reversed(here.elements.get(tag, ())))
+
+    def lookup(self, tag: str, attribute: str) -> tuple[str, Node] | None:
+        """Return the value that reaches an element of `tag` through this class, and the element that writes it."""
+        pairs = ((written(element, attribute), element) for element in self._writers(tag))
+        return next(((value, element) for value, element in pairs if value is not None), None)
 
     def orientation(self, tag: str) -> tuple[str, str] | None:
         """Return name and value of the nearest orientation that this class sets."""
-        here: DefaultClass | None = self
-        while here is not None:
-            for element in reversed(here.elements.get(tag, ())):
-                for name in ORIENTATIONS:
-                    value = element.get(name)
-                    if value:
-                        return name, str(value)
-            here = here.parent
-        return None
+        pairs = ((name, element.get(name)) for element in self._writers(tag) for name in ORIENTATIONS)
+        return next(((name, str(value)) for name, value in pairs if value), None)
 
     def sets(self, tag: str) -> bool:
-        here: DefaultClass | None = self
-        while here is not None:
-            if any(map(says_something, here.elements.get(tag, ()))):
-                return True
-            here = here.parent
-        return False
+        return any(map(says_something, self._writers(tag)))
 
 
 def written(element: Node, attribute: str) -> str | None:
@@ -144,33 +137,20 @@ def _read(section: Node, into: DefaultClass, found: dict[str, DefaultClass]) -> 
 def default_tag(element: Node) -> str:
     """Return the tag under which a default class holds settings for `element`."""
     parent = element.getparent()
-    if parent is not None:
-        if parent.tag == "equality":
-            return "equality"
-        if parent.tag == "tendon":
-            return "tendon"
-    return str(element.tag)
+    return str(parent.tag if parent is not None and parent.tag in ("equality", "tendon") else element.tag)
 
 
 def childclass_of(element: Node) -> str | None:
     """Return the childclass in force for `element`: that of the nearest ancestor that has one."""
-    parent = element.getparent()
-    while parent is not None:
-        value = parent.get("childclass")
-        if value:
-            return str(value)
-        parent = parent.getparent()
-    return None
+    around = (above.get("childclass") for above in element.iterancestors())
+    return next((str(value) for value in around if value), None)
 
 
 def walk_bodies(root: Node) -> Iterator[tuple[Node, str | None]]:
     """Yield every element of the body tree in document order, with the childclass in force around it."""
-    for worldbody in root.iterchildren("worldbody"):
-        yield from _walk(worldbody, None)
-
-
-def _walk(parent: Node, childclass: str | None) -> Iterator[tuple[Node, str | None]]:
-    stack: list[tuple[Iterator[Node], str | None]] = [(parent.iterchildren("*"), childclass)]
+    stack: list[tuple[Iterator[Node], str | None]] = [
+        (worldbody.iterchildren("*"), None) for worldbody in root.iterchildren("worldbody", reversed=True)
+    ]
     while stack:
         children, active = stack[-1]
         for child in children:
@@ -241,12 +221,7 @@ def class_in_force(element: Node) -> InForce:
 
 def chain(element: Node, classes: Classes) -> list[DefaultClass]:
     """Return the classes that apply to an element, the nearest first."""
-    found: DefaultClass | None = classes.get(class_in_force(element).name)
-    steps = []
-    while found is not None:
-        steps.append(found)
-        found = found.parent
-    return steps
+    return list(classes.get(class_in_force(element).name).line())
 
 
 def levels(element: Node, kind: ElementType, attribute: Attribute, classes: Classes) -> list[Level]:
@@ -332,40 +307,25 @@ def _words(step: Level) -> list[str]:
 
 def _writer(step: DefaultClass, element: Node, attribute: Attribute) -> Node | None:
     """Return the element of a class that sets the attribute; if there are several, the last one."""
-    for holder in reversed(_holders(step, element, attribute)):
-        if written(holder, attribute.name) is not None:
-            return holder
-    return None
+    holders = reversed(_holders(step, element, attribute))
+    return next((holder for holder in holders if written(holder, attribute.name) is not None), None)
 
 
 def _holders(step: DefaultClass, element: Node, attribute: Attribute | None = None) -> list[Node]:
-    """Return the elements of a class that apply to this one.
-
-    All actuators share their defaults for common attributes.
-    """
+    """Return the elements of a class that apply to this one; actuators share their defaults for common attributes."""
     parent = element.getparent()
     tag = default_tag(element)
     if parent is None or parent.tag != "actuator":
         return step.elements.get(tag, [])
     common = attribute is None or attribute.name in _common()
-    tags = _actuators_effective() if common else (tag,)
+    tags = [path.rpartition("/")[2] for path in GRAMMAR.families["actuator"]] if common else [tag]
     return sorted((each for name in tags for each in step.elements.get(name, ())), key=_position)
 
 
 def _position(node: Node) -> list[int]:
     """Return the position of a node in its document, for sorting."""
-    at: list[int] = []
-    parent = node.getparent()
-    while parent is not None:
-        at.insert(0, parent.index(node))
-        node, parent = parent, parent.getparent()
-    return at
-
-
-@cache
-def _actuators_effective() -> tuple[str, ...]:
-    paths = GRAMMAR.families["actuator"]
-    return tuple(path.rpartition("/")[2] for path in paths)
+    path = [*reversed(list(node.iterancestors())), node]
+    return [above.index(below) for above, below in pairwise(path)]
 
 
 @cache

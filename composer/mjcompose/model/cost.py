@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import operator
 import re
 import struct
 from collections.abc import Callable, Iterator
@@ -85,8 +86,8 @@ class Weight(NamedTuple):
     """How many elements, bodies and degrees of freedom a piece has, and how many numbers in the mass matrix.
 
     The matrix has a number for each two degrees of freedom of which one carries the other, and for each with itself.
-    `loose` are the degrees of freedom whose body is around the piece; they have no numbers yet. `points` are those of
-    the meshes of models that it attaches.
+    `loose` are the degrees of freedom whose body is around the piece; they have no numbers yet. `points` counts the
+    points of meshes in models that it attaches.
 
     >>> joint = Weight(elements=1, dofs=1, loose=1)
     >>> link = joint.in_body()
@@ -102,10 +103,7 @@ class Weight(NamedTuple):
     points: int = 0
 
     def plus(self, other: Weight) -> Weight:
-        return Weight(
-            self.elements + other.elements, self.bodies + other.bodies, self.dofs + other.dofs,
-            matrix=self.matrix + other.matrix, loose=self.loose + other.loose, points=self.points + other.points,
-        )  # fmt: skip
+        return Weight(*map(operator.add, self, other))
 
     def times(self, count: int) -> Weight:
         return Weight(*(count * each for each in self))
@@ -114,7 +112,7 @@ class Weight(NamedTuple):
         """A body with this in it."""
         own, carried = self.loose, self.dofs - self.loose
         matrix = self.matrix + own * (own + 1) // 2 + own * carried
-        return Weight(self.elements + 1, self.bodies + 1, self.dofs, matrix=matrix, loose=0, points=self.points)
+        return self._replace(elements=self.elements + 1, bodies=self.bodies + 1, matrix=matrix, loose=0)
 
 
 NOTHING = Weight()
@@ -134,7 +132,7 @@ def joint_dofs(joint: Node, by_default: int) -> int:
 
 
 def default_dofs(root: Node) -> int:
-    """At least so many degrees of freedom that a joint without a type has: its class is not looked for.
+    """Return an upper bound of the degrees of freedom of a joint without a type, whatever its class.
 
     >>> from lxml import etree
     >>> default_dofs(etree.fromstring('<mujoco><default><joint type="ball"/></default></mujoco>'))
@@ -151,7 +149,7 @@ _COUNT = XPath("count(descendant-or-self::*)")  # compiled once: that takes as l
 _EXPANDING = ("replicate", "flexcomp", "composite", "attach")
 _JOINTS = ("joint", "freejoint")
 _HOLDING_JOINTS = ("body", "frame", "replicate")
-"""What a joint of the model stands in; constraints, tendons and classes have elements of the same name."""
+"""The parents of a joint of the model; constraints, tendons and classes have elements of the same name."""
 _DOFS_OF_A_POINT = {"radial": 1, "2d": 2}
 _NODES = {"trilinear": 1, "quadratic": 2}
 """The bodies along each of the `cellcount` of a flex, of which one more ends a row; else each point is a body."""
@@ -166,7 +164,7 @@ _COUNTS = (
 
 
 def written(root: Node) -> int:
-    """How many elements stand in a tree.
+    """Return how many elements a tree has.
 
     >>> from lxml import etree
     >>> written(etree.fromstring("<mujoco><worldbody><!-- none --><geom/></worldbody></mujoco>"))
@@ -178,7 +176,7 @@ def written(root: Node) -> int:
 def check_size(
     unit: Unit, sink: Sink, attached: Callable[[Node], Weight] = lambda _: NOTHING, *, opens_files: bool = True
 ) -> None:
-    """Report a model that is larger than the limits allow, at the element that makes it so. Nothing is expanded.
+    """Report a model that is larger than the limits allow, at the element that makes it so; expand nothing.
 
     `attached` says what an `<attach>` brings. Without `opens_files` the points of mesh files are not counted:
     `all_admitted` does so before MuJoCo opens them.
@@ -186,22 +184,17 @@ def check_size(
     limits = in_force()
     elements = written(unit.root)
     if elements > limits.elements:
-        sink.error(
-            CODE,
-            f"the model has {elements} elements; {limits.elements} are allowed",
-            unit.origins.span(unit.root, unit.file),
-            help=advice("elements", elements),
-        )
+        message = f"the model has {elements} elements; {limits.elements} are allowed"
+        span = unit.origins.span(unit.root, unit.file)
+        sink.error(CODE, message, span, help=advice("elements", elements))
         return
     if _is_small(unit.root, elements):
         if check_reserved(unit, elements, sink):
             check_meshes(unit, 0, sink, opens_files=opens_files)
         return
     made, model = _made(unit.root, attached, lambda flexcomp: file_points(flexcomp, unit))
-    expansion = model.elements - elements
-    if _is_within(unit, model._replace(elements=expansion), made, sink=sink) and check_reserved(
-        unit, elements + expansion, sink
-    ):
+    expansion = model._replace(elements=model.elements - elements)
+    if _is_within(unit, expansion, made, sink=sink) and check_reserved(unit, model.elements, sink):
         check_meshes(unit, model.points, sink, opens_files=opens_files)
 
 

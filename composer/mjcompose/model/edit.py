@@ -29,7 +29,7 @@ _BIND = 7 * 4
 
 
 class BadSkin(ValueError):
-    """The bytes are not a skin file, or a name does not fit into one."""
+    """The bytes are not a skin file, or a name does not fit into it."""
 
 
 class BadBone(BadSkin):
@@ -288,11 +288,8 @@ def changing(model: Editable, node: Node) -> Iterator[None]:
 
 def assign(model: Editable, node: Node, texts: Mapping[str, str | None]) -> None:
     """Write attributes of an element of the model; None removes one."""
-    model.forget(node)
-    try:
+    with changing(model, node):
         replace(node, texts)
-    finally:
-        model.note(node)
 
 
 def replace(node: Node, texts: Mapping[str, str | None]) -> None:
@@ -341,8 +338,7 @@ class Renaming(Generic[M]):
         renaming: Renaming[M] = cls()
         for model, namespace, old, new in names:
             for here, prefix, kind, used in uses_of(model, namespace, old):
-                meant = prefix + new + used[len(prefix) + len(old) :]
-                renaming.followed.setdefault((here, kind), {})[used] = meant
+                renaming._note(here, kind, used, old=prefix + old, new=prefix + new)
         return renaming
 
     @classmethod
@@ -354,9 +350,11 @@ class Renaming(Generic[M]):
                 own = here.names.declared.get(namespace, {})
                 for used in uses:
                     if used.startswith(prefix + old) and used not in own:
-                        meant = prefix + new + used[len(prefix) + len(old) :]
-                        renaming.followed.setdefault((here, namespace), {})[used] = meant
+                        renaming._note(here, namespace, used, old=prefix + old, new=prefix + new)
         return renaming
+
+    def _note(self, model: M, namespace: str, used: str, old: str, new: str) -> None:
+        self.followed.setdefault((model, namespace), {})[used] = new + used[len(old) :]
 
     def unlistable(self) -> Iterator[tuple[Reference[M], str]]:
         """Yield references in lists of names whose new name has a space, which a list cannot hold."""
@@ -434,10 +432,7 @@ def _outermost(nodes: Iterable[tuple[M, Node]]) -> tuple[tuple[M, Node], ...]:
 
 
 def whole(node: Node) -> Node:
-    """Return the smallest meaningful element around a node.
-
-    That is a section's direct child, or in the body tree the element itself.
-    """
+    """Return the smallest meaningful element around a node: a section's child, or itself in the body tree."""
     if section_of(node) == WORLD_SECTION:
         return node
     while (parent := node.getparent()) is not None and not is_section(parent):

@@ -49,7 +49,6 @@ Angle = Literal["orientation-euler", "orientation-axisangle", "joint", "replicat
 Default = bool | int | float | str | tuple[int | float | str, ...] | None
 
 NUMERIC = frozenset({"real", "int"})
-REFERRING = frozenset({"reference", "references"})
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -106,14 +105,12 @@ class Attribute:
     @property
     def is_reference(self) -> bool:
         """Whether the value names one other element or several."""
-        return self.type in REFERRING
+        return self.type in ("reference", "references")
 
     @property
     def separated(self) -> bool:
         """Whether the value is a list of items separated by white space."""
-        if self.type in ("keywords", "references"):
-            return True
-        return self.type in NUMERIC and self.max_length != 1
+        return self.type in ("keywords", "references") or (self.type in NUMERIC and self.max_length != 1)
 
     def exists_in(self, version: str) -> bool:
         """Return whether that MuJoCo version (`"3.12.0"`) reads the attribute."""
@@ -142,7 +139,8 @@ def to_text(attribute: Attribute, value: object) -> str:
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, int | float):
-        return integer_text(value) if attribute.type == "int" else number_text(value)
+        # MuJoCo refuses an integer with `.0`.
+        return number_text(int(value) if attribute.type == "int" and float(value).is_integer() else value)
     if isinstance(value, Iterable):
         return " ".join(to_text(attribute, item) for item in value)
     raise TypeError(f"{attribute.name} cannot hold {type(value).__name__}")
@@ -160,13 +158,6 @@ def number_text(value: int | float) -> str:
         return "nan"
     text = repr(value)
     return text[:-2] if text.endswith(".0") else text
-
-
-def integer_text(value: int | float) -> str:
-    """Return an integer; a whole float loses its `.0`, which MuJoCo would refuse."""
-    if isinstance(value, float) and value.is_integer():
-        return str(int(value))
-    return number_text(value)
 
 
 @dataclass(frozen=True, slots=True)
@@ -202,9 +193,6 @@ class Children(Mapping[str, "ElementType"]):
     def __len__(self) -> int:
         return len(self._paths)
 
-    def __repr__(self) -> str:
-        return f"Children({', '.join(self._paths)})"
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ElementType:
@@ -237,11 +225,6 @@ class ElementType:
         attribute = self.attributes.get("class")
         return attribute is not None and attribute.type == "reference"
 
-    @property
-    def takes_childclass(self) -> bool:
-        """Whether it takes `childclass`, which sets the class of its contents."""
-        return "childclass" in self.attributes
-
     def exists_in(self, version: str) -> bool:
         """Return whether that MuJoCo version (`"3.12.0"`) reads the element."""
         return exists_in(version, self.since, self.until)
@@ -268,8 +251,6 @@ class Grammar:
         data: dict[str, Any] = json.loads(self._read())
         return data
 
-    # -- contents ----------------------------------------------------------------------------------------------
-
     @property
     def versions(self) -> tuple[str, str]:
         """First and last MuJoCo version that the data covers."""
@@ -292,8 +273,7 @@ class Grammar:
         The path is canonical (`geom`, `equality/joint`), a walk from parent to child (`asset/mesh`,
         `worldbody/body/geom`, `mujoco/sensor/force`), or a tag with a single place (`framepos`).
         """
-        known = self._elements.get(path)
-        if known is not None:
+        if (known := self._elements.get(path)) is not None:
             return known
         if path in self._data["elements"]:
             return self._build(path)
@@ -304,11 +284,11 @@ class Grammar:
                 raise KeyError(path)
             return self.element(places[0])
         found = self.element(first)
-        for tag in rest.split("/"):
-            try:
+        try:
+            for tag in rest.split("/"):
                 found = found.children[tag]
-            except KeyError:
-                raise KeyError(path) from None
+        except KeyError:
+            raise KeyError(path) from None
         return found
 
     def section(self, tag: str) -> ElementType:
@@ -357,14 +337,6 @@ class Grammar:
         objtypes: dict[str, str] = self._data["objtypes"]
         return objtypes
 
-    @property
-    def implicit_names(self) -> Mapping[str, str]:
-        """Elements that take a name from their file if they have none, with that attribute."""
-        names: dict[str, str] = self._data["implicit_names"]
-        return names
-
-    # -- building --------------------------------------------------------------------------------------------
-
     @cached_property
     def _places(self) -> Mapping[str, tuple[str, ...]]:
         places: dict[str, list[str]] = {}
@@ -406,23 +378,13 @@ class Grammar:
                 if all(name in attributes for bundle in rule.bundles for name in bundle)
             )
         low, high = COUNTS[raw["occurs"]]
-        element = ElementType(
-            path=path,
-            tag=path.rpartition("/")[2],
-            attributes=attributes,
+        element = self._elements[path] = ElementType(
+            path, path.rpartition("/")[2], attributes,
             children=Children({child.rpartition("/")[2]: child for child in raw.get("children", ())}, self.element),
-            min_count=low,
-            max_count=high,
-            constraints=constraints,
-            since=raw.get("since"),
-            until=raw.get("until"),
-            family=self._family(raw),
-            default=raw.get("default"),
-            rows_of=rows_of,
-            doc=self._data.get("docs", {}).get("elements", {}).get(path, ""),
-            ignored=tuple(raw.get("ignored", ())),
-        )
-        self._elements[path] = element
+            min_count=low, max_count=high, constraints=constraints, since=raw.get("since"), until=raw.get("until"),
+            family=self._family(raw), default=raw.get("default"), rows_of=rows_of,
+            doc=self._data.get("docs", {}).get("elements", {}).get(path, ""), ignored=tuple(raw.get("ignored", ())),
+        )  # fmt: skip
         return element
 
     def _constraints(self, raw: dict[str, Any]) -> tuple[Constraint, ...]:
@@ -437,46 +399,33 @@ class Grammar:
     def _default_rows(self, path: str) -> dict[str, Attribute]:
         """Return the attributes of an element that a class may set; `in_default` may be the first version with it."""
         attributes = {}
-        raw = self._data["elements"][path]
-        for place, name, row in self._rows(path, raw):
+        for place, name, row in self._rows(path, self._data["elements"][path]):
             allowed = row.get("in_default", True)
-            if allowed is True:
+            if allowed and allowed is not True:
+                place, row = f"default/{place}", {**row, "since": allowed}
+            if allowed:
                 attributes[name] = self._attribute(place, name, row, has_default=True)
-            elif allowed:
-                attributes[name] = self._attribute(
-                    f"default/{place}", name, {**row, "since": allowed}, has_default=True
-                )
         return attributes
 
     def _attribute(self, place: str, name: str, row: dict[str, Any], has_default: bool) -> Attribute:
         key = (place, name, has_default)
-        known = self._attributes.get(key)
-        if known is None:
-            known = self._attributes[key] = self._make_attribute(place, name, row, has_default=has_default)
-        return known
-
-    def _make_attribute(self, place: str, name: str, row: dict[str, Any], has_default: bool) -> Attribute:
+        if (known := self._attributes.get(key)) is not None:
+            return known
         kind = row["type"]
         words, versions, ordered = self._keywords(row.get("keywords"))
         lengths = row.get("lengths")
-        low: int | None
-        high: int | None
+        unwritten = {
+            "keywords": (1, len(words)), "references": (1, None),
+            **dict.fromkeys(("string", "file", "name", "reference"), (None, None)),
+        }  # fmt: skip
+        low, high = unwritten.get(kind, (1, 1))
         if lengths is not None:
             low, high = min(lengths), max(lengths)
-        elif "length" in row:
-            length = row["length"]
+        elif (length := row.get("length")) is not None:
             low, high = (length, length) if isinstance(length, int) else length
-        elif kind == "keywords":
-            low, high = 1, len(words)
-        elif kind == "references":
-            low, high = 1, None
-        elif kind in ("string", "file", "name", "reference"):
-            low = high = None
-        else:
-            low = high = 1
         default = row.get("default")
         docs = self._data.get("docs", {}).get("attributes", {})
-        return Attribute(
+        self._attributes[key] = attribute = Attribute(
             name=name, type=kind, min_length=low, max_length=high,
             lengths=None if lengths is None else tuple(lengths), keywords=words, keyword_versions=versions,
             ordered=ordered, default=tuple(default) if isinstance(default, list) else default,
@@ -486,6 +435,7 @@ class Grammar:
             in_default=has_default and bool(row.get("in_default", True)),
             doc=docs.get(f"{place.removeprefix('default/')}/{name}") or docs.get(name, ""),
         )  # fmt: skip
+        return attribute
 
     def _keywords(self, name: str | None) -> tuple[tuple[str, ...], Mapping[str, tuple[str | None, str | None]], bool]:
         if name is None:

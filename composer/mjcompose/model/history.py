@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from mjcompose.base.dataclass import dataclass
-from mjcompose.model.grammar import GRAMMAR, exists_in
+from mjcompose.model.grammar import GRAMMAR, exists_in, to_text
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as Node
@@ -17,7 +17,6 @@ if TYPE_CHECKING:
 Span = tuple[str | None, str | None]
 _BODIES = ("worldbody", "body", "frame", "replicate")
 _CONTENT = ("frame", "replicate")
-_SEVERAL = 2
 
 WORDS: dict[str, Span] = {
     "option@integrator=discrete": ("3.13.0", None),
@@ -57,7 +56,7 @@ LONGER: dict[str, str] = {
 
 @dataclass(frozen=True, slots=True)
 class Unread:
-    """Something that a version does not read: an element (`attribute` None), an attribute, or what it is."""
+    """Something that a version does not read: an element (`attribute` None), an attribute, or its `value`."""
 
     node: Node
     attribute: str | None
@@ -85,24 +84,17 @@ def spans() -> dict[str, Span]:
 
 
 def place(node: Node) -> str:
-    """Where an element stands, as the tables say it: `body/geom`, `option/flag`, `default/geom`.
+    """Return the place of an element as the tables say it: `body/geom`, `option/flag`, `default/geom`.
 
-    What is in a frame or a replicate is read as if it were in the body around that.
+    The contents of a frame or a replicate belong to the body around it.
     """
-    tags: list[str] = [str(node.tag)]
-    for above in node.iterancestors():
-        tag = str(above.tag)
-        if tag == "mujoco":
-            break
-        tags.append("body" if tag in _BODIES else tag)
-    tags.reverse()
+    above = [str(each.tag) for each in node.iterancestors() if each.tag != "mujoco"][::-1]
+    tags = [*("body" if tag in _BODIES else tag for tag in above), str(node.tag)]
     if tags[0] == "worldbody":
         tags[0] = "body"
     while len(tags) > 1 and tags[0] == tags[1] and tags[0] in ("body", "default"):
         del tags[0]
-    if len(tags) >= _SEVERAL and tags[-1] in _CONTENT:
-        return tags[-1]
-    return "/".join(tags)
+    return tags[-1] if len(tags) > 1 and tags[-1] in _CONTENT else "/".join(tags)
 
 
 def unread(root: Node, version: str) -> Iterator[Unread]:
@@ -135,9 +127,7 @@ def _attributes(node: Node, path: str, version: str) -> Iterator[Unread]:
 
 
 def default_of(path: str, attribute: str) -> str | None:
-    """What this grammar says of an attribute that is written nowhere."""
-    from mjcompose.model.grammar import to_text
-
+    """Return the grammar's default of an attribute as text."""
     try:
         kind = GRAMMAR.element(path.removeprefix("body/") if path != "body" else "body")
     except KeyError:

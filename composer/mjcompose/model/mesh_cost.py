@@ -7,6 +7,7 @@ import os
 import re
 import struct
 from collections.abc import Callable, Iterator
+from functools import lru_cache
 from typing import Any
 
 from lxml.etree import XPath
@@ -81,9 +82,9 @@ def _of_stl(data: bytes) -> int:
     import numpy as np
 
     faces = max(0, len(data) - _HEAD) // _FACE
-    rows = np.frombuffer(data, np.uint8, faces * _FACE, _HEAD).reshape(faces, _FACE) if faces else None
-    if rows is None:
+    if not faces:
         return 0
+    rows = np.frombuffer(data, np.uint8, faces * _FACE, _HEAD).reshape(faces, _FACE)
     corners = np.ascontiguousarray(rows[:, 12:48]).view("<u4").reshape(-1, 3).astype(np.uint64)
     # Odd numbers that nobody else knows: a file cannot be made so that other points seem equal.
     factors = np.frombuffer(os.urandom(24), np.uint64) | np.uint64(1)
@@ -158,17 +159,12 @@ def _in_file(element: Node, unit: Unit, count: _Count) -> int | None:
 
 
 _Count = Callable[[Any, str], int | None]
-_memories: dict[tuple[_Count, str], Memory[int | None]] = {}
 
 
+@lru_cache(maxsize=_MOST_KINDS)
 def _memory(count: _Count, kind: str) -> Memory[int | None]:
     """Return what is known of the files that are counted in this way and read as this kind."""
-    known = _memories.get((count, kind))
-    if known is None:
-        known = Memory(lambda path: count(read_regular(path), kind), lambda _: 0)
-        if len(_memories) <= _MOST_KINDS:
-            _memories[count, kind] = known
-    return known
+    return Memory(lambda path: count(read_regular(path), kind), lambda _: 0)
 
 
 _WITHOUT_HULL = 10
@@ -198,11 +194,11 @@ def check_meshes(unit: Unit, attached: int, sink: Sink, *, opens_files: bool = T
     place = unit.root if largest is None else largest
     attribute = next((each for each in ("file", "vertex", "params") if place.get(each)), None)
     span = unit.origins.span(place, unit.file, attribute)
-    note = None
+    notes: tuple[Note, ...] = ()
     if largest is not None and points[largest] < total:
-        note = Note(f"{points[largest]} of them are those of this mesh, the largest")
+        notes = (Note(f"this mesh, the largest, has {points[largest]} of them"),)
     message = f"the meshes of the model have {total} points; {most} are allowed"
-    sink.error("limit-exceeded", message, span, notes=(note,) if note else (), help=advice("mesh-points", total))
+    sink.error("limit-exceeded", message, span, notes=notes, help=advice("mesh-points", total))
     return False
 
 
@@ -236,12 +232,10 @@ def _counted(meshes: list[Node], unit: Unit) -> dict[Node, int]:
         if (words, has_hull) in seen and mesh.get("file"):
             continue
         seen.add((words, has_hull))
-        # What is too much already needs no reading of the rest.
-        points = None
-        if sum(found.values()) > in_force().mesh_points:
-            points = _points(mesh, unit, most_points)
-        if points is None:
-            points = _points(mesh, unit, points_in)
+        # If these are too many already, the sizes of the other files are enough.
+        is_over = sum(found.values()) > in_force().mesh_points
+        points = _points(mesh, unit, most_points) if is_over else None
+        points = _points(mesh, unit, points_in) if points is None else points
         found[mesh] = _weighed(points or 0, mesh, hulled)
     return found
 
@@ -259,14 +253,9 @@ def _hulled(root: Node) -> set[str] | None:
 
     It does so for a geom that may collide, and for what asks for it by itself.
     """
-    if (
-        next(root.iterfind("contact/pair"), None) is not None
-        or next(root.iter("distance", "normal", "fromto"), None) is not None
-    ):
-        return None
-    if any(each.get("inertia") == "convex" for each in root.iter("mesh")):
-        return None
-    if any(each.get("mesh") for each in root.iterfind("default//geom")):
+    asks = (*root.iterfind("contact/pair"), *root.iter("distance", "normal", "fromto"))
+    is_convex = any(each.get("inertia") == "convex" for each in root.iter("mesh"))
+    if asks or is_convex or any(each.get("mesh") for each in root.iterfind("default//geom")):
         return None
     classes = Classes(root)
     return {str(each.get("mesh")) for each in root.iter("geom") if each.get("mesh") and _collides(each, classes)}
@@ -289,11 +278,8 @@ def _points(mesh: Node, unit: Unit, count: _Count) -> int | None:
     if mesh.get("file"):
         return _in_file(mesh, unit, count)
     if mesh.get("vertex"):
-        return max(_words(mesh, "vertex") // 3, _words(mesh, "face") // 6)
-    return _built_in(mesh)
-
-
-def _built_in(mesh: Node) -> int:
+        vertices, faces = (len(str(mesh.get(name) or "").split()) for name in ("vertex", "face"))
+        return max(vertices // 3, faces // 6)
     kind = str(mesh.get("builtin"))
     counts = [number(word) for word in str(mesh.get("params") or "").split()[:3]] or [0]
     if kind in ("supersphere", "supertorus"):
@@ -313,7 +299,3 @@ def number(text: str | None, least: int = 0) -> int:
         return max(least, int(float(text or 0)))
     except (ValueError, OverflowError):
         return least
-
-
-def _words(mesh: Node, attribute: str) -> int:
-    return len(str(mesh.get(attribute) or "").split())

@@ -33,9 +33,10 @@ class Names:
     declared: dict[str, dict[str, Node]] = field(default_factory=dict)
 
     def find(self, namespace: str, name: str) -> Node | None:
-        return self.declared.get(namespace, {}).get(name)
+        names = self.declared.get(namespace)
+        return None if names is None else names.get(name)
 
-    def of(self, namespace: str) -> list[str]:
+    def known(self, namespace: str) -> list[str]:
         return list(self.declared.get(namespace, ()))
 
     def kinds_of(self, name: str) -> list[str]:
@@ -84,15 +85,6 @@ def declaring(section: str) -> dict[Any, tuple[tuple[str, str], ...]]:
     }
 
 
-@cache
-def _referring(section: str) -> dict[Any, tuple[tuple[str, int, str], ...]]:
-    """Return for each tag the attributes that refer to names, how, and their namespace or the attribute with it."""
-    return {
-        tag: tuple((name, *action) for name, action in actions.items() if action[0] not in (DECLARES, GENERATES))
-        for tag, actions in naming_table(section).items()
-    }
-
-
 def object_namespace(element: Node, type_attribute: str) -> str | None:
     """Return the namespace that an `objtype`-like attribute names, or None if it is absent or unknown."""
     return GRAMMAR.objtypes.get(str(element.get(type_attribute, "")))
@@ -127,9 +119,9 @@ def own_references(node: Node, section: str) -> list[tuple[str, str, str, str]]:
     it.
     """
     found = []
-    for attribute, kind, namespace in _referring(section).get(node.tag, ()):
+    for attribute, kind, namespace in _rows(section).get(node.tag, ()):
         value = node.get(attribute)
-        if not value:
+        if not value or kind == DECLARES:
             continue
         if kind == REFERS:
             found.append((attribute, namespace, str(value), ""))
@@ -154,14 +146,11 @@ def may_be_generated(name: str, root: Node) -> bool:
     """Return whether elements that MuJoCo expands (replicate, flexcomp, …) in that tree can create the name."""
     for element in root.iter(*GENERATORS):
         if element.tag == "replicate":
-            if re.search(r"\d+$", name):
-                return True
-        elif element.tag == "model":
-            return True
+            may = re.search(r"\d+$", name) is not None
         else:
-            start = str(element.get("name") or element.get("prefix") or "")
-            if name.startswith(start):
-                return True
+            may = element.tag == "model" or name.startswith(str(element.get("name") or element.get("prefix") or ""))
+        if may:
+            return True
     return False
 
 
@@ -181,7 +170,7 @@ Use = tuple[Node, str]
 
 
 @dataclass(slots=True)
-class NameIndex:
+class NameIndex(Names):
     """Names and references as written in one model, in both directions.
 
     `declared` maps names to elements, `uses` maps names to their references; `world` and `main` are in neither,
@@ -189,7 +178,6 @@ class NameIndex:
     `leads_out` is set once a reference begins with `UP`.
     """
 
-    declared: dict[str, dict[str, Node]] = field(default_factory=dict)
     uses: dict[str, dict[str, dict[Use, None]]] = field(default_factory=dict)
     leads_out: bool = False
 
@@ -218,10 +206,6 @@ class NameIndex:
         index.leads_out = any(name.startswith(UP) for names in uses.values() for name in names)
         LEADING_OUT.extend([1] if index.leads_out else [])
         return index
-
-    def find(self, namespace: str, name: str) -> Node | None:
-        names = self.declared.get(namespace)
-        return None if names is None else names.get(name)
 
     def note(self, node: Node, section: str, *, declares: bool = True) -> None:
         """Add the names of one node, without the nodes below it; the first of two equal names keeps it."""

@@ -10,7 +10,7 @@ import os
 import re
 import threading
 from collections.abc import Callable, Container, Iterator, Mapping
-from functools import cache
+from itertools import takewhile
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -35,10 +35,7 @@ from mjcompose.model.xml_text import take_cdata_in
 
 
 def take_header_in(root: Node) -> tuple[Node, ...]:
-    """Move the comments before a root, such as a license, inside of it.
-
-    Otherwise they would be lost when the tree moves.
-    """
+    """Move the comments before a root, such as a license, inside of it: they would be lost when the tree moves."""
     found = [each for each in root.itersiblings(preceding=True) if isinstance(each, Comment)]
     for comment in found:
         comment.tail = None
@@ -48,12 +45,8 @@ def take_header_in(root: Node) -> tuple[Node, ...]:
 
 def above(section: Node, header: Container[Node]) -> list[Node]:
     """Return the comments directly above a section, except those of the header."""
-    found: list[Node] = []
-    for sibling in section.itersiblings(preceding=True):
-        if not isinstance(sibling, Comment) or sibling in header:
-            break
-        found.append(sibling)
-    return found[::-1]
+    before = section.itersiblings(preceding=True)
+    return list(takewhile(lambda each: isinstance(each, Comment) and each not in header, before))[::-1]
 
 
 _DECLARED = re.compile(rb"""\A(?:\xef\xbb\xbf)?\s*<\?xml\b[^>]*?\bencoding\s*=\s*["']([^"']*)["']""")
@@ -87,7 +80,7 @@ def refused(data: bytes, file: str, sink: Sink) -> bool:
     line = before.count(b"\n") + 1
     column = len(before[before.rfind(b"\n") + 1 :].decode("utf-8", "replace")) + 1
     message = f"`{file}` has a DTD, which MuJoCo does not read"
-    sink.error("xml-syntax", message, Span(file, line, column), help="take the `<!DOCTYPE …>` out")
+    sink.error("xml-syntax", message, Span(file, line, column), help="remove the `<!DOCTYPE …>`")
     return True
 
 
@@ -200,17 +193,12 @@ def parse_text(
         includes.expand(root, file, directory)
         find_beside(unit, includes.folders)
     for section in list(root.iterchildren("*")) if sink.error_count == before else ():
-        if section.tag not in _sections():
+        if section.tag not in GRAMMAR.root.children:
             _unknown_section(section, unit, sink)
     note_unread(unit)
     if sink.error_count == before:
         check_size(unit, sink, opens_files=False)
     return None if sink.error_count > before else unit
-
-
-@cache
-def _sections() -> frozenset[str]:
-    return frozenset(GRAMMAR.root.children)
 
 
 def _unknown_section(section: Node, unit: Unit, sink: Sink) -> None:
@@ -228,15 +216,11 @@ def _unknown_section(section: Node, unit: Unit, sink: Sink) -> None:
         sink.warning("unknown-element", message, span, help="put it into `<worldbody>`, or remove it")
         unit.root.remove(section)
         return
-    sink.error(
-        "unknown-element",
-        f"`<{tag}>` cannot stand in `<mujoco>`",
-        unit.origins.span(section, unit.file),
-        notes=(exists_note("section", known, tag),),
-        help=f"put it into `<worldbody>`; of a file that is there to be included, {_INCLUDED}"
-        if tag in GRAMMAR.section("worldbody").children
-        else did_you_mean(tag, known, "<{}>"),
-    )
+    help = did_you_mean(tag, known, "<{}>")
+    if tag in GRAMMAR.section("worldbody").children:
+        help = f"put it into `<worldbody>`; if other models include this file, {_INCLUDED}"
+    message, span = f"`<{tag}>` cannot be in `<mujoco>`", unit.origins.span(section, unit.file)
+    sink.error("unknown-element", message, span, notes=(exists_note("section", known, tag),), help=help)
 
 
 def _has_unknown(dropped: Node, unit: Unit, sink: Sink) -> bool:
@@ -246,15 +230,13 @@ def _has_unknown(dropped: Node, unit: Unit, sink: Sink) -> bool:
         node, kind = waiting.pop()
         for name in map(str, node.keys()):
             if name not in kind.attributes and name not in kind.ignored:
-                message, span = (
-                    f"`{name}` is not an attribute of `<{node.tag}>`",
-                    unit.origins.span(node, unit.file, name),
-                )
+                message = f"`{name}` is not an attribute of `<{node.tag}>`"
+                span = unit.origins.span(node, unit.file, name)
                 sink.error("unknown-attribute", message, span, help=f"remove the `<{dropped.tag}>` it is in")
                 return True
         for child in node.iterchildren("*"):
             if child.tag not in kind.children:
-                message = f"`<{child.tag}>` cannot stand in `<{node.tag}>`"
+                message = f"`<{child.tag}>` cannot be in `<{node.tag}>`"
                 span = unit.origins.span(child, unit.file)
                 sink.error("unknown-element", message, span, help=f"remove the `<{dropped.tag}>` it is in")
                 return True
@@ -284,7 +266,7 @@ class _Includes:
             self.sink.error(code, message, span, notes=notes, help=help)
 
         if len(element) or (element.text or "").strip():  # MuJoCo does not even allow a comment
-            refuse("`<include>` has something inside, which MuJoCo refuses", 'write `<include file="…"/>`')
+            refuse("`<include>` is not empty, which MuJoCo refuses", 'write `<include file="…"/>`')
             return
         if depth > in_force().nesting:
             allowed = f"{in_force().nesting} files in one another are allowed"
@@ -297,11 +279,11 @@ class _Includes:
         path = self._find(name, folder)
         shown = self._shown(path)
         if shown in (file, self.unit.file):
-            refuse(f"`{shown}` includes itself", "take this `<include>` out")
+            refuse(f"`{shown}` includes itself", "remove this `<include>`")
             return
         if shown in self.seen:
             first = Note("it is included here first", origins.span(*self.seen[shown], "file"))
-            refuse(f"`{name}` is included twice, which MuJoCo refuses", "take one of the two out", (first,))
+            refuse(f"`{name}` is included twice, which MuJoCo refuses", "remove one of the two", (first,))
             return
         self.seen[shown] = element, file
         try:
@@ -362,15 +344,11 @@ def _unreadable(what: str, name: Path, path: Path, error: OSError) -> tuple[str,
         return f"{what} is not read: {error}", advice("xml-size", error.size)
     if not isinstance(error, FileNotFoundError):
         return f"{what} cannot be read: {error.strerror.lower() if error.strerror else error}", None
-    near = closest(path.name, _beside(path))
-    return f"{what} does not exist", f"did you mean `{(name.parent / near[0]).as_posix()}`?" if near else None
-
-
-def _beside(path: Path) -> list[str]:
     try:
-        return sorted(os.listdir(path.parent))
+        near = closest(path.name, sorted(os.listdir(path.parent)))
     except OSError:
-        return []
+        near = []
+    return f"{what} does not exist", f"did you mean `{(name.parent / near[0]).as_posix()}`?" if near else None
 
 
 _PARSERS = threading.local()
@@ -385,14 +363,18 @@ class _NoFiles(etree.Resolver):
 
 def _parser() -> etree.XMLParser:
     """Return the parser of this thread: creating one costs as much as parsing a small model."""
-    parser = getattr(_PARSERS, "parser", None)
-    if parser is None:
-        parser = _PARSERS.parser = etree.XMLParser(
-            remove_blank_text=True, resolve_entities=False, no_network=True, load_dtd=False, huge_tree=True,
-            collect_ids=False,
-        )  # fmt: skip
-        parser.resolvers.add(_NoFiles())
-    assert isinstance(parser, etree.XMLParser)
+    if not hasattr(_PARSERS, "parser"):
+        _PARSERS.parser = _new_parser()
+    parser: etree.XMLParser = _PARSERS.parser
+    return parser
+
+
+def _new_parser(*, recover: bool = False) -> etree.XMLParser:
+    parser = etree.XMLParser(
+        remove_blank_text=True, resolve_entities=False, no_network=True, load_dtd=False, huge_tree=True,
+        collect_ids=False, recover=recover,
+    )  # fmt: skip
+    parser.resolvers.add(_NoFiles())
     return parser
 
 
@@ -432,11 +414,7 @@ def _parsed(data: bytes, file: str, sink: Sink) -> Node | None:
 
 def _with_undefined_prefixes(data: bytes) -> Node | None:
     """Parse XML with undeclared prefixes, which MuJoCo ignores; return None for other errors."""
-    parser = etree.XMLParser(
-        remove_blank_text=True, resolve_entities=False, no_network=True, load_dtd=False, huge_tree=True,
-        collect_ids=False, recover=True,
-    )  # fmt: skip
-    parser.resolvers.add(_NoFiles())
+    parser = _new_parser(recover=True)
     root = etree.fromstring(data, parser)
     return root if all(each.domain == etree.ErrorDomains.NAMESPACE for each in parser.error_log) else None
 
@@ -458,11 +436,9 @@ def _as_mujoco_reads(data: bytes) -> bytes:
 
 
 def _part_attributes(text: str) -> str:
-    while True:
-        parted = _TOUCHING.sub(r"\1 ", text)
-        if parted == text:
-            return text
+    while (parted := _TOUCHING.sub(r"\1 ", text)) != text:
         text = parted
+    return text
 
 
 class _Use(NamedTuple):

@@ -25,8 +25,7 @@ WORLD_SECTION = "worldbody"
 # Elements whose children, one of each, are created on first access; empty ones are not written.
 HOLDS_ONE_OF_EACH = frozenset({"mujoco", "option", "visual", "compiler", "default"})
 # Python names for MJCF's: `class` is a keyword.
-_SPELLED = {"dclass": "class"}
-_SPOKEN = {name: word for word, name in _SPELLED.items()}
+_SPELLED, _SPOKEN = {"dclass": "class"}, {"class": "dclass"}
 
 
 def section_of(node: Node) -> str:
@@ -68,11 +67,7 @@ def child_kind(section: str, parent: str, tag: str) -> ElementType:
 
 def attribute_of(kind: ElementType, name: str) -> Attribute | None:
     """Return the attribute for a Python name: `dclass` is `class`, and a final underscore is ignored."""
-    attributes = kind.attributes
-    found = attributes.get(name)
-    if found is None:
-        found = attributes.get(_SPELLED.get(name, name.rstrip("_")))
-    return found
+    return kind.attributes.get(name) or kind.attributes.get(_SPELLED.get(name, name.rstrip("_")))
 
 
 def spoken(name: str) -> str:
@@ -118,16 +113,13 @@ def query(tag: str, section: str | None) -> Query:
     family = frozenset(GRAMMAR.families.get(tag, ()))
     paths = family & frozenset[str]().union(*reached.values())
     if not paths:
-        same_tag = {path for known in reached.values() for path in known if path.rpartition("/")[2] == tag}
-        paths = frozenset(same_tag)
+        paths = frozenset(path for known in reached.values() for path in known if path.rpartition("/")[2] == tag)
     namespaces = {GRAMMAR.element(path).family for path in paths}
     return Query(
-        tag,
-        paths,
-        tuple(sorted({path.rpartition("/")[2] for path in paths})),
+        tag, paths, tuple(sorted({path.rpartition("/")[2] for path in paths})),
         sections=frozenset(each for each, known in reached.items() if known & paths),
         namespaces=tuple(sorted(name for name in namespaces if name)),
-    )
+    )  # fmt: skip
 
 
 @cache
@@ -317,17 +309,16 @@ class Selection:
         return {name for node in nodes if (name := self.name(node))}
 
     def _narrowed(self, node: Node, selector: Selector) -> bool:
-        if selector.parent is not None and not self._is_child(node, selector.parent):
-            return False
-        if selector.inside is not None and not any(
-            self._meant(each, selector.inside) for each in node.iterancestors() if each is not self.root
-        ):
-            return False
-        if selector.part is not None and not self._is_of(node, selector.part):
-            return False
-        if selector.dclass is not None and not self._has_class(node, selector.dclass):
-            return False
-        return selector.where is None or self.holds(node, selector)
+        return (
+            (selector.parent is None or self._is_child(node, selector.parent))
+            and (selector.inside is None or self._is_inside(node, selector.inside))
+            and (selector.part is None or self._is_of(node, selector.part))
+            and (selector.dclass is None or self._has_class(node, selector.dclass))
+            and (selector.where is None or self.holds(node, selector))
+        )
+
+    def _is_inside(self, node: Node, wanted: Selector) -> bool:
+        return any(self._meant(each, wanted) for each in node.iterancestors() if each is not self.root)
 
     def _is_child(self, node: Node, wanted: Selector) -> bool:
         direct = wanted.tag in _TRANSPARENT

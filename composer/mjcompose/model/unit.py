@@ -6,6 +6,7 @@ import copy as copy_module
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import field, replace
 from functools import cached_property
+from itertools import pairwise
 from pathlib import Path
 from typing import Any, Literal, NamedTuple, Protocol
 
@@ -47,9 +48,9 @@ def element_at(root: Node, text: bytes, line: int) -> Node | None:
 
 @dataclass(eq=False, slots=True)
 class FileText:
-    """A file's text, for the places of its elements. Copies of a model share it, so that it is split into lines once.
+    """A file's text, for the places of its elements. Copies of a model share it and split it into lines once.
 
-    `path` is None for text that is in no file. Without `contents`, the file is read when a place is first asked for.
+    `path` is None for text that is in no file. Without `contents`, the first use reads the file.
     """
 
     path: Path | None = None
@@ -59,16 +60,14 @@ class FileText:
     def split(self) -> SourceText:
         """Return the text in lines, without any if the file cannot be read."""
         if self._split is None:
-            self._split = SourceText(self._read())
+            contents = self.contents
+            if contents is None:
+                try:
+                    contents = b"" if self.path is None else read_regular(self.path)
+                except OSError:
+                    contents = b""
+            self._split = SourceText(contents)
         return self._split
-
-    def _read(self) -> bytes | str:
-        if self.contents is not None:
-            return self.contents
-        try:
-            return b"" if self.path is None else read_regular(self.path)
-        except OSError:
-            return b""
 
 
 Kind = Literal["key", "edited", "entry", "reference", "zero", "mujoco"]
@@ -138,21 +137,21 @@ def moved(numbers: list[Number], now: Sequence[str], part: tuple[str, Span | Non
     """Return a pose or velocity changed by the place of a part."""
     if texts(numbers) == list(now):
         return numbers
-    sources: dict[int, KeySource] = {}
-    for source in (number.source for number in numbers):
-        if id(source) not in sources:
-            sources[id(source)] = replace(source, moved=(*source.moved, part))
-    return [Number(text, sources[id(number.source)], number.at) for number, text in zip(numbers, now, strict=True)]
+    changed = _with_sources(numbers, lambda source: replace(source, moved=(*source.moved, part)))
+    return [number._replace(text=text) for number, text in zip(changed, now, strict=True)]
 
 
 def taken(numbers: Iterable[Number], span: Span) -> list[Number]:
     """Return the numbers passed on by a `from` entry of a recipe."""
+    return _with_sources(numbers, lambda source: replace(source, taken=(*source.taken, span)))
+
+
+def _with_sources(numbers: Iterable[Number], change: Callable[[KeySource], KeySource]) -> list[Number]:
+    """Return the numbers with changed sources; numbers that share a source still do."""
     numbers = list(numbers)
-    sources: dict[int, KeySource] = {}
-    for source in (number.source for number in numbers):
-        if id(source) not in sources:
-            sources[id(source)] = replace(source, taken=(*source.taken, span))
-    return [Number(number.text, sources[id(number.source)], number.at) for number in numbers]
+    sources = {id(number.source): number.source for number in numbers}
+    changed = {key: change(source) for key, source in sources.items()}
+    return [number._replace(source=changed[id(number.source)]) for number in numbers]
 
 
 Place = Callable[[str | None], Span]
@@ -250,9 +249,9 @@ class Origins:
 
     def carried(self, old: Node, new: Node) -> Origins:
         """Return the same data for `new`, a deep copy of `old`."""
-        if not (self.owners or self.settings or self.renamed or self.keys):
-            return Origins(texts=dict(self.texts), unread=set(self.unread), size=self.size)
         found = Origins(texts=dict(self.texts), unread=set(self.unread), size=self.size)
+        if not (self.owners or self.settings or self.renamed or self.keys):
+            return found
         for node, copy in zip(old.iter(), new.iter(), strict=True):
             if node in self.owners:
                 found.owners[copy] = self.owners[node]
@@ -313,18 +312,10 @@ class PartKeys(NamedTuple):
                 return old._replace(element=holder(old.element))  # type: ignore[attr-defined]
             return copies.get(old, old)
 
-        return self._replace(
-            keys=tuple(
-                replace(
-                    key,
-                    values={
-                        vector: {holder(old): list(numbers) for old, numbers in by_holder.items()}
-                        for vector, by_holder in key.values.items()
-                    },
-                )
-                for key in self.keys
-            )
-        )
+        def values(key: Key) -> dict[str, dict[Any, list[Number]]]:
+            return {vector: {holder(old): [*kept] for old, kept in rows.items()} for vector, rows in key.values.items()}
+
+        return self._replace(keys=tuple(replace(key, values=values(key)) for key in self.keys))
 
     @property
     def names(self) -> list[str]:
@@ -333,14 +324,10 @@ class PartKeys(NamedTuple):
 
 def counterpart(node: Node, root: Node, copied: Node) -> Node:
     """Return the node of `copied`, a deep copy of `root`, at the position of `node` below `root`."""
-    steps: list[int] = []
-    while node is not root:
-        parent = node.getparent()
-        assert parent is not None
-        steps.append(parent.index(node))
-        node = parent
-    for step in reversed(steps):
-        copied = copied[step]
+    path = [node, *node.iterancestors()]
+    path = path[: path.index(root) + 1]
+    for below, above in reversed(list(pairwise(path))):
+        copied = copied[above.index(below)]
     return copied
 
 

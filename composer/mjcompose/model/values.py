@@ -70,9 +70,7 @@ def parse_real(text: str) -> float | None:
         except OverflowError:
             return None
     value = float(text)
-    if math.isinf(value) and "inf" not in lower:
-        return None
-    return value
+    return None if math.isinf(value) and "inf" not in lower else value
 
 
 def parse_int(text: str) -> int | None:
@@ -128,15 +126,11 @@ def check_value(attribute: Attribute, text: str) -> Refusal | None:
         return None if text in attribute.keywords else unknown_keyword(attribute, text)
     if kind == "chars":
         return check_characters(attribute, text) if text else None
-    if kind not in ("real", "int", "keywords", "references"):
-        return None
-    parts = items(text)
+    parts = items(text) if kind in ("real", "int", "keywords") else []
     if not parts:
         return None  # an empty value is the same as no attribute
     if kind == "keywords":
         return check_words(attribute, parts)
-    if kind == "references":
-        return None
     for part in parts:
         number = parse_int(part) if kind == "int" else parse_real(part)
         if number is None:
@@ -164,10 +158,10 @@ def check_python(attribute: Attribute, value: object) -> Refusal | None:
         return None if word in attribute.keywords else unknown_keyword(attribute, word)
     if kind in ("keywords", "references"):
         return check_list(attribute, value)
+    if isinstance(value, bool | int | float):
+        text = show(value)
+        return Refusal(f"expects {expected(attribute)}, got {article(value)} `{text}`", hint=f"quote it: '{text}'")
     if not isinstance(value, str):
-        if isinstance(value, bool | int | float):
-            text = show(value)
-            return Refusal(f"expects {expected(attribute)}, got {article(value)} `{text}`", hint=f"quote it: '{text}'")
         return Refusal(f"expects {expected(attribute)}, got {article(value)}")
     if attribute.required and not value and kind != "name":
         return Refusal("must not be empty")
@@ -184,17 +178,10 @@ def check_numbers(attribute: Attribute, value: object) -> Refusal | None:
     if isinstance(value, Sequence):
         if attribute.max_length == 1:
             return Refusal(f"expects {expected(attribute)}, got a list of {len(value)}")
-        for item in value:
-            fault = check_number(attribute, plain(item))
-            if fault is not None:
-                return fault
-        return check_length(attribute, len(value))
+        faults = (check_number(attribute, plain(item)) for item in value)
+        return next(filter(None, faults), None) or check_length(attribute, len(value))
     fault = check_number(attribute, value)
-    if fault is not None:
-        return fault
-    if (attribute.min_length or 1) > 1:
-        return check_length(attribute, 1)
-    return None
+    return fault or (check_length(attribute, 1) if (attribute.min_length or 1) > 1 else None)
 
 
 def check_number(attribute: Attribute, value: object) -> Refusal | None:
@@ -262,22 +249,17 @@ def check_characters(attribute: Attribute, text: str) -> Refusal | None:
 
 def check_length(attribute: Attribute, count: int) -> Refusal | None:
     low, high = attribute.min_length, attribute.max_length
+    fits = (low is None or count >= low) and (high is None or count <= high)
     if attribute.lengths is not None:
         fits = count in attribute.lengths
-    else:
-        fits = (low is None or count >= low) and (high is None or count <= high)
-    if fits:
-        return None
-    return Refusal(f"expects {expected(attribute)}, got {count}", is_length=True)
+    return None if fits else Refusal(f"expects {expected(attribute)}, got {count}", is_length=True)
 
 
 def expected(attribute: Attribute) -> str:
     """Return a noun phrase for the attribute's values: `3 numbers`, `a name`, `1 to 6 numbers`."""
     kind = attribute.type
-    if kind == "real":
-        return counted(attribute, "number")
-    if kind == "int":
-        return counted(attribute, "integer")
+    if kind in ("real", "int"):
+        return counted(attribute, "number" if kind == "real" else "integer")
     return {
         "bool": "`true` or `false`", "keyword": "a keyword", "keywords": "a list of keywords",
         "chars": "text", "file": "a file name", "name": "a name", "reference": "a name",
@@ -301,34 +283,31 @@ def counted(attribute: Attribute, noun: str) -> str:
 
 def unknown_keyword(attribute: Attribute, word: str) -> Refusal:
     """Return the refusal of an unknown keyword, with the most similar one, or all of them if they are few."""
+    is_short = len(attribute.keywords) <= SHOWN_KEYWORDS
+    choices = either(attribute.keywords) if is_short else "a keyword"
     if not word:
-        choices = either(attribute.keywords) if len(attribute.keywords) <= SHOWN_KEYWORDS else "a keyword"
-        return Refusal(
-            f"expects {choices}, got nothing", unknown=word, lists_keywords=len(attribute.keywords) <= SHOWN_KEYWORDS
-        )
+        return Refusal(f"expects {choices}, got nothing", unknown=word, lists_keywords=is_short)
     near = word.strip().lower()
     for keyword in attribute.keywords:
         if keyword.lower() == near:
             return Refusal(f"has no keyword `{shorten(word)}`", unknown=word, hint=f"it is spelled `{keyword}`")
-    if len(attribute.keywords) <= SHOWN_KEYWORDS:
-        return Refusal(
-            f"expects {either(attribute.keywords)}, got `{shorten(word)}`", unknown=word, lists_keywords=True
-        )
+    if is_short:
+        return Refusal(f"expects {choices}, got `{shorten(word)}`", unknown=word, lists_keywords=True)
     return Refusal(f"has no keyword `{shorten(word)}`", unknown=word)
 
 
 def refused_number(attribute: Attribute, part: str) -> Refusal:
     """Return the refusal of one item of a list of numbers."""
+    noun, instead = expected(attribute), None
     if attribute.type == "int":
-        if part.lstrip("+-").isdigit():
-            return Refusal(f"expects {expected(attribute)} of 32 bits, got `{shorten(part)}`")
         real = parse_real(part)
-        if real is not None and real.is_integer():
-            return Refusal(f"expects {expected(attribute)}, got `{shorten(part)}`", instead=str(int(real)))
-        return Refusal(f"expects {expected(attribute)}, got `{shorten(part)}`")
-    if "," in part:
-        return Refusal(f"expects numbers separated by spaces, got `{shorten(part)}`")
-    return Refusal(f"expects {expected(attribute)}, got `{shorten(part)}`")
+        if part.lstrip("+-").isdigit():
+            noun = f"{noun} of 32 bits"
+        elif real is not None and real.is_integer():
+            instead = str(int(real))
+    elif "," in part:
+        noun = "numbers separated by spaces"
+    return Refusal(f"expects {noun}, got `{shorten(part)}`", instead=instead)
 
 
 def keyword_text(value: object) -> str | None:

@@ -8,7 +8,7 @@ for the source alone would be lost in a composition.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from functools import cache
 from typing import TYPE_CHECKING
 
@@ -122,17 +122,16 @@ def _place(element: Node, name: str | None, unit: Unit) -> tuple[str, int | None
     return owner if isinstance(owner, str) else "", line_of(element), name
 
 
-_Words = tuple[str, str | None]
-
-
 def report(said: str, file: str, line: int, column: int, text: str, sink: Sink) -> None:
     """Report an `xml-syntax` error for lxml's message about `file`, with the tag that the message names by line."""
     if is_pointer(text):
-        message = f"`{file}` is not XML: it is not the file itself but where Git LFS has it"
+        message = f"`{file}` is not XML: it is a pointer of Git LFS, not the file itself"
         sink.error("xml-syntax", message, Span(file, line, column), help=HELP)
         return
     said = re.sub(r", line \d+, column \d+.*", "", said, flags=re.DOTALL)
-    message, help = next((make(found) for pattern, make in _KNOWN if (found := pattern.match(said))), _plain(said))
+    matches = ((re.match(pattern, said), message, help) for pattern, message, help in _KNOWN)
+    explained = ((found.expand(message), found.expand(help or "")) for found, message, help in matches if found)
+    message, help = next(explained, (_plain(said), ""))
     notes: tuple[Note, ...] = ()
     if opened := _OPENED.search(said):
         lines = text.splitlines()
@@ -141,73 +140,60 @@ def report(said: str, file: str, line: int, column: int, text: str, sink: Sink) 
         if begin >= 0:
             span = Span(file, at, begin + 1, end_line=at, end_column=begin + 2 + len(tag))
             notes = (Note(f"`<{tag}>` begins here", span),)
-    sink.error("xml-syntax", f"`{file}` is not XML: {message}", Span(file, line, column), notes=notes, help=help)
+    sink.error(
+        "xml-syntax", f"`{file}` is not XML: {message}", Span(file, line, column), notes=notes, help=help or None
+    )
 
 
 _OPENED = re.compile(r"(?:Opening and ending tag mismatch:|Premature end of data in tag|Couldn't find end of Start Tag)"
                      r" (?P<tag>\S+) line (?P<line>\d+)")  # fmt: skip
 
 
-def _words(message: str, help: str | None = None) -> Callable[[re.Match[str]], _Words]:
-    return lambda found: (found.expand(message), found.expand(help) if help else None)
-
-
-def _plain(said: str) -> _Words:
+def _plain(said: str) -> str:
     first = (said.strip().splitlines() or ["it cannot be read"])[0]
-    return (first[:1].lower() + first[1:] if not first[:2].isupper() else first, None)
+    return first if first[:2].isupper() else first[:1].lower() + first[1:]
 
 
-_KNOWN: tuple[tuple[re.Pattern[str], Callable[[re.Match[str]], _Words]], ...] = tuple(
-    (re.compile(pattern), words)
-    for pattern, words in (
-        (r"Document is empty", _words("it is empty")),
-        (r"Start tag expected, '<' not found", _words("it does not begin with `<`")),
-        (
-            r"Opening and ending tag mismatch: (\S+) line (\d+) and (\S+)",
-            _words(r"`</\3>` stands where `<\1>` is still open", r"end the tag with `/>`, or write `</\1>` first"),
-        ),
-        (r"Premature end of data in tag (\S+)", _words(r"`<\1>` is never closed", r"write `</\1>`")),
-        (
-            r"Couldn't find end of Start Tag (\S+)",
-            _words(r"the tag `<\1` has no end", "end it with `>`, or with `/>` if nothing stands in it"),
-        ),
-        (
-            r"Unescaped '<' not allowed in attributes values",
-            _words("a `<` stands in the value of an attribute", "close the quote before it; a real `<` is `&lt;`"),
-        ),
-        (r"AttValue: \" or ' expected", _words("the value of an attribute has no quotes", 'write `name="value"`')),
-        (r"AttValue: ' expected", _words("the value of an attribute is never closed", "add the closing quote")),
-        (
-            r"Specification mandates? value for attribute (\S+)",
-            _words(r"the attribute `\1` has no value", r'write `\1="…"`'),
-        ),
-        (r"Attribute (\S+) redefined", _words(r"the attribute `\1` is written twice in one tag", "keep one of them")),
-        (r"xmlParseEntityRef: no name|EntityRef: expecting ';'", _words("a `&` stands by itself", "write `&amp;`")),
-        (r"Entity '(\S+)' not defined", _words(r"nothing is known of `&\1;`", "write the character itself")),
-        (
-            r"Comment not terminated|Comment must not contain",
-            _words("a comment is never closed", "close it with `-->`"),
-        ),
-        (
-            r"Extra content at the end of the document",
-            _words("something stands after the end of its one outermost element"),
-        ),
-        (r"[Ee]xcessive depth in document: (\d+)", _words(r"elements stand more than \1 deep inside one another")),
-        (r"CData section not finished", _words("a `<![CDATA[` is never closed", "close it with `]]>`")),
-        (
-            r"xmlParseCharRef: invalid|PCDATA invalid Char|[Ii]nvalid character",
-            _words("a character stands there that XML cannot hold", "take it out"),
-        ),
-        (r"[Ee]xpected '>'", _words("a tag lacks its `>`")),
-        (r"StartTag: invalid element name", _words("a `<` begins no tag", "a real `<` is `&lt;`")),
-        (
-            r"error parsing attribute name",
-            _words("a tag is not ended before the next one begins", "end it with `>`, or with `/>`"),
-        ),
-        (r"attributes construct error", _words("attributes are not parted from one another", "put a space between")),
-        (
-            r"Input is not proper UTF-8|Invalid bytes in character encoding|switching encoding: encoder error",
-            _words("it is not UTF-8 text, and does not say what else", "save the file as UTF-8"),
-        ),
-    )
-)
+_KNOWN: tuple[tuple[str, str, str | None], ...] = (
+    (r"Document is empty", "it is empty", None),
+    (r"Start tag expected, '<' not found", "it does not begin with `<`", None),
+    (
+        r"Opening and ending tag mismatch: (\S+) line (\d+) and (\S+)",
+        r"`</\3>` closes a tag, but `<\1>` is still open", r"end the tag with `/>`, or write `</\1>` first",
+    ),
+    (r"Premature end of data in tag (\S+)", r"`<\1>` is never closed", r"write `</\1>`"),
+    (
+        r"Couldn't find end of Start Tag (\S+)",
+        r"the tag `<\1` has no end", "end it with `>`, or with `/>` if it is empty",
+    ),
+    (
+        r"Unescaped '<' not allowed in attributes values",
+        "the value of an attribute has a `<`", "close the quote before it; a real `<` is `&lt;`",
+    ),
+    (r"AttValue: \" or ' expected", "the value of an attribute has no quotes", 'write `name="value"`'),
+    (r"AttValue: ' expected", "the value of an attribute is never closed", "add the closing quote"),
+    (r"Specification mandates? value for attribute (\S+)", r"the attribute `\1` has no value", r'write `\1="…"`'),
+    (r"Attribute (\S+) redefined", r"the attribute `\1` appears twice in a tag", "keep one of them"),
+    (r"xmlParseEntityRef: no name|EntityRef: expecting ';'", "a `&` appears by itself", "write `&amp;`"),
+    (r"Entity '(\S+)' not defined", r"the entity `&\1;` is not defined", "write the character itself"),
+    (r"Comment not terminated|Comment must not contain", "a comment is never closed", "close it with `-->`"),
+    (r"Extra content at the end of the document", "something follows the end of its outermost element", None),
+    (r"[Ee]xcessive depth in document: (\d+)", r"elements are nested more than \1 deep", None),
+    (r"CData section not finished", "a `<![CDATA[` is never closed", "close it with `]]>`"),
+    (
+        r"xmlParseCharRef: invalid|PCDATA invalid Char|[Ii]nvalid character",
+        "it has a character that XML cannot hold", "remove the character",
+    ),
+    (r"[Ee]xpected '>'", "a tag lacks its `>`", None),
+    (r"StartTag: invalid element name", "a `<` begins no tag", "a real `<` is `&lt;`"),
+    (
+        r"error parsing attribute name",
+        "a tag does not end before the next tag begins", "end it with `>`, or with `/>`",
+    ),
+    (r"attributes construct error", "two attributes have no space between them", "put a space between"),
+    (
+        r"Input is not proper UTF-8|Invalid bytes in character encoding|switching encoding: encoder error",
+        "it is not UTF-8 text, and names no other encoding", "save the file as UTF-8",
+    ),
+)  # fmt: skip
+"""Patterns of lxml's messages, with the message and the help that they become."""

@@ -6,6 +6,7 @@ and `qvel`. `rows_of` takes the name of an array, `span` the name of a vector.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Mapping
 from functools import cache
 from typing import Any
@@ -17,9 +18,8 @@ from mjcompose.mujoco.arrays import ARRAYS, FREE, JOINT_TYPES, about
 from mjcompose.mujoco.attributes import KIND_OF, Model
 from mjcompose.mujoco.references import WRAPS_A_GEOM, Array, twists
 
-POSITIONS = tuple(each.positions for each in JOINT_TYPES)
-VELOCITIES = tuple(each.velocities for each in JOINT_TYPES)
-_EDGES_OF_AN_ELEMENT = {1: 1, 2: 3, 3: 6}
+_CORNERS, _EDGES = {1: 2, 2: 3, 3: 4}, {1: 1, 2: 3, 3: 6}
+"""Numbers of an element of a flex, by its dimension."""
 
 Shape = tuple[int, ...]
 
@@ -53,22 +53,12 @@ def counted(array: str) -> Callable[[Model, int], int]:
     return lambda model, index: int(getattr(model, array)[index])
 
 
-def _of_joint(numbers: tuple[int, ...]) -> Callable[[Model, int], int]:
-    return lambda model, index: numbers[int(model.jnt_type[index])]
-
-
 def _grid(*arrays: str) -> Callable[[Model, int], Shape]:
     return lambda model, index: tuple(int(getattr(model, array)[index]) for array in arrays)
 
 
 def _cells(*arrays: str) -> Callable[[Model, int], int]:
-    def number(model: Model, index: int) -> int:
-        cells = 1
-        for array in arrays:
-            cells *= int(getattr(model, array)[index])
-        return cells
-
-    return number
+    return lambda model, index: math.prod(_grid(*arrays)(model, index))
 
 
 def _up_to_the_next(own: str, size: str, *addresses: str) -> Callable[[Model, int], int]:
@@ -86,12 +76,8 @@ def _plastic(own: str) -> Run:
     return Run(own, _up_to_the_next(own, "nplastic", "jnt_plasticadr", "tendon_plasticadr", "flex_plasticadr"))
 
 
-def _corners(model: Model, index: int) -> int:
-    return int(model.flex_elemnum[index]) * (int(model.flex_dim[index]) + 1)
-
-
-def _edges(model: Model, index: int) -> int:
-    return int(model.flex_elemnum[index]) * _EDGES_OF_AN_ELEMENT[int(model.flex_dim[index])]
+def _of_elements(numbers: Mapping[int, int]) -> Callable[[Model, int], int]:
+    return lambda model, index: int(model.flex_elemnum[index]) * numbers[int(model.flex_dim[index])]
 
 
 _HFIELD = ("hfield_nrow", "hfield_ncol")
@@ -100,8 +86,8 @@ _TEXTURE = ("tex_height", "tex_width", "tex_nchannel")
 RUNS: Mapping[str, Mapping[str, Run]] = {
     "body": {"nmocap": Run("body_mocapid", lambda model, index: 1, as_row=True, required="a mocap body")},
     "joint": {
-        "nq": Run("jnt_qposadr", _of_joint(POSITIONS)),
-        "nv": Run("jnt_dofadr", _of_joint(VELOCITIES)),
+        "nq": Run("jnt_qposadr", lambda model, index: JOINT_TYPES[int(model.jnt_type[index])].positions),
+        "nv": Run("jnt_dofadr", lambda model, index: JOINT_TYPES[int(model.jnt_type[index])].velocities),
         "nplastic": _plastic("jnt_plasticadr"),
     },
     "actuator": {
@@ -136,8 +122,8 @@ RUNS: Mapping[str, Mapping[str, Run]] = {
         "nflexnode": Run("flex_nodeadr", counted("flex_nodenum")),
         "nflexedge": Run("flex_edgeadr", counted("flex_edgenum")),
         "nflexelem": Run("flex_elemadr", counted("flex_elemnum")),
-        "nflexelemdata": Run("flex_elemdataadr", _corners),
-        "nflexelemedge": Run("flex_elemedgeadr", _edges),
+        "nflexelemdata": Run("flex_elemdataadr", _of_elements(_CORNERS)),
+        "nflexelemedge": Run("flex_elemedgeadr", _of_elements(_EDGES)),
         "nplastic": _plastic("flex_plasticadr"),
         "nflexshelldata": Run("flex_shelldataadr", _cells("flex_shellnum", "flex_dim")),
     },
@@ -172,8 +158,6 @@ def rows_of(model: Model, kind: str, array: str, index: int) -> range:
     return range(index, index + 1) if run is None else run.rows(model, index)
 
 
-RaggedRun = tuple[str, Array]
-
 _TO_THE_NEXT: Mapping[str, Run] = {
     own: Run(own, _up_to_the_next(own, size, own))
     for own, size in (
@@ -204,7 +188,7 @@ def data_of(kind: str) -> tuple[tuple[str, Run, str], ...]:
     return tuple(found)
 
 
-def runs(model: Model, kind: str, index: int) -> Iterator[RaggedRun]:
+def runs(model: Model, kind: str, index: int) -> Iterator[tuple[str, Array]]:
     """Yield the data of one element, array by array, in a fixed order; shape (n,) or (n, width) as in `mjModel`.
 
     Arrays that this MuJoCo does not have are left out. ``links`` has the references.

@@ -599,12 +599,9 @@ def unit(field: str, form: str) -> str:
 
 # Sensors whose tag differs from the name in MuJoCo's enumeration.
 _TAGS = {
-    "geomdist": "distance",
-    "geomnormal": "normal",
-    "geomfromto": "fromto",
-    "jointactfrc": "jointactuatorfrc",
+    "geomdist": "distance", "geomnormal": "normal", "geomfromto": "fromto", "jointactfrc": "jointactuatorfrc",
     "tendonactfrc": "tendonactuatorfrc",
-}
+}  # fmt: skip
 
 
 @cache

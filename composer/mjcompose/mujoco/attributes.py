@@ -38,31 +38,14 @@ class Kind:
 KINDS: dict[str, Kind] = {
     word: Kind(word, arrays, object_type)
     for word, arrays, object_type in (
-        ("body", "body", 1),
-        ("joint", "jnt", 3),
-        ("geom", "geom", 5),
-        ("site", "site", 6),
-        ("camera", "cam", 7),
-        ("light", "light", 8),
-        ("texture", "tex", 13),
-        ("material", "mat", 14),
-        ("mesh", "mesh", 10),
-        ("hfield", "hfield", 12),
-        ("skin", "skin", 11),
-        ("flex", "flex", 9),
-        ("tendon", "tendon", 18),
-        ("equality", "eq", 17),
-        ("pair", "pair", 15),
-        ("exclude", "exclude", 16),
-        ("actuator", "actuator", 19),
-        ("sensor", "sensor", 20),
-        ("numeric", "numeric", 21),
-        ("text", "text", 22),
-        ("tuple", "tuple", 23),
-        ("plugin", "plugin", 25),
-        ("key", "key", 24),
+        ("body", "body", 1), ("joint", "jnt", 3), ("geom", "geom", 5), ("site", "site", 6), ("camera", "cam", 7),
+        ("light", "light", 8), ("texture", "tex", 13), ("material", "mat", 14), ("mesh", "mesh", 10),
+        ("hfield", "hfield", 12), ("skin", "skin", 11), ("flex", "flex", 9), ("tendon", "tendon", 18),
+        ("equality", "eq", 17), ("pair", "pair", 15), ("exclude", "exclude", 16), ("actuator", "actuator", 19),
+        ("sensor", "sensor", 20), ("numeric", "numeric", 21), ("text", "text", 22), ("tuple", "tuple", 23),
+        ("plugin", "plugin", 25), ("key", "key", 24),
     )
-}
+}  # fmt: skip
 """Every kind of element that `mjModel` names, in the order in which models are compared."""
 
 KIND_OF: dict[str, str] = {
@@ -156,19 +139,16 @@ _TABLE: Mapping[str, tuple[str, Mapping[str, str]]] = {
     "tendon": (
         "range limited stiffness damping armature frictionloss margin width rgba group user",
         {
-            "springlength": "tendon_lengthspring",
-            "solreflimit": "tendon_solref_lim",
-            "solimplimit": "tendon_solimp_lim",
-            "solreffriction": "tendon_solref_fri",
-            "solimpfriction": "tendon_solimp_fri",
-            "actuatorfrcrange": "tendon_actfrcrange",
+            "springlength": "tendon_lengthspring", "solreflimit": "tendon_solref_lim",
+            "solimplimit": "tendon_solimp_lim", "solreffriction": "tendon_solref_fri",
+            "solimpfriction": "tendon_solimp_fri", "actuatorfrcrange": "tendon_actfrcrange",
             "actuatorfrclimited": "tendon_actfrclimited",
         },
     ),
     "actuator": (f"{_RANGES} gear cranklength gainprm biasprm dynprm group user", {}),
     "sensor": ("cutoff noise user", {}),
     "key": ("time", {}),
-}
+}  # fmt: skip
 TAGS = tuple(_TABLE)
 ANGLES: Mapping[str, frozenset[str]] = {"hinge": frozenset({"range", "ref", "springref"}), "ball": frozenset({"range"})}
 """Attributes of joints that are angles, by the type of the joint."""

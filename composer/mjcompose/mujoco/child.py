@@ -37,7 +37,10 @@ def main() -> None:
     os.dup2(2, 1)
     settings = json.loads(sys.stdin.readline())
     sys.path[:] = settings["path"]
-    _end_with_parent()
+    if os.name == "posix":  # before MuJoCo is imported, which starts threads
+        from mjcompose.base.guard import end_with
+
+        end_with(*map(int, sys.argv[1:]))
     _set_limits(settings["memory"])
     try:
         import mujoco
@@ -61,19 +64,11 @@ def main() -> None:
         _say(answers, answer)
 
 
-def _end_with_parent() -> None:
-    """End this process with its parent. Called before MuJoCo is imported, which starts threads."""
-    if os.name == "posix":
-        from mjcompose.base.guard import end_with
-
-        end_with(*map(int, sys.argv[1:]))
-
-
 def _compile(request: dict[str, Any], mujoco: Any, kept: dict[str, Any]) -> dict[str, Any]:
     answer: dict[str, Any] = {"ok": False, "crash": None}
     try:
         with _remembering(mujoco, request["folder_is_reused"]):
-            model = (_compiled_there if request["mjb"] else _compiled)(request, mujoco)
+            model = _compiled_there(request, mujoco) if request["mjb"] else _spec(request, mujoco).compile()
         if request["keep"] is not None:
             kept[request["keep"]] = model
         return answer | _described(request, mujoco, model) | {"ok": True}
@@ -81,16 +76,12 @@ def _compile(request: dict[str, Any], mujoco: Any, kept: dict[str, Any]) -> dict
         return answer | _fault(error)
 
 
-def _compiled(request: dict[str, Any], mujoco: Any) -> Any:
-    return _spec(request, mujoco).compile()
-
-
 def _compiled_there(request: dict[str, Any], mujoco: Any) -> Any:
     """Compile in the model's own folder: an MJB contains the paths of its assets, which should be relative."""
     log = Path(LOG_FILE).absolute()
     with contextlib.chdir(request["folder"]):
         try:
-            return _compiled({**request, "folder": ""}, mujoco)
+            return _spec({**request, "folder": ""}, mujoco).compile()
         finally:
             with contextlib.suppress(OSError):
                 contents = Path(LOG_FILE).read_bytes()
@@ -101,20 +92,15 @@ def _compiled_there(request: dict[str, Any], mujoco: Any) -> Any:
 
 def _spec(request: dict[str, Any], mujoco: Any) -> Any:
     path = Path(request["folder"], request["model"])
-    if not _is_utf8(path):
-        raise ValueError("MuJoCo opens only files whose whole path is UTF-8: rename it")
+    try:
+        str(path).encode()
+    except UnicodeEncodeError:
+        raise ValueError("MuJoCo opens only files whose whole path is UTF-8: rename it") from None
     if request["text"] is not None:
         return mujoco.MjSpec.from_file(str(path), include={str(path): request["text"].encode()})
     if path.suffix.lower() in {".zip", ".mjz"}:
         return mujoco.MjSpec.from_zip(str(path))
     return mujoco.MjSpec.from_file(str(path))
-
-
-def _is_utf8(path: Path) -> bool:
-    try:
-        return bool(str(path).encode())
-    except UnicodeEncodeError:
-        return False
 
 
 def _described(request: dict[str, Any], mujoco: Any, model: Any) -> dict[str, Any]:
@@ -196,12 +182,8 @@ def _fault(error: Exception) -> dict[str, Any]:
 
 def _set_limits(memory: int) -> None:
     """Disable core dumps; limit data to `memory` bytes, and address space to twice that where only that is counted."""
-    try:
-        import resource
-    except ImportError:
-        return
     for name, value in (("RLIMIT_CORE", 0), ("RLIMIT_DATA", memory), ("RLIMIT_AS", 2 * memory)):
-        _set_soft_limit(resource, getattr(resource, name, None), value)
+        _set_soft_limit(name, value)
 
 
 def _set_cpu_limit(seconds: float) -> None:
@@ -212,16 +194,20 @@ def _set_cpu_limit(seconds: float) -> None:
         return
     usage = resource.getrusage(resource.RUSAGE_SELF)
     allowance = min((seconds + 5) * (os.cpu_count() or 1), 1e9)
-    _set_soft_limit(resource, resource.RLIMIT_CPU, int(usage.ru_utime + usage.ru_stime + allowance) + 1)
+    _set_soft_limit("RLIMIT_CPU", int(usage.ru_utime + usage.ru_stime + allowance) + 1)
 
 
-def _set_soft_limit(resource: Any, kind: int | None, value: int) -> None:
-    if kind is None:
+def _set_soft_limit(name: str, value: int) -> None:
+    try:
+        import resource
+
+        kind: int = getattr(resource, name)
+    except (ImportError, AttributeError):  # a system without this limit
         return
     hard = resource.getrlimit(kind)[1]
     if hard != resource.RLIM_INFINITY:
         value = min(value, hard)
-    with contextlib.suppress(OSError, ValueError):  # a system without this limit
+    with contextlib.suppress(OSError, ValueError):
         resource.setrlimit(kind, (value, hard))
 
 

@@ -1,8 +1,8 @@
-"""Pairs of bodies that need not collide, in the child process that has MuJoCo."""
+"""Pairs of bodies that touch, and pairs that need not collide, in the child process that has MuJoCo."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from typing import Any
 
 import numpy as np
@@ -14,30 +14,83 @@ _NEAR, _FAR = 0.002, 10.0
 _STARTS, _ROUNDS, _STEPS = 3, 3, 7
 
 
-def needless(mujoco: Any, model: Any, asked: dict[str, int]) -> list[dict[str, Any]]:
-    """For `mjcompose.mujoco.engine.call`: the pairs of bodies that MuJoCo checks and need not.
+Pair = tuple[int, int]
 
-    A joint connects the two (`adjacent`), they touch in the reference configuration or in a key (`touching`), or they
-    touch in none of so many `samples`, which a `seed` draws (`never`): every joint anywhere in its range, whatever
-    equalities say. What stands in the world itself is left out, and what can move away from the other without a limit
-    is no claim about `never`. Neither are two bodies that actuators move on separate branches, such as the jaws of a
-    gripper, or bodies that a search brings together: samples miss the one pose in which they close. Jaws that touch in
-    a key stay, too, unless they touch in every sample. Gives for each pair the names of its `bodies`, what to call
-    them, `why` and `where`.
+
+def touching(mujoco: Any, model: Any, prefixes: list[str]) -> list[dict[str, Any]]:
+    """Return the pairs of bodies of different parts that touch or overlap; runs under `mjcompose.mujoco.engine.call`.
+
+    This checks the reference configuration and all keys. `prefixes` are those of the parts. Freely floating bodies
+    are not checked, because they may lie on the other one. Each pair has the names of its `bodies` (empty for unnamed
+    ones), their names for messages, and where they touch.
     """
+    _let_collide(mujoco, model)
+    explicit = {frozenset(map(int, pair)) for pair in zip(model.pair_geom1, model.pair_geom2, strict=True)}
+    found: dict[Pair, dict[str, Any]] = {}
+    for where, data in _keys(mujoco, model):
+        for pair in _touched(mujoco, model, data, explicit=explicit):
+            parts = {_part(model, body, prefixes) for body in pair}
+            if len(parts) == 2 and pair not in found and not _floats(mujoco, model, pair):
+                found[pair] = _in_words(model, pair) | {"where": where}
+    return list(found.values())
+
+
+def _part(model: Any, body: int, prefixes: list[str]) -> str:
+    name = _named(model, body)
+    return max((each for each in prefixes if name.startswith(each)), key=len, default="")
+
+
+def _floats(mujoco: Any, model: Any, pair: Pair) -> bool:
+    """Return whether only a free joint connects the two."""
+    roots = {int(model.body_rootid[body]) for body in pair}
+    return len(roots) == 2 and any(_is_free(mujoco, model, root) for root in roots)
+
+
+def _let_collide(mujoco: Any, model: Any) -> None:
     off = int(mujoco.mjtDisableBit.mjDSBL_CONTACT) | int(mujoco.mjtDisableBit.mjDSBL_CONSTRAINT)
     model.opt.disableflags &= ~off
-    rest = set(_checked(mujoco, model))
-    found: dict[tuple[int, int], tuple[str, str]] = {}
-    for pair in sorted(rest):
-        if int(model.body_parentid[pair[1]]) == pair[0] and not _is_free(mujoco, model, pair[1]):
-            found[pair] = ADJACENT, ""
+
+
+def _keys(mujoco: Any, model: Any) -> Iterator[tuple[str, Any]]:
+    """Yield the reference configuration and each key in words, with the data there."""
     for key in range(-1, model.nkey):
         data = mujoco.MjData(model)
         if key >= 0:
             mujoco.mj_resetDataKeyframe(model, data, key)
-        where = "the reference configuration" if key < 0 else f"the key `{model.key(key).name}`"
-        for pair in sorted(_touched(mujoco, model, data) & rest):
+        yield "the reference configuration" if key < 0 else f"the key `{model.key(key).name}`", data
+
+
+def _in_words(model: Any, pair: Pair) -> dict[str, Any]:
+    names = [model.body(body).name for body in pair]
+    called = [
+        f"`{name}`" if name else f"a body in `{_named(model, body)}`" for name, body in zip(names, pair, strict=True)
+    ]
+    return {"bodies": names, "called": called}
+
+
+def _named(model: Any, body: int) -> str:
+    return str(model.body(next((each for each in _chain(model, body) if model.body(each).name), 0)).name)
+
+
+def needless(mujoco: Any, model: Any, asked: dict[str, int]) -> list[dict[str, Any]]:
+    """Return the pairs of bodies that MuJoCo checks and need not; runs under `mjcompose.mujoco.engine.call`.
+
+    A joint connects the two (`adjacent`), they touch in the reference configuration or in a key (`touching`), or they
+    touch in none of the `samples`, which a `seed` draws (`never`): every joint anywhere in its range, whatever
+    equalities say. Bodies of the world itself are not among them, and a body that can move away from the other without
+    a limit is never `never`. Neither are two bodies that actuators move on separate branches, such as the jaws of a
+    gripper, or bodies that a search brings together: samples miss the one pose in which they close. Jaws that touch in
+    a key stay, too, unless they touch in every sample. Each pair has the names of its `bodies`, their names for
+    messages, `why` and `where`.
+    """
+    _let_collide(mujoco, model)
+    rest = set(_checked(mujoco, model))
+    found: dict[Pair, tuple[str, str]] = {}
+    for pair in sorted(rest):
+        if int(model.body_parentid[pair[1]]) == pair[0] and not _is_free(mujoco, model, pair[1]):
+            found[pair] = ADJACENT, ""
+    for where, data in _keys(mujoco, model):
+        for pair in sorted(_touched(mujoco, model, data).keys() & rest):
             if _is_tied(mujoco, model, pair, sliding=True):
                 found.setdefault(pair, (TOUCHING, where))
     moved = _moved(mujoco, model)
@@ -45,7 +98,7 @@ def needless(mujoco: Any, model: Any, asked: dict[str, int]) -> list[dict[str, A
     closing = {pair for pair, (why, _) in found.items() if why == TOUCHING and pair in jaws}
     left = {pair for pair in rest - jaws if pair not in found and _is_tied(mujoco, model, pair, sliding=False)}
     for pose in _poses(mujoco, model, asked["samples"], seed=asked["seed"]) if left or closing else ():
-        touched = _touched(mujoco, model, pose)
+        touched = _touched(mujoco, model, pose).keys()
         left -= touched
         for pair in closing - touched:
             del found[pair]
@@ -54,24 +107,13 @@ def needless(mujoco: Any, model: Any, asked: dict[str, int]) -> list[dict[str, A
             break
     random = np.random.Generator(np.random.PCG64(asked["seed"]))
     found |= {pair: (NEVER, "") for pair in sorted(left) if _least(mujoco, model, pair, random=random) > _NEAR}
-    return [
-        {
-            "bodies": [model.body(body).name for body in pair],
-            "called": [_called(model, body) for body in pair],
-            "why": why,
-            "where": where,
-        }
-        for pair, (why, where) in sorted(found.items())
-    ]
+    return [_in_words(model, pair) | {"why": why, "where": where} for pair, (why, where) in sorted(found.items())]
 
 
-def _checked(mujoco: Any, model: Any) -> Iterator[tuple[int, int]]:
+def _checked(mujoco: Any, model: Any) -> Iterator[Pair]:
     """The pairs of bodies, without the world, whose geoms MuJoCo checks: as `mj_collision` filters them."""
     types = {
-        body: [
-            (int(model.geom_contype[geom]), int(model.geom_conaffinity[geom]))
-            for geom in range(model.body_geomadr[body], model.body_geomadr[body] + model.body_geomnum[body])
-        ]
+        body: [(int(model.geom_contype[geom]), int(model.geom_conaffinity[geom])) for geom in _geoms(model, body)]
         for body in range(1, model.nbody)
         if model.body_geomnum[body]
     }
@@ -93,14 +135,15 @@ def _checked(mujoco: Any, model: Any) -> Iterator[tuple[int, int]]:
                 yield one, other
 
 
-def _touched(mujoco: Any, model: Any, data: Any) -> set[tuple[int, int]]:
+def _touched(mujoco: Any, model: Any, data: Any, explicit: Collection[frozenset[int]] = ()) -> dict[Pair, None]:
+    """Return the pairs of bodies that touch, except by two geoms that are an `explicit` pair."""
     mujoco.mj_fwdPosition(model, data)
-    found = set()
+    found: dict[Pair, None] = {}
     for contact in data.contact:
-        geoms = [int(each) for each in contact.geom]
-        if contact.dist <= _CLOSE and min(geoms) >= 0:
-            one, other = sorted(int(model.geom_bodyid[each]) for each in geoms)
-            found.add((one, other))
+        geoms = frozenset(int(each) for each in contact.geom)
+        if contact.dist <= _CLOSE and min(geoms) >= 0 and geoms not in explicit:
+            one, other = sorted(int(model.geom_bodyid[each]) for each in contact.geom)
+            found[one, other] = None
     return found
 
 
@@ -130,7 +173,7 @@ def _moved(mujoco: Any, model: Any) -> set[int]:
     return moved
 
 
-def _are_jaws(model: Any, pair: tuple[int, int], moved: set[int]) -> bool:
+def _are_jaws(model: Any, pair: Pair, moved: set[int]) -> bool:
     """Return whether neither body carries the other, and actuators move both from what carries them."""
     sides = [set(_chain(model, body)) for body in pair]
     return all(
@@ -139,17 +182,15 @@ def _are_jaws(model: Any, pair: tuple[int, int], moved: set[int]) -> bool:
     )
 
 
-def _between(model: Any, pair: tuple[int, int]) -> Iterator[int]:
+def _between(model: Any, pair: Pair) -> Iterator[int]:
     """Yield the joints that move one of two bodies against the other."""
     one, other = (set(_chain(model, body)) for body in pair)
     return (joint for body in sorted(one ^ other) for joint in _joints(model, body))
 
 
-def _least(mujoco: Any, model: Any, pair: tuple[int, int], random: np.random.Generator) -> float:
+def _least(mujoco: Any, model: Any, pair: Pair, random: np.random.Generator) -> float:
     """Return how near the two come where their joints are turned one after the other, from several poses."""
-    geoms = [
-        range(int(model.body_geomadr[body]), int(model.body_geomadr[body] + model.body_geomnum[body])) for body in pair
-    ]
+    geoms = [_geoms(model, body) for body in pair]
     meant = [
         (one, other)
         for one in geoms[0]
@@ -200,12 +241,17 @@ def _is_free(mujoco: Any, model: Any, body: int) -> bool:
     return any(int(model.jnt_type[joint]) == int(mujoco.mjtJoint.mjJNT_FREE) for joint in _joints(model, body))
 
 
+def _geoms(model: Any, body: int) -> range:
+    start = int(model.body_geomadr[body])
+    return range(start, start + int(model.body_geomnum[body]))
+
+
 def _joints(model: Any, body: int) -> range:
     start = int(model.body_jntadr[body])
     return range(start, start + int(model.body_jntnum[body]))
 
 
-def _is_tied(mujoco: Any, model: Any, pair: tuple[int, int], *, sliding: bool) -> bool:
+def _is_tied(mujoco: Any, model: Any, pair: Pair, *, sliding: bool) -> bool:
     """Whether the two cannot go apart as far as they like; `sliding` says that slides without a range do not count."""
     one, other = (set(_chain(model, body)) for body in pair)
     free, slide = int(mujoco.mjtJoint.mjJNT_FREE), int(mujoco.mjtJoint.mjJNT_SLIDE)
@@ -237,10 +283,3 @@ def _poses(mujoco: Any, model: Any, count: int, seed: int) -> Iterator[Any]:
                 low, high = _ends(model, joint)
                 data.qpos[at] = low + random.random() * (high - low)
         yield data
-
-
-def _called(model: Any, body: int) -> str:
-    if name := model.body(body).name:
-        return f"`{name}`"
-    above = next((each for each in _chain(model, body) if model.body(each).name), 0)
-    return f"a body in `{model.body(above).name}`"

@@ -195,7 +195,7 @@ def hold(mujoco: Any, model: Any, question: dict[str, Any]) -> dict[str, Any]:
     data.qvel[:] = 0
     data.qacc[:] = 0
     mujoco.mj_fwdPosition(model, data)
-    laws = [_Law(mujoco, model, data, index=index) for index in range(_count(model))]
+    laws = [_Law(mujoco, model, data, index=index) for index in range(len(model.actuator_gaintype))]
     forces, left = np.zeros(len(laws)), 0.0
     if question["forces"]:
         mujoco.mj_inverse(model, data)
@@ -209,10 +209,6 @@ def hold(mujoco: Any, model: Any, question: dict[str, Any]) -> dict[str, Any]:
     return {"ctrl": ctrl, "act": act, "unlike": unlike, "unknown": unknown, "left": left}
 
 
-def _count(model: Any) -> int:
-    return len(model.actuator_gaintype)
-
-
 class _Law:
     """One actuator at the pose: `kind` names its type if no control holds the pose, and is empty otherwise."""
 
@@ -222,9 +218,8 @@ class _Law:
         self.control = int(model.actuator_ctrladr[index]) if hasattr(model, "actuator_ctrladr") else index
         self.count = int(model.actuator_ctrlnum[index]) if hasattr(model, "actuator_ctrlnum") else 1
         self.state, self.states = int(model.actuator_actadr[index]), int(model.actuator_actnum[index])
-        output = int(model.actuator_outadr[index]) if hasattr(model, "actuator_outadr") else index
-        self.length = float(data.actuator_length[output])
-        self.output = output
+        self.output = int(model.actuator_outadr[index]) if hasattr(model, "actuator_outadr") else index
+        self.length = float(data.actuator_length[self.output])
         gain, bias, dynamic = (int(getattr(model, f"actuator_{name}type")[index]) for name in ("gain", "bias", "dyn"))
         gainprm, biasprm = model.actuator_gainprm[index], model.actuator_biasprm[index]
         by_plugin = is_by_plugin(model, index)

@@ -14,10 +14,9 @@ import tempfile
 import threading
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import field
+from dataclasses import asdict, field
 from functools import lru_cache
 from pathlib import Path
-from types import TracebackType
 from typing import IO, TYPE_CHECKING, Any
 
 from mjcompose.base.dataclass import dataclass
@@ -46,10 +45,7 @@ class Limits:
 
     @property
     def step(self) -> float:
-        """Seconds that the first step of a model may compute (POSIX).
-
-        A slower model cannot be simulated in practice.
-        """
+        """Seconds that the first step of a model may compute (POSIX); a slower model cannot be simulated."""
         return self.seconds / 20
 
     def __post_init__(self) -> None:
@@ -92,21 +88,11 @@ class Request:
 
         `step` is the limit for the forward step in seconds; 0 is no limit.
         """
-        return json.dumps(
-            {
-                "folder": str(self.folder.absolute()),
-                "model": self.model,
-                "wants": self.wants,
-                "arrays": self.arrays,
-                "arrays_file": str(arrays_file),
-                "mjb": None if self.mjb is None else str(self.mjb.absolute()),
-                "text": self.text,
-                "keep": self.keep,
-                "step": step,
-                "folder_is_reused": self.folder_is_reused,
-            },
-            ensure_ascii=False,
-        )
+        paths = {
+            "folder": str(self.folder.absolute()), "mjb": self.mjb and str(self.mjb.absolute()),
+            "arrays_file": str(arrays_file),
+        }  # fmt: skip
+        return json.dumps({**asdict(self), **paths, "step": step}, ensure_ascii=False)
 
 
 @dataclass(frozen=True, slots=True)
@@ -194,15 +180,13 @@ class Session:
     def __enter__(self) -> Session:
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
     def begin(self) -> None:
         """Start the child process without waiting for it, so that it imports MuJoCo in parallel."""
         if self._process is None:
-            with contextlib.suppress(OSError, ValueError):  # reported with the first request
+            with contextlib.suppress(OSError, ValueError):  # the first request reports it
                 self._spawn()
 
     def ask(self, request: Request) -> tuple[dict[str, Any], Path]:
@@ -383,15 +367,13 @@ class Session:
         if number == getattr(signal, "SIGXCPU", None):
             return _failure("MuJoCo used up its processor time", "timeout")
         if number == getattr(signal, "SIGPROF", None):
-            message = f"MuJoCo's first step of the model takes longer than {self.limits.step:g} s to compute"
-            return _failure(message, "timeout")
-        names = {entry.value: f" ({entry.name})" for entry in signal.Signals}
-        text = f"MuJoCo crashed with signal {number}{names.get(number, '')}{_quoted(words)}"
-        return _failure(text, f"signal {number}")
+            return _failure(f"MuJoCo needs more than {self.limits.step:g} s for the first step of the model", "timeout")
+        name = next((f" ({entry.name})" for entry in signal.Signals if entry == number), "")
+        return _failure(f"MuJoCo crashed with signal {number}{name}{_quoted(words)}", f"signal {number}")
 
     def _out_of_memory(self, words: str) -> dict[str, Any]:
         allowed = f"{self.limits.memory / GIB:.3g} GiB"
-        return _failure(f"MuJoCo ran out of the {allowed} of memory it was given{_quoted(words)}", "memory")
+        return _failure(f"MuJoCo needs more than the {allowed} of memory that it may use{_quoted(words)}", "memory")
 
     def _stop(self) -> None:
         process, self._process = self._process, None
@@ -409,7 +391,6 @@ def _failure(error: str, crash: str) -> dict[str, Any]:
 
 
 def _last_words(log: Path) -> str:
-    """Return the end of the child's output."""
     with log.open("rb") as file:
         file.seek(max(0, file.seek(0, os.SEEK_END) - _LAST_WORDS))
         return file.read().decode("utf-8", "replace")
@@ -438,10 +419,8 @@ def compile(
 
     Never raises for faults of the model. `limits` apply only without a `session`, which has its own.
     """
-    request = Request(
-        folder, model, wants=(*wants, "forward"), mjb=mjb, text=text, keep=keep,
-        folder_is_reused=folder_is_reused,
-    )  # fmt: skip
+    wants = (*wants, "forward")
+    request = Request(folder, model, wants, mjb=mjb, text=text, keep=keep, folder_is_reused=folder_is_reused)
     return _run(request, limits, session).compiled
 
 
@@ -459,11 +438,9 @@ def measure(
 
 def call(session: Session, function: Callable[..., Any], models: Sequence[str], argument: Any) -> Called:
     """Run `function(mujoco, *models, argument)` in the session's child on models kept there by name."""
-    answer = session.call(function, models, argument)
-    return Called(
-        ok=answer["ok"], value=answer.get("value"), error=answer.get("error"), crash=answer.get("crash"),
-        warnings=_distinct(answer.get("warnings", ())),
-    )  # fmt: skip
+    answer = {"value": None, "error": None, "crash": None, "warnings": ()} | session.call(function, models, argument)
+    names = ("ok", "value", "error", "crash")
+    return Called(**{name: answer[name] for name in names}, warnings=_distinct(answer["warnings"]))
 
 
 def _run(request: Request, limits: Limits | None, session: Session | None) -> Measured:

@@ -22,7 +22,9 @@ from mjcompose.mujoco.shapes import (
     UnusableError,
     hull_of,
     in_solid,
+    is_flat,
     on_surface,
+    read_mesh,
     rounded,
     with_faces,
 )
@@ -32,14 +34,15 @@ _ROUNDS = 20
 
 
 def spheres(mesh: Mesh, wanted: Mapping[str, Any]) -> list[Primitive]:
-    """So many balls, or fewer where one would be empty: each is the smallest around the surface nearest to it."""
+    """The wanted number of balls, or fewer if one would be empty: each is the smallest around its nearest surface."""
+    from scipy.spatial import cKDTree
     from trimesh.nsphere import minimum_nsphere
 
     points = numpy.vstack((mesh.vertices, on_surface(mesh.solid, _POINTS, wanted["seed"])))
     centres = _apart(points, wanted["count"])
     nearest = numpy.zeros(len(points), dtype=int)
     for _ in range(_ROUNDS):
-        nearest = _nearest(points, centres)
+        nearest = numpy.asarray(cKDTree(centres).query(points)[1])
         centres = numpy.array([points[nearest == each].mean(axis=0) for each in numpy.unique(nearest)])
     found = []
     for each in numpy.unique(nearest):
@@ -58,12 +61,6 @@ def _apart(points: numpy.ndarray, count: int) -> numpy.ndarray:
         away = numpy.minimum(away, numpy.linalg.norm(points - points[chosen[-1]], axis=1))
         chosen.append(int(away.argmax()))
     return points[chosen].copy()
-
-
-def _nearest(points: numpy.ndarray, centres: numpy.ndarray) -> numpy.ndarray:
-    from scipy.spatial import cKDTree
-
-    return numpy.asarray(cKDTree(centres).query(points)[1])
 
 
 PRIMITIVES = ("box", "sphere", "capsule", "cylinder")
@@ -145,7 +142,7 @@ def decompose(mesh: Mesh, wanted: Mapping[str, Any]) -> list[Hull]:
         except QhullError:
             continue  # a sliver without volume, which touches nothing that its neighbours do not
     if not pieces:
-        raise UnusableError("CoACD makes nothing of it")
+        raise UnusableError("CoACD finds no piece of it")
     return pieces
 
 
@@ -155,7 +152,7 @@ _PASSES = 3
 
 
 def simplify(mesh: Mesh, faces: int) -> Mesh:
-    """The mesh with so many faces at most; itself where it has no more. Raises UnusableError."""
+    """The mesh with at most `faces` faces; itself if it has no more. Raises UnusableError."""
     if len(mesh.faces) <= faces:
         return mesh
     fewest = len(mesh.faces)
@@ -315,10 +312,8 @@ def _volume(shapes: Sequence[Shape]) -> float:
 
 
 NEEDS = {
-    "hull": ("trimesh", "scipy", "rtree"),
-    "fit": ("trimesh", "scipy", "rtree"),
+    **dict.fromkeys(("hull", "fit", "spheres"), ("trimesh", "scipy", "rtree")),
     "decompose": ("trimesh", "scipy", "rtree", "coacd"),
-    "spheres": ("trimesh", "scipy", "rtree"),
     "simplify": ("trimesh", "scipy", "rtree", "fast-simplification"),
 }
 """The distributions that each method imports."""
@@ -338,28 +333,18 @@ def make(mujoco: Any, argument: dict[str, Any]) -> dict[str, Any]:
             versions[name] = metadata.version(name)
         except metadata.PackageNotFoundError:
             return {"missing": name}
-    from mjcompose.mujoco.shapes import check_thick, read_mesh
-
     try:
         mesh = read_mesh(mujoco, argument["mesh"], argument["most_faces"])
-        if method != "simplify":
-            check_thick(mesh)
-        return {
-            **_made(mesh, method, wanted),
-            "mesh": {
-                "faces": len(mesh.faces),
-                "closed": mesh.is_closed,
-                "size": float(f"{mesh.size:.4g}"),
-                "mapped": mesh.is_mapped,
-            },
-            "made_with": {name: versions[name] for name in sorted(versions)},
-        }
+        if method != "simplify" and is_flat(mesh.vertices):
+            raise UnusableError("it is flat")
+        size = float(f"{mesh.size:.4g}")
+        about = {"faces": len(mesh.faces), "closed": mesh.is_closed, "size": size, "mapped": mesh.is_mapped}
+        return {**_made(mesh, method, wanted), "mesh": about, "made_with": dict(sorted(versions.items()))}
     except UnusableError as error:
         return {"unusable": str(error), "limit": error.limit}
 
 
 def _made(mesh: Any, method: str, wanted: Any) -> dict[str, Any]:
-
     if method == "simplify":
         smaller = simplify(mesh, wanted["faces"])
         found = Hull(smaller.vertices, smaller.faces)
@@ -368,10 +353,8 @@ def _made(mesh: Any, method: str, wanted: Any) -> dict[str, Any]:
         shapes: list[Any] = [hull_of(mesh.vertices, wanted["vertices"])]
     elif method == "fit":
         shapes = [fit(mesh, wanted)]
-    elif method == "decompose":
-        shapes = list(decompose(mesh, wanted))
     else:
-        shapes = list(spheres(mesh, wanted))
+        shapes = [*(decompose if method == "decompose" else spheres)(mesh, wanted)]
     return {"shapes": [shape.to_data() for shape in shapes], "error": _digits(measured(mesh, shapes))}
 
 

@@ -213,30 +213,20 @@ def _sensors(model: Model, mujoco: Any) -> Iterator[Sensor]:
     for row, name in enumerate(names(model, "sensor")):
         tag, size = tags.get(int(model.sensor_type[row]), "unknown"), int(model.sensor_dim[row])
         data, cutoff = span(model, "sensordata", row), float(model.sensor_cutoff[row])
-        unit = units.of_sensor(tag, size, _coordinate(model, tag, int(model.sensor_objid[row])))
+        target, coordinate = int(model.sensor_objid[row]), None
+        if tag.startswith("actuator"):
+            coordinate = units.of_transmission(model, target)
+        elif tag.startswith("joint"):
+            coordinate = JOINT_TYPES[int(model.jnt_type[target])].coordinate
+        unit = units.of_sensor(tag, size, coordinate)
         address = data.start if data else 0  # of `<user dim="0">`, which has none
         yield Sensor(name, tag, address, size=len(data), unit=unit, cutoff=cutoff if cutoff > 0 else None)
-
-
-def _coordinate(model: Model, tag: str, row: int) -> str | None:
-    """Return the unit of the coordinate of a sensor's joint or actuator."""
-    if tag.startswith("actuator"):
-        return units.of_transmission(model, row)
-    if tag.startswith("joint"):
-        return JOINT_TYPES[int(model.jnt_type[row])].coordinate
-    return None
 
 
 def _cameras(model: Model, mujoco: Any, bodies: list[str]) -> Iterator[Camera]:
     for row, name in enumerate(names(model, "camera")):
         width, height = (int(each) for each in model.cam_resolution[row])
-        unit = LENGTH if _is_orthographic(model, mujoco, row) else "deg"
+        is_flat = int(model.cam_projection[row]) == int(mujoco.mjtProjection.mjPROJ_ORTHOGRAPHIC)
+        unit = LENGTH if is_flat else "deg"
         body = bodies[holder(model, "camera", row)]
         yield Camera(name, body, float(model.cam_fovy[row]), unit=unit, resolution=(width, height))
-
-
-def _is_orthographic(model: Model, mujoco: Any, row: int) -> bool:
-    """Return whether `fovy` is a length. Older versions have a flag, newer ones a projection type."""
-    if hasattr(model, "cam_projection"):
-        return int(model.cam_projection[row]) == int(mujoco.mjtProjection.mjPROJ_ORTHOGRAPHIC)
-    return bool(getattr(model, "cam_orthographic", [0] * (row + 1))[row])

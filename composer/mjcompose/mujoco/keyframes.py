@@ -134,11 +134,10 @@ def _of_joints(matching: Correspondence, key: int, target: int, moved: Pose | No
         if there == ABSENT or alone.jnt_type[joint] != composed.jnt_type[there]:
             continue
         name = matching.composed.describe("joint", there)
-        kind = int(alone.jnt_type[joint])
-        mine_q, mine_v = _joint_state(alone, key, joint)
-        theirs_q, theirs_v = _joint_state(composed, target, there)
+        mine_q, theirs_q = _entry(alone, "qpos", key, index=joint), _entry(composed, "qpos", target, index=there)
+        mine_v, theirs_v = _entry(alone, "qvel", key, index=joint), _entry(composed, "qvel", target, index=there)
         bound = 0.0
-        if kind == FREE and moved is not None:
+        if int(alone.jnt_type[joint]) == FREE and moved is not None:
             mine_q, mine_v, bound = _moved(mine_q, moved), _turned(mine_v, moved), ROUNDING
             theirs_q = _aligned(theirs_q, mine_q)
         yield f"key_qpos of `{name}`", mine_q, theirs_q, bound
@@ -161,14 +160,13 @@ def _of_mocap_bodies(matching: Correspondence, key: int, target: int, moved: Pos
         yield f"key_mquat of `{name}`", mine[3:], theirs[3:], bound
 
 
-def _joint_state(model: Model, key: int, joint: int) -> tuple[Array, Array]:
-    return _entry(model, "qpos", key, index=joint), _entry(model, "qvel", key, index=joint)
-
-
 def _entry(model: Model, vector: str, key: int, index: int) -> Array:
-    rows = span(model, vector, index)
-    entry: Array = getattr(model, f"key_{vector}")[key, rows.start : rows.stop]
-    return entry
+    return _cut(model, vector, key, rows=span(model, vector, index))
+
+
+def _cut(model: Model, vector: str, key: int, rows: range) -> Array:
+    numbers: Array = getattr(model, f"key_{vector}")[key, rows.start : rows.stop]
+    return numbers
 
 
 def _mocap(model: Model, key: int, body: int) -> Array:
@@ -180,18 +178,13 @@ def _mocap(model: Model, key: int, body: int) -> Array:
 def _plastic(matching: Correspondence, kind: str, key: int, target: int, index: int, there: int) -> Iterator[Entry]:
     if not hasattr(matching.alone.model, "key_plastic"):
         return
-    mine = _plastic_state(matching.alone.model, kind, key, index=index)
-    theirs = _plastic_state(matching.composed.model, kind, target, index=there)
+    alone, composed, run = matching.alone.model, matching.composed.model, RUNS[kind]["nplastic"]
+    mine = _cut(alone, "plastic", key, rows=run.rows(alone, index))
+    theirs = _cut(composed, "plastic", target, rows=run.rows(composed, there))
     if mine.size or theirs.size:
         # By default it is the length in the reference configuration, measured in the world.
         bound = ROUNDING if kind == "tendon" else 0.0
         yield f"key_plastic of `{matching.composed.describe(kind, there)}`", mine, theirs, bound
-
-
-def _plastic_state(model: Model, kind: str, key: int, index: int) -> Array:
-    rows = RUNS[kind]["nplastic"].rows(model, index)
-    state: Array = model.key_plastic[key, rows.start : rows.stop]
-    return state
 
 
 def _moved(state: Array, transform: Pose) -> Array:

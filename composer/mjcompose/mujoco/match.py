@@ -16,7 +16,7 @@ from typing import TypeAlias
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.rotation import IDENTITY_QUAT, ORIGIN, Pose, Quat, Vec3, normalise
 from mjcompose.mujoco.addresses import runs
-from mjcompose.mujoco.attributes import HOLDERS, KINDS, ON_BODIES, Model, NameTable
+from mjcompose.mujoco.attributes import HOLDERS, KINDS, ON_BODIES, Model, NameTable, holder
 from mjcompose.mujoco.references import UNORDERED, Link, World, links, row_key
 
 Value: TypeAlias = bool | int | float | str | tuple["Value", ...] | None
@@ -75,8 +75,11 @@ def distinguishes(link: Link) -> bool:
 
 def raw(model: Model, kind: str, index: int) -> Hashable:
     """Return the references of an element of the composition, comparable with the translated ones of the part."""
-    targets = [(link.kind, link.index) for link in links(model, kind, index) if distinguishes(link)]
-    return tuple(sorted(targets)) if kind in UNORDERED else tuple(targets)
+    return _comparable(kind, ((each.kind, each.index) for each in links(model, kind, index) if distinguishes(each)))
+
+
+def _comparable(kind: str, targets: Iterable[tuple[str, int]]) -> Hashable:
+    return tuple(sorted(targets) if kind in UNORDERED else targets)
 
 
 def values(model: Model, kind: str, index: int) -> Hashable:
@@ -127,11 +130,8 @@ class Mount:
         offset = Pose(pos, normalise(quat))
         if site is None:
             return cls(body, offset)
-        roster = NameTable(composed)
-        index = roster.ids["site"][site]
-        place = _pose(composed.site_pos[index], composed.site_quat[index])
-        owner = int(composed.site_bodyid[index])
-        return cls(owner or None, place @ offset)
+        index = NameTable(composed).ids["site"][site]
+        return cls(holder(composed, "site", index) or None, pose_of(composed, "site", index) @ offset)
 
     def index(self, roster: NameTable) -> int:
         """Return the id of the body in the composition. Raises KeyError for an unknown body."""
@@ -140,9 +140,11 @@ class Mount:
         return self.body if isinstance(self.body, int) else roster.ids["body"][self.body]
 
 
-def _pose(pos: Model, quat: Model) -> Pose:
-    x, y, z = pos.tolist()
-    w, a, b, c = quat.tolist()
+def pose_of(model: Model, kind: str, index: int) -> Pose:
+    """Return the pose of an element in its body."""
+    arrays = KINDS[kind].arrays
+    x, y, z = getattr(model, f"{arrays}_pos")[index].tolist()
+    w, a, b, c = getattr(model, f"{arrays}_quat")[index].tolist()
     return Pose((x, y, z), (w, a, b, c))
 
 
@@ -250,18 +252,14 @@ class Correspondence:
             for index, owner in enumerate(owners):
                 if self.alone.names[kind][index]:
                     self._loads.setdefault(owner, []).append((kind, index))
-        here, there = _children(self.alone.model), _children(self.composed.model)
+        here, there = _unnamed_by_body(self.alone, "body"), _unnamed_by_body(self.composed, "body")
         for parent in range(self.alone.count("body")):
-            if found[parent] == ABSENT:
-                continue
-            children = [i for i in here.get(parent, ()) if not self.alone.names["body"][i]]
-            if not children:
+            children = here.get(parent, [])
+            if found[parent] == ABSENT or not children:
                 continue
             parents = sorted(self.worlds) if parent == 0 else [found[parent]]
             taken = self.taken["body"]
-            candidates = [
-                i for p in parents for i in there.get(p, ()) if not self.composed.names["body"][i] and i not in taken
-            ]
+            candidates = [i for p in parents for i in there.get(p, ()) if i not in taken]
             children, candidates = self._match_by_load(children, candidates)
             self._assign("body", children, candidates)
 
@@ -366,13 +364,12 @@ class Correspondence:
 
     def _apart(self, kind: str, index: int, target: int) -> float:
         """Return the distance of ``target`` from the expected position of ``index`` in metres; 0 if unknown."""
-        positions = f"{KINDS[kind].arrays}_pos"
         if kind not in HOLDERS or kind == "joint":
             return 0.0
+        positions = f"{KINDS[kind].arrays}_pos"
         x, y, z = getattr(self.alone.model, positions)[index].tolist()
         expected = Pose((x, y, z))
-        parents = f"{KINDS[kind].arrays}_{'parentid' if kind == 'body' else 'bodyid'}"
-        if int(getattr(self.alone.model, parents)[index]) == 0:
+        if holder(self.alone.model, kind, index) == 0:
             if self.pose is None:
                 return 0.0
             expected = self.pose @ expected
@@ -380,25 +377,13 @@ class Correspondence:
         return distance if distance > _SAME_PLACE else 0.0
 
     def _translated(self, kind: str, index: int) -> Hashable:
-        targets = [
-            (link.kind, min(self.targets(link), default=-2))
-            for link in links(self.alone.model, kind, index)
-            if distinguishes(link)
-        ]
-        return tuple(sorted(targets)) if kind in UNORDERED else tuple(targets)
-
-
-def _children(model: Model) -> dict[int, list[int]]:
-    children: dict[int, list[int]] = {}
-    for index, parent in enumerate(model.body_parentid.tolist()):
-        if index:
-            children.setdefault(parent, []).append(index)
-    return children
+        own = (link for link in links(self.alone.model, kind, index) if distinguishes(link))
+        return _comparable(kind, ((link.kind, min(self.targets(link), default=-2)) for link in own))
 
 
 def _unnamed_by_body(roster: NameTable, kind: str) -> dict[int, list[int]]:
     on_body: dict[int, list[int]] = {}
-    bodies: Iterable[int] = getattr(roster.model, ON_BODIES[kind]).tolist()
+    bodies: Iterable[int] = getattr(roster.model, HOLDERS[kind]).tolist()
     for index, (body, name) in enumerate(zip(bodies, roster.names[kind], strict=True)):
         if not name:
             on_body.setdefault(body, []).append(index)
@@ -407,14 +392,12 @@ def _unnamed_by_body(roster: NameTable, kind: str) -> dict[int, list[int]]:
 
 def presence_differences(matching: Correspondence, others: Sequence[tuple[str, Model]] | None) -> list[Difference]:
     """Return missing elements; with ``others``, extra ones as well. ``keyframes`` handles keys."""
-    rosters = None if others is None else [(prefix, NameTable(model)) for prefix, model in others]
+    tables = [(prefix, NameTable(model)) for prefix, model in others or ()]
     found: list[Difference] = []
     for kind in KINDS:
-        if kind == "key":
-            continue
-        found += _missing(matching, kind)
-        if rosters is not None and matching.prefix:
-            found += _extra(matching, kind, rosters)
+        if kind != "key":
+            found += _missing(matching, kind)
+            found += _extra(matching, kind, tables) if others is not None and matching.prefix else []
     return found
 
 
@@ -526,7 +509,3 @@ class Coupling:
     def acts_on(self, body: int) -> bool:
         """Return whether the kinematic tree of this body of the part is shared."""
         return self._roots[body] in self.trees
-
-    @property
-    def anywhere(self) -> bool:
-        return bool(self.trees)

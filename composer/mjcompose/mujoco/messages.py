@@ -97,19 +97,21 @@ def read_sentence(message: str) -> Sentence:
     >>> read_sentence("required attribute missing: 'pos'").missing_attribute
     'pos'
     """
-    attribute, unknown = _ATTRIBUTE.search(message), _UNKNOWN_ATTRIBUTE.search(message)
-    array = _ARRAY.search(message)
-    missing, size, plugin = _MISSING.search(message), _SIZE.search(message), _PLUGIN.search(message)
+
+    def first(pattern: re.Pattern[str], group: str) -> str | None:
+        found = pattern.search(message)
+        return None if found is None else found[group]
+
+    size, plugin = first(_SIZE, "index"), first(_PLUGIN, "id")
     return Sentence(
         next((topic for topic in Topic if re.search(topic.value, message)), None),
-        attribute["name"] if attribute else None, unknown["name"] if unknown else None,
+        first(_ATTRIBUTE, "name"), first(_UNKNOWN_ATTRIBUTE, "name"),
         is_unknown_element=_UNKNOWN_ELEMENT.search(message) is not None,
-        missing_attribute=missing["name"] if missing else None,
-        missing_element=missing["tag"] if missing else None, names=tuple(_QUOTED.findall(message)),
-        words=frozenset(_WORD.findall(message)), size_index=int(size["index"]) if size else None,
-        plugin=int(plugin["id"]) if plugin else None,
-        section=next((section for section, said in _SECTIONS.items() if said.search(message)), None),
-        array=array["name"] if array else None,
+        missing_attribute=first(_MISSING, "name"), missing_element=first(_MISSING, "tag"),
+        names=tuple(_QUOTED.findall(message)), words=frozenset(_WORD.findall(message)),
+        size_index=None if size is None else int(size), plugin=None if plugin is None else int(plugin),
+        section=next((section for section, pattern in _SECTIONS.items() if pattern.search(message)), None),
+        array=first(_ARRAY, "name"),
     )  # fmt: skip
 
 
@@ -185,13 +187,12 @@ def parse(text: str) -> Fault:
 
 
 def _not_well_formed(found: re.Match[str]) -> Fault:
-    what = found["error"].removeprefix("XML_ERROR_").replace("_", " ").lower()
+    fault = found["error"].removeprefix("XML_ERROR_").replace("_", " ").lower()
     rest = " ".join((found["rest"] or "").split())
     element = re.fullmatch(r"XMLElement name=(\S+)", rest)
     detail = f": {rest}" if rest and not element else ""
-    return Fault(
-        f"not well-formed XML: {what}{detail}", _positive(found["line"]), element=element[1] if element else None
-    )
+    message = f"not well-formed XML: {fault}{detail}"
+    return Fault(message, _positive(found["line"]), element=element[1] if element else None)
 
 
 def _positive(number: str | None) -> int | None:
@@ -229,11 +230,11 @@ def of_other_version(
     if known is None:
         return None
     since, until = known
-    what = f"`<{element.tag}>`" if name is None else f"attribute `{name}` of `<{element.tag}>`"
+    subject = f"`<{element.tag}>`" if name is None else f"attribute `{name}` of `<{element.tag}>`"
     return Diagnostic(
         "unknown-element" if name is None else "unknown-attribute",
-        f"this MuJoCo has no {what}",
-        notes=(Note(f"it existed up to MuJoCo {until}" if until else f"it exists since MuJoCo {since}"),),
+        f"this MuJoCo has no {subject}",
+        notes=_versions(since, until),
         help=None if file is None or _is_recipe(file) else
         f"`mjcompose migrate {file} --from {version or until or since} -o NEW` writes the model for this MuJoCo",
     )  # fmt: skip
@@ -293,13 +294,10 @@ def translate(message: str, element: Node | None) -> Translation:
         return unknown_element(element)
     subject = f"the {element.tag} `{element.get('name')}`" if element.get("name") else f"this {element.tag}"
     attribute = _attribute(said, element)
-    diagnostic = Diagnostic(
-        "mujoco-rejects",
-        f"MuJoCo rejects {subject}: {message}",
-        notes=_keywords(element, attribute),
-        help=_not_positive(said, element) or advice,
-    )
-    return Translation(diagnostic, attribute, topic=said.topic)
+    help = _not_positive(said, element) or advice
+    message = f"MuJoCo rejects {subject}: {message}"
+    rejected = Diagnostic("mujoco-rejects", message, notes=_keywords(element, attribute), help=help)
+    return Translation(rejected, attribute, topic=said.topic)
 
 
 def unknown_attribute(element: Node, name: str, file: str | None = None, version: str | None = None) -> Translation:
@@ -320,24 +318,19 @@ def unknown_element(element: Node, file: str | None = None, version: str | None 
     if (other := of_other_version(element, None, file, version=version)) is not None:
         return Translation(other)
     parent = element.getparent()
-    kind = kind_of(parent) if parent is not None else None
-    known = list(kind.children) if kind is not None else []
+    kind = None if parent is None else kind_of(parent)
+    known = [] if kind is None else list(kind.children)
     holder = f"`<{parent.tag}>`" if parent is not None else "a model"
-    return Translation(
-        Diagnostic(
-            "unknown-element",
-            f"`<{element.tag}>` cannot stand in {holder}",
-            notes=(exists_note("element", known, str(element.tag)),) if known else (),
-            help=did_you_mean(str(element.tag), known, "<{}>"),
-        )
-    )
+    tag = str(element.tag)
+    notes = (exists_note("element", known, tag),) if known else ()
+    message, help = f"`<{tag}>` cannot be in {holder}", did_you_mean(tag, known, "<{}>")
+    return Translation(Diagnostic("unknown-element", message, notes=notes, help=help))
 
 
 def _versions(since: str | None, until: str | None) -> tuple[Note, ...]:
     """Return which versions of MuJoCo have a word that this one lacks."""
-    if until is not None:
-        return (Note(f"it existed up to MuJoCo {until}"),)
-    return (Note(f"it exists since MuJoCo {since}"),) if since is not None else ()
+    note = f"it existed up to MuJoCo {until}" if until else f"it exists since MuJoCo {since}"
+    return (Note(note),) if since or until else ()
 
 
 def kind_of(element: Node) -> ElementType | None:
@@ -395,13 +388,13 @@ def locate_fault(said: Translation, element: Node, model: Unit) -> FaultLocation
     span = model.origins.span(element, model.file, said.attribute, key=said.key)
     if said.attribute is None:
         masses = _masses(element, model) if said.topic is Topic.MASS else ()
-        written = next((each for each in masses if _in_recipe(each)), None)
-        return FaultLocation(span) if written is None else FaultLocation(written, (Note("the body stands here", span),))
+        written = next((each for each in masses if _is_recipe(each.file)), None)
+        return FaultLocation(span) if written is None else FaultLocation(written, (Note("the body is here", span),))
     level = _class_level(said.attribute, element, model)
     if level is None or level.writer is None:
         return FaultLocation(span)
     there = model.origins.span(level.writer, model.file, said.attribute)
-    if _in_recipe(there):
+    if _is_recipe(there.file):
         return FaultLocation(there, (Note(f"the default class `{level.name}` gives it to this {element.tag}", span),))
     return FaultLocation(span, (Note(f"`{said.attribute}` is that of the default class `{level.name}`", there),))
 
@@ -412,8 +405,8 @@ def _class_level(attribute: str, element: Node, model: Unit) -> Level | None:
     known = kind.attributes.get(attribute) if kind is not None else None
     if kind is None or known is None or element.get(attribute) is not None:
         return None
-    given = (level for level in levels(element, kind, known, classes=model.classes) if level.taken or level.text)
-    nearest = next(given, None)
+    every = levels(element, kind, known, classes=model.classes)
+    nearest = next((level for level in every if level.taken or level.text), None)
     return nearest if nearest is not None and nearest.kind == "class" else None
 
 
@@ -423,10 +416,6 @@ def _masses(element: Node, model: Unit) -> Iterator[Span]:
         for name in _MASSES[str(child.tag)]:
             if child.get(name) is not None:
                 yield model.origins.span(child, model.file, name)
-
-
-def _in_recipe(span: Span) -> bool:
-    return FORMATS.get(PurePath(span.file).suffix.lower()) == "recipe"
 
 
 def report(

@@ -74,11 +74,9 @@ def compiled_order(root: Node) -> Order:
         found["body"].append(body)
         inner: list[Node] = []
         for child in through_frames(body):
-            if child.tag == "body":
+            if child.tag == "body" or child.tag in _BLOCKS:
                 inner.append(child)
-            elif child.tag in _BLOCKS:
-                inner.append(child)
-                for made in _made(child)[0]:
+                for made in _made(child)[0] if child.tag in _BLOCKS else ():
                     found[made].append(None)
             elif child.tag in _STANDING:
                 found[_STANDING[str(child.tag)]].append(child)
@@ -99,7 +97,8 @@ def rows(order: Order, roster: NameTable) -> dict[Node, int]:
     only named ones are found.
     """
     found: dict[Node, int] = {}
-    whole = _same_bodies(order["body"], roster.names["body"])
+    # If a body is missing, MuJoCo has moved its elements to others.
+    whole = None in order["body"] or len(order["body"]) == roster.count("body")
     for kind, expected in order.items():
         names, ids = roster.names[kind], roster.ids[kind]
         if kind in _SORTED:
@@ -147,11 +146,6 @@ def _start(
         return None
     start = 0 if first else len(names) - len(own) if last else known
     return start if start is not None and start >= 0 and names[start : start + len(own)] == own else None
-
-
-def _same_bodies(expected: Sequence[Node | None], names: Sequence[str]) -> bool:
-    """Return whether no body is missing: MuJoCo moves elements of removed bodies to others."""
-    return None in expected or len(expected) == len(names)
 
 
 def _stretches(expected: Sequence[Node | None]) -> list[list[Node]]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -65,7 +65,9 @@ def camera(mujoco: Any, scenes: Sequence[tuple[Any, Any]], aspect: float) -> Any
     )
     right = np.array([math.sin(azimuth), -math.cos(azimuth), 0.0])
     axes = np.stack([right, np.cross(right, forward), forward])
-    high = math.tan(math.radians(_fovy(model)) / 2) / _MARGIN
+    # The `fovy` of an orthographic camera is a length.
+    fovy = 45.0 if model.vis.global_.orthographic else float(model.vis.global_.fovy)
+    high = math.tan(math.radians(fovy) / 2) / _MARGIN
     slopes = np.array([high * aspect, high])
     at, distance = (points.min(axis=0) + points.max(axis=0)) / 2, 0.0
     for _ in range(_ROUNDS):
@@ -90,7 +92,8 @@ def corners(mujoco: Any, model: Any, data: Any) -> Any:
     for geom in solid or drawn:
         centre, half = model.geom_aabb[geom][:3], model.geom_aabb[geom][3:]
         if model.geom_type[geom] == plane:
-            centre, half = np.zeros(3), np.array([*_bounded(model.geom_size[geom][:2]), 0.0])
+            half = model.geom_size[geom][:2]  # 0 for infinite, which counts as 1
+            centre, half = np.zeros(3), np.array([*np.where(half > 0, half, 1.0), 0.0])
         rotation = data.geom_xmat[geom].reshape(3, 3)
         found.append((centre + _CORNERS * half) @ rotation.T + data.geom_xpos[geom])
     if model.nflexvert:
@@ -101,21 +104,11 @@ def corners(mujoco: Any, model: Any, data: Any) -> Any:
     return points[np.isfinite(points).all(axis=1)]
 
 
-def _bounded(half: Any) -> Any:
-    """Return half the size of a plane; an infinite one, with size 0, counts as 1."""
-    return np.where(half > 0, half, 1.0)
-
-
 def _is_drawn(model: Any, geom: int) -> bool:
     """Return whether MuJoCo draws the geom with the default groups."""
     material = int(model.geom_matid[geom])
     rgba = model.geom_rgba[geom] if material < 0 else model.mat_rgba[material]
     return int(model.geom_group[geom]) < _SHOWN_GROUPS and float(rgba[3]) > 0
-
-
-def _fovy(model: Any) -> float:
-    """Return the field of view of the free camera; for an orthographic one `fovy` is a length."""
-    return 45.0 if model.vis.global_.orthographic else float(model.vis.global_.fovy)
 
 
 @contextmanager
@@ -201,7 +194,9 @@ class Stage:
         except Exception as error:
             raise NoOpenGL(str(error).strip() or type(error).__name__) from error
         mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN.value, self._drawing)
-        self._scene = mujoco.MjvScene(model, maxgeom=_room(model))
+        # All of the model, and decorations.
+        most = 2 * (model.ngeom + model.nsite + model.nflex + model.nskin) + 100 * model.ntendon + 2000
+        self._scene = mujoco.MjvScene(model, maxgeom=int(most))
 
     def _prepare_buffers(self) -> None:
         """Raise the model's limits, which are for its author's window, and limit shadows to what this picture needs."""
@@ -230,7 +225,8 @@ class Stage:
             )  # fmt: skip
             sky = has_sky(mujoco, self.model) and look.background is None
             self._scene.flags[mujoco.mjtRndFlag.mjRND_SKYBOX] = sky
-            drawn = self._pixels(look.width, look.height)
+            mujoco.mjr_render(mujoco.MjrRect(0, 0, look.width, look.height), self._scene, self._drawing)
+            drawn = self._read(look.width, look.height)
             return drawn if sky else over(drawn, self._share_drawn(), look.background)
 
     def text(self, words: str, width: int, height: int, ink: Any, paper: Any) -> Any:
@@ -264,10 +260,6 @@ class Stage:
         fixed.type, fixed.fixedcamid = self.mujoco.mjtCamera.mjCAMERA_FIXED, self.model.camera(view).id
         return fixed
 
-    def _pixels(self, width: int, height: int) -> Any:
-        self.mujoco.mjr_render(self.mujoco.MjrRect(0, 0, width, height), self._scene, self._drawing)
-        return self._read(width, height)
-
     def _read(self, width: int, height: int) -> Any:
         found = np.empty((height, width, 3), np.uint8)
         self.mujoco.mjr_readPixels(found, None, self.mujoco.MjrRect(0, 0, width, height), self._drawing)
@@ -290,11 +282,6 @@ class Stage:
             flags[costly] = 1
         seen = np.flipud(depth) < 1
         return seen.reshape(look.height, _FINER, look.width, _FINER).mean(axis=(1, 3))
-
-
-def _room(model: Any) -> int:
-    """Return the maximum number of objects in a scene: all of the model, and decorations."""
-    return int(2 * (model.ngeom + model.nsite + model.nflex + model.nskin) + 100 * model.ntendon + 2000)
 
 
 _TURN_SECONDS = 4.0
@@ -332,13 +319,18 @@ def draw(mujoco: Any, model: Any, asked: Mapping[str, Any]) -> dict[str, Any]:
     view = asked["camera"] if asked["camera"] is not None else stage.whole()
     try:
         if tile is not None:
-            np.save(out, _labelled(stage, stage.picture(view), tile))
+            picture = stage.picture(view)[:, :, :3]
+            strip = stage.text(tile, picture.shape[1], _STRIP, ink=_INK, paper=_DRAW_PAPER)
+            np.save(out, np.concatenate([picture, strip]))
         elif out.suffix == ".png":
             out.write_bytes(png(stage.picture(view)))
         else:
             rate = _RATES[out.suffix]
             frames = list(_frames(stage, view, rate, turntable=asked["turntable"], play=asked["play"]))
-            _WRITERS[out.suffix](out, frames, rate)
+            if out.suffix == ".mp4":
+                write_mp4(out, frames, rate)
+            else:
+                out.write_bytes(gif(frames, 1 / rate))
     except _StoppedError as error:
         return {"stopped": str(error)}
     finally:
@@ -364,21 +356,8 @@ def _frames(stage: Stage, view: Any, rate: int, turntable: bool, play: float | N
             view.azimuth += 360 / count
 
 
-def _labelled(stage: Stage, picture: Any, words: str) -> Any:
-    """Return a picture with a line of text below it."""
-    strip = stage.text(words, picture.shape[1], _STRIP, ink=_INK, paper=_DRAW_PAPER)
-    return np.concatenate([picture[:, :, :3], strip])
-
-
 _STRIP = 20
 _INK, _DRAW_PAPER = (0.92, 0.93, 0.95), (0.13, 0.15, 0.19)
-
-
-def _write_gif(out: Path, frames: list[Any], rate: int) -> None:
-    out.write_bytes(gif(frames, 1 / rate))
-
-
-_WRITERS: dict[str, Callable[[Path, list[Any], int], None]] = {".gif": _write_gif, ".mp4": write_mp4}
 
 
 WHOLE = "the whole"

@@ -109,81 +109,58 @@ def links(model: Model, kind: str, index: int) -> list[Link]:
     A material has one for each role of a texture, an actuator one for each id in `actuator_trnid` that its
     transmission uses. A geom that was fitted to a mesh has none to it, although MuJoCo 3 leaves the id there.
     """
-    reader = _READERS.get(kind)
-    return list(reader(model, index)) if reader else []
+    return [link for reader in _READERS.get(kind, ()) for link in reader(model, index)]
 
 
-def _one(model: Model, array: str, kind: str, index: int, world: World = World.WORLD) -> Iterator[Link]:
-    values = getattr(model, array, None)
-    if values is not None:
-        yield Link(array, kind, int(values[index]), world=world)
+Reader = Callable[[Model, int], Iterator[Link]]
 
 
-def _body(model: Model, index: int) -> Iterator[Link]:
+def _row(array: str, kind: str, world: World = World.WORLD) -> Reader:
+    """Return a reader of the id in an element's row of an array."""
+
+    def read(model: Model, index: int) -> Iterator[Link]:
+        values = getattr(model, array, None)
+        if values is not None:
+            yield Link(array, kind, int(values[index]), world=world)
+
+    return read
+
+
+def _run(array: str, kind: str, first: str, number: str) -> Reader:
+    """Return a reader of the ids in several rows; the parts that are pinned to the world may name either world."""
+    world = World.EITHER if kind == "body" else World.WORLD
+
+    def read(model: Model, index: int) -> Iterator[Link]:
+        start = int(getattr(model, first)[index])
+        targets = getattr(model, array)[start : start + int(getattr(model, number)[index])].tolist()
+        for place, target in enumerate(targets):
+            yield Link(f"{array}[{place}]", kind, target, world=world)
+
+    return read
+
+
+def _parent(model: Model, index: int) -> Iterator[Link]:
     # MuJoCo 4.0 puts the bodies in which a rod is twisted into the world, wherever its `<flexcomp>` is.
     world = World.EITHER if twists_a_rod(model, index) else World.MOUNT
-    yield from _one(model, "body_parentid", "body", index=index, world=world)
-    yield from _one(model, "body_plugin", "plugin", index=index)
-
-
-def _joint(model: Model, index: int) -> Iterator[Link]:
-    yield from _one(model, "jnt_bodyid", "body", index=index, world=World.MOUNT)
-    yield from _one(model, "jnt_actuatorid", "actuator", index=index)
+    yield Link("body_parentid", "body", int(model.body_parentid[index]), world=world)
 
 
 _HFIELD, _MESH, _SDF = 1, 7, 8
 
 
-def _geom(model: Model, index: int) -> Iterator[Link]:
-    yield from _one(model, "geom_bodyid", "body", index=index, world=World.MOUNT)
+def _shape(model: Model, index: int) -> Iterator[Link]:
     # MuJoCo 3 leaves the mesh id in primitives that were fitted to it, where it has no meaning.
     shape = int(model.geom_type[index])
     data = int(model.geom_dataid[index]) if shape in (_HFIELD, _MESH, _SDF) else -1
     yield Link("geom_dataid", "hfield" if shape == _HFIELD else "mesh", data)
-    yield from _one(model, "geom_matid", "material", index=index)
-    yield from _one(model, "geom_plugin", "plugin", index=index)
 
 
-def _site(model: Model, index: int) -> Iterator[Link]:
-    yield from _one(model, "site_bodyid", "body", index=index, world=World.MOUNT)
-    yield from _one(model, "site_dataid", "mesh", index=index)
-    yield from _one(model, "site_matid", "material", index=index)
-
-
-def _camera(model: Model, index: int) -> Iterator[Link]:
-    yield from _one(model, "cam_bodyid", "body", index=index, world=World.MOUNT)
-    yield from _one(model, "cam_targetbodyid", "body", index=index)
-
-
-def _light(model: Model, index: int) -> Iterator[Link]:
-    yield from _one(model, "light_bodyid", "body", index=index, world=World.MOUNT)
-    yield from _one(model, "light_targetbodyid", "body", index=index)
-    yield from _one(model, "light_texid", "texture", index=index)
-
-
-def _material(model: Model, index: int) -> Iterator[Link]:
+def _textures(model: Model, index: int) -> Iterator[Link]:
     for role, texture in enumerate(model.mat_texid[index].tolist()):
         yield Link(f"mat_texid[{role}]", "texture", texture)
 
 
-def _skin(model: Model, index: int) -> Iterator[Link]:
-    yield from _one(model, "skin_matid", "material", index=index)
-    first = int(model.skin_boneadr[index])
-    bones = model.skin_bonebodyid[first : first + int(model.skin_bonenum[index])].tolist()
-    for place, body in enumerate(bones):
-        yield Link(f"skin_bonebodyid[{place}]", "body", body, world=World.EITHER)
-
-
-def _flex(model: Model, index: int) -> Iterator[Link]:
-    yield from _flex_materials(model, index)
-    for array, first, number in (
-        ("flex_vertbodyid", "flex_vertadr", "flex_vertnum"),
-        ("flex_nodebodyid", "flex_nodeadr", "flex_nodenum"),
-    ):
-        start = int(getattr(model, first)[index])
-        bodies = getattr(model, array)[start : start + int(getattr(model, number)[index])].tolist()
-        for place, body in enumerate(bodies):
-            yield Link(f"{array}[{place}]", "body", body, world=World.EITHER)
+def _twists(model: Model, index: int) -> Iterator[Link]:
     rows = bending(model, index)
     if rows is not None:
         for place in twists(rows):
@@ -232,13 +209,9 @@ def twists_a_rod(model: Model, body: int) -> bool:
 
 def _flex_materials(model: Model, index: int) -> Iterator[Link]:
     """Yield materials: since MuJoCo 4 those of a flex's elements, before that the flex's."""
-    if len(model.flex_matid) != model.nflexelem:
-        yield from _one(model, "flex_matid", "material", index=index)
-        return
-    first = int(model.flex_elemadr[index])
-    materials = model.flex_matid[first : first + int(model.flex_elemnum[index])].tolist()
-    for place, material in enumerate(materials):
-        yield Link(f"flex_matid[{place}]", "material", material)
+    if len(model.flex_matid) == model.nflexelem:
+        return _run("flex_matid", "material", first="flex_elemadr", number="flex_elemnum")(model, index)
+    return _row("flex_matid", "material")(model, index)
 
 
 WRAP_JOINT, WRAP_SITE = 1, 3
@@ -247,19 +220,15 @@ WRAPS_A_GEOM = (4, 5)
 """The values of `wrap_type` whose `wrap_prm` is the id of a side site."""
 
 
-def _tendon(model: Model, index: int) -> Iterator[Link]:
-    yield from _one(model, "tendon_matid", "material", index=index)
-    yield from _one(model, "tendon_actuatorid", "actuator", index=index)
+def _path(model: Model, index: int) -> Iterator[Link]:
     first = int(model.tendon_adr[index])
     for place in range(int(model.tendon_num[index])):
         at = first + place
-        wrapped, target = int(model.wrap_type[at]), int(model.wrap_objid[at])
-        if wrapped == WRAP_JOINT:
-            yield Link(f"wrap_objid[{place}]", "joint", target)
-        elif wrapped == WRAP_SITE:
-            yield Link(f"wrap_objid[{place}]", "site", target)
-        elif wrapped in WRAPS_A_GEOM:
-            yield Link(f"wrap_objid[{place}]", "geom", target)
+        wrapped = int(model.wrap_type[at])
+        kind = "geom" if wrapped in WRAPS_A_GEOM else {WRAP_JOINT: "joint", WRAP_SITE: "site"}.get(wrapped)
+        if kind is not None:
+            yield Link(f"wrap_objid[{place}]", kind, int(model.wrap_objid[at]))
+        if kind == "geom":
             yield Link(f"wrap_prm[{place}]", "site", int(model.wrap_prm[at]))
 
 
@@ -269,8 +238,8 @@ _CONSTRAINED = {2: "joint", 3: "tendon", 4: "flex", 5: "flex", 6: "flex", 7: "ge
 def _equality(model: Model, index: int) -> Iterator[Link]:
     by_type = _CONSTRAINED.get(int(model.eq_type[index]))
     kind = by_type or OF_OBJECT_TYPE.get(int(model.eq_objtype[index]), "body")
-    yield from _one(model, "eq_obj1id", kind, index=index)
-    yield from _one(model, "eq_obj2id", kind, index=index)
+    yield Link("eq_obj1id", kind, int(model.eq_obj1id[index]))
+    yield Link("eq_obj2id", kind, int(model.eq_obj2id[index]))
 
 
 def _pair(model: Model, index: int) -> Iterator[Link]:
@@ -289,17 +258,14 @@ ON_JOINTS, ON_TENDON = (0, 1), 3
 """Values of `actuator_trntype`: on a joint, in its own frame or in its parent's, and on a tendon."""
 
 _TARGETS = {
-    **dict.fromkeys(ON_JOINTS, ("joint", None)),
-    2: ("site", "site"),
-    ON_TENDON: ("tendon", None),
-    4: ("site", "site"),
-    5: ("body", None),
-}
+    **dict.fromkeys(ON_JOINTS, ("joint", None)), 2: ("site", "site"), ON_TENDON: ("tendon", None),
+    4: ("site", "site"), 5: ("body", None),
+}  # fmt: skip
 _ROTATION = 6
 """The value of `actuator_trntype` for a ball joint or, with a second id, for a site relative to another."""
 
 
-def _actuator(model: Model, index: int) -> Iterator[Link]:
+def _transmission(model: Model, index: int) -> Iterator[Link]:
     transmission = int(model.actuator_trntype[index])
     targets: tuple[str | None, str | None] = _TARGETS.get(transmission, (None, None))
     if transmission == _ROTATION:
@@ -307,15 +273,13 @@ def _actuator(model: Model, index: int) -> Iterator[Link]:
     for place, kind in enumerate(targets):
         if kind is not None:
             yield Link(f"actuator_trnid[{place}]", kind, int(model.actuator_trnid[index, place]))
-    yield from _one(model, "actuator_plugin", "plugin", index=index)
 
 
 def _sensor(model: Model, index: int) -> Iterator[Link]:
     for array, typed in (("sensor_objid", "sensor_objtype"), ("sensor_refid", "sensor_reftype")):
         kind = OF_OBJECT_TYPE.get(int(getattr(model, typed)[index]))
         if kind is not None:
-            yield from _one(model, array, kind, index=index)
-    yield from _one(model, "sensor_plugin", "plugin", index=index)
+            yield Link(array, kind, int(getattr(model, array)[index]))
 
 
 def _tuple(model: Model, index: int) -> Iterator[Link]:
@@ -326,11 +290,33 @@ def _tuple(model: Model, index: int) -> Iterator[Link]:
             yield Link(f"tuple_objid[{place}]", kind, int(model.tuple_objid[first + place]))
 
 
-_READERS: dict[str, Callable[[Model, int], Iterator[Link]]] = {
-    "body": _body, "joint": _joint, "geom": _geom, "site": _site, "camera": _camera, "light": _light,
-    "material": _material, "skin": _skin, "flex": _flex, "tendon": _tendon, "equality": _equality,
-    "pair": _pair, "exclude": _exclude, "actuator": _actuator, "sensor": _sensor, "tuple": _tuple,
+_READERS: dict[str, tuple[Reader, ...]] = {
+    "body": (_parent, _row("body_plugin", "plugin")),
+    "joint": (_row("jnt_bodyid", "body", World.MOUNT), _row("jnt_actuatorid", "actuator")),
+    "geom": (
+        _row("geom_bodyid", "body", World.MOUNT), _shape, _row("geom_matid", "material"), _row("geom_plugin", "plugin"),
+    ),
+    "site": (
+        _row("site_bodyid", "body", World.MOUNT), _row("site_dataid", "mesh"), _row("site_matid", "material"),
+    ),
+    "camera": (_row("cam_bodyid", "body", World.MOUNT), _row("cam_targetbodyid", "body")),
+    "light": (
+        _row("light_bodyid", "body", World.MOUNT), _row("light_targetbodyid", "body"), _row("light_texid", "texture"),
+    ),
+    "material": (_textures,),
+    "skin": (
+        _row("skin_matid", "material"), _run("skin_bonebodyid", "body", first="skin_boneadr", number="skin_bonenum"),
+    ),
+    "flex": (
+        _flex_materials, _run("flex_vertbodyid", "body", first="flex_vertadr", number="flex_vertnum"),
+        _run("flex_nodebodyid", "body", first="flex_nodeadr", number="flex_nodenum"), _twists,
+    ),
+    "tendon": (_row("tendon_matid", "material"), _row("tendon_actuatorid", "actuator"), _path),
+    "equality": (_equality,), "pair": (_pair,), "exclude": (_exclude,), "tuple": (_tuple,),
+    "actuator": (_transmission, _row("actuator_plugin", "plugin")),
+    "sensor": (_sensor, _row("sensor_plugin", "plugin")),
 }  # fmt: skip
+"""By kind, in the order of `links`."""
 
 UNORDERED = frozenset({"pair", "exclude"})
 """Kinds whose two references are a set, stored by MuJoCo in the order of ids."""

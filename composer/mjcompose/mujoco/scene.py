@@ -119,26 +119,13 @@ def columns(model: Any) -> dict[str, dict[str, list[Any]]]:
         kind: {"name": table.names[kind], **{name: short(getattr(model, array)) for name, array in arrays.items()}}
         for kind, arrays in COLUMNS.items()
     }
-    found["actuator"] |= _controls(model)
-    found["exclude"] = _excludes(model)
+    first = getattr(model, "actuator_ctrladr", range(len(model.actuator_trntype)))  # one control before MuJoCo 4.0
+    found["actuator"] |= {
+        "control": short(first), "range": short(model.actuator_ctrlrange), "limited": short(model.actuator_ctrllimited),
+    }  # fmt: skip
+    signatures = [int(each) for each in model.exclude_signature]  # both bodies in one number
+    found["exclude"] = {"body1": [each >> 16 for each in signatures], "body2": [each & 0xFFFF for each in signatures]}
     return found
-
-
-def _excludes(model: Any) -> dict[str, list[Any]]:
-    """Return the bodies whose contacts are excluded, in pairs. MuJoCo keeps both in one number."""
-    signatures = [int(each) for each in model.exclude_signature]
-    return {"body1": [each >> 16 for each in signatures], "body2": [each & 0xFFFF for each in signatures]}
-
-
-def _controls(model: Any) -> dict[str, list[Any]]:
-    """Return the addresses of an actuator's controls: one each before MuJoCo 4.0."""
-    count = len(model.actuator_trntype)
-    first = getattr(model, "actuator_ctrladr", None)
-    return {
-        "control": list(range(count)) if first is None else short(first),
-        "range": short(model.actuator_ctrlrange),
-        "limited": short(model.actuator_ctrllimited),
-    }
 
 
 def meshes(model: Any, blobs: Blobs) -> list[str]:
@@ -269,13 +256,10 @@ def _skin(model: Any, number: int, blobs: Blobs) -> dict[str, Any]:
     mapped = bool(model.skin_texcoordadr[number] >= 0)
     first, count = int(model.skin_boneadr[number]), int(model.skin_bonenum[number])
     bones = range(first, first + count)
-    moved = [
-        _rows(bone, model.skin_bonevertid, first=model.skin_bonevertadr, count=model.skin_bonevertnum) for bone in bones
-    ]
-    weights = [
-        _rows(bone, model.skin_bonevertweight, first=model.skin_bonevertadr, count=model.skin_bonevertnum)
-        for bone in bones
-    ]
+    moved, weights = (
+        [_rows(bone, values, first=model.skin_bonevertadr, count=model.skin_bonevertnum) for bone in bones]
+        for values in (model.skin_bonevertid, model.skin_bonevertweight)
+    )
     flat = rows(model.skin_texcoord, model.skin_texcoordadr, model.skin_vertnum) if mapped else np.zeros((0, 2))
     arrays = [
         corners.astype(np.float32), faces.astype(np.uint32), flat.astype(np.float32),

@@ -73,12 +73,6 @@ def read_mesh(mujoco: Any, attributes: dict[str, str], most_faces: int) -> Mesh:
     return Mesh(numpy.asarray(solid.vertices), numpy.asarray(solid.faces), solid, is_mapped=mapped)
 
 
-def check_thick(mesh: Mesh) -> None:
-    """Raises UnusableError for a mesh that is a point, a line or flat."""
-    if is_flat(mesh.vertices):
-        raise UnusableError("it is flat")
-
-
 def on_surface(solid: Any, count: int, seed: int = 0) -> numpy.ndarray:
     """So many points, as many on each part of the surface as it is large."""
     return with_faces(solid, count, seed)[0]
@@ -329,8 +323,6 @@ def _far(mesh: Measured, reach: float) -> str:
 
 def measures(vertices: Any, faces: Any) -> dict[str, Any]:
     """Return the extents in metres, the volume, whether it is flat, and how many edges have not exactly two faces."""
-    import numpy
-
     extents = vertices.max(axis=0) - vertices.min(axis=0)
     _, same = numpy.unique(vertices, axis=0, return_inverse=True)
     corners = same.ravel()[faces]
@@ -340,12 +332,9 @@ def measures(vertices: Any, faces: Any) -> dict[str, Any]:
     edges = numpy.sort(corners[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
     _, counts = numpy.unique(edges, axis=0, return_counts=True)
     return {
-        "extents": [min(float(each), _MOST) for each in extents],
-        "volume": min(_volume(vertices, faces), _MOST),
-        "flat": is_flat(vertices),
-        "open": int((counts % 2).sum()),
-        "edges": len(counts),
-    }
+        "extents": [min(float(each), _MOST) for each in extents], "volume": min(_volume(vertices, faces), _MOST),
+        "flat": is_flat(vertices), "open": int((counts % 2).sum()), "edges": len(counts),
+    }  # fmt: skip
 
 
 def measured(facts: dict[str, Any], scale: Sequence[float]) -> Measured:
@@ -356,8 +345,6 @@ def measured(facts: dict[str, Any], scale: Sequence[float]) -> Measured:
 
 def is_flat(vertices: Any) -> bool:
     """Whether vertices, shape (n, 3), are a point, a line or in a plane, however that is turned."""
-    import numpy
-
     centred = vertices - vertices.mean(axis=0)
     _, lengths, axes = numpy.linalg.svd(centred, full_matrices=False)
     thick = numpy.ptp(centred @ axes.T, axis=0)
@@ -365,7 +352,5 @@ def is_flat(vertices: Any) -> bool:
 
 
 def _volume(vertices: Any, faces: Any) -> float:
-    import numpy
-
     a, b, c = (vertices[faces[:, corner]] - vertices.mean(axis=0) for corner in range(3))
     return float(abs((a * numpy.cross(b, c)).sum()) / 6)

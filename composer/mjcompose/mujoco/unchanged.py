@@ -8,7 +8,7 @@ model.
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from itertools import pairwise
 from typing import Any
 
@@ -27,7 +27,7 @@ from mjcompose.mujoco.arrays import (
     Treatment,
     about,
 )
-from mjcompose.mujoco.attributes import HOLDERS, Model, NameTable, holder
+from mjcompose.mujoco.attributes import HOLDERS, KINDS, Model, NameTable, holder
 from mjcompose.mujoco.compare import Pairs, Rules, Run, plain_value, unequal_elements
 from mjcompose.mujoco.controls import servo
 from mjcompose.mujoco.keyframes import Keys, Roots, key_differences
@@ -37,13 +37,14 @@ from mjcompose.mujoco.match import (
     Coupling,
     Difference,
     Mount,
+    pose_of,
     presence_differences,
     reference_differences,
 )
 from mjcompose.mujoco.references import ON_JOINTS, ON_TENDON, WRAP_JOINT, WRAP_SITE, Array, links, twists_a_rod
 
 _OF_FLEXES = "MuJoCo does not turn the axes of a flex's vertices with a frame"
-_POSED = {"body": "body", "geom": "geom", "site": "site", "camera": "cam"}
+_POSED = ("body", "geom", "site", "camera")
 
 
 class Placing:
@@ -55,7 +56,7 @@ class Placing:
 
     def __init__(self, matching: Correspondence, mount: Mount) -> None:
         self.matching = matching
-        self.roots: dict[str, list[int]] = {"body": [], "light": [], **{kind: [] for kind in _POSED}}
+        self.roots: dict[str, list[int]] = {kind: [] for kind in (*_POSED, "light")}
         alone = matching.alone.model
         for kind, roots in self.roots.items():
             parents = getattr(alone, HOLDERS[kind])
@@ -70,19 +71,18 @@ class Placing:
     def _first(self) -> Pose | None:
         for kind in _POSED:
             for index in self.roots[kind]:
-                return self._there(kind, index) @ _pose(self.matching.alone.model, kind, index).inverse()
+                return self._there(kind, index) @ pose_of(self.matching.alone.model, kind, index).inverse()
         return None
 
     def _there(self, kind: str, index: int) -> Pose:
         """Return the pose of a root's counterpart in the frame of the mount, through bodies in between."""
         model, target = self.matching.composed.model, self.matching.ids[kind][index]
-        pose = _pose(model, kind, target)
-        return self._frame(holder(model, kind, target)) @ pose
+        return self._frame(holder(model, kind, target)) @ pose_of(model, kind, target)
 
     def _frame(self, body: int) -> Pose:
         model, pose = self.matching.composed.model, Pose()
         while body != self.matching.mount and body in self.matching.worlds:
-            pose = _pose(model, "body", body) @ pose
+            pose = pose_of(model, "body", body) @ pose
             body = int(model.body_parentid[body])
         return pose
 
@@ -97,50 +97,42 @@ class Placing:
             return found
         bound = max(ROUNDING, tolerance)
         vertices = set(self.matching.alone.model.flex_vertbodyid.tolist())
-        for kind, arrays in _POSED.items():
+        for kind in (*_POSED, "light"):
             for index in self.roots[kind]:
-                expected = self.transform @ _pose(self.matching.alone.model, kind, index)
-                actual = self._there(kind, index)
                 name = self.matching.composed.describe(kind, self.matching.ids[kind][index])
-                if not _near(expected.pos, actual.pos, bound):
-                    found.append(Difference(kind, name, f"{arrays}_pos", expected=expected.pos, actual=actual.pos))
-                turned = tuple(-x for x in actual.quat)
-                if not _near(expected.quat, actual.quat, bound) and not _near(expected.quat, turned, bound):
-                    why = _OF_FLEXES if kind == "body" and index in vertices else ""
-                    found.append(
-                        Difference(kind, name, f"{arrays}_quat", expected=expected.quat, actual=actual.quat, why=why)
-                    )
-        found += self._lights(bound)
+                for field, expected, actual in self._light(index) if kind == "light" else self._posed(kind, index):
+                    turned = tuple(-x for x in actual) if field == "quat" else actual
+                    if _near(expected, actual, bound) or _near(expected, turned, bound):
+                        continue
+                    why = _OF_FLEXES if field == "quat" and kind == "body" and index in vertices else ""
+                    array = f"{KINDS[kind].arrays}_{field}"
+                    found.append(Difference(kind, name, array, expected=expected, actual=actual, why=why))
         return found
 
-    def _lights(self, bound: float) -> list[Difference]:
+    def _posed(self, kind: str, index: int) -> Iterator[tuple[str, tuple[float, ...], tuple[float, ...]]]:
         assert self.transform is not None
-        found: list[Difference] = []
-        alone, composed = self.matching.alone.model, self.matching.composed.model
-        for index in self.roots["light"]:
-            target = self.matching.ids["light"][index]
-            frame = self._frame(int(composed.light_bodyid[target]))
-            name = self.matching.composed.describe("light", target)
-            expected = (self.transform @ Pose(_vec(alone.light_pos[index]))).pos
-            actual = (frame @ Pose(_vec(composed.light_pos[target]))).pos
-            if not _near(expected, actual, bound):
-                found.append(Difference("light", name, "light_pos", expected=expected, actual=actual))
-            expected = rotate(self.transform.quat, _vec(alone.light_dir[index]))
-            actual = rotate(frame.quat, _vec(composed.light_dir[target]))
-            if not _near(expected, actual, bound):
-                found.append(Difference("light", name, "light_dir", expected=expected, actual=actual))
-        return found
+        expected = self.transform @ pose_of(self.matching.alone.model, kind, index)
+        actual = self._there(kind, index)
+        yield "pos", expected.pos, actual.pos
+        yield "quat", expected.quat, actual.quat
+
+    def _light(self, index: int) -> Iterator[tuple[str, tuple[float, ...], tuple[float, ...]]]:
+        assert self.transform is not None
+        alone, composed, target = (
+            self.matching.alone.model,
+            self.matching.composed.model,
+            self.matching.ids["light"][index],
+        )
+        frame = self._frame(int(composed.light_bodyid[target]))
+        mine, theirs = _vec(alone.light_pos[index]), _vec(composed.light_pos[target])
+        yield "pos", (self.transform @ Pose(mine)).pos, (frame @ Pose(theirs)).pos
+        mine, theirs = _vec(alone.light_dir[index]), _vec(composed.light_dir[target])
+        yield "dir", rotate(self.transform.quat, mine), rotate(frame.quat, theirs)
 
 
 def _vec(values: Model) -> tuple[float, float, float]:
     x, y, z = values.tolist()
     return (x, y, z)
-
-
-def _pose(model: Model, kind: str, index: int) -> Pose:
-    arrays = _POSED[kind]
-    w, x, y, z = getattr(model, f"{arrays}_quat")[index].tolist()
-    return Pose(_vec(getattr(model, f"{arrays}_pos")[index]), (w, x, y, z))
 
 
 def _near(a: tuple[float, ...], b: tuple[float, ...], bound: float) -> bool:
@@ -220,9 +212,8 @@ class InComposition(Rules):
             case Treatment.GAIN if kind == "actuator":
                 return same_dampratio(self.alone, self.composed, index, target=target)
             case Treatment.GAIN:
-                same = same_stiffness if array == "jnt_stiffness" else same_damping
                 seen_otherwise = self._acted_on(kind, index) or self._less_simple(kind, index)
-                return seen_otherwise and same(self.alone, self.composed, index, target)
+                return seen_otherwise and same_by_inertia(self.alone, self.composed, index, target=target, array=array)
             case Treatment.ROUNDED:
                 return moved and array == "flex_size"
             case _:
@@ -237,7 +228,7 @@ class InComposition(Rules):
     def _acted_on(self, kind: str, index: int) -> bool:
         if kind in ("body", "joint"):
             return self.coupling.acts_on(self._body(kind, index))
-        return self.coupling.anywhere
+        return bool(self.coupling.trees)
 
     def _less_simple(self, kind: str, index: int) -> bool:
         """Return whether only one of the models uses MuJoCo's shortcut for bodies that slide in the world.
@@ -271,11 +262,9 @@ class InComposition(Rules):
     def _reference(self, site: int) -> tuple[float, ...]:
         """Return where a site of the part alone is in the reference configuration."""
         model = self.alone
-        x, y, z = model.site_pos[site].tolist()
-        pose, body = Pose((x, y, z)), int(model.site_bodyid[site])
+        pose, body = Pose(_vec(model.site_pos[site])), int(model.site_bodyid[site])
         while body:
-            (x, y, z), (w, a, b, c) = model.body_pos[body].tolist(), model.body_quat[body].tolist()
-            pose, body = Pose((x, y, z), (w, a, b, c)) @ pose, int(model.body_parentid[body])
+            pose, body = pose_of(model, "body", body) @ pose, int(model.body_parentid[body])
         return pose.pos
 
     def run(self, kind: str, array: str, index: int, run: Run) -> tuple[*Run, float] | None:
@@ -313,8 +302,7 @@ def _sleep(matching: Correspondence) -> list[Difference]:
         mine, theirs = int(alone.body_treeid[index]), int(composed.body_treeid[target])
         if mine < 0 or theirs < 0:
             continue
-        expected = int(alone.tree_sleep_policy[mine])
-        actual = int(composed.tree_sleep_policy[theirs])
+        expected, actual = int(alone.tree_sleep_policy[mine]), int(composed.tree_sleep_policy[theirs])
         if expected >= AUTHORED_SLEEP and expected != actual:
             name = matching.composed.describe("body", target)
             found.append(Difference("body", name, "tree_sleep_policy", expected=expected, actual=actual))
@@ -345,22 +333,14 @@ def number_differences(matching: Correspondence, rules: Rules) -> list[Differenc
 _CLOSE = 1e-6
 
 
-def same_stiffness(alone: Model, composed: Model, joint: int, target: int) -> bool:
-    """Return whether stiffness times inverse inertia, in 1/s², is the same; `springdamper` sets the stiffness by it."""
-    mine = float(alone.jnt_stiffness[joint]) * _inverse_inertia(alone, joint)
-    theirs = float(composed.jnt_stiffness[target]) * _inverse_inertia(composed, target)
-    return math.isclose(mine, theirs, rel_tol=_CLOSE)
+def same_by_inertia(alone: Model, composed: Model, joint: int, target: int, *, array: str) -> bool:
+    """Return whether stiffness or damping times inverse inertia is the same; `springdamper` sets them by it."""
 
+    def ratio(model: Model, of: int) -> float:
+        row = of if array == "jnt_stiffness" else model.jnt_dofadr[of]
+        return float(getattr(model, array)[row]) * float(model.dof_invweight0[span(model, "qvel", of)].mean())
 
-def same_damping(alone: Model, composed: Model, joint: int, target: int) -> bool:
-    """Return whether damping times inverse inertia, in 1/s, is the same; `springdamper` sets the damping by it."""
-    mine = float(alone.dof_damping[alone.jnt_dofadr[joint]]) * _inverse_inertia(alone, joint)
-    theirs = float(composed.dof_damping[composed.jnt_dofadr[target]]) * _inverse_inertia(composed, target)
-    return math.isclose(mine, theirs, rel_tol=_CLOSE)
-
-
-def _inverse_inertia(model: Model, joint: int) -> float:
-    return float(model.dof_invweight0[span(model, "qvel", joint)].mean())
+    return math.isclose(ratio(alone, joint), ratio(composed, target), rel_tol=_CLOSE)
 
 
 def same_dampratio(alone: Model, composed: Model, actuator: int, target: int) -> bool:
@@ -457,10 +437,4 @@ def compare(
         found += placing.differences(tolerance)
     in_world = placing.transform if matching.mount == 0 else None
     found += key_differences(matching, in_world, keys, roots=roots_in_keys, tolerance=tolerance, replaced=replaced_keys)
-    return [difference for difference in found if not _ignored(difference, ignore)]
-
-
-def _ignored(difference: Difference, ignore: Collection[str]) -> bool:
-    """Return whether ``ignore`` holds the array of the difference, or its name without the first word."""
-    array = difference.array
-    return array in ignore or array.partition("_")[2] in ignore
+    return [each for each in found if each.array not in ignore and each.array.partition("_")[2] not in ignore]

@@ -71,17 +71,12 @@ def rows_of_size(model: Model, kind: str, rows: int) -> Rows:
     count = len(getattr(model, KINDS[kind].addresses))
     if rows == count:
         return {row: (row, 0, 1) for row in range(rows)}
-    return {row: where for size, row, where in _runs(model, kind, count) if getattr(model, size) == rows}
-
-
-def _runs(model: Model, kind: str, count: int) -> Iterator[tuple[str, int, tuple[int, int, int]]]:
+    found: Rows = {}
     for size, run in RUNS.get(kind, {}).items():
-        if not hasattr(model, size) or not hasattr(model, run.first):
-            continue
-        for element in range(count):
-            rows = run.rows(model, element)
-            for place, row in enumerate(rows):
-                yield size, row, (element, place, len(rows))
+        for element in range(count) if getattr(model, size, None) == rows and hasattr(model, run.first) else ():
+            own = run.rows(model, element)
+            found |= {row: (element, place, len(own)) for place, row in enumerate(own)}
+    return found
 
 
 Numbers = NDArray[Any]

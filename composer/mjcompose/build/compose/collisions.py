@@ -22,7 +22,6 @@ from mjcompose.link.linking import Linking
 from mjcompose.model.classes import childclass_of, own
 from mjcompose.model.pattern import fitter
 from mjcompose.mujoco import engine
-from mjcompose.mujoco.facts import touching
 from mjcompose.sources.context import Context
 from mjcompose.text.node import locate
 
@@ -63,6 +62,8 @@ class _CollisionWriter:
         if step.collisions.samples is not None:
             return self._exclude_needless(step)
         if not step.collisions.sides:
+            from mjcompose.mujoco.collision_exclusions import touching  # imports numpy
+
             prefixes = sorted({part.prefix for part in self.plan.parts if part.prefix})
             pairs = self._found_pairs(step, touching, prefixes, verb="touch")
             return self._exclude(step, {tuple(pair["bodies"]): "" for pair in pairs})
