@@ -79,7 +79,7 @@ def test_all_bad_values_are_told_at_once(workshop: Workshop) -> None:
 @pytest.mark.parametrize(
     ("inside", "code", "message"),
     [
-        ('<option><headlight/></option>', "unknown-element", "`<headlight>` cannot stand in `<option>`"),
+        ('<option><headlight/></option>', "unknown-element", "`<headlight>` cannot be in `<option>`"),
         ('<contact internal="1"/>', "unknown-attribute", "`internal` is not an attribute of `<contact>`"),
         ('<default><joint nrow="3"/></default>', "unknown-attribute", "`nrow` is not an attribute of `<joint>`"),
         ('<compiler angle="1e"/>', "wrong-keyword", "`angle` of `<compiler>` expects `radian` or `degree`, got `1e`"),

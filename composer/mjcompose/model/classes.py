@@ -323,7 +323,6 @@ def _holders(step: DefaultClass, element: Node, attribute: Attribute | None = No
 
 
 def _position(node: Node) -> list[int]:
-    """Return the position of a node in its document, for sorting."""
     path = [*reversed(list(node.iterancestors())), node]
     return [above.index(below) for above, below in pairwise(path)]
 

@@ -199,7 +199,6 @@ def check_size(
 
 
 def _is_small(root: Node, elements: int) -> bool:
-    """Whether a model is within the limits of the whole, however its bodies hang together."""
     limits = in_force()
     if next(root.iter(*_EXPANDING), None) is not None:
         return False
@@ -394,7 +393,6 @@ def _reserving(unit: Unit, elements: int) -> Iterator[tuple[Node, str, int]]:
 
 
 def _weight(name: str, elements: int) -> int:
-    """Return the weight of a number in `<size>`; memory and contacts have limits of their own."""
     if name == "nkey":
         return _OF_A_KEY + elements
     return elements if name.startswith("nuser_") else 1 if name == "nuserdata" else 0

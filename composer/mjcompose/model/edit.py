@@ -424,7 +424,6 @@ class Removal(Generic[M]):
 
 
 def _outermost(nodes: Iterable[tuple[M, Node]]) -> tuple[tuple[M, Node], ...]:
-    """Return each node once, without those inside another one."""
     models = {node: model for model, node in nodes}
     return tuple(
         (model, node) for node, model in models.items() if not any(above in models for above in node.iterancestors())

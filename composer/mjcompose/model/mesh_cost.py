@@ -115,7 +115,6 @@ def _of_obj(data: bytes) -> int:
 
 
 def _pieces(data: bytes) -> Iterator[bytes]:
-    """A text, cut where lines end."""
     begin = 0
     while begin < len(data):
         end = len(data) if begin + _PIECE >= len(data) else data.find(b"\n", begin + _PIECE) + 1
@@ -163,7 +162,6 @@ _Count = Callable[[Any, str], int | None]
 
 @lru_cache(maxsize=_MOST_KINDS)
 def _memory(count: _Count, kind: str) -> Memory[int | None]:
-    """Return what is known of the files that are counted in this way and read as this kind."""
     return Memory(lambda path: count(read_regular(path), kind), lambda _: 0)
 
 

@@ -113,7 +113,6 @@ def find_beside(unit: Unit, included: Mapping[Node, Path]) -> None:
 
 
 def _folder(unit: Unit, element: Node) -> str:
-    """Return the folder that a file's path is joined to."""
     inner = {"model": "", "texture": unit.settings.texture_folder}
     return join(str(unit.directory), inner.get(str(element.tag), unit.settings.mesh_folder) or ".")
 

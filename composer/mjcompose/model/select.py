@@ -129,7 +129,6 @@ def _sections() -> tuple[str, ...]:
 
 @cache
 def _reachable(section: str) -> frozenset[str]:
-    """Return the paths of all elements of a section, including the section."""
     found: dict[str, None] = {}
     waiting = [GRAMMAR.section(section)]
     while waiting:

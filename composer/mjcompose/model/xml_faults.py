@@ -65,7 +65,6 @@ def _exists(what: ElementType | Attribute, version: str | None) -> bool:
 
 @cache
 def _readable(kind: ElementType, version: str | None) -> frozenset[str]:
-    """Return the attributes that MuJoCo reads."""
     return frozenset(name for name, each in kind.attributes.items() if _exists(each, version))
 
 

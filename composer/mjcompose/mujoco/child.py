@@ -129,7 +129,6 @@ def _described(request: dict[str, Any], mujoco: Any, model: Any) -> dict[str, An
 
 
 def _call(request: dict[str, Any], mujoco: Any, kept: dict[str, Any]) -> dict[str, Any]:
-    """Run a function of this project on kept models."""
     missing = [name for name in request["models"] if name not in kept]
     if missing:
         return {"ok": False, "error": f"no model is kept as `{missing[0]}`", "crash": None}
@@ -234,7 +233,6 @@ def _set_cache(mujoco: Any, capacity: int) -> None:
 
 
 def _read_log(start: int) -> tuple[list[str], int]:
-    """Return the messages in the log file after byte `start`, and its current end."""
     try:
         with Path(LOG_FILE).open("rb") as file:
             file.seek(start)

@@ -52,7 +52,6 @@ def _let_collide(mujoco: Any, model: Any) -> None:
 
 
 def _keys(mujoco: Any, model: Any) -> Iterator[tuple[str, Any]]:
-    """Yield the reference configuration and each key in words, with the data there."""
     for key in range(-1, model.nkey):
         data = mujoco.MjData(model)
         if key >= 0:

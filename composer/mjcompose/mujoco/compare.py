@@ -125,7 +125,6 @@ def _unequal_rows(
 
 
 def _unequal_runs(matching: Correspondence, rules: Rules, kind: str) -> Iterator[Unequal]:
-    """Compare the data that elements point to."""
     for index, target in matching.pairs(kind):
         theirs = dict(runs(matching.composed.model, kind, target))
         for name, mine in runs(matching.alone.model, kind, index):

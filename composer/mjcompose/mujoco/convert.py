@@ -122,7 +122,6 @@ def _message(error: Exception) -> str:
 
 
 def _read(mujoco: Any, argument: dict[str, Any]) -> Any:
-    """Return the spec of the file with its packages resolved."""
     path, text, made = Path(argument["path"]), argument["text"], argument["made"]
     if path.suffix == ".urdf" and text is None:
         spec = mujoco.MjSpec.from_file(argument["path"])

@@ -310,7 +310,6 @@ class Session:
         return os.environ.get("MUJOCO_GL") or ("egl" if sys.platform == "linux" else "glfw")
 
     def _exchange(self, line: str, seconds: float) -> dict[str, Any] | None:
-        """Send one line and wait for one; return None if the child ended."""
         try:
             self._send(line)
         except OSError:
@@ -352,7 +351,6 @@ class Session:
         return answer
 
     def _crashed(self) -> dict[str, Any]:
-        """Return why the child ended without an answer."""
         process, folder = self._process, self._folder
         if self._is_over or process is None or folder is None:  # ended by another thread
             return _failure("MuJoCo was stopped", "stopped")
@@ -397,7 +395,6 @@ def _last_words(log: Path) -> str:
 
 
 def _quoted(words: str) -> str:
-    """Return the last line of `words`, if any."""
     lines = words.strip().splitlines()
     return f": {lines[-1].strip()[:200]}" if lines else ""
 

@@ -62,7 +62,6 @@ def gif(frames: Sequence[NDArray[Any]], seconds: float) -> bytes:
 
 
 def _coarse(frame: NDArray[Any]) -> NDArray[Any]:
-    """Return each pixel as one number, with `_KEPT` bits for each channel."""
     short = (frame >> (8 - _KEPT)).astype(np.int32)
     found: NDArray[Any] = (short[..., 0] << 2 * _KEPT) | (short[..., 1] << _KEPT) | short[..., 2]
     return found

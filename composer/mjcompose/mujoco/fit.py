@@ -117,7 +117,6 @@ def _box(points: numpy.ndarray) -> tuple[numpy.ndarray, numpy.ndarray, numpy.nda
 
 
 def _ball(points: numpy.ndarray) -> tuple[numpy.ndarray, float]:
-    """The smallest ball, or circle, around points."""
     from trimesh.nsphere import minimum_nsphere
 
     centre: numpy.ndarray = numpy.array(minimum_nsphere(points)[0], numpy.float64)

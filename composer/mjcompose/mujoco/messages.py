@@ -400,7 +400,6 @@ def locate_fault(said: Translation, element: Node, model: Unit) -> FaultLocation
 
 
 def _class_level(attribute: str, element: Node, model: Unit) -> Level | None:
-    """Return the class that sets an attribute which the element does not write."""
     kind = kind_of(element)
     known = kind.attributes.get(attribute) if kind is not None else None
     if kind is None or known is None or element.get(attribute) is not None:

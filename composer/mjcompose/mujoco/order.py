@@ -178,7 +178,6 @@ def _made(block: Node) -> tuple[set[str], set[str]]:
 
 
 def _elsewhere(root: Node) -> Iterator[Node]:
-    """Yield the elements outside of the body tree that may become objects."""
     for section in root.iterchildren("extension"):
         yield from section.iterdescendants("instance")
     for section in root.iterchildren(*_SECTIONS):

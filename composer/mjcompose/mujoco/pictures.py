@@ -105,7 +105,6 @@ def corners(mujoco: Any, model: Any, data: Any) -> Any:
 
 
 def _is_drawn(model: Any, geom: int) -> bool:
-    """Return whether MuJoCo draws the geom with the default groups."""
     material = int(model.geom_matid[geom])
     rgba = model.geom_rgba[geom] if material < 0 else model.mat_rgba[material]
     return int(model.geom_group[geom]) < _SHOWN_GROUPS and float(rgba[3]) > 0
@@ -247,7 +246,6 @@ class Stage:
         self._window.free()
 
     def _distance(self, view: Any) -> float:
-        """Return the largest possible distance of visible things."""
         if not isinstance(view, str):
             return float(view.distance)
         away = corners(self.mujoco, self.model, self.data) - self.data.camera(view).xpos

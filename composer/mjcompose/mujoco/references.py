@@ -116,7 +116,6 @@ Reader = Callable[[Model, int], Iterator[Link]]
 
 
 def _row(array: str, kind: str, world: World = World.WORLD) -> Reader:
-    """Return a reader of the id in an element's row of an array."""
 
     def read(model: Model, index: int) -> Iterator[Link]:
         values = getattr(model, array, None)

@@ -351,7 +351,6 @@ def contacts(data: Any) -> list[list[Any]]:
 
 
 def _ways(data: Any) -> list[list[float]]:
-    """Return the straight segments of each tendon, from and to: six numbers each."""
     points, objects = data.wrap_xpos.reshape(-1, 3), data.wrap_obj.ravel()
     found = []
     for first, count in zip(data.ten_wrapadr, data.ten_wrapnum, strict=True):
@@ -397,7 +396,6 @@ def describe(mujoco: Any, model: Any, asked: Mapping[str, Any]) -> dict[str, Any
 
 
 def _look(model: Any) -> dict[str, Any]:
-    """Return the view that the author of the model has set."""
     settings, light = model.vis.global_, model.vis.headlight
     return {
         "center": short(model.stat.center), "extent": float(model.stat.extent), "azimuth": float(settings.azimuth),

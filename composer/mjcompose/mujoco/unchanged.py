@@ -260,7 +260,6 @@ class InComposition(Rules):
         )
 
     def _reference(self, site: int) -> tuple[float, ...]:
-        """Return where a site of the part alone is in the reference configuration."""
         model = self.alone
         pose, body = Pose(_vec(model.site_pos[site])), int(model.site_bodyid[site])
         while body:

@@ -265,7 +265,6 @@ def _means(model: Model) -> tuple[float, float]:
 
 
 def _span(model: Model, name: str) -> tuple[int, int]:
-    """Return the first address of an array, and the one after its last."""
     array = getattr(model, name)
     first = array.__array_interface__["data"][0]
     return first, first + array.nbytes
