@@ -1,18 +1,18 @@
-"""From the text of a recipe to a verified bundle. Each stage takes what the one before it gives:
+"""From the text of a recipe to a verified bundle. Each stage takes the result of the stage before it:
 
-    read       text of the recipe → located tree                 plan/read.py, document/load.py
-    merge      trees of it and of what it extends → one tree     plan/read.py, document/merge.py
-    expand     parameters, variants, `when`, `${…}` → concrete   plan/concrete.py, expand/expand.py
-    validate   concrete tree → `Recipe`                          plan/concrete.py, recipe/validate.py
-    resolve    model references → files                          plan/planner.py, sources/resolve.py
+    read       text of the recipe → located tree                 plan/read.py, text/load.py
+    merge      its tree and the trees that it extends → one      plan/read.py, text/merge.py
+    expand     parameters, variants, `when`, `${…}` → concrete   plan/read.py, language/expand.py
+    validate   concrete tree → `Recipe`                          plan/read.py, language/validate.py
+    resolve    model references → files                          plan/planner.py, sources/lock.py
     plan       `Recipe` → `Plan`                                 plan/planner.py
     compose    plan → units, on which the recipe's steps act     compose/compose.py
     link       units → one flat tree                             link/link.py, called by compose
     bundle     tree and files → `Bundle`                         bundle/assemble.py
-    verify     bundle → MuJoCo's verdict, the recipe's checks    verify/compile_report.py, verify/checks.py
-    aim        bundle → what another program reads               targets/aim.py, where a target is asked for
+    verify     bundle → MuJoCo's verdict, the recipe's checks    verify/compile.py, verify/checks.py
+    aim        bundle → files for another program                targets/export.py, if there is a target
 
-`planned` is the first six, which a recipe that is nested in another goes through too; `Build` is the rest.
+`planned` is the first six, which nested recipes go through too; `Build` is the rest.
 """
 
 from __future__ import annotations
@@ -62,10 +62,10 @@ class Built:
 class Request:
     """A request for one model.
 
-    `given` are values of parameters and variants; `name` is that of a cell of the matrix or of a `sample`, whose
+    `given` are values of parameters and variants; `name` is the name of a cell of the matrix or of a `sample`, whose
     draws the model has. `verified` says whether MuJoCo compiles it, `deduplicated` whether equal assets are merged,
-    `pictured` whether the manifest names a picture next to the bundle. `target` is the program that it is written
-    for, None for MuJoCo. `worlds` says whether the samples become worlds of the model.
+    `pictured` whether the manifest names a picture next to the bundle. `target` is the program that reads it, None for
+    MuJoCo. `worlds` says whether the samples become worlds of the model.
     """
 
     recipe: Path
@@ -90,8 +90,8 @@ def build(
 ) -> Built | None:
     """Return the bundle of a recipe, without writing it, or None if `context.sink` has errors.
 
-    MuJoCo runs in one process: that of `session`, or one with `limits` that ends with the build. `library` has
-    source files that were read before; `outcomes` gets what came of each check.
+    MuJoCo runs in the process of `session`, or in a process with `limits` that ends with the build. `library` has
+    source files that were read before; `outcomes` gets the outcome of each check.
     """
     plan = planned(request, context)
     if plan is None:
@@ -104,7 +104,7 @@ def build(
 
 
 def planned(request: Request, context: Context) -> Plan | None:
-    """Read, merge, expand, validate, resolve and plan a recipe; return what can be built of it, or None."""
+    """Read, merge, expand, validate, resolve and plan a recipe; return a plan without its faulty pieces, or None."""
     with context.timed("plan"):
         return plan_with_intact_store(
             lambda: plan_what_remains(
@@ -127,8 +127,8 @@ class _Draft:
 class Build:
     """One build of a planned model, from composing it on; `run` carries it out.
 
-    `library` has source files that were read before. `outcomes` gets what came of each check. `on_bundle` gets the
-    bundle before MuJoCo does, so that it can process its files in parallel.
+    `library` has source files that were read before. `outcomes` gets the outcome of each check. `on_bundle` gets the
+    bundle before MuJoCo does, so it can process its files in parallel.
     """
 
     plan: Plan
@@ -160,13 +160,8 @@ class Build:
     def _build(self) -> Built | None:
         context, request = self.context, self.request
         check_lock(self.plan, context)
-        composer = Composer(
-            context,
-            measure_with(context, session=self.session),
-            self.session,
-            library=self.library,
-            options=ComposeOptions(checks_sources=request.verified),
-        )
+        measure, options = measure_with(context, session=self.session), ComposeOptions(checks_sources=request.verified)
+        composer = Composer(context, measure, self.session, library=self.library, options=options)
         draft = self._draft(self.plan, composer)
         if draft is None:
             return None
@@ -179,21 +174,12 @@ class Build:
             bundle = self._with_worlds(draft, compiled)
         if context.sink.has_errors:
             return None
-        making = ManifestInput(
-            plan=self.plan,
-            model=composed.model,
-            uses=composed.files,
-            members=composed.members,
-            compiled=compiled,
-            merged=draft.merged,
-            checks=tuple(self.outcomes),
-            cell=request.name,
-            drawn=composed.drawn,
-            pictured=request.pictured,
-            shapes=composed.shapes,
-            tables=composed.tables,
-        )
-        final = self._exported(add_manifest(bundle, making, context), composed)
+        facts = ManifestInput(
+            plan=self.plan, model=composed.model, uses=composed.files, members=composed.members, compiled=compiled,
+            merged=draft.merged, checks=tuple(self.outcomes), cell=request.name, drawn=composed.drawn,
+            pictured=request.pictured, shapes=composed.shapes, tables=composed.tables,
+        )  # fmt: skip
+        final = self._exported(add_manifest(bundle, facts, context), composed)
         return None if final is None else Built(self.plan, composed, final, compiled=compiled, merged=draft.merged)
 
     def _draft(self, plan: Plan, composer: Composer) -> _Draft | None:
@@ -215,11 +201,9 @@ class Build:
 
     def _verify(self, draft: _Draft) -> Compiled | None:
         """Return MuJoCo's verdict, after running the recipe's checks."""
-        from mjcompose.build.verify.checks import checks_in
-        from mjcompose.build.verify.compile import (
-            WHOLE,
-            compile_and_report,  # a build without verification has no use for that room
-        )
+        # A build without verification does not need these.
+        from mjcompose.build.verify.checks import Checks, checks_in
+        from mjcompose.build.verify.compile import WHOLE, compile_and_report
         from mjcompose.build.verify.kept_keys import check_kept_keys
         from mjcompose.build.verify.key_ranges import check_key_ranges, check_stiffness
 
@@ -237,18 +221,10 @@ class Build:
             check_kept_keys(composed.model, composed.keys, session, sink=context.sink)
         with context.timed("check"):
             if next(checks_in(plan), None) is not None:
-                from mjcompose.build.verify.checks import Checks  # numpy comes along, and every kind of check
-
                 Checks(
-                    plan=plan,
-                    members=composed.members,
-                    session=session,
-                    context=context,
-                    merged=draft.merged,
-                    renamed=renamed_in(composed.model, composed.members),
-                    bundle=draft.bundle,
-                    shapes=composed.shapes,
-                ).run(self.outcomes)
+                    plan=plan, members=composed.members, session=session, context=context, merged=draft.merged,
+                    renamed=renamed_in(composed.model, composed.members), bundle=draft.bundle, shapes=composed.shapes,
+                ).run(self.outcomes)  # fmt: skip
         return compiled
 
     def _with_worlds(self, draft: _Draft, compiled: Compiled | None) -> Bundle:
@@ -259,7 +235,7 @@ class Build:
         if compiled is None:
             help = "build without `--no-compile`, or without `--as worlds`"
             span = locate(plan.document, ("randomize",), key=True)
-            message = "only MuJoCo knows where in the model the draws of worlds go"
+            message = "the draws of worlds need the model that MuJoCo compiles"
             context.sink.error(CODE, message, span, help=help)
             return draft.bundle
         table = DrawTable(plan, draft.composed.tabled, self.session, context=context)
@@ -270,7 +246,7 @@ class Build:
         from mjcompose.build.verify.compile import compile_and_report
         from mjcompose.build.verify.draws import SAMPLE
 
-        context = replace(self.context, timings=[])  # those of the model are its own
+        context = replace(self.context, timings=[])  # the timings of the model do not include samples
         composer = Composer(context, measure_with(context, session=self.session), self.session)
         sample = self._draft(self.plan.of_sample(number), composer)
         if sample is None:
@@ -279,17 +255,11 @@ class Build:
         return compile_and_report(sample.bundle, model, context, session=self.session, keep=SAMPLE, at=at) is not None
 
     def _exported(self, bundle: Bundle, composed: Composed) -> Bundle | None:
-        """Return what the target program reads; that is the bundle itself without one."""
+        """Return the bundle for the target program; without a target, the bundle itself."""
         if self.request.target is None:
             return bundle
         from mjcompose.targets.export import aimed  # few builds need it
 
         with self.context.timed("target"):
-            return aimed(
-                bundle,
-                self.request.target,
-                composed.model,
-                at=self.plan.span,
-                context=self.context,
-                session=self.session,
-            )
+            target, at = self.request.target, self.plan.span
+            return aimed(bundle, target, composed.model, at=at, context=self.context, session=self.session)

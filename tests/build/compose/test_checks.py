@@ -103,7 +103,7 @@ def test_the_culprit_is_named_where_it_is_written(tmp_path: Path) -> None:
     said = [(note.message, note.span and note.span.line) for note in fault.notes]
     assert said == [
         ("the body `arm/root` has no mass, or no inertia", 1),
-        ("the body `arm/link` moves by a joint of its own, so that its mass does not count", 2),
+        ("the body `arm/link` moves by its own joint, so its mass does not count", 2),
     ]
 
 

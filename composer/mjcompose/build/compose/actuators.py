@@ -42,7 +42,7 @@ INPUTS = {"pos": "position", "vel": "velocity", "ff": "force"}
 
 @dataclass(frozen=True, slots=True)
 class ActuatorModel:
-    """The behaviour of an actuator: force = gain · control + bias, by MuJoCo's own parameters."""
+    """The behavior of an actuator: force = gain · control + bias, by MuJoCo's own parameters."""
 
     gain: str
     bias: str
@@ -59,9 +59,9 @@ class ActuatorModel:
     limited: tuple[str, ...] = ()
     """The inputs of a pid whose controls are limited; "" for those that are not."""
     gear: float = 0.0
-    """How far its length goes where its joint or tendon moves by 1; 0 if it moves none along one axis."""
+    """The change of its length if its joint or tendon moves by 1; 0 if it moves none along one axis."""
     unit: str = ""
-    """The unit of the force on its joint, N or N·m; "" for anything else than a hinge or a slide."""
+    """The unit of the force on its joint, N or N·m; "" except for a hinge or a slide."""
 
     @property
     def is_affine(self) -> bool:
@@ -83,7 +83,7 @@ class ActuatorModel:
 
     @property
     def form(self) -> str:
-        """Return what the gain is for: `position`, `velocity`, `force`, `other`, or of a pid `position+velocity`."""
+        """Return the unit of the gain: `position`, `velocity`, `force`, `other`, or of a pid `position+velocity`."""
         if self.gain == "pid":
             return "+".join(INPUTS[each] for each in self.inputs)
         if not self.is_affine or (self.bias == "affine" and self.biasprm[0] != 0):
@@ -99,14 +99,14 @@ class ActuatorModel:
 
     @property
     def control(self) -> str:
-        """Return what the control sets: the quantity of `form`, or its rate if the activation integrates it."""
+        """Return the quantity of the control: that of `form`, or its rate if the activation integrates it."""
         return f"rate of {self.form}" if self.dynamics == "integrator" else self.form
 
 
 def actuator_models(linking: Linking, sink: Sink, found: list[Node]) -> dict[Node, ActuatorModel] | None:
     """Return the model of each actuator, or None after a reported error if the model cannot be compiled."""
     if linking.measure is None:
-        sink.error("mujoco-missing", "only MuJoCo knows what these actuators do")
+        sink.error("mujoco-missing", "only MuJoCo knows the behavior of these actuators")
         return None
     return models_in(linking.flat(), linking.measure, found)
 
@@ -187,7 +187,7 @@ _POSITION, _VELOCITY, _RATE = "position", "velocity", "rate of position"
 _ANGLES = {_POSITION: "an angle", _VELOCITY: "an angular velocity", _RATE: "an angular velocity"}
 _BY_TAG = {"position": _POSITION, "velocity": _VELOCITY, "intvelocity": _RATE}
 _UNLIKE = ("plugin", "motor", "damper", "cylinder", "muscle", "adhesion", "dcmotor", "orientation")
-"""Those whose controls are never positions or velocities of a joint, whatever their gains."""
+"""The controls of these are never positions or velocities of a joint."""
 _GENERAL = ("gaintype", "biastype", "dyntype", "gainprm", "biasprm")
 
 

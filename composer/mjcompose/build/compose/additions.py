@@ -1,4 +1,4 @@
-"""Steps: elements that a recipe adds, and those to which parts are attached."""
+"""Steps: elements that a recipe adds, some of which parts are attached to."""
 
 from __future__ import annotations
 
@@ -23,23 +23,20 @@ from mjcompose.model.grammar import GRAMMAR
 
 def add_element(step: AddElement, linking: Linking, making: ElementBuilder) -> None:
     """Append the element; in the world it takes the base's top class, as if it were written in the base."""
-    holder: Node | None
-    if step.to_kind == "world":
-        holder = linking.base.section("worldbody")
-    else:
-        holder = linking.names.find(step.to_kind, step.to)
-        if holder is None:
-            _report_no_target(step, linking, making)
+    in_world = step.to_kind == "world"
+    holder = linking.base.section("worldbody") if in_world else linking.names.find(step.to_kind, step.to)
+    if holder is None:
+        _report_no_target(step, linking, making)
     kind = GRAMMAR.element("worldbody" if step.to_kind == "world" else step.to_kind)
     node = make_node(step.element, kind.children.get(step.element.tag, kind), making)
     making.register(node, "worldbody")
-    for place in node.iter("body", "frame", "site"):  # a later entry may add to it, a part hang on it
+    for place in node.iter("body", "frame", "site"):  # later entries may add to it, and parts may be attached to it
         if name := place.get("name"):
             linking.names.declared.setdefault(str(place.tag), {}).setdefault(str(name), place)
     if holder is None:
-        return  # its names count as declared: that they are referred to is not a second fault
+        return  # its names count as declared, so references to them are not a second fault
     if step.to_kind == "world" and linking.base_class is not None:
-        # Each child says it by itself: of `<worldbody childclass="c">` MuJoCo 4.0 says "World body cannot have
+        # Each child has its own class: for `<worldbody childclass="c">` MuJoCo 4.0 says "World body cannot have
         # attributes".
         if node.tag in NESTED:
             if node.get("childclass") is None:
@@ -52,7 +49,7 @@ def add_element(step: AddElement, linking: Linking, making: ElementBuilder) -> N
 
 
 def _check_scale(step: AddElement, holder: Node, linking: Linking, making: ElementBuilder) -> None:
-    """Report what a frame of a source would scale: the recipe writes metres and kilograms."""
+    """Report an element that a frame of a source would scale: the recipe writes metres and kilograms."""
     base = linking.base
     for frame in all_scaled_above(holder):
         if isinstance(base.origins.owner(frame, base.file), str):
@@ -72,7 +69,7 @@ def _check_mass(step: AddElement, node: Node, linking: Linking, making: ElementB
     body: Node | None = node.getparent()
     while body is not None and body.tag in ("frame", "replicate"):
         body = body.getparent()
-    # An inertial that is written wins over geoms, also over those that are added later.
+    # An inertial wins over geoms, even over geoms that are added later.
     if body not in linking.notes.inertia_written:
         return
     geoms = [node] if node.tag == "geom" else own(node, "geom") if node.tag in ("frame", "replicate") else []
@@ -131,12 +128,12 @@ class EarlyAdditions:
             self.names_of.setdefault(id(place.step), []).append(name)
 
     def make(self, kind: str, name: str) -> list[Place]:
-        """Make a place and what it is added to. Return all that this makes, nothing if it cannot be made yet."""
+        """Add a place and the elements above it. Return all new places, none if it cannot be added yet."""
         steps = steps_adding(self.places, kind, name, done=self.done)
         if not steps or not self._is_ready(steps[0]):
             return []
         for step in steps:
-            # What the pass has done so far is its own, for those who watch.
+            # Changes so far belong to the pass.
             self.linking.watch(self.linking.units, bodies)
             add_element(step, self.linking, self.making)
             self.linking.watch(self.linking.units, step)
@@ -152,12 +149,12 @@ class EarlyAdditions:
         return [key for key, place in self.places.items() if not self.has_done(place.step)]
 
     def waits_for(self, kind: str, name: str) -> Place | None:
-        """Return what has to be in the model before a place can be made, or None if nothing is left to be made."""
+        """Return the place that must exist before this place can be added, or None if it exists."""
         steps = steps_adding(self.places, kind, name, done=self.done)
         return (steps[0].to_kind, steps[0].to) if steps else None
 
     def target_of(self, kind: str, name: str) -> tuple[str, Span] | None:
-        """Return what a place is added to and where its name is written, or None if no entry adds it."""
+        """Return the target of an added place and the span of the place's name, or None if no entry adds it."""
         steps = steps_adding(self.places, kind, name)
         return (steps[0].to, self.places[kind, name].span) if steps else None
 

@@ -1,9 +1,4 @@
-"""Checks of the recipe's own elements against the whole model.
-
-Check the order of the lower and upper ends that the recipe writes.
-
-MuJoCo silently takes a wrong order as no limit.
-"""
+"""Checks of the recipe's own elements against the whole model."""
 
 from __future__ import annotations
 
@@ -16,7 +11,6 @@ from mjcompose.base.sink import Sink
 from mjcompose.build.compose.editing import is_angular
 from mjcompose.build.compose.elements import ElementBuilder, Reference
 from mjcompose.build.plan.plan import AttachPart
-from mjcompose.language.value import Element
 from mjcompose.link import numbers
 from mjcompose.link.inertia import MEASURED, has_mass
 from mjcompose.link.key_layout import joint_type
@@ -32,16 +26,23 @@ from mjcompose.text.node import locate
 
 
 def check_class_angles(linking: Linking, making: ElementBuilder) -> None:
-    """Report the first joint for which such a number means another thing than in the class that gives it.
+    """Report the first joint that takes an angle of a class for a length, or a length for an angle.
 
-    MuJoCo 4.0 makes 0 1.5708 of `range="0 90"` for the hinges of a class, and leaves it as it is for its slides: in a
-    model in radians no number is right for both.
+    MuJoCo 4.0 compiles `range="0 90"` of a class to 0 1.5708 for hinges, and to 0 90 for slides: in a model in radians
+    no number is right for both.
     """
     for giver, element, name, angular in making.of_classes:
         attribute = GRAMMAR.element("joint").attributes[name]
         for joint in _joints_affected_by(giver, name, linking):
-            if is_angular(attribute, joint_type(joint, linking.base.classes)) != angular:
-                _report(linking, making, element, name=name, joint=joint, angular=angular)
+            kind = joint_type(joint, linking.base.classes)
+            if is_angular(attribute, kind) != angular:
+                called = name_of(joint)
+                which = f"the {kind} `{called}`" if called else f"a {kind} without a name"
+                own, other = ("an angle", "a length") if angular else ("a length", "an angle")
+                message = f"`{name}` of a class is {own}, and {which} would take it for {other}"
+                notes = (Note(f"{which} is written here", linking.span(linking.base, joint)),)
+                help, span = f"write `{name}` on the joints, or use one class for each kind", making.span(element, name)
+                making.sink.error("bare-angle", message, span, notes=notes, help=help, subjects=(called,))
                 break
     making.of_classes.clear()
 
@@ -59,21 +60,11 @@ def _joints_affected_by(giver: Node, name: str, linking: Linking) -> Iterator[No
                 yield joint
 
 
-def _report(linking: Linking, making: ElementBuilder, element: Element, name: str, joint: Node, angular: bool) -> None:
-    kind, called = joint_type(joint, linking.base.classes), name_of(joint)
-    which = f"the {kind} `{called}`" if called else f"a {kind} without a name"
-    meant, other = ("an angle", "a length") if angular else ("a length", "an angle")
-    message = f"`{name}` of a class is {meant}, and {which} would take it for {other}"
-    notes = (Note(f"{which} is written here", linking.span(linking.base, joint)),)
-    help = f"write `{name}` on the joints, or give the class to joints of one kind"
-    making.sink.error("bare-angle", message, making.span(element, name), notes=notes, help=help, subjects=(called,))
-
-
 def check_intervals(making: ElementBuilder) -> None:
-    """Report ranges that end before they begin, when nothing more changes them.
+    """Report ranges that end before they begin, which MuJoCo silently takes for no range.
 
-    Not before: `"range[0]"` and `"range[1]"` may be set one after the other. Two zeros are how MJCF says that there is
-    no range. What a source has is for MuJoCo to judge.
+    This comes after all edits, because `"range[0]"` and `"range[1]"` may be set one after the other. Two zeros mean no
+    range. Ranges of sources are not checked.
     """
     for (node, attribute), span in making.intervals.items():
         ends = numbers.read(str(node.get(attribute) or ""))
@@ -81,18 +72,12 @@ def check_intervals(making: ElementBuilder) -> None:
         if len(ends) != 2 or ends[0] < ends[1] or not any(ends):
             continue
         name = name_of(node)
-        what = f"`{attribute}` of {node.tag} `{name}`" if name else f"`{attribute}` of a `{node.tag}`"
-        wrong = "begins where it ends" if ends[0] == ends[1] else "has its ends in the wrong order"
-        making.sink.error(
-            "out-of-range",
-            f"{what} {wrong}",
-            span,
-            notes=(Note("MuJoCo ignores such a range, or rejects the model"),),
-            help="write the lower end first, then the upper one"
-            if ends[0] > ends[1]
-            else "write two numbers, or `[0, 0]` for no range",
-            subjects=(name,),
-        )
+        message, help = "has its ends in the wrong order", "write the lower end first"
+        if ends[0] == ends[1]:
+            message, help = "has two equal ends", "write two different numbers, or `[0, 0]` for no range"
+        message = f"`{attribute}` of {f'{node.tag} `{name}`' if name else f'a `{node.tag}`'} {message}"
+        notes = (Note("MuJoCo ignores such a range, or rejects the model"),)
+        making.sink.error("out-of-range", message, span, notes=notes, help=help, subjects=(name,))
     making.intervals.clear()
 
 
@@ -104,9 +89,9 @@ _RULES = (*MEASURED, "inertiafromgeom", "inertiagrouprange")
 
 
 def check_mass(step: AttachPart, part: Part, linking: Linking, making: ElementBuilder) -> None:
-    """Report the bodies without mass. Nothing is reported if only MuJoCo knows the mass.
+    """Report a joint without mass, unless only MuJoCo knows the mass.
 
-    MuJoCo asks for mass of what moves with the joint: the body itself, or a body that is fixed to it.
+    MuJoCo requires mass of the body with the joint, or of a body that is fixed to it.
     """
     settings, default = linking.base.settings, Settings()
     if not part.joints or any(getattr(settings, name) != getattr(default, name) for name in _RULES):
@@ -133,7 +118,7 @@ def _reasons(fixed: list[Node], linking: Linking) -> Iterator[Note]:
     for body in fixed:
         for child in own(body, "body"):
             for joint in own(child, "joint", "freejoint")[:1]:
-                message = f"{_called(child)} moves by a joint of its own, so that its mass does not count"
+                message = f"{_called(child)} moves by its own joint, so its mass does not count"
                 yield Note(message, linking.span(linking.base, joint))
 
 
@@ -145,8 +130,8 @@ def _fixed(body: Node) -> Iterator[Node]:
     """Yield the body, and the bodies below it that no joint moves relative to it."""
     yield body
     for child in own(body, "body"):
-        # In MuJoCo 4.0 the mass of a child counts for the joint above it, unless a joint of its own stands between:
-        # then "mass and inertia of moving bodies must be larger than mjMINVAL".
+        # In MuJoCo 4.0 the mass of a child counts for the joint above it, unless the child has its own joint: then
+        # "mass and inertia of moving bodies must be larger than mjMINVAL".
         if not own(child, "joint", "freejoint"):
             yield from _fixed(child)
 
@@ -162,9 +147,9 @@ def _may_have_mass(body: Node, linking: Linking) -> bool:
 
 
 def check_names(linking: Linking, making: ElementBuilder) -> None:
-    """First every new name is declared, then every reference looked up: elements may refer to later ones.
+    """Declare every new name, then look up every reference: elements may refer to later ones.
 
-    Those to keys wait for `check_names_of_keys`.
+    References to keys wait for `check_names_of_keys`.
     """
     references: list[Reference] = []
     for top, section in making.registered:
@@ -209,14 +194,10 @@ def _declare(linking: Linking, making: ElementBuilder, node: Node, name: str, na
     known = linking.names.declared.setdefault(namespace, {})
     earlier = known.setdefault(value, node)
     if earlier is not node and namespace != "key":
-        making.sink.error(
-            "class-clash" if namespace == "default" else "name-clash",
-            f"the name `{value}` is taken by another {word(namespace)}",
-            making.span_of(node, name),
-            notes=(Note("it is declared here", linking.span(linking.base, earlier, "name")),),
-            help="choose another name",
-            subjects=(value,),
-        )
+        code = "class-clash" if namespace == "default" else "name-clash"
+        message, span = f"the name `{value}` is taken by another {word(namespace)}", making.span_of(node, name)
+        notes = (Note("it is declared here", linking.span(linking.base, earlier, "name")),)
+        making.sink.error(code, message, span, notes=notes, help="choose another name", subjects=(value,))
 
 
 def _look_up(linking: Linking, making: ElementBuilder, reference: Reference) -> None:

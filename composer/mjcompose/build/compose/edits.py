@@ -69,7 +69,7 @@ def _elements_of_section(editing: Editing, tag: str, path: Path) -> list[Node]:
         return found
     if not found:
         message = f"`{editing.linking.base.label}` has nothing in `{tag}` that could be left out"
-        editing.sink.error("selector", message, editing.span(path), help=f"take `{tag}` out of `drop`")
+        editing.sink.error("selector", message, editing.span(path), help=f"remove `{tag}` from `drop`")
     return found
 
 

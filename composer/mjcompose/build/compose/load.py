@@ -63,8 +63,7 @@ class Loader:
     """Loads the units of source files.
 
     `expect` announces how often each is needed, so the last use needs no copy. Units that are in the `library` are
-    not read again, and new ones are added to it. `checks` is set if every file must be valid MJCF as a whole, not
-    only where the composition reads it.
+    not read again, and new ones are added to it. With `checks`, every file must be valid MJCF as a whole.
     """
 
     context: Context
@@ -82,8 +81,8 @@ class Loader:
         """Return the unit of a source, or None if it has faults. With `is_fixed`, it is fixed in the world."""
         key = source_key(model, is_fixed)
         if key not in self.parsed:
-            refused = self.parsed.get((*key[:3], not key[3]), ...) is None  # one fault of a file is reported once
-            self.parsed[key] = None if refused else self._known(key) or self._read(model, span, is_fixed)
+            refused = self.parsed.get((*key[:3], not key[3]), ...) is None  # a fault of a file is reported once
+            self.parsed[key] = None if refused else self._known_or_read(key, model, span, is_fixed=is_fixed)
         unit = self.parsed[key]
         self.uses[key] -= 1
         # Linking uses a unit up.
@@ -94,20 +93,20 @@ class Loader:
         return unit
 
     def tables(self) -> Tables:
-        """Return what was read of each source that is not MJCF, and what was not."""
+        """Return the tables of the sources that are not MJCF."""
         return {key[:3]: unit.table for key, unit in self.parsed.items() if unit is not None and unit.table}
 
-    def _known(self, key: Key) -> Unit | None:
-        unit = self.library.get(key) if self.library is not None else None
-        return None if unit is None else unit.copied()
-
-    def _read(self, model: Source, span: Span | None, is_fixed: bool) -> Unit | None:
-        unit = self._new(model, span, is_fixed)
-        if unit is not None and self.library is not None:
-            self.library[source_key(model, is_fixed)] = unit.copied()
+    def _known_or_read(self, key: Key, model: Source, span: Span | None, is_fixed: bool) -> Unit | None:
+        if self.library is None:
+            return self._read(model, span, is_fixed)
+        if (known := self.library.get(key)) is not None:
+            return known.copied()
+        unit = self._read(model, span, is_fixed)
+        if unit is not None:
+            self.library[key] = unit.copied()
         return unit
 
-    def _new(self, model: Source, span: Span | None, is_fixed: bool) -> Unit | None:
+    def _read(self, model: Source, span: Span | None, is_fixed: bool) -> Unit | None:
         if model.format == "urdf":
             from mjcompose.build.compose.urdf import urdf_unit  # few recipes need it
 
@@ -145,16 +144,16 @@ class PartRequest:
 
     @property
     def drops_elements(self) -> bool:
-        """Whether it leaves out more than its keys, which stay in the unit for keyframes that the recipe writes."""
+        """Whether it drops more than its keys, which stay in the unit for keyframes that the recipe writes."""
         return not all(each.leaves_keys for each in self.drop)
 
     def check_dropped_keys(self, unit: Unit, document: Mapping, sink: Sink) -> bool:
-        """Report a `drop` of keys that the unit does not have. Return whether all is well."""
+        """Report a `drop` of keys that the unit does not have. Return whether there is no fault."""
         needless = [each for each in self.drop if each.leaves_keys and not each.optional]
         if not needless or any(True for _ in unit.root.iterfind("keyframe/key")) or _may_have_keys(unit):
             return True
         message = f"`{unit.label}` has no keyframes that could be left out"
-        help = f"take `{needless[0]}` out of `drop`"
+        help = f"remove `{needless[0]}` from `drop`"
         sink.error("selector", message, locate(document, (*self.at, "drop", needless[0].index)), help=help)
         return False
 
@@ -163,16 +162,20 @@ class PartRequest:
         from mjcompose.link.subtree import take_subtree  # few recipes need it
 
         assert self.body is not None
-        found = take_subtree(unit, self.body, sink, span=self.span, keyframes=self.keyframes, measure=measure)
-        if found is not None and found.cut:
-            _report_cut(unit, found, sink, span=self.span)
-        return found
+        subtree = take_subtree(unit, self.body, sink, span=self.span, keyframes=self.keyframes, measure=measure)
+        if subtree is not None and subtree.cut:
+            alone = f"the {subtree.cut[0].called}, which reaches" if len(subtree.cut) == 1 else ""
+            cut = alone or f"{len(subtree.cut)} elements that reach"
+            message = f"the subtree `{subtree.body}` of `{unit.label}` is used without {cut} out of it"
+            notes = tuple(Note(f"the {each.called} needs {each.lacks}", each.span) for each in subtree.cut)
+            sink.warning("subtree-cut", message, self.span, notes=notes)
+        return subtree
 
 
 def _may_have_keys(unit: Unit) -> bool:
-    """Return whether MuJoCo makes keys: as many as `nkey` says, or those of models that it attaches."""
-    asks = any(size.get("nkey") for size in unit.root.iterchildren("size"))
-    return asks or next(unit.root.iter("attach"), None) is not None
+    """Return whether MuJoCo adds keys: by `nkey`, or from models that it attaches."""
+    has_size = any(size.get("nkey") for size in unit.root.iterchildren("size"))
+    return has_size or next(unit.root.iter("attach"), None) is not None
 
 
 def part_requests(plan: Plan, is_fixed: bool) -> Iterator[PartRequest]:
@@ -185,29 +188,9 @@ def part_requests(plan: Plan, is_fixed: bool) -> Iterator[PartRequest]:
         yield PartRequest(None, None, (BASE,), keyframes="merge", span=locate(document, ()), is_fixed_in_world=is_fixed)
     for step in plan.members:
         part = step.attachment
-        span = locate(document, (*step.at, "subtree"))
         is_read = part_name(step, plan.separator) in plan.key_sources
-        inside = is_fixed and is_fixed_in_world(part)
         yield PartRequest(
-            step.model,
-            part.subtree,
-            step.at,
-            keyframes="merge" if is_read else part.key_policy,
-            span=span,
-            is_fixed_in_world=inside,
-            drop=part.drop,
-            edit=part.edit,
-        )
-
-
-def _report_cut(unit: Unit, found: Subtree, sink: Sink, span: Span) -> None:
-    """What concerns the subtree and something else is left; nobody should miss that."""
-    alone = len(found.cut) == 1
-    what = f"the {found.cut[0].called}" if alone else f"{len(found.cut)} elements"
-    sink.warning(
-        "subtree-cut",
-        f"the subtree `{found.body}` of `{unit.label}` comes without {what}, which {'reaches' if alone else 'reach'}"
-        " out of it",
-        span,
-        notes=tuple(Note(f"the {each.called} needs {each.lacks}", each.span) for each in found.cut),
-    )
+            step.model, part.subtree, step.at, keyframes="merge" if is_read else part.key_policy,
+            span=locate(document, (*step.at, "subtree")), is_fixed_in_world=is_fixed and is_fixed_in_world(part),
+            drop=part.drop, edit=part.edit,
+        )  # fmt: skip

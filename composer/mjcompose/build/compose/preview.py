@@ -19,15 +19,14 @@ from mjcompose.build.plan.plan import EditOutcome, Gains, Plan, PlanPreview
 from mjcompose.link.linking import Measure
 from mjcompose.link.measure import measure_with
 from mjcompose.model.grammar import GRAMMAR
-from mjcompose.model.merged_settings import Adopted
 from mjcompose.mujoco import engine
 from mjcompose.sources.context import Context
 
 
 def preview_plan(plan: Plan, context: Context) -> PlanPreview:
-    """Return what the plan will remove, what edits select, and on what the parts agree. Errors go to the sink.
+    """Return the elements that the plan removes and selects, and the settings of its parts. Errors go to the sink.
 
-    The model is composed once, if edits or contacts need it. Otherwise only the sources that matter are read.
+    The model is composed once if edits or contacts need it. Otherwise only the relevant sources are read.
     """
     library: Library = {}
     measure = measure_with(context)
@@ -39,47 +38,39 @@ def preview_plan(plan: Plan, context: Context) -> PlanPreview:
     else:
         if plan.takes_subtrees:
             composer.read_subtrees(plan)
-        if any(each.excludes_touching for each in plan.plans()):
-            composed = _compose_silently(plan, context, library)
-    adopted = _adopted(plan, composed, context, library=library)
+        if any(each.excludes_touching for each in plan.plans()):  # errors of composing are not reported here
+            aside = replace(context, sink=Sink())
+            with engine.Session() as session:
+                again = Composer(aside, measure_with(aside, session=session), session, library=library)
+                composed = again.compose(plan)
     excluded = () if composed is None else composed.excluded
+    if composed is None:
+        adopted = adopted_settings(plan, context, library)
+    else:
+        adopted = composed.model.adopted if plan.parts else ()
     gains = tuple(_gains(composed, composer.edits.values(), measure))
     return PlanPreview(composer.subtrees, composer.edits, adopted, excluded=excluded, gains=gains)
 
 
-def _compose_silently(plan: Plan, context: Context, library: Library) -> Composed | None:
-    """Return the composed model for the bodies that touch. Its errors are not reported here."""
-    aside = replace(context, sink=Sink())
-    with engine.Session() as session:
-        measure = measure_with(aside, session=session)
-        return Composer(aside, measure, session, library=library).compose(plan)
-
-
-def _adopted(plan: Plan, composed: Composed | None, context: Context, library: Library) -> tuple[Adopted, ...]:
-    if composed is None:
-        return adopted_settings(plan, context, library)
-    return composed.model.adopted if plan.parts else ()
-
-
 def _gains(composed: Composed | None, edits: Iterable[EditOutcome], measure: Measure) -> Iterator[Gains]:
-    """Yield what the servos do to their joints, if an edit is about actuators."""
+    """Yield the gains of the servos at their joints if an edit is about actuators."""
     actuators = GRAMMAR.section("actuator").children
     if composed is None or not any(kind in ("actuator", *actuators) for each in edits for kind in each.selected):
         return
-    found = composed.model.root.findall("actuator/*")
-    for node, model in (models_in(composed.model, measure, found) or {}).items():
+    models = models_in(composed.model, measure, composed.model.root.findall("actuator/*")) or {}
+    for node, model in models.items():
         if model.gear and (model.kp or model.kv):
             name = node.get("name") or f"the {node.tag} of {node.get('joint') or node.get('tendon')}"
             yield Gains(str(name), model.kp * model.gear**2, model.kv * model.gear**2, gear=model.gear, unit=model.unit)
 
 
 def shapes_for_plans(plans: Iterable[Plan], context: Context) -> dict[str, bytes]:
-    """The results that plans need, by key; what is not kept yet is made now. Faults go to the context's sink."""
-    found: dict[str, bytes] = {}
+    """Return the results that plans need, by key; compute missing results. Errors go to the context's sink."""
+    results: dict[str, bytes] = {}
     library: Library = {}
     working = [plan for plan in plans if plan.works_on_meshes]
     if not working:
-        return found
+        return results
     assert context.fetching is not None
     context.fetching.remakes_shapes = True
     try:
@@ -90,14 +81,14 @@ def shapes_for_plans(plans: Iterable[Plan], context: Context) -> dict[str, bytes
                 composer.compose(plan)
                 acknowledge(plan, context.sink, context.shown, whole=False)
                 if composer.workshop is not None:
-                    found |= composer.workshop.store.used
+                    results |= composer.workshop.store.used
     finally:
         context.fetching.remakes_shapes = False
-    return found
+    return results
 
 
 def write_beside(folder: Path, shapes: Mapping[str, bytes]) -> None:
-    """Let a folder beside a recipe have these results and no others. Raises OutputError."""
+    """Write these results into a folder next to a recipe, and remove all others. Raises OutputError."""
     before = shapes_beside(folder)
     if not shapes and not before:
         return

@@ -34,30 +34,23 @@ def urdf_unit(
     `span` is the place in the recipe that refers to it. If the robot `is_fixed` in the world, its root link is merged
     with the world, as MuJoCo does for a URDF alone.
     """
-    beside = _RecipeContext(context, span)
-    reader = UrdfReader(
-        source,
-        context.sink,
-        session,
-        shown=context.shown,
-        asked=span,
-        is_fixed_in_world=is_fixed,
-        missing=beside.report_missing,
-        relative=beside.relative,
-    )
-    return reader.unit()
+    own = _RecipeContext(context, span)
+    return UrdfReader(
+        source, context.sink, session, shown=context.shown, asked=span, is_fixed_in_world=is_fixed,
+        missing=own.report_missing, relative=own.relative,
+    ).unit()  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
 class _RecipeContext:
-    """What only the caller knows: where the recipe refers to the file, and how missing files are reported."""
+    """The place where the recipe refers to a URDF, for paths and for reports of missing files."""
 
     context: Context
-    asked: Span | None
+    span: Span | None
 
     def relative(self, folder: Path) -> str:
         """Return the path of a folder as the recipe writes it."""
-        recipe = self.context.folder / (self.asked.file if self.asked else "")
+        recipe = self.context.folder / (self.span.file if self.span else "")
         return Path(os.path.relpath(folder, recipe.parent)).as_posix()
 
     def report_missing(self, robot: Robot, converted: Converted) -> None:
@@ -65,12 +58,11 @@ class _RecipeContext:
         for file in converted.meshes:
             if not file.startswith(PACKAGE) and file not in robot.made and not os.path.isfile(file):
                 found = held(join(str(robot.path.parent), join(converted.folder, file)))
-                uses.append(
-                    FileUse(mesh_of(robot.root, file), "filename", file, source=found, content=None, shared=False)
-                )
+                element = mesh_of(robot.root, file)
+                uses.append(FileUse(element, "filename", file, source=found, content=None, shared=False))
         sink = Sink()
         collect(robot.unit, uses, sink, shown=self.context.shown)
-        asked = () if self.asked is None else (Note("the recipe takes it from here", self.asked),)
+        from_recipe = () if self.span is None else (Note("the recipe names it here", self.span),)
         for each in sink.diagnostics:
             help = each.help or "put the file there, or correct `filename`"
-            self.context.sink.add(replace(each, notes=(*each.notes, *asked), help=help))
+            self.context.sink.add(replace(each, notes=(*each.notes, *from_recipe), help=help))
