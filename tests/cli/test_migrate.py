@@ -137,14 +137,14 @@ def test_models_that_attach_one_another_end(folder: Path) -> None:
     (folder / "parts/tip.xml").write_text(HAND.replace("tip.xml", "../all.xml").replace('"palm"', '"tip"'))
     result = run("migrate", "all.xml", "--from", "3.2.2", "-o", "new")
     assert result.exit_code == 1
-    assert "parts/tip.xml:2:34: error[source-cycle]: the model `../all.xml` is made of itself" in result.stderr
+    assert "parts/tip.xml:2:34: error[source-cycle]: the model `../all.xml` attaches itself" in result.stderr
 
 
 def test_an_attached_urdf_is_left(folder: Path) -> None:
     attaching(folder, more='<model name="u" file="parts/u.urdf"/>')
     (folder / "parts/u.urdf").write_text('<robot name="u"><link name="l"/></robot>')
     result = run("migrate", "all.xml", "--from", "3.2.2", "-o", "new")
-    assert "all.xml:2:" in result.stderr and "`parts/u.urdf` is URDF, and stays as it is" in result.stderr
+    assert "all.xml:2:" in result.stderr and "`parts/u.urdf` is URDF, and stays unchanged" in result.stderr
 
 
 def test_a_file_that_would_be_two(folder: Path) -> None:

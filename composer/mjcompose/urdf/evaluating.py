@@ -81,7 +81,6 @@ METHODS: Mapping[type, frozenset[str]] = {
     dict: frozenset({"get", "items", "keys", "values"}), float: frozenset({"is_integer"}),
 }  # fmt: skip
 """Methods that expressions may call. None changes its value or exposes its parts."""
-_WIDENS = frozenset({"zfill", "center", "ljust", "rjust"})
 _FORMAT = re.compile(r"%(?:\([^()]*\))?[-+ #0]*\d{0,3}(?:\.\d{0,3})?[hlL]?[diouxXeEfFgGcrsa%]")
 _SEPARATORS = re.compile(r"[^\\\[\]^-]+")
 
@@ -227,10 +226,10 @@ class Evaluator:
 
     def _method(self, value: Any, name: str, *given: Any, **named: Any) -> Any:
         most = 0
-        if name in _WIDENS and given and isinstance(given[0], int):
+        if name in ("zfill", "center", "ljust", "rjust") and given and isinstance(given[0], int):
             most = given[0]
         elif name == "replace" and len(given) > 1 and isinstance(given[0], str) and isinstance(given[1], str):
-            most = (value.count(given[0])) * len(given[1])
+            most = value.count(given[0]) * len(given[1])
         elif name == "join" and given:
             most = len(value) * len(given[0])
         _bounded(most)
@@ -305,8 +304,7 @@ class Evaluator:
         return self.admitted(work(one, other))
 
     def _unary(self, node: ast.UnaryOp) -> Any:
-        value = self._of(node.operand)
-        return self.admitted(_UNARY[type(node.op)](value))
+        return self.admitted(_UNARY[type(node.op)](self._of(node.operand)))
 
     def _both(self, node: ast.BoolOp) -> Any:
         value = None
@@ -357,11 +355,7 @@ class Evaluator:
         return self.admitted([self._of(node.elt) for _ in self._rounds(node.generators)])
 
     def _mapping_of(self, node: ast.DictComp) -> Any:
-        found = {}
-        for _ in self._rounds(node.generators):
-            key = self._of(node.key)
-            found[key] = self._of(node.value)
-        return self.admitted(found)
+        return self.admitted({self._of(node.key): self._of(node.value) for _ in self._rounds(node.generators)})
 
     def _rounds(self, generators: Sequence[ast.comprehension]) -> Iterator[None]:
         """Run the loops and conditions of a comprehension, with its names in scope."""

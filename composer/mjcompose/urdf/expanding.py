@@ -206,16 +206,12 @@ class _Work:
         inner: BaseException = error
         while (cause := getattr(inner, "exc", None)) is not None and isinstance(cause, BaseException):
             inner = cause
-        trail: list[tuple[str, int, int, str]] = []
-        for frame in _frames(error.__traceback__):
-            for name in ("node", "elt", "tag"):
-                place = _place_of(frame.f_locals.get(name))
-                if place is not None and (not trail or trail[-1] != place):
-                    trail.append(place)
-        at = getattr(error, "at", None) or (trail[-1] if trail else None)
+        frames = list(_frames(error.__traceback__))
+        trail = (_place_of(frame.f_locals.get(name)) for frame in frames for name in ("node", "elt", "tag"))
+        at = getattr(error, "at", None) or next((place for place in [*trail][::-1] if place is not None), None)
         calls = [
             place
-            for frame in _frames(error.__traceback__)
+            for frame in frames
             if frame.f_code.co_name == "handle_macro_call"
             and (place := _place_of(frame.f_locals.get("node"))) is not None
             and place != at

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import defaultdict
 from collections.abc import Collection, Iterator
 
 from lxml import etree
@@ -123,10 +124,10 @@ def _repaired(tensor: Matrix) -> tuple[Matrix, list[float]]:
 def _weightless(root: Node, massless: Collection[str] = ()) -> Iterator[Node]:
     """Yield moving links without mass, even counting their shapes and the links fixed to them."""
     joints = list(root.iterchildren("joint"))
-    fixed: dict[str, list[str]] = {}
+    fixed: dict[str, list[str]] = defaultdict(list)
     for joint in joints:
         if joint.get("type") == "fixed":
-            fixed.setdefault(_end(joint, "parent"), []).append(_end(joint, "child"))
+            fixed[_end(joint, "parent")].append(_end(joint, "child"))
     links = {str(link.get("name")): link for link in root.iterchildren("link")}
 
     def heavy(name: str, seen: set[str]) -> bool:
@@ -135,11 +136,11 @@ def _weightless(root: Node, massless: Collection[str] = ()) -> Iterator[Node]:
             return True
         seen.add(name)
         inertial = link.find("inertial")
-        if inertial is None and link.find("collision") is not None and name not in massless:
-            return True
-        if inertial is not None and not 0 <= _mass(inertial) < _LEAST_MASS:
-            return True
-        return any(heavy(each, seen) for each in fixed.get(name, ()))
+        if inertial is None:
+            weighs = link.find("collision") is not None and name not in massless
+        else:
+            weighs = not 0 <= _mass(inertial) < _LEAST_MASS
+        return weighs or any(heavy(each, seen) for each in fixed[name])
 
     for joint in joints:
         name = _end(joint, "child")
@@ -174,15 +175,15 @@ def _tensor(inertial: Node) -> Matrix | None:
 
 def _write(inertial: Node, mass: float | None, tensor: Matrix) -> None:
     if mass is not None:
-        written = inertial.find("mass")
-        written = etree.SubElement(inertial, "mass") if written is None else written
-        written.set("value", f"{mass:g}")
-    inertia = inertial.find("inertia")
-    if inertia is None:
-        inertia = etree.SubElement(inertial, "inertia")
-    places = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
-    for name, (row, column) in zip(_NAMES, places, strict=True):
-        inertia.set(name, repr(tensor[row][column]))
+        _child(inertial, "mass").set("value", f"{mass:g}")
+    for name in _NAMES:
+        row, column = ("xyz".index(axis) for axis in name[1:])
+        _child(inertial, "inertia").set(name, repr(tensor[row][column]))
+
+
+def _child(holder: Node, tag: str) -> Node:
+    child = holder.find(tag)
+    return etree.SubElement(holder, tag) if child is None else child
 
 
 def _diagonal(value: float) -> Matrix:

@@ -29,7 +29,7 @@ from mjcompose.sources.reference import Source
 from mjcompose.urdf import inertia
 from mjcompose.urdf.actuators import Extras, add_actuators, note_unread, read_rows
 from mjcompose.urdf.meshes import Meshes, add_looks
-from mjcompose.urdf.robot import Robot, explain, known_packages, locate_in_urdf, mesh_of, name_fused_links, named_in
+from mjcompose.urdf.robot import Robot, explain, locate_in_urdf, mesh_of, name_fused_links, named_in
 from mjcompose.urdf.xacro import Template, is_template, owned, parsed
 
 _READ = ("compiler", "option", "size")
@@ -125,7 +125,8 @@ class UrdfReader:
                 return None
             unit = Unit(root, shown, source.path.parent, label=source.path.stem, door=source.door)
             unit.origins.texts[shown] = FileText(source.path, data)
-            return Robot(unit, source.path, known_packages(data.decode("utf-8", "replace"), source.path, given))
+            packages = ros.folders(ros.packages_in(data.decode("utf-8", "replace")), source.path, given)
+            return Robot(unit, source.path, packages)
         packages = ros.all_folders(source.path, given)
         arguments = dict(source.urdf.arguments)
         expanded = Template(source.path, source.door, packages, arguments=arguments, shown=self.shown).expanded()
@@ -142,8 +143,8 @@ class UrdfReader:
         for path in (source.path, *expanded.files):
             unit.origins.texts[self.shown(path)] = FileText(path)
         owned(root, expanded.owners, unit.origins)
-        text = expanded.text.decode("utf-8", "replace")
-        return Robot(unit, source.path, known_packages(text, source.path, given), changed=True)
+        packages = ros.folders(ros.packages_in(expanded.text.decode("utf-8", "replace")), source.path, given)
+        return Robot(unit, source.path, packages, changed=True)
 
     def _converted(
         self, robot: Robot, shells: Collection[str], stack: ExitStack, massless: Sequence[str] = ()

@@ -6,7 +6,7 @@ import copy
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import field
 from functools import partial
-from itertools import zip_longest
+from itertools import takewhile
 from pathlib import Path
 
 from lxml import etree
@@ -18,7 +18,6 @@ from mjcompose.base.suggest import did_you_mean, exists_note
 from mjcompose.model.files import join, stem
 from mjcompose.model.unit import Origins, Unit, line_of
 from mjcompose.mujoco.messages import Fault, Sentence, Topic, read_sentence, translate
-from mjcompose.sources import ros
 
 _VALUES = {
     "inertial": {"mass": ("mass", "value"), "pos": ("origin", "xyz"), "quat": ("origin", "rpy")},
@@ -86,8 +85,8 @@ def mesh_of(robot: Node, file: str) -> Node:
     steps = _steps(file)
     best, alike = robot, 0
     for mesh in robot.iterfind("link/*/geometry/mesh"):
-        pairs = enumerate(zip_longest(steps, _steps(str(mesh.get("filename")))))
-        same = next((number for number, (one, other) in pairs if one != other), len(steps))
+        pairs = zip(steps, _steps(str(mesh.get("filename"))), strict=False)
+        same = sum(1 for _ in takewhile(lambda pair: pair[0] == pair[1], pairs))
         if same > alike:
             best, alike = mesh, same
     return best
@@ -97,17 +96,13 @@ def _steps(path: str) -> list[str]:
     return path.replace("\\", "/").split("/")[::-1]
 
 
-@dataclass
 class _Sources:
     """Maps elements of MJCF to their elements in the URDF."""
 
-    robot: Node
-    links: dict[str, Node] = field(init=False)
-    joints: dict[str, Node] = field(init=False)
-
-    def __post_init__(self) -> None:
-        self.links = {str(each.get("name")): each for each in self.robot.iterchildren("link")}
-        self.joints = {str(each.get("name")): each for each in self.robot.iterchildren("joint")}
+    def __init__(self, robot: Node) -> None:
+        self.robot = robot
+        self.links = {str(each.get("name")): each for each in robot.iterchildren("link")}
+        self.joints = {str(each.get("name")): each for each in robot.iterchildren("joint")}
 
     def of(self, root: Node) -> Iterator[tuple[Node, Node]]:
         yield root, self.robot
@@ -118,7 +113,10 @@ class _Sources:
             elif section.tag == "asset":
                 yield from ((mesh, mesh_of(self.robot, str(mesh.get("file")))) for mesh in section.iterchildren("mesh"))
             elif section.tag == "equality":
-                yield from ((each, self._mimic(each)) for each in section.iterchildren("*"))
+                for each in section.iterchildren("*"):
+                    joint = self.joints.get(str(each.get("joint1")))
+                    mimic = None if joint is None else joint.find("mimic")
+                    yield each, self.robot if mimic is None else mimic
             elif own is not None and (found := own.find(str(section.tag))) is not None:
                 yield section, found
 
@@ -138,11 +136,6 @@ class _Sources:
                 inner = self.links.get(name, link)
                 yield child, inner
                 yield from self._held(child, inner)
-
-    def _mimic(self, equality: Node) -> Node:
-        joint = self.joints.get(str(equality.get("joint1")))
-        found = None if joint is None else joint.find("mimic")
-        return self.robot if found is None else found
 
 
 def _shapes(link: Node, number: int) -> list[Node]:
@@ -228,16 +221,14 @@ class Robot:
     def simplified(self) -> None:
         """Rewrite file names as MuJoCo reads them: it knows only `package://`."""
         for mesh in self.root.iterfind("link/*/geometry/mesh"):
-            written = str(mesh.get("filename") or "")
-            if written.startswith(f"{PACKAGE}/"):
-                mesh.set("filename", PACKAGE + written.removeprefix(PACKAGE).lstrip("/"))
-            elif written.startswith(_FILE):
-                mesh.set("filename", written.removeprefix(_FILE))
-            elif written.startswith("model://"):
-                mesh.set("filename", "package://" + written.removeprefix("model://"))
-            else:
-                continue
-            self.changed = True
+            written = name = str(mesh.get("filename") or "")
+            for scheme in (*SCHEMES, _FILE):
+                if written.startswith(scheme):
+                    inside = written.removeprefix(scheme)
+                    name = inside if scheme == _FILE else PACKAGE + inside.lstrip("/")
+            if name != written:
+                mesh.set("filename", name)
+                self.changed = True
 
     def text(self) -> str | None:
         """Return the text for MuJoCo, or None if it reads the file itself; the tree then has the lines of the text."""
@@ -268,11 +259,6 @@ class Robot:
 def last_setting(root: Node, name: str) -> str | None:
     values = [each.get(name) for each in root.iterfind("mujoco/compiler") if each.get(name) is not None]
     return values[-1] if values else None
-
-
-def known_packages(text: str, path: Path, given: Mapping[str, Path]) -> dict[str, Path]:
-    """Return the folders of the packages that a text names."""
-    return ros.folders(ros.packages_in(text), path, given)
 
 
 JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar", "spherical")
@@ -318,11 +304,9 @@ def _error(message: str, span: Span, help: str, *notes: Note) -> Diagnostic:
 
 def named_in(message: str, robot: Node) -> Node:
     """Return the link or joint that a message names, or the robot if it names none."""
-    for name in read_sentence(message).names:
-        for each in robot.iterchildren("joint", "link"):
-            if each.get("name") == name:
-                return each
-    return robot
+    elements = list(robot.iterchildren("joint", "link"))
+    named = (each for name in read_sentence(message).names for each in elements if each.get("name") == name)
+    return next(named, robot)
 
 
 def _element(fault: Fault, sentence: Sentence, robot: Node) -> Node:

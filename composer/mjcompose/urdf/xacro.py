@@ -197,9 +197,7 @@ def _place(origins: Origins, owner: Span, attributes: dict[str, str], attribute:
 
 
 def _attribute_from(text: SourceText, owner: Span, attribute: str) -> Span | None:
-    lines = text.text.split("\n")[owner.line - 1 :]
-    if not lines:
-        return None
+    lines = text.text.split("\n")[owner.line - 1 :] or [""]
     lines[0] = " " * (owner.column - 1) + lines[0][owner.column - 1 :]
     tag = re.match(r"""\s*<(?:[^>"']|"[^"]*"|'[^']*')*>""", "\n".join(lines[:100]))
     found = tag and re.search(rf"""[\s]{re.escape(attribute)}\s*=\s*(?:"([^"]*)"|'([^']*)')""", tag.group())

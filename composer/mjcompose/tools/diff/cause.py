@@ -314,7 +314,7 @@ class Causes:
             yield _cause(f"part `{part.called}`", part.span, None if there is None else there.span, side=side)
         traced, other = self.sides[side].traced, self.sides[1 - side].traced
         assert traced is not None
-        bases = _base(self.sides[0]), _base(self.sides[1])
+        bases = [None if each.plan is None else locate(each.plan.document, ("base",)) for each in self.sides]
         owner = traced.watch.life(node).owner
         replaced = other is not None and not self.places.same_file(side, traced.model.file, other.model.file)
         if replaced and all(bases) and owner == traced.model.file:
@@ -437,8 +437,3 @@ def _added_to(life: Life | None) -> Span | None:
 
 def _cause(words: str, here: Span | None, there: Span | None, side: int) -> Cause:
     return Cause(words, here, there) if side == 0 else Cause(words, there, here)
-
-
-def _base(side: Side) -> Span | None:
-    """Return where a recipe names its base."""
-    return None if side.plan is None else locate(side.plan.document, ("base",))

@@ -248,8 +248,7 @@ def as_recipe(operand: Operand, opened: ExitStack) -> Operand:
 
 def _recipe_of(path: Path, opened: ExitStack) -> Path:
     """Write a recipe with a model file as base: only composed models are converted."""
-    made = opened.enter_context(scratch("recipe"))
-    recipe = Path(made, f"{path.stem}.yaml")
+    recipe = Path(opened.enter_context(scratch("recipe")), f"{path.stem}.yaml")
     # JSON is valid YAML whatever characters the path contains.
     text = json.dumps({"recipe": 1, "base": os.path.abspath(path)}, ensure_ascii=False)
     recipe.write_text(text, encoding="utf-8")
@@ -258,15 +257,14 @@ def _recipe_of(path: Path, opened: ExitStack) -> Path:
 
 def _of_revision(revision: str, path: str, context: Context, opened: ExitStack) -> tuple[Path, Path, Context]:
     """Return the path in a checkout of the revision, its root, and a context with the user's folder in it."""
-    made = opened.enter_context(scratch("revision"))
-    tree = check_out(revision, context.folder / path, Path(os.path.realpath(made)), environment=context.environment)
+    made = Path(os.path.realpath(opened.enter_context(scratch("revision"))))
+    tree = check_out(revision, context.folder / path, made, environment=context.environment)
     # Its root counts as the root of the project, even without a file there that says so.
-    fetching = Fetching(trust=Trust(files=(tree.root,)))
-    inside = os.path.relpath(tree.path, tree.root)
-    if Path(path).is_absolute() or ".." in Path(path).parts or not inside.endswith(os.path.normpath(path)):
-        return tree.path, tree.root, replace(context, folder=tree.root, fetching=fetching)
-    here = tree.root / inside.removesuffix(os.path.normpath(path))
-    return tree.path, tree.root, replace(context, folder=here, fetching=fetching)
+    context = replace(context, folder=tree.root, fetching=Fetching(trust=Trust(files=(tree.root,))))
+    inside, named = os.path.relpath(tree.path, tree.root), os.path.normpath(path)
+    if not Path(path).is_absolute() and ".." not in Path(path).parts and inside.endswith(named):
+        context = replace(context, folder=tree.root / inside.removesuffix(named))
+    return tree.path, tree.root, context
 
 
 def _kind(path: Path) -> Kind | None:
@@ -338,7 +336,9 @@ def load(
     For a recipe it is the cell `pick` of its matrix, or the `sample` of its draws. `library` has source files that
     were read before. With `whole` the side has its bundle.
     """
-    if operand.kind is Kind.RECIPE:
+    if operand.kind is not Kind.RECIPE:
+        side = (_mjcf if operand.kind is Kind.MJCF else _bundle)(operand, kept, session)
+    else:
         given = given or {}
         cell = None if pick is None else _cell(operand, given, pick, sample=sample)
         if pick is not None and cell is None:
@@ -346,10 +346,6 @@ def load(
         side = load_cell(operand, kept, session, given=given, cell=cell, sample=sample or 0, library=library)
         if side is not None:
             side.cell = pick
-    elif operand.kind is Kind.MJCF:
-        side = _mjcf(operand, kept, session)
-    else:
-        side = _bundle(operand, kept, session)
     if side is not None and not whole:
         side.bundle = None
     return side

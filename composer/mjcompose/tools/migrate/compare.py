@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping
 from dataclasses import field
 from typing import Any
@@ -313,12 +314,12 @@ def _pairs(one: _Side, two: _Side, outcome: Outcome) -> dict[str, Array]:
 
 def _keys(names: list[str | None]) -> list[tuple[str | None, int]]:
     """Return names with the number of earlier elements of that name: several may have none."""
-    seen: dict[str | None, int] = {}
-    found = []
+    seen = Counter[str | None]()
+    keys = []
     for name in names:
-        found.append((name, seen.get(name, 0)))
-        seen[name] = seen.get(name, 0) + 1
-    return found
+        keys.append((name, seen[name]))
+        seen[name] += 1
+    return keys
 
 
 def _compare(array: str, one: _Side, two: _Side, pairs: Mapping[str, Array], outcome: Outcome) -> None:

@@ -1,4 +1,4 @@
-"""A model while it is migrated: its tree, its text, and why each change was made."""
+"""A model during its migration: its tree, its text, and the reason of each edit."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import field
 from html import unescape
+from itertools import islice
 from pathlib import Path
 from typing import TypeAlias
 from xml.sax.saxutils import quoteattr
@@ -35,7 +36,7 @@ RELEASED = tuple(
 
 
 def release(text: str) -> str | None:
-    """The release that is meant: of `3.1` the last one; None for a version that there is not.
+    """Return a release: of `3.1` the last; None for a version that does not exist.
 
     >>> release("3.1"), release("3.2.3"), release("4"), release("2.3")
     ('3.1.6', '3.2.3', '4.0.0', None)
@@ -63,7 +64,7 @@ class MarkupError(Exception):
 
 @dataclass(slots=True)
 class _Written:
-    """An element as it stands in its text: its start tag, what is behind its content, and its attributes."""
+    """An element in its text: its start tag, its end, and its attributes."""
 
     tag: str
     start: int
@@ -74,21 +75,17 @@ class _Written:
     values: dict[str, str] = field(default_factory=dict)
     stretches: dict[str, tuple[int, int, int, int, int]] = field(default_factory=dict)
 
-    @property
-    def is_empty(self) -> bool:
-        return self.close == 0
-
 
 @dataclass(slots=True)
 class Markup:
-    """The text of one file and the elements in it, in the order in which they begin."""
+    """The text of one file and its elements, in the order in which they begin."""
 
     text: str
     elements: list[_Written]
 
     @classmethod
     def read(cls, text: str) -> Markup:
-        """Raises MarkupError where tags do not close one another."""
+        """Raises MarkupError if tags do not close each other."""
         found: list[_Written] = []
         open_: list[_Written] = []
         for piece in _PIECE.finditer(text):
@@ -118,7 +115,7 @@ class Markup:
 
 @dataclass(slots=True)
 class Source:
-    """A file of a model: its markup, and the nodes of the tree that stand in it (None: an `<include>` or a root)."""
+    """A file of a model: its markup, and the nodes of its elements (None: an `<include>` or a root)."""
 
     markup: Markup
     nodes: Sequence[Node | None]
@@ -148,7 +145,7 @@ def _changes(node: Node, written: _Written, renamed: Mapping[str, str]) -> Itera
     tag = str(node.tag)
     if tag != written.tag:
         yield written.start + 1, written.start + 1 + len(written.tag), tag
-        if not written.is_empty:
+        if written.close:
             yield written.close + 2, written.close + 2 + len(written.tag), tag
     kept = set()
     for name, value in now.items():
@@ -176,7 +173,7 @@ def _changes(node: Node, written: _Written, renamed: Mapping[str, str]) -> Itera
 def _additions(
     node: Node, written: _Written, place: Mapping[Node, _Written], text: str
 ) -> Iterator[tuple[int, int, str]]:
-    """New children, each on a line of its own: before the next one that stands there, or last."""
+    """Yield new children, each on a line of its own: before the next known child, or last."""
     fresh = [child for child in node.iterchildren("*") if child not in place and is_made(child)]
     if not fresh:
         return
@@ -198,7 +195,7 @@ def _additions(
     for at, added in texts.items():
         if at >= 0:
             yield at, at, added
-        elif written.is_empty:
+        elif not written.close:
             slash = text.rindex("/", written.start, written.open_end)
             start = slash - (len(text[:slash]) - len(text[:slash].rstrip()))
             yield start, written.end, f">{added}\n{indent}</{node.tag!s}>"
@@ -238,7 +235,7 @@ def is_made(node: Node) -> bool:
 
 @dataclass(frozen=True, slots=True)
 class Step:
-    """One thing that was done: by which change, where, and what in words."""
+    """One edit: its change, its place, and its words."""
 
     change: str
     span: Span | None
@@ -247,7 +244,7 @@ class Step:
 
 @dataclass(frozen=True, slots=True)
 class Meaning:
-    """Something that is not the same any more; `arrays` are those of `mjModel` in which that would show, if any."""
+    """A changed meaning; `arrays` are the arrays of `mjModel` that show it, if any."""
 
     change: str
     message: str
@@ -305,13 +302,13 @@ class Editing:
         return "" if self.change is None else self.change.name
 
     def at(self, *places: str) -> list[Node]:
-        """The elements that stand in one of these places, in the order of the file."""
+        """Return the elements in these places, in the order of the file."""
         last = {each.rpartition("/")[2] for each in places}
         return [node for node in self.root.iter(*last) if place(node) in places]
 
     @property
     def stage(self) -> str:
-        """The version that the model is for once the change is made: later ones may give it other names."""
+        """The version that the model is for after the change: later changes may rename again."""
         if self.change is None:
             return self.after
         if version_key(self.before) <= version_key(self.after):
@@ -319,45 +316,32 @@ class Editing:
         return RELEASED[RELEASED.index(self.change.version) - 1]
 
     def stage_reads(self, path: str, attribute: str) -> bool:
-        """Whether that version knows an attribute."""
+        """Return whether that version knows an attribute."""
         known = spans()
-        names = (path, f"{path}@{attribute}")
-        return all(exists_in(self.stage, *known[name]) for name in names if name in known)
+        return all(exists_in(self.stage, *known[name]) for name in (path, f"{path}@{attribute}") if name in known)
 
     def lacking(self, path: str, attribute: str, value: str) -> str:
-        """That the other version does not have what is on by default, or is asked for."""
+        """Return the message that the other version lacks a setting."""
         tag = path.rpartition("/")[2]
         return f'MuJoCo {self.after} has no `{attribute}` of `<{tag}>`, which is `"{value}"` in {self.before}'
 
     def value(self, node: Node, attribute: str) -> str | None:
-        """What an element has of an attribute: written, or from its class."""
+        """Return the value of an attribute: written, or from a class."""
+        own = node.get(attribute)
         if node.getroottree().getroot() is not self.root:
-            return node.get(attribute)
-        inherits = place(node).partition("/")[0] != "default"
-        if not inherits:
-            return self.inherited(node, attribute) if node.get(attribute) is None else node.get(attribute)
-        return self.unit.classes.effective(node, childclass_of(node), attribute)
-
-    def inherited(self, node: Node, attribute: str) -> str | None:
-        """What an element of a default class has of an attribute from the classes around its own."""
-        above = node.getparent()
-        if above is None:
-            return None
-        outer = above.getparent()
-        while outer is not None and outer.tag == "default":
-            for each in outer.iterchildren(str(node.tag)):
-                if each.get(attribute) is not None:
-                    return str(each.get(attribute))
-            outer = outer.getparent()
-        return None
+            return own
+        if not place(node).startswith("default/"):
+            return self.unit.classes.effective(node, childclass_of(node), attribute)
+        around = islice(node.iterancestors("default"), 1, None)  # the classes around its own
+        values = (each.get(attribute) for outer in around for each in outer.iterchildren(str(node.tag)))
+        return own if own is not None else next((value for value in values if value is not None), None)
 
     def span(self, node: Node, attribute: str | None = None, *, key: bool = False) -> Span | None:
-        """Where that stands; None for what was made here."""
-        origins, file = self.unit.origins, self.unit.file
+        """Return the place of an element or attribute; None for a new section."""
         if is_made(node):
             parent = node.getparent()
             return None if parent is None or parent is self.root else self.span(parent)
-        return origins.span(node, file, attribute, key=key)
+        return self.unit.origins.span(node, self.unit.file, attribute, key=key)
 
     def note(self, node: Node, words: str, attribute: str | None = None) -> None:
         self.steps.append(Step(self.name, self.span(node, attribute), words))
@@ -418,13 +402,13 @@ class Editing:
         self, node: Node | None, message: str, help: str | None = None, attribute: str | None = None,
         arrays: tuple[str, ...] | None = None,
     ) -> None:  # fmt: skip
-        """Something does not mean the same any more."""
+        """Report something that changes its meaning."""
         shown = () if self.change is None else self.change.arrays
         span = None if node is None else self.span(node, attribute)
         self.meanings.append(Meaning(self.name, message, span, help=help, arrays=shown if arrays is None else arrays))
 
     def refuse(self, node: Node, message: str, help: str | None = None, attribute: str | None = None) -> None:
-        """Something that cannot be said in the other version."""
+        """Report something that the other version cannot express."""
         if attribute is None and node in self.refused:
             return
         self.refused.add(node)
@@ -433,14 +417,14 @@ class Editing:
 
 
 def called(node: Node) -> str:
-    """An element as messages name it."""
+    """Return an element as messages name it."""
     name = node.get("name") or node.get("class")
     return f"`<{node.tag}>` `{name}`" if name else f"`<{node.tag}>`"
 
 
 @dataclass(slots=True, eq=False)
 class Piece:
-    """A model with those that it attaches, by the names that its `<attach>` elements have for them."""
+    """A model with its attached models, by the names in its `<attach>` elements."""
 
     unit: Unit
     attached: dict[str, Piece] = field(default_factory=dict)
@@ -448,7 +432,7 @@ class Piece:
 
 @dataclass(slots=True)
 class Pieces:
-    """A model and all that are attached, each once, the model itself first; `left` says what stays as it is."""
+    """A model and all attached models, each once, the model itself first; `left` reports files that stay unchanged."""
 
     context: Context
     every: list[Piece] = field(default_factory=list)
@@ -463,7 +447,7 @@ class Pieces:
         return found
 
     def _read(self, unit: Unit, above: tuple[str, ...]) -> Piece:
-        """`above` are the files that lead to it, and its own: MuJoCo 4.0 crashes where a model is made of itself."""
+        """`above` are the files that lead to it, and its own: MuJoCo 4.0 crashes if a model attaches itself."""
         piece = Piece(unit)
         self.every.append(piece)
         for element in unit.root.iterfind("asset/model"):
@@ -472,28 +456,27 @@ class Pieces:
             shown, real = self.context.shown(path), os.path.realpath(path)
             span = unit.origins.span(element, unit.file, "file")
             if real in above:
-                help = "take this `<model>` out, or name another file"
-                message = f"the model `{file}` is made of itself"
-                self.context.sink.error("source-cycle", message, span, help=help)
+                help = "remove this `<model>`, or name another file"
+                self.context.sink.error("source-cycle", f"the model `{file}` attaches itself", span, help=help)
                 continue
             if not file or not unit.door.exists(path):
-                continue  # MuJoCo says so
+                continue  # MuJoCo reports it
             if "urdf" in f"{element.get('content_type')} {path.suffix}".lower():
-                self.left.append(Meaning("attached", f"`{shown}` is URDF, and stays as it is", span, help=None))
+                self.left.append(Meaning("attached", f"`{shown}` is URDF, and stays unchanged", span, help=None))
                 continue
-            inner = self._known.get(real)
-            if inner is None:
+            if real not in self._known:
                 attached = parse_file(path, self.context.sink, file=shown, span=span, door=unit.door)
                 if attached is None:
                     continue
-                inner = self._known[real] = self._read(attached, (*above, real))
+                self._known[real] = self._read(attached, (*above, real))
+            inner = self._known[real]
             piece.attached[str(element.get("name") or inner.unit.model)] = inner
         return piece
 
     def measured(self, piece: Piece, values: Mapping[str, object]) -> dict[str, object]:
-        """What was measured of the whole model, by the names that a piece has for its own actuators.
+        """Return the measured values by the names that a piece has for its own actuators.
 
-        An actuator that is there several times has a value if all of them have the same.
+        An actuator that is attached several times has a value if all copies have the same.
         """
         kv = values.get("kv")
         if piece is self.every[0] or not isinstance(kv, dict):
@@ -509,7 +492,7 @@ class Pieces:
 
 
 def _placed(piece: Piece, prefix: str) -> Iterator[tuple[Piece, str]]:
-    """The pieces as MuJoCo attaches them, with what stands before their names. A compiled model has an end."""
+    """Yield the pieces as MuJoCo attaches them, with the prefix of their names."""
     yield piece, prefix
     for attach in piece.unit.root.iter("attach"):
         inner = piece.attached.get(str(attach.get("model") or ""))

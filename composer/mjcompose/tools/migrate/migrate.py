@@ -214,10 +214,14 @@ def _leave_out(editing: Editing) -> None:
             is_new = found.since and later(found.since, editing.after)
             help = "`mjcompose build --target plain` writes a model without frames and copies"
             editing.refuse(node, lacks, help if is_new and node.tag in ("frame", "replicate", "attach") else None)
-        elif found.value is None and _says_nothing(node, name):
+            continue
+        path, key = place(node), f"{place(node)}@{name}"
+        neutral = _HARMLESS.get(key, default_of(path, name))
+        is_harmless = neutral == node.get(name) or (neutral is None and key in _HARMLESS)
+        if found.value is None and is_harmless:
             editing.unset(node, name)
-        elif f"{place(node)}@{name}" in _OF_THE_ENGINE:
-            words = editing.lacking(place(node), name, str(node.get(name)))
+        elif key in _OF_THE_ENGINE:
+            words = editing.lacking(path, name, str(node.get(name)))
             editing.warn(node, words, None, attribute=name, arrays=(f"flags.{name}",))
             editing.unset(node, name)
         else:
@@ -236,12 +240,6 @@ _OF_THE_ENGINE = frozenset(
     f"option/flag@{name}" for name in ("nativeccd", "autoreset", "diagexact", "ipc", "speculative", "sleep")
 )
 """Ways to simulate that earlier versions lack; the model is the same without them."""
-
-
-def _says_nothing(node: Node, name: str) -> bool:
-    path = place(node)
-    neutral = _HARMLESS.get(f"{path}@{name}", default_of(path, name))
-    return neutral == node.get(name) or (neutral is None and f"{path}@{name}" in _HARMLESS)
 
 
 def _sources(unit: Unit, context: Context) -> dict[Path, tuple[Source, bytes]]:
@@ -293,15 +291,6 @@ def _assets(unit: Unit) -> Iterator[Path]:
     for element in unit.root.iterfind("asset/model"):
         if element.get("file"):
             yield Path(join(str(unit.directory), str(element.get("file"))))
-
-
-def report(migrated: Migrated, context: Context, settled: Collection[str] = ()) -> None:
-    """Warn about changed meanings, except those that show only in arrays that a proof found equal."""
-    for each in migrated.meanings:
-        if each.arrays and set(each.arrays) <= set(settled):
-            continue
-        cause = Cause(f"{each.change} {each.help}", each.message)
-        context.sink.warning("migrate-changed", each.message, each.span, help=each.help, cause=cause)
 
 
 @dataclass(slots=True)
@@ -376,7 +365,7 @@ def lay_out(migrated: Migrated, folder: Path, *, link: bool = False) -> dict[Pat
         if path in migrated.files:
             to.write_bytes(migrated.files[path][1])
         elif not os.path.exists(path):
-            continue  # MuJoCo says so
+            continue  # MuJoCo reports it
         elif link and os.name == "posix":
             to.symlink_to(os.path.abspath(path))
         else:
@@ -414,10 +403,6 @@ class Result:
     missing: tuple[str, ...] = ()
     explained: list[str] = field(default_factory=list)
     unexplained: list[str] = field(default_factory=list)
-
-    @property
-    def is_proved(self) -> bool:
-        return self.proof.outcome is not None and self.proof.outcome.same
 
 
 def run(wish: Wish, context: Context, progress: Callable[[str], None]) -> Result | None:
@@ -462,13 +447,11 @@ def run(wish: Wish, context: Context, progress: Callable[[str], None]) -> Result
 
 def _found(model: str, context: Context) -> Path | None:
     """Return the file of a path or a reference."""
-    path = context.folder / model
+    path, folder = context.folder / model, context.folder
     if os.path.exists(path):
         return path
     try:
-        return resolve(
-            model, relative_to=context.folder, environment=context.environment, fetching=context.fetching
-        ).path
+        return resolve(model, relative_to=folder, environment=context.environment, fetching=context.fetching).path
     except SourceError as error:
         context.sink.add(error.diagnostic)
         return None
@@ -489,7 +472,11 @@ def _judge(result: Result, context: Context) -> None:
                 help=other if compiled is proof.before else None,
             )
     outcome = proof.outcome
-    report(migrated, context, () if outcome is None else outcome.settled)
+    settled = frozenset() if outcome is None else outcome.settled
+    for meaning in migrated.meanings:
+        if not meaning.arrays or not settled.issuperset(meaning.arrays):  # else the proof found them equal
+            cause = Cause(f"{meaning.change} {meaning.help}", meaning.message)
+            context.sink.warning("migrate-changed", meaning.message, meaning.span, help=meaning.help, cause=cause)
     if outcome is None:
         return
     known_arrays = {array for each in migrated.meanings for array in each.arrays}
