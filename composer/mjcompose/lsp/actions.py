@@ -137,21 +137,15 @@ def offer_attach(offered: Offer) -> Iterator[Action]:
 
 
 def offer_fixes(offered: Offer) -> Iterator[Action]:
+    text, file = offered.analysis.text, offered.analysis.file
     for diagnostic in offered.diagnostics:
-        change = change_of(diagnostic, offered.analysis.text, offered.analysis.file)
-        if change is not None:
+        place = place_of(diagnostic)
+        edit = edit_of(diagnostic, text) if place is not None and place.file == file else None
+        if edit is not None:
+            (line, column), (end_line, end_column) = position(text, edit.start), position(text, edit.end)
+            change = Change(Span(file, line, column, end_line, end_column), edit.text)
             title = (diagnostic.help or f"write `{change.text}`").partition("\n")[0]
             yield Action(title, (change,), diagnostic, is_preferred=True)
-
-
-def change_of(diagnostic: Diagnostic, text: str, file: str) -> Change | None:
-    """Return the fix of a diagnostic as a change of this file, or None if it has no fix for it."""
-    place = place_of(diagnostic)
-    edit = edit_of(diagnostic, text) if place is not None and place.file == file else None
-    if edit is None:
-        return None
-    (line, column), (end_line, end_column) = position(text, edit.start), position(text, edit.end)
-    return Change(Span(file, line, column, end_line, end_column), edit.text)
 
 
 def offer_near(offered: Offer) -> Iterator[Action]:

@@ -46,8 +46,7 @@ def is_saved(path: str, text: bytes) -> bool:
         return False
 
 
-_MOST = 64
-"""How many units are kept: a workspace has many recipes, and memory is bounded."""
+_MOST = 64  # how many units are kept: a workspace has many recipes, and memory is bounded
 
 
 class Shelf:
@@ -87,11 +86,7 @@ _UNITS: dict[str, Callable[[str], int]] = {
 
 
 def lines_of(text: str) -> list[str]:
-    r"""Return the lines without their ends. `str.splitlines` also splits at characters that editors and YAML do not.
-
-    >>> lines_of("a\r\nb\u2028c\n")
-    ['a', 'b\u2028c', '']
-    """
+    """Return the lines without their ends. `str.splitlines` also splits at characters that editors and YAML do not."""
     return _LINE_BREAK.split(text)
 
 
@@ -152,11 +147,7 @@ class Change:
 
 @dataclass(frozen=True, slots=True)
 class Item:
-    """One completion. Items with a smaller `rank` come first; `doc` is Markdown.
-
-    `insert` replaces the word, if it is not the label itself. With `again`, the editor asks for completions again
-    right after it has inserted the item.
-    """
+    """A completion. `insert` replaces the word; with `again`, the editor completes again. Small `rank`s come first."""
 
     label: str
     kind: str
@@ -274,10 +265,7 @@ class Names:
         return self.known.get(namespace, {}).get(name)
 
     def own(self, part: str) -> Names:
-        """Return the names of a part without its prefix.
-
-        They come from its source, or from the model, of which those below the prefix are taken.
-        """
+        """Return the names of a part without its prefix, from its source or from the model."""
         own: dict[str, dict[str, Known]] = {}
         if (unit := self.sources.get(part)) is not None:
             for each in _of_root(unit.root, "", []):
@@ -479,10 +467,7 @@ def shown(path: PathlibPath, folder: PathlibPath) -> str:
 
 @dataclass(frozen=True)
 class Question:
-    """A place in a recipe. `lines` are those of the newest text; everything else is in the `analysis`.
-
-    `line` and `column` are counted from 0.
-    """
+    """A place in the newest `lines` of a recipe, with `line` and `column` from 0, and the recipe's analysis."""
 
     analysis: Analysis
     lines: list[str]

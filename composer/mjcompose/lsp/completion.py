@@ -159,19 +159,15 @@ def offer_references(question: Question) -> Iterator[Item]:
     if cursor.word.startswith(_MENAGERIE) and not only_recipes:
         yield from _robots(cursor.word)
         return
-    folder = question.analysis.path.parent
-    for at, reference in enumerate(_files(folder, cursor.word)):
+    above = cursor.word.rpartition("/")[0] if cursor.word.startswith("../") else "."
+    folder = PathlibPath(os.path.normpath(question.analysis.path.parent / above))
+    for at, reference in enumerate(f"{above}/{each}" for each in model_files(folder)):
         kind = FORMATS[PathlibPath(reference).suffix.lower()]
         if (not only_recipes or kind == "recipe") and reference != f"./{question.analysis.path.name}":
             yield Item(reference, "file", kind if kind == "recipe" else kind.upper(), rank=10 + at / 1000)
     for form in () if only_recipes else _SCHEMES:
         if scheme := form.scheme:
             yield Item(f"{scheme}:", "scheme", form.example, form.meaning, 30, again=scheme == "menagerie")
-
-
-def _files(folder: PathlibPath, word: str) -> Iterator[str]:
-    above = word.rpartition("/")[0] if word.startswith("../") else "."
-    yield from (f"{above}/{each}" for each in model_files(PathlibPath(os.path.normpath(folder / above))))
 
 
 def _robots(word: str) -> Iterator[Item]:
@@ -248,9 +244,7 @@ def _quoted(item: Item, question: Question) -> Item:
     plain = item.label[:1] not in _OPENING and not any(each in item.label for each in (": ", " #"))
     if cursor.in_flow:
         plain = plain and not any(each in item.label for each in ",[]{}")
-    if item.insert or cursor.quote or plain:
-        return item
-    return replace(item, insert=quoted(item.label))
+    return item if item.insert or cursor.quote or plain else replace(item, insert=quoted(item.label))
 
 
 def _span(question: Question, start: int, end: int) -> Span:

@@ -74,10 +74,7 @@ def cursor_at(lines: Sequence[str], line: int, column: int) -> Cursor:
 class _Scan:
     def __init__(self) -> None:
         self.stack: list[_Frame] = []
-        self.block: int | None = None
-        """The indent that the lines of an open block of text are deeper than."""
-
-    # -- whole lines -------------------------------------------------------------------------------------------
+        self.block: int | None = None  # the indent that the lines of an open block of text are deeper than
 
     def line(self, text: str) -> None:
         stripped = text.strip()
@@ -147,8 +144,6 @@ class _Scan:
         elif rest[0] in _CLOSING:
             self.flow(text, at)
 
-    # -- brackets ----------------------------------------------------------------------------------------------
-
     def flow(self, text: str, at: int) -> tuple[int, str]:
         """Process text in brackets.
 
@@ -189,8 +184,6 @@ class _Scan:
                     begin = at + 1
             at += 1
         return begin, quote
-
-    # -- the line of the cursor --------------------------------------------------------------------------------
 
     def cursor(self, text: str, line: int, column: int) -> Cursor:
         before = text[:column]

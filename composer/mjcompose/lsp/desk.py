@@ -137,10 +137,7 @@ _MOST_TEXT = 1_000_000
 
 
 class Workspace:
-    """Analyses recipes one after another, in one thread. Paths are shown relative to `folder`.
-
-    Sources that have not changed are not read again. Nothing is fetched: remote sources must already be in the store.
-    """
+    """Analyses recipes one after another, in one thread. It reads changed sources only, and fetches nothing."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
@@ -253,11 +250,9 @@ class Workspace:
         return tuple(sink.sorted())
 
 
-PAUSE = 0.4
-"""Seconds without typing before MuJoCo builds the model."""
+PAUSE = 0.4  # seconds without typing before MuJoCo builds the model
 _MODELS = (".xml", ".mjcf")
-_MODEL = re.compile(r"<mujoco[\s>]")
-"""The mark of a complete model; other files include those with `<mujocoinclude>`."""
+_MODEL = re.compile(r"<mujoco[\s>]")  # the mark of a complete model; other files include those with `<mujocoinclude>`
 
 
 @dataclass(eq=False)
@@ -311,8 +306,6 @@ class Desk:
         self._verifying = ThreadPoolExecutor(1, "verification")
         self._reported: dict[Path, dict[str, list[Diagnostic]]] = {}
 
-    # -- documents ---------------------------------------------------------------------------------------------
-
     def take(self, path: Path, text: str, version: int | None = None) -> None:
         self.documents[path] = Document(path, text, _kind(path, text), version)
         self._touched(path)
@@ -352,8 +345,6 @@ class Desk:
             for each in self.documents.values()
             if each.path != but
         }
-
-    # -- analysis ----------------------------------------------------------------------------------------------
 
     async def analysed(self, path: Path, newest: bool = False, *, traced: bool = False) -> Analysis | None:
         """Return the latest analysis of an open recipe, with `newest` of the current text, and `traced` on request."""
@@ -419,8 +410,11 @@ class Desk:
     async def _verify(self, document: Document) -> None:
         """Build with MuJoCo. The result is dropped if the text has changed in the meantime."""
         analysis, count, texts = document.analysis, document.count, self.texts(document.path)
-        if analysis is None or not analysis.is_composed or not self._are_saved(analysis, texts):
+        if analysis is None or not analysis.is_composed:
             return
+        models = {os.path.realpath(each) for each in analysis.files if each.suffix.lower() not in RECIPES}
+        if not all(is_saved(path, text) for path, text in texts.items() if path in models):
+            return  # MuJoCo reads the files on disk
         try:
             found = await asyncio.get_running_loop().run_in_executor(
                 self._verifying, self.verifier.verify, document.path, document.text, texts
@@ -431,13 +425,6 @@ class Desk:
         if document.count == count and self.documents.get(document.path) is document:
             document.verified, document.verified_lines = found, analysis.lines
             self._report_recipe(document)
-
-    def _are_saved(self, analysis: Analysis, texts: Mapping[str, bytes]) -> bool:
-        """Return whether all models of a recipe are saved as the editor has them. MuJoCo reads the files on disk."""
-        models = {os.path.realpath(each) for each in analysis.files if each.suffix.lower() not in RECIPES}
-        return all(is_saved(path, text) for path, text in texts.items() if path in models)
-
-    # -- reports -----------------------------------------------------------------------------------------------
 
     def _report_recipe(self, document: Document) -> None:
         analysis = document.analysis

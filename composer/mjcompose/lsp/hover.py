@@ -247,16 +247,14 @@ def show_setting(question: Question) -> Hover | None:
 
 def _values(path: tuple[str, ...], question: Question) -> Iterator[str]:
     analysis = question.analysis
-    for part, unit in analysis.names.sources.items():
+    units = [(f"`{part}`", unit) for part, unit in analysis.names.sources.items()]
+    units += [("**the model**", analysis.model.unit)] if analysis.model is not None else []
+    for name, unit in units:
         for element in unit.root.iterfind("/".join(path[:-1])):
-            value = element.get(path[-1])
-            if value is not None:
-                span = unit.origins.span(element, unit.file, path[-1])
-                yield f"| `{part}` | `{value}` ({span.file}:{span.line}) |"
-    if analysis.model is not None:
-        for element in analysis.model.unit.root.iterfind("/".join(path[:-1])):
             if (value := element.get(path[-1])) is not None:
-                yield f"| **the model** | **`{value}`** |"
+                span = unit.origins.span(element, unit.file, path[-1])
+                is_part = name.startswith("`")
+                yield f"| {name} | `{value}` ({span.file}:{span.line}) |" if is_part else f"| {name} | **`{value}`** |"
 
 
 SHOWS = (show_expression, show, show_model, show_setting, show_selector, show_key)

@@ -18,8 +18,7 @@ _TYPES: dict[str, tuple[type, ...]] = {
     "object": (dict,), "array": (list,), "string": (str,), "boolean": (bool,), "number": (int, float),
     "integer": (int,),
 }  # fmt: skip
-_MOST = 400
-"""The most schemas for one place: they refer to one another."""
+_MOST = 400  # the most schemas for one place: they refer to one another
 
 
 @cache

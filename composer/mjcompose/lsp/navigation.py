@@ -260,9 +260,7 @@ def name_there(known: Known, use: subject.Use, analysis: Analysis) -> str | None
     if not use.wanted.of:
         return known.name
     prefix = analysis.names.prefixes.get(part_called(use.wanted.of, analysis.plan))
-    if prefix is None or not known.name.startswith(prefix):
-        return None
-    return known.name[len(prefix) :]
+    return None if prefix is None or not known.name.startswith(prefix) else known.name[len(prefix) :]
 
 
 def uses_of_part(part: str, analysis: Analysis) -> Iterator[subject.Use]:

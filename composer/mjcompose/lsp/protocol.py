@@ -156,8 +156,6 @@ class Converter:
     ) -> None:
         self.encoding, self.folder, self._lines, self._uri = encoding, folder, lines, uri
 
-    # -- places ------------------------------------------------------------------------------------------------
-
     def path(self, span: Span) -> Path:
         return Path(os.path.normpath(self.folder / span.file))
 
@@ -191,8 +189,6 @@ class Converter:
 
     def location(self, span: Span) -> lsp.Location:
         return lsp.Location(self.uri(span), self.range(span))
-
-    # -- answers -----------------------------------------------------------------------------------------------
 
     def diagnostic(self, found: Diagnostic, path: Path) -> lsp.Diagnostic:
         """Return a diagnostic in a file. One without a place in this file is shown on the first line."""
@@ -276,20 +272,17 @@ class Errands:
         words = [verb, recipe, *(("--pick", cell) if cell is not None else ())]
         if verb == "build":
             words += ["-o", str(self.folder / "build" / f"{cell or Path(recipe).stem}.zip")]
-        run = self._view if verb == "view" else self._done
-        return await asyncio.get_running_loop().run_in_executor(None, run, words)
+        return await asyncio.get_running_loop().run_in_executor(None, self._run, words)
 
-    def _done(self, words: list[str]) -> tuple[str, bool]:
-        process = self._start(words)
-        out, _ = process.communicate()
-        return out.strip() or f"{words[0]}: done", process.returncode == 0
-
-    def _view(self, words: list[str]) -> tuple[str, bool]:
-        """Start `view` and return its first line of output, which is the address."""
+    def _run(self, words: list[str]) -> tuple[str, bool]:
+        if words[0] != "view":
+            process = self._start(words)
+            out, _ = process.communicate()
+            return out.strip() or f"{words[0]}: done", process.returncode == 0
         if (known := self._views.pop(tuple(words), None)) is not None:
             known.end()
         process = self._views[tuple(words)] = self._start(words)
-        assert process.stdout is not None
+        assert process.stdout is not None  # its first line is the address
         line = process.stdout.readline().strip()
         return line or "the model cannot be shown: see its diagnostics", line.startswith("http")
 

@@ -111,9 +111,6 @@ def rename(question: Question, new: str, others: Iterable[Analysis]) -> list[Cha
     return list(dict.fromkeys(changes))
 
 
-# -- parts -----------------------------------------------------------------------------------------------------
-
-
 def _rename_part(old: str, new: str, analysis: Analysis, others: Iterable[Analysis]) -> list[Change]:
     if (lower := _extended_with(("attach", old), analysis)) is not None:
         raise Refused(f"`{old}` is a part of `{lower}`, which this recipe extends: rename it there")
@@ -198,9 +195,6 @@ def _written(span: Span, text: str, analysis: Analysis) -> Change:
     return Change(span, quoted(text) if before[:1] in ("'", '"') else word(text))
 
 
-# -- parameters ------------------------------------------------------------------------------------------------
-
-
 def _rename_parameter(old: str, new: str, question: Question, others: Iterable[Analysis]) -> list[Change]:
     analysis = question.analysis
     for section in ("params", "variants"):
@@ -215,9 +209,12 @@ def _rename_parameter(old: str, new: str, question: Question, others: Iterable[A
         for part, _ in _inclusions(other, analysis):
             if not part:
                 changes += [Change(span, new) for span in subject.parameter_uses(old, other.tree)]
-            elif (at := _path_of(part, other)) is not None and other.mapping is not None:
+                continue
+            own = other.plan.parts if other.plan is not None else ()  # without the parts of parts
+            paths = [step.at for step in own if part_called(step.at, other.plan) == part]
+            for at in [(RESERVED,)] if part == RESERVED else paths[:1]:
                 path = (*at, "with", old)
-                if find(other.mapping, path) is not None:
+                if other.mapping is not None and find(other.mapping, path) is not None:
                     changes.append(Change(locate(other.mapping, path, key=True), new))
     return changes
 
@@ -232,11 +229,3 @@ def _extended_with(path: Path, analysis: Analysis) -> str | None:
         if tree is not None and find(tree, path) is not None:
             return source.path.name
     return None
-
-
-def _path_of(part: str, analysis: Analysis) -> Path | None:
-    """Return the path at which a recipe itself declares a part, or None for a part of a part."""
-    plan = analysis.plan
-    if part == RESERVED:
-        return (RESERVED,)
-    return next((step.at for step in (plan.parts if plan else ()) if part_called(step.at, plan) == part), None)

@@ -44,8 +44,7 @@ from mjcompose.lsp.navigation import (
 from mjcompose.lsp.protocol import Converter, Errands, Frames
 from mjcompose.lsp.rename import Refused, rename, renameable
 
-_TURN = 0.001
-"""How many seconds an analysis may keep Python for itself while an editor waits for an answer."""
+_TURN = 0.001  # how many seconds an analysis may keep Python for itself while an editor waits for an answer
 _WATCHED = "**/*.{yaml,yml,xml,mjcf,urdf,xacro,lock}"
 _TRIGGERS = [":", " ", "/", "{", "[", "$", ",", ".", "*", '"', "'"]
 
@@ -157,9 +156,6 @@ def _feature(name: str, options: Any = None) -> Callable[[Handler], Handler]:
     return decorate
 
 
-# -- documents -------------------------------------------------------------------------------------------------
-
-
 @server.feature(lsp.INITIALIZED)
 async def initialized(own: Server, params: lsp.InitializedParams) -> None:
     root = own.workspace.root_path
@@ -203,9 +199,6 @@ async def watched(own: Server, params: lsp.DidChangeWatchedFilesParams) -> None:
 async def shut(own: Server, params: None) -> None:
     own.errands.end()
     await own.desk.shut()
-
-
-# -- requests --------------------------------------------------------------------------------------------------
 
 
 @_feature(lsp.TEXT_DOCUMENT_COMPLETION, lsp.CompletionOptions(trigger_characters=_TRIGGERS))
@@ -286,9 +279,6 @@ async def lensed(own: Server, params: lsp.CodeLensParams) -> list[lsp.CodeLens]:
 async def laid_out(own: Server, params: lsp.DocumentFormattingParams) -> list[lsp.TextEdit]:
     document = own.recipe(params)
     return [own.converter.text_edit(each) for each in formatted(document.text, str(document.path))]
-
-
-# -- commands --------------------------------------------------------------------------------------------------
 
 
 def _command(verb: str) -> None:

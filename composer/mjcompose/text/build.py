@@ -43,22 +43,16 @@ class _Frame:
     flow: bool
     line: int
     column: int
-    total: int
-    """The number of nodes in the tree when it began."""
-    first_end: int
-    """Where the last token on its first line ends."""
+    total: int  # the number of nodes in the tree when it began
+    first_end: int  # where the last token on its first line ends
     anchor: str | None = None
     tag: tuple[str, Span] | None = None
     is_key: bool = False
     key: Key | None = None
-    key_end: int | None = None
-    """Where that key ends in the text, if it is written there."""
-    is_quoted: bool = False
-    """Whether the key is quoted."""
-    has_lone: bool = False
-    """Whether it contains an entry without a colon, so that the following ones may not be keys."""
-    height: int = 1
-    """The nesting depth of collections, including this one."""
+    key_end: int | None = None  # where that key ends in the text, if it is written there
+    is_quoted: bool = False  # whether the key is quoted
+    has_lone: bool = False  # whether it contains an entry without a colon, so that the following ones may not be keys
+    height: int = 1  # the nesting depth of collections, including this one
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,10 +91,7 @@ class Builder:
         return bool(self._stack) and self._stack[-1].flow
 
     def build(self, events: Iterable[Any]) -> Node | None:
-        """Return the tree, or None if a value is missing or a limit would be exceeded.
-
-        Raises the exceptions of the event reader.
-        """
+        """Return the tree, or None if a value is missing or a limit exceeded. Raises the exceptions of the reader."""
         stack, file, marks, restore = self._stack, self._file, self._marks, self._restore
         for event in events:
             kind = type(event)
@@ -152,7 +143,6 @@ class Builder:
         return root
 
     def _add(self, node: Node, height: int) -> None:
-        """Add a complete value to the innermost open collection."""
         if not self._stack:
             self._root = node
             return

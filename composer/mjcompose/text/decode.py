@@ -22,11 +22,7 @@ def refuse_size(file: str, sink: Sink) -> None:
 
 
 def decode(source: str | bytes, file: str, sink: Sink) -> str | None:
-    """Return the text without its byte order mark, or None after reporting that it is not YAML text.
-
-    Bytes must be UTF-8. Control characters other than tab, line feed and carriage return are errors, and so is a
-    size over the limit `recipe-size`.
-    """
+    """Return the text without its byte order mark, or None after an error: no UTF-8, control characters, too large."""
     if len(source) > in_force().recipe_size:
         refuse_size(file, sink)
         return None

@@ -9,8 +9,7 @@ from typing import NamedTuple, TypeAlias
 from mjcompose.base.dataclass import dataclass
 from mjcompose.text.expression_values import FUNCTIONS, Value
 
-Range: TypeAlias = tuple[int, int]
-"""The first character of something in the parsed text, and the one after its last."""
+Range: TypeAlias = tuple[int, int]  # the first character of something in the parsed text, and the one after its last
 
 
 class ExpressionError(Exception):

@@ -17,10 +17,8 @@ class Leaf:
 
     text: str
     properties: str = ""
-    depth: int = 0
-    """For a block scalar, the column where its content begins."""
-    ended: bool = True
-    """For a block scalar, whether a line break follows."""
+    depth: int = 0  # for a block scalar, the column where its content begins
+    ended: bool = True  # for a block scalar, whether a line break follows
 
 
 @dataclass(slots=True)
@@ -33,20 +31,14 @@ class Entry:
     column: int
     key: Leaf | None = None
     value: Leaf | Collection | None = None
-    lead: list[Comment] = field(default_factory=list)
-    """Comments on their own lines before it."""
-    blank: bool = False
-    """Whether an empty line precedes it and its comments."""
-    head: Comment | None = None
-    """The comment on the line of a key whose value begins below."""
+    lead: list[Comment] = field(default_factory=list)  # comments on their own lines before it
+    blank: bool = False  # whether an empty line precedes it and its comments
+    head: Comment | None = None  # the comment on the line of a key whose value begins below
     inner: list[Comment] = field(default_factory=list)
     """Comments on their own lines between the key and a value that is not a block."""
-    trail: Comment | None = None
-    """The comment after it, on the same line."""
-    breaks: bool = False
-    """In brackets, whether it begins a line."""
-    pinned: bool = False
-    """Whether it has an anchor or an alias, which must keep their order."""
+    trail: Comment | None = None  # the comment after it, on the same line
+    breaks: bool = False  # in brackets, whether it begins a line
+    pinned: bool = False  # whether it has an anchor or an alias, which must keep their order
 
     @property
     def parted(self) -> bool:
@@ -68,10 +60,8 @@ class Collection:
     flow: bool
     properties: str = ""
     entries: list[Entry] = field(default_factory=list)
-    opening: Comment | None = None
-    """The comment after the opening bracket."""
-    tail: list[Comment] = field(default_factory=list)
-    """Comments on their own lines after the last entry."""
+    opening: Comment | None = None  # the comment after the opening bracket
+    tail: list[Comment] = field(default_factory=list)  # comments on their own lines after the last entry
     broken: bool = False
 
 
@@ -80,10 +70,8 @@ class Document:
     """A whole text. `preface` are the lines up to `---`, if there is one."""
 
     preface: list[str]
-    header: list[Comment]
-    """Comments before the first key that are about the file."""
-    parted: bool
-    """Whether an empty line follows the header."""
+    header: list[Comment]  # comments before the first key that are about the file
+    parted: bool  # whether an empty line follows the header
     head: Comment | None
     root: Collection
     tail: list[Comment]

@@ -183,7 +183,6 @@ class _Reader:
         return waiting[:count]
 
     def flow(self) -> Collection:
-        """Read a collection in brackets."""
         begin = self.take()
         result = Collection(begin.kind == "FlowMappingStart", flow=True)
         result.opening = self.beside()
@@ -212,7 +211,6 @@ class _Reader:
             result.entries[-1].trail = comments.pop(0)
 
     def member(self, entry: Entry, mapping: bool) -> None:
-        """Read one entry of a collection in brackets, up to its comma."""
         if self.next.kind == "Key" and not mapping:  # `[a: 1]` is a list of mappings with one key each
             pair = Entry(self.next.column)
             self.member(pair, mapping=True)
@@ -298,7 +296,6 @@ _GAP = 2  # minimum spaces before a comment on the same line
 
 
 def write(document: Document) -> list[str]:
-    """Return the lines of a document."""
     writer = _Writer()
     writer.lines += document.preface
     writer.comments(document.header, 0)
@@ -382,7 +379,6 @@ class _Writer:
         self.lines[first] = f"{dash} {self.lines[first][indent + INDENT :]}"
 
     def value(self, value: Leaf | Collection, indent: int, deeper: int) -> None:
-        """Write a value in brackets, or a single one, on the current line."""
         if isinstance(value, Collection):
             self.brackets(value, indent + deeper)
             return
@@ -437,7 +433,6 @@ def _key(key: Leaf) -> str:
 
 
 def _start(entry: Entry) -> str:
-    """Return the text before the value of an entry in brackets."""
     key = "" if entry.key is None else _key(entry.key) + ": "
     properties = f"{entry.value.properties} " if entry.value is not None and entry.value.properties else ""
     return key + properties

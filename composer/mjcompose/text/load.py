@@ -62,7 +62,6 @@ def load(text: str | bytes, file: str, sink: Sink, *, empty: str | None = None) 
 
 
 def reader_of(text: str) -> Any:
-    """Return the YAML reader that accepts this text: the fast one if possible."""
     return _PURE if _SURROGATE_ESCAPE.search(text) else _FAST
 
 
@@ -112,10 +111,8 @@ class Token:
     column: int
     comments: list[Comment] = field(default_factory=list)
     blank: bool = False
-    depth: int = 0
-    """For a block scalar, the column where its content begins."""
-    ended: bool = True
-    """For a block scalar, whether a line break follows."""
+    depth: int = 0  # for a block scalar, the column where its content begins
+    ended: bool = True  # for a block scalar, whether a line break follows
 
 
 def tokens(text: str) -> list[Token]:

@@ -29,8 +29,7 @@ from mjcompose.tools.cluster import worker as station
 from mjcompose.tools.cluster.uploads import ClusterError, away_job, batches, freight_of
 from mjcompose.tools.cluster.worker import Away, Canary, Lacks, NotOpen, Order, Part, Refused, journal_of
 
-Client: TypeAlias = Any
-"""A `distributed.Client`."""
+Client: TypeAlias = Any  # a `distributed.Client`
 LOCAL = "local"
 _ADDRESS = re.compile(r"(?:(?:tcp|tls|ws|wss|ucx)://)?[^/\s]+:\d+")
 _SECONDS_TO_CONNECT = 15
@@ -285,15 +284,11 @@ def _token(folder: Path, held: ExitStack) -> str:
     return os.fspath(token)
 
 
-_MOST_CELLS = 32
-"""Cells in a part: Dask takes some milliseconds for each part."""
-_SECONDS = 0.5
-"""How long a part may take: its results come at once, and are lost at once."""
-_AHEAD = 2
-"""Parts for each thread that are started before the first result is taken."""
+_MOST_CELLS = 32  # cells in a part: Dask takes some milliseconds for each part
+_SECONDS = 0.5  # how long a part may take: its results come at once, and are lost at once
+_AHEAD = 2  # parts for each thread that are started before the first result is taken
 _TRIES = 2
-_MOST_LOST = 10
-"""How many times a connection is re-established."""
+_MOST_LOST = 10  # how many times a connection is re-established
 _LOOK_AGAIN = 5.0
 
 
@@ -333,10 +328,7 @@ class Crew:
         self._held.close()
 
     def results(self, making: CellMaker, cells: Sequence[Cell]) -> Iterator[CellResult | Died]:
-        """Yield the result of each cell.
-
-        If no worker can make one, it is made here, so that exceptions are raised here.
-        """
+        """Yield the result of each cell. If no worker can make a cell, this process makes it and raises errors."""
         self._client = self._held.enter_context(client_of(self._address, self._count))
         self._stations = stations = Stations(making, cells, self._out, away=self._away, held=self._held)
         self._cells = cells
@@ -385,7 +377,6 @@ class Crew:
             at += size
 
     def _go_on(self, parts: Iterator[Part]) -> None:
-        """Submit work to free threads, wait for a part to end, and take its results."""
         try:
             if not self._threads or time.monotonic() - self._counted > _LOOK_AGAIN:
                 self._count_threads()

@@ -157,8 +157,7 @@ def _followed(path: str, links: dict[str, str]) -> str:
     return at
 
 
-_AT_ONCE = 16 << 20
-"""Maximum bytes in one message."""
+_AT_ONCE = 16 << 20  # maximum bytes in one message
 
 
 @dataclass(frozen=True, slots=True)
@@ -171,10 +170,7 @@ class Freight:
 
 
 def freight_of(making: CellMaker, cells: Sequence[Cell]) -> Freight:
-    """Plan enough cells to see every value that a cell gives to a parameter or variant.
-
-    Files that only another cell needs are found when its worker fails.
-    """
+    """Plan enough cells to see every value of a parameter or variant; other files are found when a worker fails."""
     maker, inputs = making.maker, Inputs()
     paths: dict[str, None] = {}
     packages: dict[Package, None] = {}
@@ -195,10 +191,7 @@ def freight_of(making: CellMaker, cells: Sequence[Cell]) -> Freight:
 
 
 def away_job(making: CellMaker, finish: Finish | None) -> bytes | None:
-    """Return the job for a machine with a mirror of the files, or None if models cannot be written there.
-
-    It knows what was fetched, but nothing that was read.
-    """
+    """Return the job for a machine with a mirror of the files, or None if it cannot write models there."""
     if making.finish is not None and finish is None:
         return None
     job = Job.of(making)

@@ -50,8 +50,7 @@ if TYPE_CHECKING:
 
 _FOLDER = ".mjcompose-cluster"
 _LARGEST = 64 << 20
-_READABLE = ("folder", "archive")
-"""The forms of output whose contents can be compared with a record."""
+_READABLE = ("folder", "archive")  # the forms of output whose contents can be compared with a record
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,7 +93,6 @@ class Journal:
             self._place(cell).unlink(missing_ok=True)
 
     def end(self) -> None:
-        """Remove the journal if nothing is left in it."""
         with contextlib.suppress(OSError):
             (self.folder / _FOLDER).rmdir()
 
@@ -244,11 +242,9 @@ MODULES = (
     "mjcompose.build.verify.checks",
     "mjcompose.build.verify.compile",
 )
-_IDLE = 600.0
-"""Seconds without work after which an unclosed run is considered over."""
+_IDLE = 600.0  # seconds without work after which an unclosed run is considered over
 _CONTENTS = "mjcompose-sources"
-_SHIPPED = "MJCOMPOSE_SHIPPED"
-"""A worker with this variable reads no files of its machine: all files are sent to it."""
+_SHIPPED = "MJCOMPOSE_SHIPPED"  # a worker with this variable reads no files of its machine: all files are sent to it
 _stations: dict[str, Station] = {}
 _lock = threading.Lock()
 
@@ -267,12 +263,10 @@ class Station:
         threading.Thread(target=self._watch, args=(run,), daemon=True).start()
 
     def made(self, cells: Sequence[Any]) -> list[Any]:
-        """Return the result of each cell: a CellResult, Died or Undone."""
         with self._helper() as helper:
             return [helper.result(self._opening, cell) for cell in cells]
 
     def end(self) -> None:
-        """End the processes, which remove unfinished work."""
         self._over.set()
         with self._lock:
             self._ended, helpers = True, self._helpers
@@ -307,10 +301,7 @@ class Station:
 
 
 async def begin(order: Order, dask_worker: Any) -> Refused | Lacks | None:
-    """Get ready for a run, or return what is missing or why that is impossible.
-
-    Dask's own work continues meanwhile. Dask passes the worker to a parameter of that name.
-    """
+    """Get ready for a run, or return what prevents it. Dask passes the worker to a parameter of that name."""
     return await asyncio.to_thread(_begin, order, Path(dask_worker.local_directory) / _CONTENTS)
 
 

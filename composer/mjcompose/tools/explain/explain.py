@@ -110,22 +110,27 @@ class Traced:
             return self.attribute(found[0], asked.attribute)
         return self.element(found[0])
 
-    # -- one element -------------------------------------------------------------------------------------------
-
     def element(self, node: Node) -> ElementExplained:
         life, kind = self.watch.life(node), kind_of(node)
         in_force, steps, values = None, [], []
         if kind.takes_class:
             in_force = self._in_force(node)
-            steps = [self._class_step(each.name) for each in class_chain(node, self.classes)]
+            for name in (each.name for each in class_chain(node, self.classes)):
+                declared, unset = self.declared.get(name), Reason("the top class, which sets nothing")
+                steps.append(ClassStep(name, unset if declared is None else self._first_written(declared)))
             for attribute, level in given(node, kind, self.classes):
                 span = self.written_at(level.writer, attribute.name)
                 values.append(Given(attribute.name, str(level.text), str(level.name), span=span))
+        children = node.iterchildren("*") if node.tag == "default" else ()
+        sets = [
+            Listed(f"{child.tag!s} {name!s}", str(text), Reason("", self.written_at(child, str(name))))
+            for child in children if child.tag != "default" for name, text in child.items()
+        ]  # fmt: skip
         return ElementExplained(
             label=self.labels[node], text=_start_tag(node), holder=self._holder(node),
             end_line=life.line if isinstance(life.owner, str) else None, written=tuple(self.written(life)),
             parts=tuple(self.parts(life)), changes=tuple(self.changes(life)), in_force=in_force, classes=tuple(steps),
-            given=tuple(values), sets=tuple(self._sets(node)) if node.tag == "default" else (),
+            given=tuple(values), sets=tuple(sets),
         )  # fmt: skip
 
     def attribute(self, node: Node, name: str) -> AttributeExplained:
@@ -199,14 +204,6 @@ class Traced:
             written = origin.written or (None if reason.span is None else self.recipe_lines.text_of(reason.span))
             yield holder, row_explained(self.labels[holder], numbers, origin, reason=reason, written=written)
 
-    def _sets(self, node: Node) -> Iterator[Listed]:
-        for child in node.iterchildren("*"):
-            for name, text in child.items() if child.tag != "default" else ():
-                reason = Reason("", self.written_at(child, str(name)))
-                yield Listed(f"{child.tag!s} {name!s}", str(text), reason)
-
-    # -- its origin --------------------------------------------------------------------------------------------
-
     def written(self, life: Life) -> Iterator[Reason]:
         if life.made_by is not None:
             cause = self.causes.made(life)
@@ -247,8 +244,6 @@ class Traced:
                         found.append(node)
         return found
 
-    # -- its changes -------------------------------------------------------------------------------------------
-
     def changes(self, life: Life, only: str | None = None) -> Iterator[Changed]:
         for source in life.sources if len(life.sources) == 1 else ():
             yield from self.changes(source, only)
@@ -277,8 +272,6 @@ class Traced:
             if recipe is not None and not same_words(recipe, text):
                 yield Changed(name, recipe, text, reason=Reason("written in the recipe's own unit or form", span))
 
-    # -- its classes -------------------------------------------------------------------------------------------
-
     def _in_force(self, node: Node) -> Reason | None:
         force = class_in_force(node)
         if force.attribute is None or force.writer is None:
@@ -292,17 +285,14 @@ class Traced:
         where = self.labels[force.writer]
         return Reason(f"by `childclass` of `{where}`", self.written_at(force.writer, "childclass"))
 
-    def _class_step(self, name: str) -> ClassStep:
-        node = self.declared.get(name)
-        if node is None:
-            return ClassStep(name, Reason("the top class, which sets nothing"))
-        return ClassStep(name, next(self.written(self.watch.life(node))))
+    def _first_written(self, node: Node) -> Reason:
+        return next(self.written(self.watch.life(node)))
 
     def _level_origin(self, kind: str, name: str | None, writer: Node | None, attribute: str) -> Reason:
         if writer is not None:
             return self.origin_at(writer, attribute)
         node = self.declared.get(str(name)) if kind == "class" else None
-        return Reason("", None if node is None else next(self.written(self.watch.life(node))).span)
+        return Reason("", None if node is None else self._first_written(node).span)
 
     def written_at(self, node: Node | None, attribute: str) -> Span | None:
         return None if node is None else self.origin_at(node, attribute).span
@@ -360,8 +350,6 @@ class Traced:
             if not rewrites(change.cause):
                 found.append(self.causes.change(change, life).span)
         return [span for span in dict.fromkeys(found) if span is not None]
-
-    # -- missing elements ---------------------------------------------------------------------------------------
 
     def _left_out(self, asked: query.Asked) -> Iterator[Note]:
         replaced = {source.node for life in self.watch.lives.values() for source in life.sources}

@@ -49,10 +49,7 @@ class Cause:
 
 @dataclass(frozen=True, slots=True)
 class Change:
-    """A new value of an attribute or of `TAG`; None if it is not written.
-
-    `owner` knows where the new value is written.
-    """
+    """A new value of an attribute or of `TAG`; None if it is not written. `owner` knows its place."""
 
     attribute: str
     before: str | None

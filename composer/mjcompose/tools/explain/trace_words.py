@@ -80,8 +80,12 @@ def only_place(reasons: Iterable[Reason]) -> Span | None:
 def of_step(cause: Cause, owner: object, attribute: str | None, node: Node | None = None) -> Reason:
     """Return what a cause did, and where; `owner` wrote the element or its attribute."""
     done = cause.done
+    if isinstance(done, Plan) and attribute == "model":
+        named = find(done.document, ("name",)) is not None
+        words = "`name` of the recipe" if named else "the name of the recipe's file"
+        return Reason(words, locate(done.document, ("name",)) if named else None)
     if isinstance(done, Plan):
-        return _by_plan(done, attribute)
+        return Reason("the recipe drops it", locate(done.document, ("base", "drop")))
     span = owned(owner, attribute) or getattr(done, "span", None)
     if isinstance(done, EditElements | DropElements):
         written_by_it = span is not None and span.file == done.span.file
@@ -113,14 +117,6 @@ def _drawn(cause: Cause, node: Node, field: str) -> object | None:
         if field in (found := cause.linking.notes.drawn.get(each, {})):
             return found[field]
     return None
-
-
-def _by_plan(plan: Plan, attribute: str | None) -> Reason:
-    if attribute == "model":
-        named = find(plan.document, ("name",)) is not None
-        words = "`name` of the recipe" if named else "the name of the recipe's file"
-        return Reason(words, locate(plan.document, ("name",)) if named else None)
-    return Reason("the recipe drops it", locate(plan.document, ("base", "drop")))
 
 
 def _summary(done: object) -> str:

@@ -170,8 +170,7 @@ class Workshop:
 
 
 _RATE = 30
-_MOST_SECONDS = 0.2
-"""For one frame: a model that takes longer plays slowly."""
+_MOST_SECONDS = 0.2  # for one frame: a model that takes longer plays slowly
 State = dict[str, Any]
 
 

@@ -83,10 +83,7 @@ def _watch(
 
 @contextmanager
 def _opened(address: str) -> Iterator[None]:
-    """Open an address in the browser, through a file that only this user can read.
-
-    Other users of the machine see the command line of a browser, and so must not find the token there.
-    """
+    """Open an address in the browser through a private file: other users can see the command line of a browser."""
     with scratch("view") as folder:
         page = folder / "open.html"
         shown = html.escape(address)

@@ -127,8 +127,7 @@ class Names:
 KINDS = ("body", "joint", "geom", "site", "camera", "light", "tendon", "actuator", "key", "skin", "flex")
 _MOST_CHANGES = 12
 
-Place = list[int] | None
-"""The number of a file, a line and a column."""
+Place = list[int] | None  # the number of a file, a line and a column
 
 
 class Origins:
@@ -147,10 +146,7 @@ class Origins:
         self._numbers: dict[str, int] = {}
 
     def data(self, names: AbcMapping[str, Sequence[str]], excluded: Sequence[tuple[str, str]]) -> dict[str, Any]:
-        """Return for each kind a list as long as its `names`: place, part, words and changes of an element, or null.
-
-        `excluded` are the pairs of bodies that are excluded from contact; there is a list for these too.
-        """
+        """Return for each kind the place, part, words and changes of each element, and rows for `excluded` pairs."""
         traced = self.side.traced
         kinds = [kind for kind in KINDS if kind in names] if traced is not None else []
         of = {kind: self._of_kind(kind, names[kind], traced) for kind in kinds if traced is not None}
@@ -322,10 +318,7 @@ _LINE = 4096
 
 
 def alone(description: Description, *others: Description, played: AbcMapping[str, bytes] | None = None) -> str:
-    """Return the page of a model, or of two models, where the second is the new state of the first.
-
-    The two share blobs. With the files of a bundle in `played` the page also has MuJoCo's WebAssembly.
-    """
+    """Return the page of one or two models, which share blobs; with the files of a bundle in `played` it has MuJoCo."""
     policy, body = _ALONE, ""
     for number, each in enumerate((description, *others)):
         new = [(name, each.blobs[name]) for name in each.used if name in each.blobs]

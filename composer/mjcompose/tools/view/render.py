@@ -76,9 +76,6 @@ class Wish:
     turntable: bool = False
     play: float | None = None
 
-    def as_data(self) -> dict[str, Any]:
-        return {name: getattr(self, name) for name in self.__slots__}
-
 
 def format_of(out: Path, wish: Wish) -> Format:
     """Return the format for a file's name. Raises `OutputError` if it is unknown or does not fit the wish."""
@@ -136,16 +133,13 @@ def render(
     kept: str, out: Path, wish: Wish, context: Context, session: Session, read: Iterable[Path] = (),
     option: str = "-o",
 ) -> bool:  # fmt: skip
-    """Write a picture or a film of a model that `session` keeps; return False after an error, which is reported.
-
-    It does not take the place of the files that were `read` for the model.
-    """
+    """Write a picture or film of a kept model, not over the files that were `read`; return False after an error."""
     try:
         suffix = format_of(out, wish)
         with staged_file(context.folder / out, option, inputs=read) as stage:
             picture = stage.with_name(stage.name + suffix)
             try:
-                if not drawn(kept, {**wish.as_data(), "out": str(picture)}, context, session=session):
+                if not drawn(kept, {**asdict(wish), "out": str(picture)}, context, session=session):
                     raise _NotDrawn
                 picture.replace(stage)
             finally:
@@ -188,8 +182,7 @@ def drawn(kept: str, asked: dict[str, Any], context: Context, session: Session) 
 TILE = (320, 240)
 _KEPT = "tile"
 _CELLS_A_PROCESS = 2
-_ENDS = ("no-rendering", "mujoco-missing")
-"""Errors that apply to all cells if they apply to one."""
+_ENDS = ("no-rendering", "mujoco-missing")  # errors that apply to all cells if they apply to one
 _MODULES = ("mjcompose.tools.view.render",)
 Drawn = tuple[bool, tuple[Diagnostic, ...], tuple[Path, ...]]
 """Whether a cell was drawn, its diagnostics, and the files that were read for it."""
@@ -216,7 +209,7 @@ class _Job:
         own = replace(self.operand, context=replace(self.operand.context, sink=Sink()))
         with interruptible():
             side = load_cell(own, _KEPT, session, given=self.given, cell=cell, library=library)
-            asked = {**self.wish.as_data(), "out": str(self.tile(number)), "tile": str(cell.name)}
+            asked = {**asdict(self.wish), "out": str(self.tile(number)), "tile": str(cell.name)}
             is_drawn = side is not None and drawn(_KEPT, asked, own.context, session=session)
         return is_drawn, tuple(own.context.sink.sorted()), () if side is None else side.inputs
 

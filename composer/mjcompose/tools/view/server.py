@@ -53,7 +53,10 @@ class Guard:
         if len(hosts) != 1 or len(origins) > 1:
             return None
         host = hosts[0].lower()
-        if not self._is_everywhere() and host not in self._hosts():
+        is_loopback = self.host in ("localhost", "::1") or self.host.startswith("127.")
+        names = {self.host, *(("localhost", "127.0.0.1", "::1") if is_loopback else ())}
+        hosts_here = {f"{_bracketed(name)}:{self.port}".lower() for name in names}
+        if not self._is_everywhere() and host not in hosts_here:
             return None
         if origins and origins[0].lower() != f"http://{host}":
             return None
@@ -67,11 +70,6 @@ class Guard:
             return not self.host or ip_address(self.host).is_unspecified
         except ValueError:  # a name
             return False
-
-    def _hosts(self) -> set[str]:
-        is_loopback = self.host in ("localhost", "::1") or self.host.startswith("127.")
-        names = {self.host, *(("localhost", "127.0.0.1", "::1") if is_loopback else ())}
-        return {f"{_bracketed(name)}:{self.port}".lower() for name in names}
 
 
 def _bracketed(host: str) -> str:
@@ -151,10 +149,8 @@ _POLICY = (
 _MOST_SAID, _MOST_HEAD = 1 << 20, 1 << 17
 _WORTH_PACKING = 1024
 _MOST_CONNECTIONS = 64
-_SECONDS_TO_ASK = 10.0
-"""For a whole request, and for a connection without one."""
-_SECONDS_TO_READ = 30.0
-"""For each piece of an answer, which is at most this long:"""
+_SECONDS_TO_ASK = 10.0  # for a whole request, and for a connection without one
+_SECONDS_TO_READ = 30.0  # for each piece of an answer
 _PIECE = 1 << 20
 _MOMENT = 0.5
 _MODEL = re.compile("model/(0|[1-9][0-9]{0,8})")
@@ -351,8 +347,6 @@ class _Handler(BaseHTTPRequestHandler):
     def log_message(self, format: str, *args: Any) -> None:
         """Log nothing: the terminal is for the model."""
 
-    # -- requests -----------------------------------------------------------------------------------------------
-
     def _key(self) -> str | None:
         """Return the resource as the client sent it, which `self.path` does not have."""
         words = self.requestline.split(" ")  # Python splits at other spaces too
@@ -386,8 +380,6 @@ class _Handler(BaseHTTPRequestHandler):
         if key == "choose":
             return partial(self.owner.choose, _text(said["name"]), _text(said["value"]))
         return (lambda: None) if key == "shown" else None
-
-    # -- answers ------------------------------------------------------------------------------------------------
 
     def _events(self) -> None:
         page = self.owner.hub.join()  # before the page reads the current model, so that it misses no change

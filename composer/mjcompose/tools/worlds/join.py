@@ -110,11 +110,6 @@ class Tree:
             yield from self.below(each)
 
 
-def shape_of(model: Model, name: str) -> Hashable:
-    """Return all bodies of a model, without numbers. Raises LoadError for an unnamed body."""
-    return Tree(model, name).shape("world")
-
-
 def common(trees: Sequence[Tree]) -> set[str]:
     """Return the bodies that all models have, with the same elements and the same parent, down from the world.
 
@@ -178,10 +173,7 @@ class Joined(NamedTuple):
 
 @dataclass(slots=True)
 class Group:
-    """Models that differ from the `first` one in numbers only: their differences and their worlds.
-
-    For a union they also have the same `shape`: geoms of the same types and with the same meshes.
-    """
+    """Models that differ from the `first` one in numbers only, and in a union have its `shape`: types and meshes."""
 
     first: Joined
     differences: Differences
@@ -219,7 +211,7 @@ class Joining:
     def add(self, each: Joined) -> bool:
         """Add a model; return whether it must be kept. Raises LoadError if it is another model."""
         model = each.loaded.model
-        shape = shape_of(model, each.name) if self.unites else None
+        shape = Tree(model, each.name).shape("world") if self.unites else None
         alike = (one for one in self.groups if one.shape == shape and unlike(one.first.loaded.model, model) is None)
         group = next(alike, None)
         is_new = group is None

@@ -233,6 +233,14 @@ class Vector(_Named):
         return f"<{self.name}: {self.size} numbers of {len(self)} × {self._lookup.kind}>"
 
 
+def _ids(kind: str, word: str = "") -> cached_property[Numbers]:
+    def ids(index: Index) -> Numbers:
+        return Numbers(Lookup(word or kind, index._names(kind), index._separator))
+
+    ids.__doc__ = f"Ids of {word or kind}s."
+    return cached_property(ids)
+
+
 class Index:
     """The vectors and elements of a model by name, so that programs need not depend on their order.
 
@@ -293,56 +301,27 @@ class Index:
             entries.append(Entry(each.name, each.address, (each.unit,) * each.size, limits=limits, origin=each.origin))
         return self._vector("sensordata", "sensor", entries)
 
-    @cached_property
-    def camera(self) -> Numbers:
-        """Ids of cameras."""
-        return self._numbers("camera")
-
-    @cached_property
-    def key(self) -> Numbers:
-        """Ids of keyframes, for `mj_resetDataKeyframe`."""
-        return self._numbers("key", "keyframe")
-
-    @cached_property
-    def joint(self) -> Numbers:
-        """Ids of joints."""
-        return self._numbers("joint")
-
-    @cached_property
-    def actuator(self) -> Numbers:
-        """Ids of actuators."""
-        return self._numbers("actuator")
-
-    @cached_property
-    def sensor(self) -> Numbers:
-        """Ids of sensors."""
-        return self._numbers("sensor")
-
-    @cached_property
-    def body(self) -> Numbers:
-        """Ids of bodies; `world` is 0."""
-        return self._numbers("body")
-
-    @cached_property
-    def geom(self) -> Numbers:
-        """Ids of geoms."""
-        return self._numbers("geom")
-
-    @cached_property
-    def site(self) -> Numbers:
-        """Ids of sites."""
-        return self._numbers("site")
-
-    @cached_property
-    def tendon(self) -> Numbers:
-        """Ids of tendons."""
-        return self._numbers("tendon")
+    camera = _ids("camera")
+    """Ids of cameras."""
+    key = _ids("key", "keyframe")
+    """Ids of keyframes, for `mj_resetDataKeyframe`."""
+    joint = _ids("joint")
+    """Ids of joints."""
+    actuator = _ids("actuator")
+    """Ids of actuators."""
+    sensor = _ids("sensor")
+    """Ids of sensors."""
+    body = _ids("body")
+    """Ids of bodies; `world` is 0."""
+    geom = _ids("geom")
+    """Ids of geoms."""
+    site = _ids("site")
+    """Ids of sites."""
+    tendon = _ids("tendon")
+    """Ids of tendons."""
 
     def _vector(self, name: str, kind: str, entries: Sequence[Entry]) -> Vector:
         return Vector(name, kind, entries, separator=self._separator)
-
-    def _numbers(self, kind: str, word: str | None = None) -> Numbers:
-        return Numbers(Lookup(word or kind, self._names(kind), self._separator))
 
     def __repr__(self) -> str:
         vectors = (self.qpos, self.qvel, self.ctrl, self.act, self.sensordata)

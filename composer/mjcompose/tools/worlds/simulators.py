@@ -89,10 +89,7 @@ def warp(worlds: Worlds) -> Any:
 
 
 def per_world(model: Any, worlds: Worlds) -> list[str]:
-    """Return the differing arrays that a `mujoco_warp.Model` can have for each world.
-
-    Raises LoadError for another differing array that its steps read.
-    """
+    """Return the differing arrays that a `mujoco_warp.Model` can have for each world. Raises LoadError for others."""
     names = []
     for name in worlds.arrays:
         if _can_vary(model, name):
@@ -273,11 +270,7 @@ def _places(worlds: Worlds, name: str, entity: str | None, scene: Model) -> tupl
 
 
 def _in_scene(element: str, entity: str) -> str:
-    """Return the name in a scene of an element of an entity.
-
-    >>> _in_scene("arm/elbow", "robot"), _in_scene("#0 of body `hand`", "robot")
-    ('robot/arm/elbow', '#0 of body `robot/hand`')
-    """
+    """Return the name in a scene of an entity's element: `robot/arm/elbow`, or `#0 of body `robot/hand``."""
     without_name = _ON_BODY.fullmatch(element)
     return f"{without_name[1]}{entity}/{without_name[2]}" if without_name else f"{entity}/{element}"
 
@@ -364,11 +357,12 @@ def check_nothing_is_shared(worlds: Worlds, simulator: Simulator, varied: Collec
     """
     before, after = (dict(_leaves(simulator.take(worlds, each))) for each in (worlds.nominal, _otherwise(worlds)))
     last = {name.rpartition(".")[2] for name in varied}
-    shared = [
-        name for name, value in before.items()
-        if name not in varied and name.rpartition(".")[2] not in last and is_stepped(name.removeprefix("_impl."))
-        and name in after and not _same(value, after[name]) and not (_FLAG in name and _covers(value, after[name]))
-    ]  # fmt: skip
+    shared = []
+    for name, value in before.items():
+        reads = name in after and name.rpartition(".")[2] not in last and is_stepped(name.removeprefix("_impl."))
+        if name not in varied and reads and not _same(value, after[name]):
+            only_more_flags = _FLAG in name and not np.any(np.asarray(after[name], bool) & ~np.asarray(value, bool))
+            shared += [] if only_more_flags else [name]  # additional flags only cost time
     if shared:
         message = f"{simulator.name} has {_listed(shared)} once for all worlds, computed from what differs"
         raise failure("not-per-world", message, _INSTEAD, notes=[f"these worlds differ in {_listed(worlds.arrays)}"])
@@ -397,11 +391,6 @@ def _leaves(value: Any, name: str = "") -> Iterator[tuple[str, Any]]:
                 yield from _leaves(getattr(value, each.name), f"{name}.{each.name}" if name else each.name)
     else:
         yield name, value
-
-
-def _covers(before: Any, after: Any) -> bool:
-    """Return whether the flags include all that would be set; additional ones only cost time."""
-    return not np.any(np.asarray(after, bool) & ~np.asarray(before, bool))
 
 
 def _same(a: Any, b: Any) -> bool:

@@ -49,10 +49,7 @@ class Plan:
 
 
 def plan_union(trees: Sequence[Tree], labels: Sequence[str]) -> Plan:
-    """Plan a union: the first model keeps its names, parts of others get prefixes from their labels.
-
-    Raises LoadError for elements that are not parts.
-    """
+    """Plan a union: parts of all models but the first get prefixes from their labels. Raises LoadError."""
     shared = common(trees)
     placed: list[Placed] = []
     active: list[list[Placed]] = []

@@ -34,10 +34,7 @@ _OTHER_LINKS = ("tendon_matid", "tendon_actuatorid")
 
 
 def references(model: Model, kind: str, number: int) -> References:
-    """Return the kind and number of each element that one acts on.
-
-    Raises LoadError for an unknown type of transmission, when the iterator reaches it.
-    """
+    """Return kind and number of each element that one acts on. Raises LoadError for an unknown transmission."""
     if kind == "actuator" and (transmission := int(model.actuator_trntype[number])) not in _TRANSMISSIONS:
         message = f"an actuator with a transmission of type {transmission} cannot be in a union"
         raise failure(CODE, message, _ALONE)
@@ -83,7 +80,11 @@ class Mapped:
         self._pairs: dict[str, tuple[np.ndarray, np.ndarray]] = {}
         self.places: dict[str, list[list[int]]] = {}
         for kind in KINDS:  # elements on bodies first, and tendons before elements that refer to them
-            ids = {self._here(kind, n): n for n in range(self.ours.count(kind))}
+            ids = {}
+            for n, name in enumerate(self.ours.names[kind]):  # references identify unnamed elements
+                is_known = name or kind not in ACTING
+                label = self.ours.describe(kind, n) if is_known else words(union, kind, n, label=self.ours.describe)
+                ids[label] = n
             found = []
             for number in range(self.theirs.count(kind)):
                 at = [ids[label] for label in self._labels(kind, number) if label in ids]
@@ -104,13 +105,6 @@ class Mapped:
                     shown = self.ours.describe(kind, number)
                     message = f"`{self.name}` lacks the {kind} `{shown}`, which would act in its world"
                     raise failure(CODE, message, "let it act on one part alone, or have it in all models")
-
-    def _here(self, kind: str, number: int) -> str:
-        """Return the name of an element of the union; an unnamed one is identified by its references."""
-        name = self.ours.names[kind][number]
-        if name or kind not in ACTING:
-            return self.ours.describe(kind, number)
-        return words(self.union, kind, number, label=self.ours.describe)
 
     def _labels(self, kind: str, number: int) -> list[str]:
         """Return the possible names in the union of an element of the model."""
