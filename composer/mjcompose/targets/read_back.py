@@ -183,7 +183,12 @@ def _about(
     answer = engine.call(work.session, judged, [work.whole], argument=question)
     wrong = list(answer.value) if answer.ok else [str(answer.error or answer.crash)]
     version = str(facts["version"])
-    return [*([_another(name, version, wrong)] if wrong else []), *losses], version
+    if wrong:
+        notes = ["expected: the numbers, poses and motion of MuJoCo", f"actual: {len(wrong)} that differ"]
+        notes += [*wrong[1:_SHOWN], *([f"and {len(wrong) - _SHOWN} more"] if len(wrong) > _SHOWN else [])]
+        message = f"`{name}` {version} reads another model: {wrong[0]}"
+        losses.insert(0, Fault(_FAILED, message, notes=tuple(map(Note, notes))))
+    return losses, version
 
 
 def _lacking(name: str, lacked: Sequence[Loss]) -> Fault:
@@ -205,13 +210,6 @@ def _missing(name: str, reader: Reader) -> Fault:
         f" and set `{CONSUMERS}` to FOLDER"
     )
     return Fault(_MISSING, message, help=help)
-
-
-def _another(name: str, version: str, wrong: Sequence[str]) -> Fault:
-    notes = ["expected: the numbers, poses and motion of MuJoCo", f"actual: {len(wrong)} that differ"]
-    notes += [*wrong[1:_SHOWN], *([f"and {len(wrong) - _SHOWN} more"] if len(wrong) > _SHOWN else [])]
-    message = f"`{name}` {version} reads another model: {wrong[0]}"
-    return Fault(_FAILED, message, notes=tuple(map(Note, notes)))
 
 
 def _sentences(name: str, losses: Sequence[Loss]) -> list[str]:

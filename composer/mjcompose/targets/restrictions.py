@@ -83,7 +83,9 @@ def _zeroed(draft: Draft) -> None:
         behind = shifted((0, 0, 0))
         for joint in reversed(joints):
             to_zero = _moved(joint, -_reference(joint))
-            _carry(joint, back(behind))
+            moved, turned = back(behind)  # the frame of the joint's body has moved
+            joint.set("pos", text(moved + turned @ _numbers(joint, "pos")))
+            joint.set("axis", text(turned @ _numbers(joint, "axis")))
             behind = joined(to_zero, behind)
         at, turned = joined(stands, behind)
         body.set("pos", text(at))
@@ -100,12 +102,6 @@ def _moved(joint: Node, by: float) -> Pose:
     if joint.get("type") == "slide":
         return shifted(by * axis)
     return joined(anchor, about(axis, by), back(anchor))
-
-
-def _carry(joint: Node, by: Pose) -> None:
-    """Transform the position and axis of a joint by a pose, because the frame of its body has moved."""
-    joint.set("pos", text(by[0] + by[1] @ _numbers(joint, "pos")))
-    joint.set("axis", text(by[1] @ _numbers(joint, "axis")))
 
 
 def _reference(joint: Node) -> float:

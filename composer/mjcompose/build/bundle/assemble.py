@@ -14,24 +14,9 @@ from lxml.etree import _Element as Node
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Span
 from mjcompose.base.files import Refused, real_path
+from mjcompose.build.bundle import manifest as entries
 from mjcompose.build.bundle.bundle import MODEL, Bundle, BundleError, Licenses, license_files, picture_of
 from mjcompose.build.bundle.collect import collect
-from mjcompose.build.bundle.manifest import (
-    Adopted,
-    Check,
-    Draw,
-    GeneratedShape,
-    Input,
-    Manifest,
-    OfUrdf,
-    Origin,
-    Part,
-    Read,
-    Recipe,
-    files_of,
-    index_of,
-    with_manifest,
-)
 from mjcompose.build.plan.extensions import packages_of
 from mjcompose.build.plan.plan import Drawn, GeneratedShapes, PartRecord, Plan, Tables
 from mjcompose.link.files import Merged
@@ -160,8 +145,10 @@ class Portable:
                 name = origin[1].named(real.relative_to(origin[0]).as_posix())
             elif real.is_relative_to(self.folder):
                 name = real.relative_to(self.folder).as_posix()
-            else:
-                name = self._beside(real)
+            else:  # through the nearest model with a path reference
+                ways = [(Path(os.path.relpath(real, real_path(folder))).as_posix(), at) for folder, at in self.models]
+                way, at = min(ways, key=lambda each: each[0].count("../"), default=(real.name, ""))
+                name = posixpath.normpath(posixpath.join(at, way))
             self.named[path] = as_text(name)
         return self.named[path]
 
@@ -184,12 +171,6 @@ class Portable:
     def texts_on_disk(self) -> list[Path]:
         """Return the models and recipes that the composition was read from, if they are files."""
         return [path for shown in self.texts if os.path.isfile(path := self.context.folder / shown)]
-
-    def _beside(self, real: Path) -> str:
-        """Return a name that goes through the nearest model with a path reference."""
-        ways = [(Path(os.path.relpath(real, real_path(folder))).as_posix(), at) for folder, at in self.models]
-        near = min(ways, key=lambda each: each[0].count("../"), default=None)
-        return real.name if near is None else posixpath.normpath(posixpath.join(near[1], near[0]))
 
 
 _OF_THE_LOCK = ("lock-stale", "source-changed")
@@ -255,34 +236,36 @@ def add_manifest(bundle: Bundle, making: ManifestInput, context: Context) -> Bun
     renamed = renamed_in(model, making.members)
     index = None
     if compiled is not None and compiled.index is not None:
-        index = index_of(compiled.index, written_in(model, compiled.index, names.place))
-    manifest = Manifest(
+        index = entries.index_of(compiled.index, written_in(model, compiled.index, names.place))
+    manifest = entries.Manifest(
         name=plan.name,
         description=plan.description,
         mujoco=compiled.mujoco_version if compiled else None,
         grammar=GRAMMAR.versions[-1],
         extensions=packages_of(plan),
-        recipe=Recipe(path=as_text(plan.path.name), sha256=remembered_sha256(plan.path)),
+        recipe=entries.Recipe(path=as_text(plan.path.name), sha256=remembered_sha256(plan.path)),
         separator=plan.separator,
         cell=making.cell,
         variants=dict(plan.variants),
         params={name: value for name, value in plan.scope.items() if name not in plan.variants},
         seed=plan.randomize.seed if plan.randomize else None,
         sample=plan.sample if plan.randomize else None,
-        draws=tuple(_as(Draw, each, component=each.start) for each in making.drawn),
+        draws=tuple(_as(entries.Draw, each, component=each.start) for each in making.drawn),
         inputs=inputs,
         parts=tuple(_part(member, number, renamed) for number, member in enumerate(making.members)),
-        adopted=tuple(_as(Adopted, each, origin=names.place(each.span)) for each in model.adopted if each.is_written),
-        read=tuple(Read(path=path, sha256=digest) for path, digest in _read(bundle, making, names)),
+        adopted=tuple(
+            _as(entries.Adopted, each, origin=names.place(each.span)) for each in model.adopted if each.is_written
+        ),
+        read=tuple(entries.Read(path=path, sha256=digest) for path, digest in _read(bundle, making, names)),
         licenses={license: tuple(parts) for license, parts in sorted(by_license.items())},
-        files=files_of(bundle),
+        files=entries.files_of(bundle),
         merged=making.merged,
         picture=picture_of(plan.name) if making.pictured else None,
         made=tuple(
-            _as(GeneratedShape, each, geom=each.of, origin=names.place(each.span), **each.error)
+            _as(entries.GeneratedShape, each, geom=each.of, origin=names.place(each.span), **each.error)
             for each in making.shapes
         ),
-        checks=tuple(_as(Check, each, origin=names.place(each.span)) for each in making.checks),
+        checks=tuple(_as(entries.Check, each, origin=names.place(each.span)) for each in making.checks),
         index=index,
         warnings=tuple(
             f"{each.code}: {names.text(each.message)}"
@@ -290,7 +273,7 @@ def add_manifest(bundle: Bundle, making: ManifestInput, context: Context) -> Bun
             if each.code not in _OF_THE_LOCK
         ),
     )
-    return with_manifest(bundle, manifest)
+    return entries.with_manifest(bundle, manifest)
 
 
 def portable(plan: Plan, model: Unit, context: Context) -> Portable:
@@ -307,9 +290,13 @@ def _read(bundle: Bundle, making: ManifestInput, portable: Portable) -> list[tup
         for path, where in making.model.contents.items()
         if isinstance(where, Path) and path in bundle.files
     }
+    recipes: set[str] = set()  # and the recipes that they extend, as messages name them
+    for plan in making.plan.plans():
+        recipes.update(os.fspath(source.path) for source, _ in plan.extended)
+        recipes.update(span.file for span in spans(plan.document))
     files = {
         *portable.texts_on_disk(),
-        *(portable.context.folder / file for file in {*_files_of(making.plan)}),
+        *(portable.context.folder / file for file in recipes),
         *(path for _, source in sources(making.plan) for path in (source.path, *source.licenses)),
         *(Path(use.source) for use in making.uses if use.content is None),
     }
@@ -319,13 +306,6 @@ def _read(bundle: Bundle, making: ManifestInput, portable: Portable) -> list[tup
         if name not in found:
             found[name] = known.get(real_path(path)) or remembered_sha256(path)
     return sorted(found.items())
-
-
-def _files_of(plan: Plan) -> Iterator[str]:
-    """Yield the files of a plan's recipes and of those that they extend, as messages name them."""
-    for each in plan.plans():
-        yield from (os.fspath(source.path) for source, _ in each.extended)
-        yield from (span.file for span in spans(each.document))
 
 
 def sources(plan: Plan) -> Iterator[tuple[str, Source]]:
@@ -349,26 +329,26 @@ def _as(of: type[_Model], record: object, **changed: Any) -> _Model:
     return of(**same, **changed)
 
 
-def _input(source: Source, licenses: tuple[str, ...], portable: Portable, table: tuple[ReadRow, ...]) -> Input:
+def _input(source: Source, licenses: tuple[str, ...], portable: Portable, table: tuple[ReadRow, ...]) -> entries.Input:
     if source.origin is None:
         origin, path = None, portable.name(source.path)
     else:
-        origin = _as(Origin, source.origin)
+        origin = _as(entries.Origin, source.origin)
         path = Path(os.path.relpath(real_path(source.path), real_path(source.origin.root))).as_posix()
     urdf = (
-        _as(OfUrdf, row, became=row.became or None, why=row.why or None, origin=portable.place(row.span))
+        _as(entries.OfUrdf, row, became=row.became or None, why=row.why or None, origin=portable.place(row.span))
         for row in table
     )
     return _as(
-        Input, source, path=as_text(path), kind=source.kind.name, sha256=remembered_sha256(source.path), origin=origin,
-        license=license_of(source), licenses=licenses, urdf=tuple(urdf),
+        entries.Input, source, path=as_text(path), kind=source.kind.name, sha256=remembered_sha256(source.path),
+        origin=origin, license=license_of(source), licenses=licenses, urdf=tuple(urdf),
     )  # fmt: skip
 
 
-def _part(member: PartRecord, number: int, renamed: Renamed) -> Part:
+def _part(member: PartRecord, number: int, renamed: Renamed) -> entries.Part:
     pose = member.pose
     return _as(
-        Part, member, input=number, pos=None if pose is None else pose.pos, quat=None if pose is None else pose.quat,
+        entries.Part, member, input=number, pos=pose and pose.pos, quat=pose and pose.quat,
         stands=member.is_fixed_in_world, obscure=member.obscure or member.reduced,
         renamed={kind: dict(names) for kind, names in renamed.get(member.part, {}).items()},
     )  # fmt: skip

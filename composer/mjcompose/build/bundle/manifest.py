@@ -307,11 +307,11 @@ class TargetRecord(_Part):
 class Manifest(_Part):
     """The sources of a bundle, its content, and the addresses in the compiled model."""
 
-    manifest: Literal[1] = Field(1, description="The version of this format.")
+    manifest: Literal[1] = Field(default=1, description="The version of this format.")
     name: str
     description: str | None = None
-    model: str = Field("model.xml", description="The MJCF file among the files.")
-    mjcompose: str = Field(__version__, description="The version of mjcompose that made the bundle.")
+    model: str = Field(default="model.xml", description="The MJCF file among the files.")
+    mjcompose: str = Field(default=__version__, description="The version of mjcompose that made the bundle.")
     mujoco: str | None = Field(description="The version of MuJoCo that verified it; null when none did.")
     grammar: str = Field(description="The version of MuJoCo whose MJCF the grammar describes.")
     extensions: dict[str, str] = Field(
@@ -333,8 +333,12 @@ class Manifest(_Part):
     files: tuple[File, ...]
     merged: Mapping[str, Mapping[str, str]] = Field({}, description="Of `--dedup`: replacements by name.")
     picture: str | None = Field(None, description="Of `--picture`: the picture next to the bundle; omitted if none.")
-    target: TargetRecord | None = Field(None, description="Of `--target`: the program; omitted without the option.")
-    union: int | None = Field(None, ge=2, description="The number of models in a union; omitted for other models.")
+    target: TargetRecord | None = Field(
+        default=None, description="Of `--target`: the program; omitted without the option."
+    )
+    union: int | None = Field(
+        default=None, ge=2, description="The number of models in a union; omitted for other models."
+    )
     made: tuple[GeneratedShape, ...] = Field((), description="The shapes made of meshes; omitted if none.")
     checks: tuple[Check, ...] = Field((), description="The checks that the model passed.")
     index: Index | None = Field(None, description="null when the model was not verified.")

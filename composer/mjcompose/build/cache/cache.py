@@ -215,11 +215,16 @@ class Cache:
         for answer in answers:
             if self._changes(answer):
                 continue
-            record = self._record(answer)
+            record, text = None, blobs.get(self.store.folder, "built", answer.record)
+            with contextlib.suppress(TypeError, ValueError, KeyError):
+                record = None if text is None else from_json(text)
             if record is None:
                 return Lookup(why=(LOST,))
             if answer != answers[0] or any(each.state and each.stamp is None for each in answer.inputs):
-                self._refresh(key, answer, answers)
+                # Move the answer to the front, with the current stamps of its files.
+                now = replace(answer, inputs=tuple(self.files.look(each.path) for each in answer.inputs))
+                if now != answers[0]:
+                    self._write(key, [now, *(each for each in answers if each is not answer)])
             self._mark_used(answer)
             return Lookup(record, answer)
         if answers:
@@ -299,21 +304,12 @@ class Cache:
                 self.store.prune(self.store.limit)
 
     def _answers(self, key: str) -> list[Answer]:
-        data = _read(self.store.folder, key)
-        try:
+        with contextlib.suppress(TypeError, ValueError, KeyError):
             return [
                 Answer(each["record"], tuple(map(file_state, each["inputs"])), tuple(map(tuple, each["packages"])))
-                for each in data or ()
+                for each in _read(self.store.folder, key) or ()
             ]
-        except (TypeError, ValueError, KeyError):
-            return []
-
-    def _record(self, answer: Answer) -> Record | None:
-        """Return the record that an answer names, or None if it is damaged."""
-        text = blobs.get(self.store.folder, "built", answer.record)
-        with contextlib.suppress(TypeError, ValueError, KeyError):
-            return None if text is None else from_json(text)
-        return None
+        return []
 
     def _changes(self, answer: Answer) -> list[str]:
         """Return the changed dependencies, in words."""
@@ -324,12 +320,6 @@ class Cache:
             for name, version, file in answer.packages
             if not os.path.isfile(file)
         ]
-
-    def _refresh(self, key: CacheKey, answer: Answer, answers: Sequence[Answer]) -> None:
-        """Move the answer to the front, with the current stamps of its files."""
-        now = Answer(answer.record, tuple(self.files.look(each.path) for each in answer.inputs), answer.packages)
-        if now != answers[0]:
-            self._write(key, [now, *(each for each in answers if each is not answer)])
 
     def _write(self, key: CacheKey, answers: Sequence[Answer]) -> None:
         by_state: dict[tuple[str, ...], Answer] = {}

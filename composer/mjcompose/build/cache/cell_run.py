@@ -296,7 +296,13 @@ class CellRun:
                 self._fetch(cells[0])
             results = self._pool.results(Job.of(self.making).opened, cells, self.making.make)
         for cell, result in zip(cells, results, strict=True):
-            yield self._taken(_lost(cell, result) if isinstance(result, Died) else result)
+            if isinstance(result, Died):
+                message = f"the process that made this model {result.how}, twice"
+                help = "if memory ran out, use a smaller number with `--jobs`; `--jobs 1` uses no other process"
+                result = CellResult(
+                    cell, None, True, diagnostics=(Diagnostic("worker-died", message, cell.span, help=help),)
+                )
+            yield self._taken(result)
 
     def _fetch(self, cell: Cell) -> None:
         """Read and fetch the sources of a cell. Most cells need the same sources, and workers take them from here."""
@@ -319,9 +325,3 @@ class CellRun:
         if maker.cache is not None and result.result is not None and result.result.is_new:
             maker.cache.grown = True
         return result
-
-
-def _lost(cell: Cell, died: Died) -> CellResult:
-    message = f"the process that made this model {died.how}, twice"
-    help = "if memory ran out, give `--jobs` a smaller number; with `--jobs 1` no other process is used"
-    return CellResult(cell, None, True, diagnostics=(Diagnostic("worker-died", message, cell.span, help=help),))

@@ -131,7 +131,10 @@ def select_cells(every: Sequence[Cell], picks: Iterable[str], sink: Sink, recipe
     """
     found: dict[str, Cell] = {}
     for pick in picks:
-        chosen = [each for each in every if pick in (each.name, each.cell)] or _with_values(every, pick)
+        chosen = [each for each in every if pick in (each.name, each.cell)]
+        wanted = [item.partition("=") for item in pick.split(",")]
+        if not chosen and all(equals for _, equals, _ in wanted):
+            chosen = [each for each in every if all(_has_value(each, axis, value) for axis, _, value in wanted)]
         found.update((each.name, each) for each in chosen)
         if not chosen:
             _report_none(every, pick, sink, recipe=recipe)
@@ -160,8 +163,8 @@ def select_cell(every: Sequence[Cell], pick: str, sample: int | None, sink: Sink
         chosen = of_samples(chosen, [sample], sink)
     if len({each.cell for each in chosen}) > 1:
         names = list(dict.fromkeys(each.cell or each.name for each in chosen))
-        sink.error("selector", f"`--pick {pick}` chooses {len(names)} cells of `{recipe}`, and one is wanted",
-                   notes=(exists_note("cell", names),), help="name one of them")  # fmt: skip
+        message = f"`--pick {pick}` chooses {len(names)} cells of `{recipe}`, not one"
+        sink.error("selector", message, notes=(exists_note("cell", names),), help="name one of them")
         return None
     return chosen[0] if chosen else None
 
@@ -175,17 +178,6 @@ def check_axes_are_free(chosen: Iterable[Cell], given: Iterable[str], sink: Sink
                        help=f"do not set it, or {instead}")  # fmt: skip
 
 
-def _with_values(every: Sequence[Cell], pick: str) -> list[Cell]:
-    wanted = [item.partition("=") for item in pick.split(",")]
-    if not all(equals for _, equals, _ in wanted):
-        return []
-    return [
-        cell
-        for cell in every
-        if all(axis in cell.given and pick_text(cell.given[axis]) == value for axis, _, value in wanted)
-    ]
-
-
 def _report_none(every: Sequence[Cell], pick: str, sink: Sink, recipe: str) -> None:
     axis, equals, value = pick.partition("=")
     values = list(dict.fromkeys(pick_text(cell.given[axis]) for cell in every if axis in cell.given))
@@ -197,6 +189,10 @@ def _report_none(every: Sequence[Cell], pick: str, sink: Sink, recipe: str) -> N
     names = {each.name: each for each in every}
     sink.error("unknown-name", f"the matrix of `{recipe}` has no cell `{pick}`",
                notes=(exists_note("cell", names, pick),), help=did_you_mean(pick, names, "--pick {}"))  # fmt: skip
+
+
+def _has_value(cell: Cell, axis: str, value: str) -> bool:
+    return axis in cell.given and pick_text(cell.given[axis]) == value
 
 
 def pick_text(node: Node) -> str:

@@ -8,7 +8,7 @@ from functools import cached_property
 from typing import Any
 
 from mjcompose.base.dataclass import dataclass
-from mjcompose.base.diagnostic import Diagnostic, Fault, Note, Severity, Span
+from mjcompose.base.diagnostic import Fault, Note, Severity, Span
 from mjcompose.base.extensions import Table
 from mjcompose.base.rotation import IDENTITY_QUAT, ORIGIN
 from mjcompose.base.sink import Sink
@@ -116,7 +116,12 @@ class Checks:
                 kept, values = self._ask(check, recipe, own)
             else:
                 values = _RUNS[check.word](self, check, recipe, own)
-            reported = tuple(_as_severe(each, check, recipe) for each in own.sink.diagnostics)
+            reported = tuple(own.sink.diagnostics)
+            severity = find(recipe.plan.document, (*check.at[:-1], SEVERITY))
+            if isinstance(severity, Scalar) and severity.value == Severity.WARNING:  # errors in the check stay errors
+                reported = tuple(
+                    replace(each, severity=Severity.WARNING) if each.code in _NOT_HELD else each for each in reported
+                )
             for diagnostic in reported:
                 self.context.sink.add(diagnostic)
             name = recipe.part + check.name
@@ -163,13 +168,6 @@ def check_spans(plan: Plan) -> dict[str, Span]:
 
 def _place(check: Check, recipe: NestedRecipe) -> Span:
     return locate(recipe.plan.document, check.at, key=True)
-
-
-def _as_severe(found: Diagnostic, check: Check, recipe: NestedRecipe) -> Diagnostic:
-    """Return the diagnostic with the severity that the check sets; errors in the check itself stay errors."""
-    severity = find(recipe.plan.document, (*check.at[:-1], SEVERITY))
-    warns = isinstance(severity, Scalar) and severity.value == Severity.WARNING
-    return replace(found, severity=Severity.WARNING) if warns and found.code in _NOT_HELD else found
 
 
 def report(finding: Fault, check: Check, recipe: NestedRecipe, context: Context) -> None:

@@ -22,18 +22,7 @@ from mjcompose.model.files import NAMED_AFTER_FILE
 from mjcompose.model.grammar import GRAMMAR, version_key
 from mjcompose.model.unit import Unit, element_at
 from mjcompose.model.xml_faults import ignored, is_unread_alone, unread
-from mjcompose.mujoco import engine
-from mjcompose.mujoco.messages import (
-    CRASHES,
-    Fault,
-    crash_help,
-    parse,
-    read_sentence,
-    report,
-    translate,
-    unknown_attribute,
-    unknown_element,
-)
+from mjcompose.mujoco import engine, messages
 from mjcompose.sources.context import Context
 
 if TYPE_CHECKING:
@@ -72,7 +61,7 @@ def compile_and_report(
         return None
     for warning in verified.warnings:
         element = _element(warning, bundle, model)
-        attribute = None if element is None else translate(warning.message, element).attribute
+        attribute = None if element is None else messages.translate(warning.message, element).attribute
         span = None if element is None else model.origins.span(element, model.file, attribute)
         said = _with_sources(warning.message, model, context)
         context.sink.warning("mujoco-warning", f"MuJoCo warns: {said}", span, cause=Cause(said, _words_for(element)))
@@ -80,10 +69,10 @@ def compile_and_report(
         fault = verified.error
         message = _with_sources(fault.message, model, context)
         if verified.crash:
-            context.sink.error(verified.code, message, at, help=crash_help(verified.code))
+            context.sink.error(verified.code, message, at, help=messages.crash_help(verified.code))
         else:
             element = _element(fault, bundle, model)
-            report(translate(message, element), element, model, context=context, at=at)
+            messages.report(messages.translate(message, element), element, model, context=context, at=at)
         return None
     version = verified.compiled.mujoco_version
     # A newer version may have more attributes.
@@ -111,11 +100,12 @@ def _report_unread(element: Node, name: str | None, model: Unit, context: Contex
         context.sink.add(ignored(element, name, model))
         return
     file = model.origins.span(element, model.file).file
-    found = unknown_element(element, file) if name is None else unknown_attribute(element, name, file)
-    report(found, element, model, context=context, cause=Cause(f"{element.tag} {name or ''}", _words_for(element)))
+    found = messages.unknown_element(element, file) if name is None else messages.unknown_attribute(element, name, file)
+    cause = Cause(f"{element.tag} {name or ''}", _words_for(element))
+    messages.report(found, element, model, context=context, cause=cause)
 
 
-def _element(fault: Fault, bundle: Bundle, model: Unit) -> Node | None:
+def _element(fault: messages.Fault, bundle: Bundle, model: Unit) -> Node | None:
     """Return the element that a message is about.
 
     It is the one on the given line of `model.xml`, a plugin instance, the only element of that name, or a
@@ -124,7 +114,7 @@ def _element(fault: Fault, bundle: Bundle, model: Unit) -> Node | None:
     if fault.line is not None:
         found = element_at(model.root, bundle.files[bundle.model], fault.line)
         return _attaching(fault, model.root) if _is_another(found, fault) else found
-    said = read_sentence(fault.message)
+    said = messages.read_sentence(fault.message)
     if said.plugin is not None:
         instances = model.root.findall("extension/plugin/instance")  # the first ones; others have no name
         return instances[said.plugin] if said.plugin < len(instances) else None
@@ -143,7 +133,7 @@ def _element(fault: Fault, bundle: Bundle, model: Unit) -> Node | None:
     return named[0] if len(named) == 1 else None
 
 
-def _is_another(found: Node | None, fault: Fault) -> bool:
+def _is_another(found: Node | None, fault: messages.Fault) -> bool:
     """Return whether the message is about an element of another name, so that its line belongs to another file."""
     if found is None or not fault.name:
         return False
@@ -155,7 +145,7 @@ def _is_another(found: Node | None, fault: Fault) -> bool:
     return _attaching(fault, found.getroottree().getroot()) is not None
 
 
-def _attaching(fault: Fault, root: Node) -> Node | None:
+def _attaching(fault: messages.Fault, root: Node) -> Node | None:
     """Return the `<attach>` that brings in the element of the message, judged by its prefix."""
     prefixes = {each: str(each.get("prefix") or "") for each in root.iter("attach")}
     fitting = [each for each, prefix in prefixes.items() if str(fault.name).startswith(prefix)]
@@ -189,9 +179,9 @@ class Verified:
     """
 
     compiled: engine.Compiled
-    error: Fault | None = None
+    error: messages.Fault | None = None
     crash: str | None = None
-    warnings: tuple[Fault, ...] = ()
+    warnings: tuple[messages.Fault, ...] = ()
 
     @property
     def ok(self) -> bool:
@@ -200,7 +190,7 @@ class Verified:
     @property
     def code(self) -> str:
         """The code of the diagnostic that reports `error`."""
-        return "mujoco-rejects" if self.crash is None else CRASHES.get(self.crash, "mujoco-crash")
+        return "mujoco-rejects" if self.crash is None else messages.CRASHES.get(self.crash, "mujoco-crash")
 
 
 class OutsideFilesError(Exception):
@@ -236,14 +226,14 @@ def verify(
             )  # fmt: skip
     except OSError as error:
         raise unwritable_error("a temporary folder", error) from error
-    warnings = tuple(parse(text) for text in compiled.warnings)
+    warnings = tuple(messages.parse(text) for text in compiled.warnings)
     fault = None
     if compiled.crash is not None:
-        fault = Fault(compiled.error or compiled.crash)
+        fault = messages.Fault(compiled.error or compiled.crash)
     elif compiled.error is not None:
-        fault = parse(compiled.error)
+        fault = messages.parse(compiled.error)
     elif compiled.forward is not None:
-        fault = Fault(f"the model compiles, but its first forward step fails: {compiled.forward}")
+        fault = messages.Fault(f"the model compiles, but its first forward step fails: {compiled.forward}")
     return Verified(compiled, fault, compiled.crash, warnings=warnings)
 
 

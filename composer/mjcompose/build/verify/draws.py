@@ -53,8 +53,18 @@ class DrawTable:
     def fill(self) -> bool:
         """Look up the address of every number, and return whether each has one."""
         before = self.context.sink.error_count
-        numeric = [each for each in self.tabled if self._is_numeric(each)]
-        answer = engine.call(self.session, resolve_addresses, [WHOLE], argument=[_question(each) for each in numeric])
+        numeric, questions = [], []
+        for each in self.tabled:
+            first = each.first.value if isinstance(each.first.value, tuple) else (each.first.value,)
+            if any(isinstance(value, str) for value in first):
+                self._fault(each.field, f"field `{each.field.name}` draws names, which a compiled model cannot change")
+                continue
+            numeric.append(each)
+            questions.append({
+                "tag": each.tag, "family": each.family, "name": each.name, "place": each.place,
+                "attribute": each.first.attribute, "start": each.first.start, "count": len(each.first.columns()),
+            })  # fmt: skip
+        answer = engine.call(self.session, resolve_addresses, [WHOLE], argument=questions)
         if not answer.ok:
             self.crashed(answer)
             return False
@@ -84,13 +94,6 @@ class DrawTable:
         described = json.dumps(data, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
         return bundle.with_files({DRAWS: described.encode(), SAMPLES: table.getvalue().encode()})
 
-    def _is_numeric(self, each: ElementDraws) -> bool:
-        first = each.first.value if isinstance(each.first.value, tuple) else (each.first.value,)
-        if not any(isinstance(value, str) for value in first):
-            return True
-        self._fault(each.field, f"field `{each.field.name}` draws names, which a compiled model cannot change")
-        return False
-
     def _add(self, each: ElementDraws, found: dict[str, Any]) -> None:
         for component, (name, _) in enumerate(each.first.columns()):
             if name not in self.columns:
@@ -110,13 +113,6 @@ class DrawTable:
         span = locate(self.plan.document, ("randomize", "samples"))
         message = f"the table of draws: {answer.error or answer.crash}"
         self.context.sink.error(code, message, span, help=crash_help(code))
-
-
-def _question(each: ElementDraws) -> dict[str, Any]:
-    element = {"tag": each.tag, "family": each.family, "name": each.name, "place": each.place}
-    return {
-        **element, "attribute": each.first.attribute, "start": each.first.start, "count": len(each.first.columns()),
-    }  # fmt: skip
 
 
 def _bounds(each: ElementDraws, component: int) -> tuple[float | None, float | None]:

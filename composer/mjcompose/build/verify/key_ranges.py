@@ -91,8 +91,10 @@ def _report(plan: Plan, model: Unit, key: Keyframe, entry: tuple[str, str], boun
     (vector, name), (low, high) = entry, bound.range
     kind = _KINDS[vector]
     holder, unit = _element(model.root, kind, name), bound.unit or ""
-    if vector == "act" and holder is not None and _integrates(holder, model):
-        unit = unit.removesuffix("/s")
+    if vector == "act" and holder is not None:
+        dynamics = text_in_effect(holder, kind_of(holder), "dyntype", classes=model.classes)
+        if holder.tag == "intvelocity" or dynamics == "integrator":
+            unit = unit.removesuffix("/s")
     in_degrees = unit.startswith("rad") and _in_degrees(plan, key, entry)
     named = (unit.replace("rad", "deg") if in_degrees else unit) if unit != "1" else ""
     value, least, most = (
@@ -117,16 +119,9 @@ def _instead(key: Keyframe, entry: tuple[str, str], bound: Ranged) -> str | None
 
 def _in_degrees(plan: Plan, key: Keyframe, entry: tuple[str, str]) -> bool:
     """Return whether the recipe gives this entry in degrees."""
-    vector, name = entry
-    at = (*key.at, *entry)
-    angles = [each for each in key.values.get(vector, {}).get(name, ()) if isinstance(each, Angle)]
-    return angles[0].unit == "deg" if angles else plan.angle_context.at(at).angle == "degree"
-
-
-def _integrates(actuator: Node, model: Unit) -> bool:
-    """Return whether the actuator integrates its control into its activation."""
-    dynamics = text_in_effect(actuator, kind_of(actuator), "dyntype", classes=model.classes)
-    return actuator.tag == "intvelocity" or dynamics == "integrator"
+    values = key.values.get(entry[0], {}).get(entry[1], ())
+    angles = [each.unit for each in values if isinstance(each, Angle)]
+    return angles[0] == "deg" if angles else plan.angle_context.at((*key.at, *entry)).angle == "degree"
 
 
 def _element(root: Node, kind: str, name: str) -> Node | None:
@@ -134,11 +129,5 @@ def _element(root: Node, kind: str, name: str) -> Node | None:
         return next((each for each in root.iterfind("actuator/*") if each.get("name") == name), None)
     joints = [each for body in root.iterfind("worldbody") for each in body.iter("joint", "freejoint")]
     named = (each for each in joints if each.get("name") == name)
-    of_body = (
-        each
-        for each in joints
-        if not each.get("name")
-        and (body := next(each.iterancestors("body"), None)) is not None
-        and body.get("name") == name
-    )
-    return next(chain(named, of_body), None)
+    unnamed = ((next(each.iterancestors("body"), None), each) for each in joints if not each.get("name"))
+    return next(chain(named, (each for body, each in unnamed if body is not None and body.get("name") == name)), None)

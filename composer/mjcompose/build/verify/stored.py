@@ -44,7 +44,10 @@ class InputFinder:
     def __init__(self, manifest: Manifest, recipe: Path | None, context: Context) -> None:
         self.manifest, self.context = manifest, context
         self.given = recipe is not None
-        found = recipe or self._beside()
+        found, named = recipe, manifest.recipe
+        if found is None and named is not None and Path(named.path).name == named.path:
+            path = context.folder / named.path
+            found = path if _sha256(path) == named.sha256 else None
         self.folder = context.folder if found is None else (context.folder / found).parent
         # The bundle may come from anyone, so its references may only name files of this project.
         self.door = Door.of([folder_of_recipe(self.folder / "recipe.yaml")])
@@ -63,25 +66,15 @@ class InputFinder:
         for source in self._candidates(number, wanted):
             digest = _sha256(source.path)
             if digest == wanted.sha256:
-                return source if self._is_admitted(source) else "its source names files that it may not read"
+                # MuJoCo may open the source and its files. URDF is checked when it is converted.
+                unit = parse_file(source.path, Sink(), door=source.door) if source.format == "mjcf" else None
+                if source.format != "mjcf" or (unit is not None and all_admitted(unit, Sink())):
+                    return source
+                return "its source names files that it may not read"
             changed = changed or (source.path if digest else None)
         if changed is not None:
             return f"`{self.context.shown(changed)}` is not the file that the bundle was built from"
         return f"its source `{wanted.reference}` is not found"
-
-    def _is_admitted(self, source: Source) -> bool:
-        """Return whether MuJoCo may open the source and its files. URDF is checked when it is converted."""
-        if source.format != "mjcf":
-            return True
-        unit = parse_file(source.path, Sink(), door=source.door)
-        return unit is not None and all_admitted(unit, Sink())
-
-    def _beside(self) -> Path | None:
-        recipe = self.manifest.recipe
-        if recipe is None or Path(recipe.path).name != recipe.path:
-            return None
-        path = self.context.folder / recipe.path
-        return path if _sha256(path) == recipe.sha256 else None
 
     def _candidates(self, number: int, wanted: Input) -> Iterator[Source]:
         if len(self.planned) == len(self.manifest.inputs):

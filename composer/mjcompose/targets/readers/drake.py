@@ -99,5 +99,4 @@ if asked["seconds"]:
     for name, joint in joints.items():
         if joint.num_positions() == 1:
             found["motion"][name] = float(q[joint.position_start()])
-with open(sys.argv[3], "w") as file:
-    json.dump(found, file)
+json.dump(found, open(sys.argv[3], "w"))

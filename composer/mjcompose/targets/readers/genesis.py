@@ -104,5 +104,4 @@ if asked["seconds"]:
     end = entity.get_qpos().cpu().numpy().reshape(-1)
     found["without"] = ["friction"] if constrained else []
     found["motion"] = {name: float(end[joint.qs_idx_local[0]]) for name, joint in joints.items()}
-with open(sys.argv[3], "w") as file:
-    json.dump(found, file)
+json.dump(found, open(sys.argv[3], "w"))

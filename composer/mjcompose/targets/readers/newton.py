@@ -107,5 +107,4 @@ if asked["seconds"]:
         before, after = after, before
     end = before.joint_q.numpy()
     found["motion"] = {name: float(end[starts[number]]) for number, name in joints.items() if types[number] in single}
-with open(sys.argv[3], "w") as file:
-    json.dump(found, file)
+json.dump(found, open(sys.argv[3], "w"))

@@ -102,5 +102,4 @@ if asked["seconds"]:
         if joint.nv == 1:
             at = q[joint.idx_q : joint.idx_q + joint.nq]
             found["motion"][names[number]] = float(at[0] if joint.nq == 1 else np.arctan2(at[1], at[0]))
-with open(sys.argv[3], "w") as file:
-    json.dump(found, file)
+json.dump(found, open(sys.argv[3], "w"))

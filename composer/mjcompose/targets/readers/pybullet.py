@@ -97,5 +97,4 @@ if asked["seconds"] and b"<mimic" not in open(sys.argv[1], "rb").read():
         p.stepSimulation()
     for name, joint in joints.items():
         found["motion"][name] = p.getJointState(*joint)[0]
-with open(sys.argv[3], "w") as file:
-    json.dump(found, file)
+json.dump(found, open(sys.argv[3], "w"))
