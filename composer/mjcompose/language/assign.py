@@ -8,14 +8,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any, TypeAlias
 
-from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler, ValidationInfo
-from pydantic_core import CoreSchema, core_schema
-
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Fault, Path
 from mjcompose.base.suggest import closest
 from mjcompose.language.element_schema import TEMPLATE_PATTERN, attribute_schema
-from mjcompose.language.forms.context import settings, validation_error
+from mjcompose.language.forms.context import ByGrammar, Settings
 from mjcompose.language.forms.definitions import REFERENCE, Schema, define, definition, reference
 from mjcompose.language.forms.model import IT
 from mjcompose.language.placing import ORIENTATIONS
@@ -188,7 +185,7 @@ Changed: TypeAlias = Iterable[tuple[str | None, str]]
 """Attributes, each with its tag, or None where the selector does not say the tag."""
 
 
-class Values:
+class Values(ByGrammar):
     """The values that `set` or `scale` gives to attributes of what is selected: a mapping from these.
 
     Those of a class or a section have a mapping inside. Values stay as they are written.
@@ -197,22 +194,16 @@ class Values:
     def __init__(self, verb: str) -> None:
         self.verb = verb
 
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        return core_schema.with_info_plain_validator_function(self._read)
-
-    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> Schema:
+    def schema(self) -> Schema:
         return {"type": "object", "minProperties": 1}
 
-    def _read(self, value: Any, info: ValidationInfo) -> dict[str, Any]:
-        context, faults = settings(info.context), list[Fault]()
+    def read(self, value: Any, faults: list[Fault], settings: Settings) -> dict[str, Any]:
         if isinstance(value, dict) and value:
-            Checker(context.bare_angles, faults).attributes(self.verb, value, context.selected, at=())
-        else:
-            message = f"{IT} expects a mapping, got {kind_of(value) if value != {} else 'an empty one'}"
-            faults.append(Fault("wrong-type", message, help=f"write `{self.verb}: {{ATTRIBUTE: VALUE}}`"))
-        if faults:
-            raise validation_error(faults, value)
-        return dict(value)
+            Checker(settings.bare_angles, faults).attributes(self.verb, value, settings.selected, at=())
+            return dict(value)
+        message = f"{IT} expects a mapping, got {kind_of(value) if value != {} else 'an empty one'}"
+        faults.append(Fault("wrong-type", message, help=f"write `{self.verb}: {{ATTRIBUTE: VALUE}}`"))
+        return {}
 
 
 def flat(written: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, str]]:

@@ -239,8 +239,6 @@ def recipe_schema() -> Schema:
     """Return the schema of a whole recipe, as JSON Schema 2020-12. It is the same every time."""
     schema = Recipe.model_json_schema(schema_generator=Generator)
     definitions: dict[str, Schema] = schema.pop("$defs")
-    schema = _tidy(schema)
-    definitions = {name: _tidy(each) for name, each in definitions.items()}
     needed = definitions[Attachment.__name__].pop("required")
     definitions[Attachment.__name__]["allOf"].append({"required": needed})  # as in `element_schema`
     _complete(schema, definitions)
@@ -283,24 +281,6 @@ def _mappings(value: Any) -> Iterator[Schema]:
     elif isinstance(value, list):
         for each in value:
             yield from _mappings(each)
-
-
-def _tidy(schema: Any, properties: bool = False) -> Any:
-    """Return the schema without pydantic's titles, and without null, which is not a value in a recipe."""
-    if isinstance(schema, list):
-        return [_tidy(each) for each in schema]
-    if not isinstance(schema, dict):
-        return schema
-    if properties:
-        return {name: _tidy(each) for name, each in schema.items()}
-    tidy = {key: _tidy(each, key == "properties") for key, each in schema.items() if key != "title"}
-    if tidy.get("default", ...) in (None, [], {}):
-        del tidy["default"]
-    alternatives = [each for each in tidy.get("anyOf", ()) if each != {"type": "null"}]
-    if len(alternatives) == 1:
-        del tidy["anyOf"]
-        tidy = {**alternatives[0], **tidy}
-    return tidy
 
 
 def _layout(value: Any, indent: str, in_order: bool) -> str:

@@ -32,10 +32,10 @@ from mjcompose.build.checks.values import (
 from mjcompose.language.check import Check, CheckPart
 from mjcompose.language.forms.context import Settings
 from mjcompose.language.forms.definitions import Schema, reference
-from mjcompose.language.forms.model import IT, OWNER, Model
+from mjcompose.language.forms.model import IT, OWNER
 from mjcompose.language.forms.rows import Rows
 from mjcompose.language.forms.rules import Belongs, Exclusive, OneOf
-from mjcompose.language.forms.scalars import Checked, Count, Expects, Items, Measure, Name, Text
+from mjcompose.language.forms.scalars import Checked, Count, Expects, Items, Measure, Name, Text, in_order
 from mjcompose.language.select import pattern_fault
 from mjcompose.language.wording import kind_of, shown
 from mjcompose.mujoco.attributes import ENUMERATED, HOLDERS, KINDS, attributes, holder
@@ -107,22 +107,6 @@ _FIGURES = Annotated[
 ]
 
 
-def _in_order(pair: tuple[Any, ...]) -> Fault | None:
-    (low, unit), (high, other) = map(_with_unit, pair)
-    if unit != other or low <= high:
-        return None
-    ends = [f"{each.value:g}{each.unit}" if isinstance(each, Angle) else f"{each:g}" for each in pair]
-    help = f"write `range: [{ends[1]}, {ends[0]}]`"
-    return Fault("out-of-range", f"{IT} starts with {ends[0]}, which is more than {ends[1]}", help=help)
-
-
-def _count_in_order(count: tuple[int, ...]) -> Fault | None:
-    if len(count) == 1 or count[0] <= count[1]:
-        return None
-    help = f"write `count: [{count[1]}, {count[0]}]`"
-    return Fault("out-of-range", f"{IT} starts with {count[0]}, which is more than {count[1]}", help=help)
-
-
 def _with_unit(value: float | Angle) -> Number:
     return (value.value, value.unit) if isinstance(value, Angle) else (value, None)
 
@@ -136,40 +120,13 @@ class Around(CheckPart):
     """a glob over names of bodies"""
 
 
-class _OneTag:
-    """A selector has exactly one tag."""
-
-    def faults(self, value: Mapping[str, Any], model: type[Model], context: Settings) -> Iterator[Fault]:
-        tags = [key for key in value if key in TAGS]
-        unknown = [key for key in value if key not in model.key_names()]
-        if len(tags) > 1:
-            message = f"{IT} has {len(tags)} tags, and needs one"
-            help = "write a check for each: " + ", ".join(f"`{{{tag}: NAME}}`" for tag in tags[:2])
-            yield Fault("wrong-type", message, (tags[1],), key=True, help=help)
-        elif not tags and not unknown:
-            note = exists_note("tag", TAGS)
-            yield Fault(
-                "missing-key", f"{IT} lacks a tag", key=True, notes=(note,), help="write for instance `site: NAME`"
-            )
-
-    def schema(self) -> Iterator[Schema]:
-        for index, tag in enumerate(TAGS[:-1]):
-            others: Schema = dict.fromkeys(TAGS[index + 1 :], False)
-            yield {
-                "if": {"required": [tag]},
-                "then": {"properties": others, "errorMessage": f"`{tag}` is there already"},
-            }
-        none: Schema = dict.fromkeys(TAGS, False)
-        yield {"if": {"properties": none}, "then": {"required": ["site"], "errorMessage": "write a tag: `site: NAME`"}}
-
-
 _BESIDE = "write `{0}` beside `select`, behind the `}}` of the selector: `{0}: …`"
 
 
 class Selector(CheckPart):
     """A tag with a name or a glob, and what narrows it down."""
 
-    rules: ClassVar = (_OneTag(),)
+    rules: ClassVar = (OneOf(*TAGS, lacks="lacks a tag", advice="write for instance `site: NAME`", noun="tag"),)
     example: ClassVar = "{site: tcp}"
     noun: ClassVar = "key"
     instead: ClassVar = {
@@ -247,7 +204,7 @@ class Expect(Check):
         Annotated[
             tuple[Count, ...],
             Items(1, 2, single=True),
-            Checked(_count_in_order),
+            Checked(in_order),
             Expects("a count, or the least and the most", "[6, 8]"),
         ]
         | None
@@ -264,7 +221,7 @@ class Expect(Check):
         Annotated[
             tuple[Annotated[float | Angle, Measure()], ...],
             Items(2, 2),
-            Checked(_in_order),
+            Checked(in_order),
             Expects("a list of 2 numbers", "[18, 22]"),
         ]
         | None

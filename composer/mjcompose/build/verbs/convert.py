@@ -9,8 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
-from pydantic import Field, GetCoreSchemaHandler, GetJsonSchemaHandler, ValidationInfo
-from pydantic_core import CoreSchema, core_schema
+from pydantic import Field
 
 from mjcompose.base.diagnostic import Fault, Note, Path
 from mjcompose.base.suggest import closest, exists_note, renaming
@@ -18,7 +17,7 @@ from mjcompose.build.compose.values import UnusableValue, Values, report_unusabl
 from mjcompose.language.assign import Checker
 from mjcompose.language.edit import For, Verb, listed
 from mjcompose.language.element_schema import attribute_schema
-from mjcompose.language.forms.context import settings, validation_error
+from mjcompose.language.forms.context import ByGrammar, Settings
 from mjcompose.language.forms.definitions import Schema
 from mjcompose.language.forms.model import IT, WHOLE
 from mjcompose.language.select import unknown_attribute
@@ -58,26 +57,18 @@ _TO = "to"
 _KIND: Schema = {"enum": [*_KINDS], "description": "the kind of actuator that it becomes"}
 
 
-class _Conversion:
+class _Conversion(ByGrammar):
     """A kind of actuator in `to`, with attributes of it, each a value or `from-ATTRIBUTE`."""
 
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        return core_schema.with_info_plain_validator_function(self._read)
-
-    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> Schema:
+    def schema(self) -> Schema:
         return {"type": "object", "properties": {_TO: _KIND}, "required": [_TO], "allOf": _conditions()}
 
-    def _read(self, value: Any, info: ValidationInfo) -> dict[str, Any]:
-        faults: list[Fault] = []
+    def read(self, value: Any, faults: list[Fault], settings: Settings) -> dict[str, Any]:
         if not isinstance(value, dict) or not value:
             message = f"{IT} expects a mapping, got {kind_of(value) if value != {} else 'an empty one'}"
             faults.append(Fault("wrong-type", message, help="write `convert: {to: motor}`"))
-        elif value.get(_TO) not in _KINDS:
-            faults.append(_no_target(value))
-        else:
-            faults += _attribute_faults(value, settings(info.context).bare_angles)
-        if faults:
-            raise validation_error(faults, value)
+            return {}
+        faults += _attribute_faults(value, settings.bare_angles) if value.get(_TO) in _KINDS else [_no_target(value)]
         return dict(value)
 
 
@@ -370,7 +361,7 @@ def _refuse_actrange(editing: Editing, node: Node, to: str, at: Path) -> None:
     level = next((each for each in found if each.kind == "class" and each.text), None)
     if level is not None and any(numbers.read(str(level.text))):
         message = f"a `{to}` cannot have the `actrange` that the class `{level.name}` gives {editing.called(node)}"
-        help = "write the `actrange` on the actuators, or `unset` it in the class"
+        help = "write the `actrange` on the actuators, or remove it from the class with `actrange: null` in `set`"
         report_unusable(editing, node, Fault("wrong-type", message, at, help=help))
 
 

@@ -12,9 +12,6 @@ from mjcompose.language.forms.definitions import Schema
 from mjcompose.language.forms.model import IT, OWNER, Model
 from mjcompose.language.wording import EXCLUSIVE
 
-_MOST = 12
-"""The most alternatives that an editor can explain."""
-
 
 class Rule(Protocol):
     """A condition on the keys of a mapping. If one that is `alone` is broken, nothing else is worth saying."""
@@ -47,8 +44,6 @@ class Exclusive:
             )
 
     def schema(self) -> Iterator[Schema]:
-        if len(self.names) > _MOST:
-            return
         for index, name in enumerate(self.names[:-1]):
             # Not with `not`, for which an editor can only say that it does not hold.
             others: Schema = dict.fromkeys(self.names[index + 1 :], False)

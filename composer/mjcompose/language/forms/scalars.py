@@ -255,12 +255,14 @@ def whole(value: Any) -> Any:
     return int(value) if isinstance(value, float) and value.is_integer() else value
 
 
-def _in_order(pair: tuple[float, float]) -> Fault | None:
-    low, high = pair
-    if low <= high:
+def in_order(pair: tuple[Any, ...]) -> Fault | None:
+    """Return the fault of two numbers, or angles in one unit, of which the first is the larger one."""
+    (low, unit), (high, other) = ((each.value, each.unit) if isinstance(each, Angle) else (each, "")
+                                  for each in (pair[0], pair[-1]))  # fmt: skip
+    if unit != other or low <= high:
         return None
-    message = f"{IT} starts with {low:g}, which is more than {high:g}"
-    return Fault("out-of-range", message, help=f"write `{KEY}: [{high:g}, {low:g}]`")
+    message = f"{IT} starts with {low:g}{unit}, which is more than {high:g}{unit}"
+    return Fault("out-of-range", message, help=f"write `{KEY}: [{high:g}{unit}, {low:g}{unit}]`")
 
 
 Positive = Annotated[float, Field(gt=0)]
@@ -270,7 +272,7 @@ Whole = Annotated[int, BeforeValidator(whole)]
 Count = Annotated[int, Field(ge=0), BeforeValidator(whole)]
 AtLeastOne = Annotated[int, Field(ge=1), BeforeValidator(whole)]
 Text = Annotated[str, Field(min_length=1)]
-Range = Annotated[tuple[float, float], Items(2, 2), Checked(_in_order), Expects("a list of 2 numbers", "[LOW, HIGH]")]
+Range = Annotated[tuple[float, float], Items(2, 2), Checked(in_order), Expects("a list of 2 numbers", "[LOW, HIGH]")]
 """Two numbers, the lower one first."""
 
 
