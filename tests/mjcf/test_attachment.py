@@ -176,7 +176,7 @@ def test_a_free_joint_may_be_spelled_either_way(
     if place == "worldbody":
         assert compiled(arm).joint("gripper/").armature.tolist() == [0.1] * 6
     else:
-        with pytest.raises(mjcf.MjcfError, match="can stand in the world only"):
+        with pytest.raises(mjcf.MjcfError, match="can be in the world only"):
             arm.to_xml_string()
 
 

@@ -1,18 +1,13 @@
-"""Views on the arrays of a compiled model.
+"""Views on the arrays of `mjModel` and `mjData` that have rows for the elements of a kind, by all their names.
 
-The arrays of `mjModel` and `mjData` that have rows for the elements of a kind, by all their names.
-
-They come from the running MuJoCo, which describes its own structs and the size that determines each array's rows.
-
-Poses of a compiled model. MuJoCo ignores a pose that it has marked as equal to the pose of another frame.
-
-Writing a pose here clears that mark, so that MuJoCo reads the new pose.
+The running MuJoCo describes its own structs and the size that determines each array's rows. MuJoCo ignores a pose
+that it has marked as equal to the pose of another frame: writing a pose here clears the mark.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cache, partial
 from types import MappingProxyType
 from typing import Any
@@ -29,13 +24,11 @@ from mjcompose.model.values import shorten
 from mjcompose.mujoco.addresses import RUNS, Run
 from mjcompose.mujoco.attributes import KINDS, Model
 
-# short name keeps it, so that `solref` of a joint is `jnt_solref` and the other one is `dof_solref`.
+# A short name is that of the first: `solref` of a joint is `jnt_solref` and the other one is `dof_solref`.
 _MORE_WORDS = {"joint": ("dof",), "tendon": ("ten",), "skin": ("skin",), "flex": ("flexedge", "flexvert")}
 _ALIASES = {"sensor": {"data": "sensordata"}}
 # Lists of indices, and rows that are dealt out anew in every step: no row of an element.
 _NO_ROWS = frozenset({"body_awake_ind", "parent_awake_ind", "dof_awake_ind", "wrap_obj", "wrap_xpos"})
-# From here on the arrays of mjData are made anew in every step.
-_FIRST_OF_STEP = "contact"
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,24 +59,20 @@ def fields(kind: str) -> Mapping[str, Field]:
 @cache
 def _arrays() -> tuple[Field, ...]:
     """Return every array of numbers in both structs whose memory does not move during the life of the struct."""
-    return (*_of_struct("mjModel"), *_of_struct("mjData"))
-
-
-def _of_struct(name: str) -> Iterator[Field]:
     from mujoco.introspect.structs import STRUCTS
 
-    struct: Any = STRUCTS[name]
-    for field in struct.fields:
-        if field.name == _FIRST_OF_STEP:
-            return
-        extent = getattr(field, "array_extent", None)
-        if extent and field.name not in _NO_ROWS and not _is_text(field.type):
-            yield Field(field.name, name == "mjData", str(extent[0]))
-
-
-def _is_text(pointer: Any) -> bool:
-    """Return whether a pointer is to text, which Python returns as bytes and not as a view."""
-    return getattr(getattr(pointer, "inner_type", None), "name", None) == "char"
+    arrays: list[Field] = []
+    for name in ("mjModel", "mjData"):
+        struct: Any = STRUCTS[name]
+        for field in struct.fields:
+            if field.name == "contact":  # from here on MuJoCo makes the arrays of mjData anew in every step
+                break
+            extent = getattr(field, "array_extent", None)
+            # Python returns text as bytes and not as a view.
+            is_text = getattr(getattr(field.type, "inner_type", None), "name", None) == "char"
+            if extent and field.name not in _NO_ROWS and not is_text:
+                arrays.append(Field(field.name, name == "mjData", str(extent[0])))
+    return tuple(arrays)
 
 
 _NAMES = (
@@ -134,27 +123,21 @@ def _of_inertia(model: Model, array: str, rows: NDArray[np.intp]) -> None:
     """
     simple = (model.body_simple[rows] != 0) & (model.body_dofnum[rows] > 0)
     if simple.any():
-        raise _is_simple(model, array, int(rows[simple][0]))
+        # Its part of the mass matrix has only the diagonal. MuJoCo 4.0 refuses `mj_setConst` after such a change.
+        row = int(rows[simple][0])
+        raise failure(
+            "not-supported",
+            f"`{array.removeprefix('body_')}` of the body `{model.body(row).name or row}` cannot be changed after "
+            "compiling",
+            notes=(Note("MuJoCo compiled it as a simple body, whose part of the mass matrix is a diagonal"),),
+            help="compile it with `simple='false'` on the body",
+        )
     for kind in ("geom", "site"):
         same = getattr(model, f"{kind}_sameframe")
         stays = np.isin(getattr(model, f"{kind}_bodyid"), rows) & np.isin(same, _WITH_INERTIA)
         same[stays] = 0
     model.body_sameframe[rows] = 0
     model.body_simple[rows] = 0
-
-
-def _is_simple(model: Model, array: str, row: int) -> Exception:
-    """Return the error that the inertia pose of a simple body cannot be changed.
-
-    Its part of the mass matrix has room for the diagonal only. MuJoCo 4.0 refuses `mj_setConst` after such a change.
-    """
-    name = model.body(row).name
-    return failure(
-        "not-supported",
-        f"`{array.removeprefix('body_')}` of the body `{name or row}` cannot be changed after compiling",
-        notes=(Note("MuJoCo compiled it as a simple body, whose part of the mass matrix is a diagonal"),),
-        help="compile it with `simple='false'` on the body",
-    )
 
 
 RELEASES: dict[str, Release] = {
@@ -249,15 +232,8 @@ class Binding:
         self, kind: str, ids: Sequence[int], labels: Sequence[str], one: bool, model: Model, data: Data
     ) -> None:
         """For internal use. To get a binding, call `Physics.bind`."""
-        for name, value in (
-            ("_kind", kind),
-            ("_ids", ids),
-            ("_labels", labels),
-            ("_one", one),
-            ("_model", model),
-            ("_data", data),
-            ("_homes", {}),
-        ):
+        values: tuple[object, ...] = (kind, ids, labels, one, model, data, {})
+        for name, value in zip(("_kind", "_ids", "_labels", "_one", "_model", "_data", "_homes"), values, strict=True):
             object.__setattr__(self, name, value)
 
     @property
@@ -282,8 +258,11 @@ class Binding:
         view = self.__dict__.get(name)
         if view is None:
             field = fields(self._kind).get(name)
+            if field is None and name in ("element_id", "id"):
+                message = f"`{name}` is the number that MuJoCo has given and cannot be set"
+                raise failure("wrong-type", message, kind=MjcfAttributeError)
             if field is None:
-                raise self._numbered(name) if name in ("element_id", "id") else self._unknown(name)
+                raise self._unknown(name)
             view = self._view(name, field)
         if value is None:
             raise self._cannot_take(name, value)
@@ -373,10 +352,7 @@ class Binding:
             return known
         array = getattr(self._data if field.of_data else self._model, field.array)
         view = self._one_view(array, field) if self._one else self._view_of_all(array, field)
-        if isinstance(view, ScatteredRows):
-            self._homes[name] = view
-            return view
-        if not view.ndim:  # one number is handed out as it is: nobody expects that it changes later
+        if isinstance(view, ScatteredRows) or not view.ndim:  # a single number is returned as it is
             self._homes[name] = view
             return view
         if field.array in RELEASES:
@@ -429,10 +405,6 @@ class Binding:
             return failure("wrong-type", f"{what} expects numbers, got `{shown}`")
         return failure("wrong-length", f"{what} has the shape {has.shape}, got {got.shape}")
 
-    def _numbered(self, name: str) -> Exception:
-        message = f"`{name}` is the number that MuJoCo has given and cannot be set"
-        return failure("wrong-type", message, kind=MjcfAttributeError)
-
     def _unknown(self, name: str) -> Exception:
         known = sorted(fields(self._kind))
         return failure(
@@ -475,7 +447,7 @@ def binding_of(kind: str, regular: bool) -> type[Binding]:
     With `regular`, the rows are evenly spaced and the fields are views. Otherwise the fields are read again on each
     access.
     """
-    field_of = _FieldView if regular else _scattered_field
+    field_of: Callable[[str, Field], object] = _FieldView if regular else _scattered_field
     members: dict[str, Any] = {name: field_of(name, field) for name, field in fields(kind).items()}
     return type(f"{kind.capitalize()}Binding", (Binding,), {"__slots__": (), **members})
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import copy
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import field, replace
 from typing import Any, Generic, TypeVar
 
@@ -225,7 +225,14 @@ def _snapshot(model: Model, copies: _Copies, flat: Flat, roster: NameTable) -> S
         if node in copies.originals
     }
     known = {original.node for original in copies.originals.values()}
-    for target in (*copies.originals.values(), *_frames(model)):
+    # Attachment frames that are bodies, and their joints. Other frames have no counterpart in MuJoCo.
+    frames = [
+        Target(attachment.parent, node)
+        for attachment in attachments_below(model)
+        if attachment.is_body
+        for node in (attachment.frame, *attachment.frame)
+    ]
+    for target in (*copies.originals.values(), *frames):
         known.add(target.node)
         if target.node in found:
             continue
@@ -234,14 +241,6 @@ def _snapshot(model: Model, copies: _Copies, flat: Flat, roster: NameTable) -> S
         if kind is not None and name is not None and name in roster.ids[kind]:
             found[target.node] = roster.ids[kind][name]
     return Snapshot(frozenset(copies.models), frozenset(known), found)
-
-
-def _frames(model: Model) -> Iterator[Target]:
-    """Yield the attachment frames that are bodies, and their joints. Other frames have no counterpart in MuJoCo."""
-    for attachment in attachments_below(model):
-        if attachment.is_body:
-            yield Target(attachment.parent, attachment.frame)
-            yield from (Target(attachment.parent, joint) for joint in attachment.frame)
 
 
 _GENERAL = GRAMMAR.element("actuator/general").attributes

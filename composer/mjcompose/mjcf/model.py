@@ -149,18 +149,13 @@ class Model:
             yield model, prefix
         if not LEADING_OUT or not model.attachments:
             return
-        for other in model._leading_out():
-            if other is not self:
-                way = other.prefix_of(self)
-                if way is not None and way.startswith(UP):
-                    yield other, way
-
-    def _leading_out(self) -> list[Model]:
-        """Return the models of this composition that refer to something outside of themselves."""
+        # Models of this composition that refer to something outside of themselves, cached while nothing changes.
         state = len(LEADING_OUT), Attachment.made
-        if self.leading is None or self.leading[0] != state:
-            self.leading = state, [each for each in self.composition() if each.names.leads_out]
-        return self.leading[1]
+        if model.leading is None or model.leading[0] != state:
+            model.leading = state, [each for each in model.composition() if each.names.leads_out]
+        for other in model.leading[1]:
+            if other is not self and (way := other.prefix_of(self) or "").startswith(UP):
+                yield other, way
 
     def section(self, tag: str) -> Node:
         """Return the node of a top-level section. If there is none, create it at its usual place in MJCF."""
@@ -384,7 +379,14 @@ def _tree(model: Model, node: Node, lines: list[str], left: int, depth: int) -> 
     left -= 1
     children = list(node.iterchildren("*"))
     attached = [each for each in model.attachments.values() if each.host is node]
-    tag = _start_tag(node, not children and not attached)
+    attributes = "".join(
+        f' {escape(str(name))}=<span style="color: #067d17">"{escape(str(value))}"</span>'
+        for name, value in node.items()
+    )
+    weight = "font-weight: bold; " if node.tag in (ROOT, "body") else ""
+    end = "" if children or attached else "/"
+    name = f'<span style="{weight}color: #0033b3">{escape(str(node.tag))}</span>'
+    tag = f"&lt;{name}{attributes}{end}&gt;"
     if not children and not attached:
         lines.append(f"<div>{tag}</div>")
         return left
@@ -408,13 +410,3 @@ def _count(model: Model, node: Node) -> int:
     return sum(1 for _ in node.iter("*")) + sum(
         len(each.frame) + _count(each.child, each.child.unit.root) for each in hanging
     )
-
-
-def _start_tag(node: Node, is_empty: bool) -> str:
-    attributes = "".join(
-        f' {escape(str(name))}=<span style="color: #067d17">"{escape(str(value))}"</span>'
-        for name, value in node.items()
-    )
-    weight = "font-weight: bold; " if node.tag in (ROOT, "body") else ""
-    tag = f'<span style="{weight}color: #0033b3">{escape(str(node.tag))}</span>'
-    return f"&lt;{tag}{attributes}{'/' if is_empty else ''}&gt;"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import field, replace
 from functools import cache
 
@@ -29,9 +29,9 @@ from mjcompose.model.xml_faults import ignored, is_unread_alone
 from mjcompose.mujoco.messages import of_other_version
 
 _STAND_IN = "stands in for what is attached"
-# What an actuator acts on, and what it needs of that.
+# The targets of an actuator, and the attributes that depend on them.
 _OF_TRANSMISSIONS = ("joint", "jointinparent", "tendon", "slidersite", "cranksite", "site", "refsite", "inheritrange")
-# Here an element is part of the bodies and their mass, or of what they are made of.
+# Sections of bodies, of their mass and of their materials.
 _OF_BODIES = frozenset({"worldbody", "default", "asset", "extension"})
 
 
@@ -50,8 +50,15 @@ def without_outward(unit: Unit, prefixes: tuple[str, ...]) -> Unit:
         namespace, name = waiting.pop()
         for node, attribute in names.users(namespace, name):
             section = section_of(node)
-            if section == "actuator":
-                _act_on_stand_in(unit, node)
+            if section == "actuator" and node.get("body"):
+                node.set("body", "world")
+            elif section == "actuator":
+                for name in _OF_TRANSMISSIONS:
+                    node.attrib.pop(name, "")
+                world = unit.section("worldbody")
+                if all(site.get("name") != _STAND_IN for site in world.iterchildren("site")):
+                    world.append(world.makeelement("site", {"name": _STAND_IN}))
+                node.set("site", _STAND_IN)
             elif section not in _OF_BODIES:
                 top = whole(node)
                 declared = declaration(top, section)
@@ -71,19 +78,6 @@ def _outward_references(names: NameIndex, prefixes: tuple[str, ...]) -> list[tup
         for name in uses
         if name.startswith(prefixes) and names.find(namespace, name) is None
     ]
-
-
-def _act_on_stand_in(unit: Unit, actuator: Node) -> None:
-    if actuator.get("body"):
-        actuator.set("body", "world")
-        return
-    for name in _OF_TRANSMISSIONS:
-        if name in actuator.attrib:
-            del actuator.attrib[name]
-    world = unit.section("worldbody")
-    if all(site.get("name") != _STAND_IN for site in world.iterchildren("site")):
-        world.append(world.makeelement("site", {"name": _STAND_IN}))
-    actuator.set("site", _STAND_IN)
 
 
 _KEPT_APART = frozenset({"default"})  # a later section does not reach the classes of an earlier one
@@ -162,21 +156,12 @@ def one_of_each_section(unit: Unit) -> None:
         for child in section.iterchildren("*"):
             if child not in unit.origins.owners:
                 unit.origins.own(child, owner)
-        if tag == "size":
-            _prefer_memory(first[tag], section)
+        # MuJoCo lets `memory` override the older size settings, but refuses both in one element.
+        for there, here in ((first[tag], section), (section, first[tag])) if tag == "size" else ():
+            for name in INSTEAD_OF_MEMORY if there.get("memory") else ():
+                here.attrib.pop(name, "")
         _merge_sections(first[tag], section, GRAMMAR.section(tag))
         unit.root.remove(section)
-
-
-def _prefer_memory(one: Node, other: Node) -> None:
-    """Remove the older size settings where the other element has `memory`.
-
-    MuJoCo lets `memory` override them, but refuses both in one element.
-    """
-    for there, here in ((one, other), (other, one)):
-        for name in INSTEAD_OF_MEMORY if there.get("memory") else ():
-            if name in here.attrib:
-                del here.attrib[name]
 
 
 def _merge_sections(into: Node, section: Node, kind: ElementType) -> None:
@@ -245,7 +230,7 @@ def _check_attributes(unit: Unit, node: Node, kind: ElementType, sink: Sink) -> 
 
 
 _ANGULAR = {"hinge": ("range", "ref", "springref", "springyield"), "ball": ("range", "springyield")}
-# What a free joint says in either spelling; anything else only `<joint type="free">` can have.
+# Attributes of a free joint in either spelling; only `<joint type="free">` can have others.
 _OF_FREEJOINTS = frozenset({"name", "class", "group", "type"})
 
 
@@ -310,14 +295,20 @@ class Mounting:
                 return AttachmentPlace("world", None, offset)
             outer = own.part.place
             if outer.kind == "world" and not own.attachment.is_body:
-                return replace(outer, offset=_combined_offset(outer.offset, offset))
+                if outer.offset and offset:  # neither has angles
+                    pose = read_pose(outer.offset, False, "xyz") @ read_pose(offset, False, "xyz")
+                    return replace(outer, offset={"pos": number_text(pose.pos), "quat": number_text(pose.quat)})
+                return replace(outer, offset={**outer.offset, **offset})
             frame = host.makeelement("frame")
             host.append(frame)
             self.added.append(frame)
             host = frame
         kind = str(host.tag)
         if not host.get("name"):
-            host.set("name", _free_name(attachment.parent.names, kind, len(self.named)))
+            name = f"attachment-{len(self.named)}"
+            while attachment.parent.names.find(kind, name) is not None:
+                name += "-"
+            host.set("name", name)
             self.named.append(host)
         return AttachmentPlace(kind, prefix + str(host.get("name")), offset)  # type: ignore[arg-type]
 
@@ -344,7 +335,7 @@ class Mounting:
 
 
 def _outward_names(model: Model, top: Model) -> dict[str, str]:
-    """Return the final names of what a model refers to in the models above it and beside it."""
+    """Return the final names of a model's references to the models above it and next to it."""
     found: dict[str, str] = {}
     for uses in model.names.uses.values() if model.names.leads_out else ():
         for name in uses:
@@ -367,21 +358,6 @@ def _offset(frame: Node, unit: Unit) -> dict[str, str]:
     return written
 
 
-def _combined_offset(outer: Mapping[str, str], inner: Mapping[str, str]) -> dict[str, str]:
-    """Return the combination of an outer and an inner offset, neither of which has angles."""
-    if not outer or not inner:
-        return {**outer, **inner}
-    pose = read_pose(outer, False, "xyz") @ read_pose(inner, False, "xyz")
-    return {"pos": number_text(pose.pos), "quat": number_text(pose.quat)}
-
-
-def _free_name(names: NameIndex, kind: str, number: int) -> str:
-    name = f"attachment-{number}"
-    while names.find(kind, name) is not None:
-        name += "-"
-    return name
-
-
 def _joint(joint: Node, mounted: _Mounted, top_class: str, to_radians: bool) -> Joint:
     """Return a joint of an attachment frame for the flat model. Its default classes are those of the parent."""
     part, unit = mounted.part, mounted.parent_unit
@@ -402,7 +378,7 @@ def _joint(joint: Node, mounted: _Mounted, top_class: str, to_radians: bool) -> 
             parent = mounted.attachment.parent
             raise failure(
                 "not-supported",
-                f"the free joint of `{part.prefix}` has settings of its own, and can stand in the world only",
+                f"the free joint of `{part.prefix}` has settings of its own, and can be in the world only",
                 parent.span(joint),
                 help="use a `freejoint`, or attach the model to the worldbody",
             )

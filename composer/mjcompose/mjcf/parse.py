@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import os
 import posixpath
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import IO, Any, cast
 
@@ -22,7 +23,7 @@ from mjcompose.link.linking import Policy
 from mjcompose.mjcf.asset import Files, Folders, as_files, as_path, door_of
 from mjcompose.mjcf.compile import compile_error, engine
 from mjcompose.mjcf.element import Element, RootElement
-from mjcompose.mjcf.errors import MjcfError, MjcfWarning, failure, raise_errors
+from mjcompose.mjcf.errors import MjcfWarning, failure, raise_errors
 from mjcompose.mjcf.flat import flatten, issue_warnings
 from mjcompose.mjcf.model import UNNAMED, Model
 from mjcompose.mjcf.mounting import check_tree, one_of_each_section
@@ -217,14 +218,14 @@ def export_with_assets(
     """
     out = as_path("out_dir", out_dir)
     files, sources = _files(model, model_filename, conflict)
-    try:
-        with staged_folder(out, into=True) as stage:
-            stage.mkdir()
-            _write(files, stage)
-            # The model last: until then an older model still finds all of its files.
-            move(stage, resolved_output(out), sorted(files, key=lambda path: "/" not in path), inputs=sources)
-    except OutputError as error:
-        raise _output_failure(error) from error
+    with _output_failures(), staged_folder(out, into=True) as stage:
+        stage.mkdir()
+        for path, content in files.items():
+            file = stage / path
+            file.parent.mkdir(parents=True, exist_ok=True)
+            file.write_bytes(content)
+        # The model last: until then an older model still finds all of its files.
+        move(stage, resolved_output(out), sorted(files, key=lambda path: "/" not in path), inputs=sources)
 
 
 @short_traceback
@@ -250,22 +251,20 @@ def export_with_assets_as_zip(
     """
     out = as_path("zip_path", zip_path)
     files, sources = _files(model, model_filename, conflict)
-    try:
-        if not os.path.isdir(out):  # the writer says so itself
+    with _output_failures():
+        if not os.path.isdir(out):  # the writer reports a folder itself
             check_is_no_source(out, inputs=sources)
         write_archive(Bundle(files, model_filename), out, os.environ)
-    except OutputError as error:
-        raise _output_failure(error) from error
 
 
 def _files(model: RootElement, model_filename: str, conflict: Policy) -> tuple[dict[str, bytes], list[str]]:
     """Return the bytes of all files to write, by path, and the files that the model was read from."""
-    _check_is_model(model)
-    if (
-        not isinstance(model_filename, str)
-        or not model_filename.endswith(".xml")
-        or Path(model_filename).name != model_filename
-    ):
+    given: object = model
+    if not isinstance(given, RootElement):
+        got = "an element; its `root` is the model" if isinstance(given, Element) else f"`{type(given).__name__}`"
+        raise failure("wrong-type", f"a model is a `RootElement`, got {got}")
+    is_xml = isinstance(model_filename, str) and model_filename.endswith(".xml")
+    if not is_xml or Path(model_filename).name != model_filename:
         raise failure(
             "output-kind",
             f"`model_filename` expects the name of an XML file, got `{model_filename}`",
@@ -284,24 +283,12 @@ def _files(model: RootElement, model_filename: str, conflict: Policy) -> tuple[d
     return files, [*flat.unit.origins.texts, *(use.source for use in flat.files)]
 
 
-def _check_is_model(model: object) -> None:
-    if isinstance(model, RootElement):
-        return
-    what = f"`{type(model).__name__}`"
-    if isinstance(model, Element):
-        what = "an element; its `root` is the model"
-    raise failure("wrong-type", f"a model is a `RootElement`, got {what}")
-
-
-def _write(files: dict[str, bytes], stage: Path) -> None:
-    for path, content in files.items():
-        file = stage / path
-        file.parent.mkdir(parents=True, exist_ok=True)
-        file.write_bytes(content)
-
-
-def _output_failure(error: OutputError) -> MjcfError:
-    return failure(error.code, error.message, help=error.help)
+@contextmanager
+def _output_failures() -> Iterator[None]:
+    try:
+        yield
+    except OutputError as error:
+        raise failure(error.code, error.message, help=error.help) from error
 
 
 @short_traceback
@@ -332,23 +319,17 @@ def from_spec(spec: Any) -> RootElement:
     assets = dict(spec.assets)
     for name, data in spec.assets.items():  # MuJoCo goes by the last part of a path alone
         assets.setdefault(posixpath.basename(name), data)
-    if lost := _not_numbers(compiled):
-        message = (
-            "MuJoCo leaves out attributes with a NaN when it writes a spec, so that they get their default:"
-            f" the spec has NaN in {', '.join(lost)}"
-        )
-        warn(message, MjcfWarning)
-    return from_xml_string(text, assets=assets, base_dir=Path(folder) if folder else None)
-
-
-def _not_numbers(compiled: Any) -> list[str]:
-    """Return the arrays of elements that contain a NaN. To MuJoCo 4.0, NaN means not set, so it does not write it."""
-    return sorted(
+    # To MuJoCo 4.0, NaN means not set, so it does not write it.
+    lost = sorted(
         name
         for kind in KINDS
         for name, array, _ in arrays(compiled, kind)
         if array.dtype.kind == "f" and bool((array != array).any())
     )
+    if lost:
+        message = "MuJoCo does not write attributes with a NaN, which then have their default: the spec has NaN in "
+        warn(message + ", ".join(lost), MjcfWarning)
+    return from_xml_string(text, assets=assets, base_dir=Path(folder) if folder else None)
 
 
 def _text(compiled: Any) -> str:

@@ -9,13 +9,11 @@ import os
 import warnings
 from collections.abc import Iterable, Mapping
 from html import escape
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mjcompose.base.access import Door
 from mjcompose.base.diagnostic import Note, call_site
 from mjcompose.base.files import CODE
 from mjcompose.base.report import short_traceback
@@ -102,17 +100,8 @@ class Physics:
     0.04
     """
 
-    __slots__ = (
-        "__weakref__",
-        "_bindings",
-        "_data",
-        "_model",
-        "_of_tree",
-        "_rendering",
-        "_roster",
-        "_snapshots",
-        "legacy_step",
-    )
+    __slots__ = ("__weakref__", "_bindings", "_data", "_model", "_of_tree", "_rendering", "_roster", "_snapshots",
+                 "legacy_step")  # fmt: skip
 
     def __init__(self, model: Any, data: Any = None, *, snapshot: Snapshot | None = None) -> None:
         """Make physics of an `MjModel`, and of its `MjData` if one is given. Neither is copied."""
@@ -172,7 +161,15 @@ class Physics:
         mujoco = engine()
         binary = file.suffix.lower() == ".mjb"
         if not binary:
-            _check_files(file, door_of(confine_to))
+            # Refuse files that the model may not read. MuJoCo reports all other faults.
+            found, aside = Sink(), Sink()
+            unit = parse_file(file, aside, door=door_of(confine_to))
+            if unit is not None:
+                all_admitted(unit, found)
+            for each in aside.errors:
+                if each.code in (CODE, "xml-syntax"):  # the files that such a text names are unknown
+                    found.add(each)
+            raise_errors(found)
         load = mujoco.MjModel.from_binary_path if binary else mujoco.MjModel.from_xml_path
         try:
             return cls(load(str(file)))
@@ -339,29 +336,22 @@ class Physics:
 
     def _found(self, element: NodeView, kind: str) -> int:
         """Return the row of an element in the arrays of its kind."""
-        node = element._node
-        taken = self._snapshot_with(element)
+        node, model = element._node, element._model
+        taken = next((each for each in self._snapshots if node in each.known or model in each.models), None)
+        if taken is None and not self._of_tree:
+            taken = snapshot(model.top, self._roster)
+            self._snapshots.append(taken)
         row = None if taken is None else taken.rows.get(node)
         if row is not None:
             return row
         raise self._not_found(element, kind, taken)
-
-    def _snapshot_with(self, element: NodeView) -> Snapshot | None:
-        for taken in self._snapshots:
-            if element._node in taken.known or element._model in taken.models:
-                return taken
-        if self._of_tree:
-            return None
-        taken = snapshot(element._model.top, self._roster)
-        self._snapshots.append(taken)
-        return taken
 
     def _not_found(self, element: NodeView, kind: str, taken: Snapshot | None) -> MjcfError:
         what, help = element._described(), None
         notes: tuple[Note, ...] = ()
         if taken is None:
             message = f"{what} is of the model `{element._model.name}`, which was not compiled here"
-            help = "compile the model that it is in, or bind before you copy"
+            help = "compile the model that contains it, or bind before you copy"
         elif element._model.frame_above(element._node) is element._node and not len(element._node):
             message = f"the frame of `{element.name}` is not a body of the compiled model: it had no joint"
             help = "bind what it is attached to, or the bodies of the attached model"
@@ -372,7 +362,7 @@ class Physics:
             message = f"{what} came after the model was compiled"
             help = "compile it again"
         elif any(above.tag == "replicate" for above in element._node.iterancestors()):
-            message = f"{what} stands in a `<replicate>`: MuJoCo has made several of it"
+            message = f"{what} is in a `<replicate>`: MuJoCo has made several of it"
             help = f"`physics.model.{kind}(NAME)` has each of them"
         elif element.name is None:
             message = f"{what} has no name, and which {kind} of the compiled model it is cannot be determined"
@@ -428,21 +418,6 @@ def _restored(data: Any, legacy_step: bool = False) -> Physics:
     return physics
 
 
-def _check_files(path: Path, door: Door) -> None:
-    """Raise `MjcfError` if a model refers to files that it may not read. MuJoCo reports all other faults."""
-    found = Sink()
-    unit = parse_file(path, aside := Sink(), door=door)
-    if unit is not None:
-        all_admitted(unit, found)
-    for each in aside.errors:
-        if each.code in (CODE, "xml-syntax"):  # nobody knows what a text names that is not XML
-            found.add(each)
-    raise_errors(found)
-
-
-_SIZE = 240, 320
-
-
 def page_with_picture(model: Model) -> str:
     """Return HTML of a model's tree, with a picture if OpenGL is available and the model compiles."""
     tree, image = page(model, model.unit.root), picture(model)
@@ -464,6 +439,6 @@ def picture(model: Model) -> bytes | None:
         warnings.simplefilter("ignore", MjcfWarning)
         try:
             physics = Physics.from_mjcf_model(view(top, top.unit.root), conflict="base")
-            return png(physics.render(*_SIZE))
+            return png(physics.render())
         except MjcfError:
             return None

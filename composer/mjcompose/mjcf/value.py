@@ -73,8 +73,12 @@ def encode(attribute: Attribute, value: object) -> str:
         text = "" if fault else to_text(attribute, value)
     if fault is not None:
         raise BadValue(fault)
-    if attribute.is_number:
-        _check_finite(attribute, text)
+    for item in items(text) if attribute.is_number else ():
+        number = parse_real(item) or 0.0
+        if math.isnan(number):
+            raise BadValue("expects numbers, got `nan`")
+        if math.isinf(number) and attribute.name in _FINITE:
+            raise BadValue(f"expects finite numbers, got `{item}`")
     unwritable = NOT_XML.search(text)
     if unwritable:
         raise BadValue(f"has the character {unwritable.group()!r}, which XML cannot hold")
@@ -129,15 +133,6 @@ def plain_text(attribute: Attribute, value: object) -> str | None:
         else:
             return None
     return " ".join(texts)
-
-
-def _check_finite(attribute: Attribute, text: str) -> None:
-    for item in items(text):
-        number = parse_real(item) or 0.0
-        if math.isnan(number):
-            raise BadValue("expects numbers, got `nan`")
-        if math.isinf(number) and attribute.name in _FINITE:
-            raise BadValue(f"expects finite numbers, got `{item}`")
 
 
 def _flat(attribute: Attribute, value: object) -> object:

@@ -93,7 +93,7 @@ def test_beside_what_mujoco_generates(tmp_path: Path) -> None:
     assert physics.bind(model.find("key")).element_id == physics.model.key("k").id  # 3.12 copies keys, too
     assert physics.bind(model.find("flex", "cloth")).vertnum == 9
     inside = model.find("replicate") or model.find_all("replicate")[0]
-    with pytest.raises(MjcfError, match=r"`<body>` stands in a `<replicate>`: MuJoCo has made several of it"):
+    with pytest.raises(MjcfError, match=r"`<body>` is in a `<replicate>`: MuJoCo has made several of it"):
         physics.bind(inside.find("body"))
 
 
