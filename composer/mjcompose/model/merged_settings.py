@@ -52,22 +52,17 @@ def in_words(adopted: Iterable[Adopted]) -> Iterator[str]:
         if each.is_written:
             groups.setdefault(each.parts, []).append(f"{each.setting} {each.value}")
     for parts, settings in groups.items():
-        yield f"{', '.join(settings)}, from {_few(parts)}"
-
-
-def _few(parts: tuple[str, ...]) -> str:
-    if len(parts) <= _NAMED:
-        return ", ".join(parts)
-    return f"{', '.join(parts[:_NAMED])} and {len(parts) - _NAMED} more"
+        more = f" and {len(parts) - _NAMED} more" if len(parts) > _NAMED else ""
+        yield f"{', '.join(settings)}, from {', '.join(parts[:_NAMED])}{more}"
 
 
 @dataclass(frozen=True, slots=True)
 class ReadRow:
-    """`count` elements of the kind `what`, with what they `became`, or `why` they are not in the model.
+    """`count` elements of the kind `what`, with the elements that they `became`, or `why` the model lacks them.
 
-    `what` is a path of tags, such as `joint/limit`, with an attribute behind it where only that is meant
-    (`joint/limit velocity`), or the tag that they lack (`link without inertial`). `span` is where the first of them
-    stands. A row that nearly every file has `is_minor`.
+    `what` is a path of tags, such as `joint/limit`, followed by an attribute if the row is about it
+    (`joint/limit velocity`), or by the missing tag (`link without inertial`). `span` is the place of the first
+    element. A row that nearly every file has `is_minor`.
     """
 
     what: str

@@ -59,7 +59,7 @@ def matcher(glob: str, separator: str = "/") -> Callable[[str], bool]:
 
     def fits(name: str) -> bool:
         # Most names lack a literal part of the glob, which is quick to see.
-        return all(text in name for text in texts) and _Name(name, stops).is_meant_by(tokens)
+        return all(text in name for text in texts) and bool(_Name(name, stops).reached(tokens, 1) & 1 << len(name))
 
     return fits
 
@@ -104,10 +104,7 @@ class _Name:
             place = self.name.find(text, place + 1)
         return int(found, 2)
 
-    def is_meant_by(self, tokens: list[_Token]) -> bool:
-        return bool(self._reached(tokens, 1) & self.end)
-
-    def _reached(self, tokens: list[_Token], places: int) -> int:
+    def reached(self, tokens: list[_Token], places: int) -> int:
         """Return the positions after matching the tokens from each of these positions."""
         for token in tokens:
             if isinstance(token, str):
@@ -115,7 +112,7 @@ class _Name:
             elif isinstance(token, list):
                 ends = 0
                 for each in token:
-                    ends |= self._reached(each, places)
+                    ends |= self.reached(each, places)
                 places = ends
             else:
                 places = self._behind(token, places)

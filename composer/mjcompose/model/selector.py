@@ -46,10 +46,8 @@ class Selector:
                 yield from outer.all()
 
     def __str__(self) -> str:
-        narrowed = [f"parent: {self.parent}"] if self.parent else []
-        narrowed += [f"in: {self.inside}"] if self.inside else []
-        narrowed += [f"part: {self.part}"] if self.part else []
-        narrowed += [f"class: {self.dclass}"] if self.dclass else []
+        conditions = {"parent": self.parent, "in": self.inside, "part": self.part, "class": self.dclass}
+        narrowed = [f"{name}: {condition}" for name, condition in conditions.items() if condition]
         if isinstance(self.where, str):
             narrowed.append(f"where: {self.where}")
         elif self.where:

@@ -344,9 +344,7 @@ def article(value: object) -> str:
 
 def show(value: object) -> str:
     """Return a value in YAML spelling, shortened."""
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    return shorten(str(value))
+    return str(value).lower() if isinstance(value, bool) else shorten(str(value))
 
 
 def shorten(text: str) -> str:

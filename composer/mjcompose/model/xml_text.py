@@ -14,6 +14,7 @@ from lxml.etree import _Element as Node
 
 _COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
 _ATTRIBUTE = re.compile(r"""\s*([^\s=<>/"']+)\s*=\s*("[^"]*"|'[^']*')""")
+_NOT_BREAK = re.compile(r"[^\n]")
 _ITEM = re.compile(r"\S+")
 _MOST_COMPARED = 500_000
 """The maximum number of start tags compared for one text: one line may have many elements, all with faults."""
@@ -40,23 +41,17 @@ class _StartTag(NamedTuple):
 _Exact: TypeAlias = dict[frozenset[tuple[str, str]], _StartTag]
 
 
-def _decoded(data: bytes) -> str:
-    wide = data.startswith((b"\xff\xfe", b"\xfe\xff"))
-    return data.decode("utf-16" if wide else "utf-8-sig", "replace")
-
-
-def _blank(comment: re.Match[str]) -> str:
-    return "\n".join(" " * len(line) for line in comment.group().split("\n"))
-
-
 class SourceText:
     """The text of an XML file, for finding where its elements are written. No I/O."""
 
     def __init__(self, data: bytes | str) -> None:
-        text = data if isinstance(data, str) else _decoded(data)
+        text = data
+        if isinstance(text, bytes):
+            is_wide = text.startswith((b"\xff\xfe", b"\xfe\xff"))
+            text = text.decode("utf-16" if is_wide else "utf-8-sig", "replace")
         self._text = text.replace("\r\n", "\n").replace("\r", "\n")
         # Text in a comment is not an element, even if it looks like one.
-        self._bare = _COMMENT.sub(_blank, self._text)
+        self._bare = _COMMENT.sub(lambda comment: _NOT_BREAK.sub(" ", comment.group()), self._text)
         # By tag and line: the start tags that end there, and the first one for each set of attributes.
         self._ending: dict[tuple[str, int], tuple[list[_StartTag], _Exact]] = {}
         self._compared = 0

@@ -228,9 +228,7 @@ _BECOMES = {
 _KINDS = {
     "freejoint": "joint",
     **dict.fromkeys(("fixed", "spatial"), "tendon"),
-    **dict.fromkeys(
-        ("connect", "weld", "flex", "flexvert", "flexstrain"), "equality"
-    ),
+    **dict.fromkeys(("connect", "weld", "flex", "flexvert", "flexstrain"), "equality"),
     **dict.fromkeys(
         "general motor position velocity intvelocity damper cylinder muscle adhesion plugin dcmotor pid"
         " orientation".split(),

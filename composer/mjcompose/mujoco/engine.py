@@ -273,28 +273,21 @@ class Session:
     def _spawn(self) -> None:
         if self._folder is None:
             if (why := untrusted_for_temporary()) is not None:
-                folder = tempfile.gettempdir()
-                raise OSError(f"the folder for temporary files, `{folder}`, is not trusted: {why}")
+                raise OSError(f"the folder for temporary files, `{tempfile.gettempdir()}`, is not trusted: {why}")
             self._folder = self._held.enter_context(scratch("engine"))
         work = self._folder / f"work-{self._count}"
         work.mkdir(exist_ok=True)
-        environment = dict(os.environ)
-        # threads of linear algebra would only count against the memory limit
-        environment |= {"MUJOCO_GL": self._graphics(), "OPENBLAS_NUM_THREADS": "1"}
+        # Threads of linear algebra would only count against the memory limit.
+        environment = {**os.environ, "MUJOCO_GL": self._graphics(), "OPENBLAS_NUM_THREADS": "1"}
         if not sys.executable:
             raise ValueError("this Python does not know its own executable")
         with (self._folder / "log").open("wb") as log:
+            # File names are bytes: the child's are UTF-8 in every locale.
             self._process = Process(
                 [sys.executable, "-I", "-X", "utf8", str(Path(__file__).with_name("child.py"))],
-                watches=True,
-                stdin=subprocess.PIPE,
-                stdout=subprocess.PIPE,
-                stderr=log,
-                cwd=work,
-                env=environment,
-                encoding="utf-8",
-                errors="surrogateescape",  # file names are bytes: the child's are UTF-8 whatever ours are
-            )
+                watches=True, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=log, cwd=work, env=environment,
+                encoding="utf-8", errors="surrogateescape",
+            )  # fmt: skip
         self._lines = queue.Queue()
         assert self._process.stdout is not None
         threading.Thread(target=_forward_lines, args=(self._process.stdout, self._lines), daemon=True).start()
@@ -378,10 +371,9 @@ class Session:
         if process is None:
             return
         process.end()
-        for pipe in (process.stdin, process.stdout):
-            if pipe is not None:
-                with contextlib.suppress(OSError):  # what was not yet sent has no receiver any more
-                    pipe.close()
+        for pipe in filter(None, (process.stdin, process.stdout)):
+            with contextlib.suppress(OSError):  # a request that is not sent yet has no receiver any more
+                pipe.close()
 
 
 def _failure(error: str, crash: str) -> dict[str, Any]:

@@ -27,14 +27,9 @@ def save_digits(mujoco: Any, count: int = 17) -> None:
 
 def sizes(model: Any) -> dict[str, int]:
     """Return all integer sizes of the model; `nactuator` falls back to `nu`, which is the same in older versions."""
-    found = {}
-    for name in dir(model):
-        if name.startswith("n"):
-            value = getattr(model, name)
-            if isinstance(value, int):
-                found[name] = value
-    found.setdefault("nactuator", found["nu"])
-    return found
+    values = {name: getattr(model, name) for name in dir(model) if name.startswith("n")}
+    found = {name: value for name, value in values.items() if isinstance(value, int)}
+    return {**found, "nactuator": found.get("nactuator", found["nu"])}
 
 
 def all_names(model: Any) -> dict[str, list[str]]:
@@ -44,7 +39,7 @@ def all_names(model: Any) -> dict[str, list[str]]:
 def arrays(wanted: list[str], model: Any, data: Any) -> dict[str, Any]:
     """Return the requested arrays; a size becomes an array of one, text its bytes.
 
-    Names that this version does not have are left out.
+    Names that this version does not have are missing.
     """
     import numpy
 

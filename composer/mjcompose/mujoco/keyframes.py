@@ -61,11 +61,8 @@ def key_differences(
         there = matching.composed.describe("key", target)
         pairs = list(_entries(matching, key, target, moved=moved))
         if keys is Keys.PREFIX:
-            times = (
-                matching.alone.model.key_time[key : key + 1],
-                matching.composed.model.key_time[target : target + 1],
-            )
-            pairs.append(("key_time", *times, 0.0))
+            alone, composed = matching.alone.model, matching.composed.model
+            pairs.append(("key_time", alone.key_time[key : key + 1], composed.key_time[target : target + 1], 0.0))
         for field, mine, theirs, bound in pairs:
             if mine.shape != theirs.shape or unequal(mine, theirs, max(bound, tolerance)).any():
                 expected, actual = tuple(mine.tolist()), tuple(theirs.tolist())

@@ -229,15 +229,10 @@ class Correspondence:
         worlds = {self.mount}
         if not self.prefix:
             return worlds
-        taken = self.taken["body"]
         model = self.composed.model
         for index, name in enumerate(self.composed.names["body"]):
-            if (
-                index not in taken
-                and int(model.body_parentid[index]) in worlds
-                and not model.body_jntnum[index]
-                and name.startswith(self.prefix)
-            ):
+            is_frame = index not in self.taken["body"] and not model.body_jntnum[index]
+            if is_frame and name.startswith(self.prefix) and int(model.body_parentid[index]) in worlds:
                 worlds.add(index)
         return worlds
 
@@ -291,18 +286,13 @@ class Correspondence:
         if not children:
             return
         images = self.taken | {"body": {*self.taken["body"], 0, *self.worlds}}
-        taken = self.taken[kind]
-        owned = [
-            i
-            for i, name in enumerate(self.composed.names[kind])
-            if not name
-            and i not in taken
-            and all(
-                link.index < 0 or link.index in images[link.kind]
-                for link in links(self.composed.model, kind, i)
-                if link.kind != "plugin"
-            )
-        ]
+
+        def is_owned(index: int) -> bool:
+            others = (link for link in links(self.composed.model, kind, index) if link.kind != "plugin")
+            return all(link.index < 0 or link.index in images[link.kind] for link in others)
+
+        unnamed = (i for i, name in enumerate(self.composed.names[kind]) if not name and i not in self.taken[kind])
+        owned = [i for i in unnamed if is_owned(i)]
         self._assign(kind, children, owned, ordered=kind not in UNORDERED)
 
     def _match_plugins(self) -> None:
@@ -312,18 +302,12 @@ class Correspondence:
             for index, target in enumerate(self.ids[kind]):
                 if target == ABSENT or (kind == "body" and index == 0):
                     continue
-                pairs = zip(
-                    links(self.alone.model, kind, index), links(self.composed.model, kind, target), strict=False
-                )
-                for mine, theirs in pairs:
-                    if (
-                        mine.kind == theirs.kind == "plugin"
-                        and mine.index >= 0
-                        and theirs.index >= 0
-                        and found[mine.index] == ABSENT
-                        and not self.alone.names["plugin"][mine.index]
-                        and not names[theirs.index]
-                    ):
+                here, there = links(self.alone.model, kind, index), links(self.composed.model, kind, target)
+                for mine, theirs in zip(here, there, strict=False):
+                    if not mine.kind == theirs.kind == "plugin" or mine.index < 0 or theirs.index < 0:
+                        continue
+                    is_named = self.alone.names["plugin"][mine.index] or names[theirs.index]
+                    if found[mine.index] == ABSENT and not is_named:
                         self._take("plugin", mine.index, theirs.index)
         self._match_global("plugin")
 

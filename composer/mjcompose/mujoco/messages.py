@@ -350,8 +350,8 @@ def _attribute(said: Sentence, element: Node) -> str | None:
     if len(holders) == 1:
         return holders[0]
     kind = kind_of(element)
-    spoken_of = {word for word in said.words if kind is not None and word in kind.attributes}
-    return spoken_of.pop() if len(spoken_of) == 1 else None
+    mentioned = said.words.intersection(kind.attributes if kind is not None else ())
+    return next(iter(mentioned)) if len(mentioned) == 1 else None
 
 
 def _keywords(element: Node, attribute: str | None) -> tuple[Note, ...]:

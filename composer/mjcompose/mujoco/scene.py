@@ -203,14 +203,13 @@ def height_fields(model: Any, blobs: Blobs) -> list[dict[str, Any]]:
     for number in range(model.nhfield):
         rows, columns, first = (int(each[number]) for each in (model.hfield_nrow, model.hfield_ncol, model.hfield_adr))
         heights = model.hfield_data[first : first + rows * columns]
-
-        def encode(heights: Any = heights) -> bytes:
-            return packed(np.rint(np.clip(heights, 0, 1) * 65535).astype(np.uint16))
-
-        blob = blobs.put("heights 1", [heights], encode)
-        size = short(model.hfield_size[number])
-        found.append({"blob": blob, "rows": rows, "columns": columns, "size": size})
+        blob = blobs.put("heights 1", [heights], partial(_encoded_heights, heights))
+        found.append({"blob": blob, "rows": rows, "columns": columns, "size": short(model.hfield_size[number])})
     return found
+
+
+def _encoded_heights(heights: Any) -> bytes:
+    return packed(np.rint(np.clip(heights, 0, 1) * 65535).astype(np.uint16))
 
 
 FLAT, CUBE, SKY = 0, 1, 2
@@ -226,13 +225,9 @@ def textures(model: Any, blobs: Blobs) -> list[dict[str, Any]]:
         width, height = int(model.tex_width[number]), int(model.tex_height[number])
         channels, first = int(model.tex_nchannel[number]), int(model.tex_adr[number])
         pixels = model.tex_data[first : first + width * height * channels].reshape(height, width, channels)
-
-        def encode(pixels: Any = pixels, channels: int = channels) -> bytes:
-            shown = pixels if channels in (3, 4) else np.repeat(pixels[:, :, :1], 3, axis=2)
-            return png(shown)
-
+        shown = pixels if channels in (3, 4) else np.repeat(pixels[:, :, :1], 3, axis=2)
         found.append({
-            "blob": blobs.put("texture 1", [pixels], encode), "kind": _KINDS[int(model.tex_type[number])],
+            "blob": blobs.put("texture 1", [pixels], partial(png, shown)), "kind": _KINDS[int(model.tex_type[number])],
             "width": width, "height": height,
         })  # fmt: skip
     return found

@@ -250,14 +250,11 @@ class InComposition(Rules):
         model = self.alone
         first = int(model.tendon_adr[tendon])
         rows = range(first, first + int(model.tendon_num[tendon]))
-        points = [
-            self._reference(int(model.wrap_objid[row])) if int(model.wrap_type[row]) == WRAP_SITE else None
-            for row in rows
+        sites = [int(model.wrap_objid[row]) if int(model.wrap_type[row]) == WRAP_SITE else ABSENT for row in rows]
+        pairs = [
+            (self._reference(one), self._reference(other)) for one, other in pairwise(sites) if min(one, other) >= 0
         ]
-        return any(
-            one is not None and other is not None and np.allclose(one, other, rtol=0, atol=_ONE_POINT)
-            for one, other in pairwise(points)
-        )
+        return any(np.allclose(one, other, rtol=0, atol=_ONE_POINT) for one, other in pairs)
 
     def _reference(self, site: int) -> tuple[float, ...]:
         model = self.alone
