@@ -20,6 +20,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from contextlib import ExitStack
 from dataclasses import field, replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -106,12 +107,8 @@ def build(
 def planned(request: Request, context: Context) -> Plan | None:
     """Read, merge, expand, validate, resolve and plan a recipe; return a plan without its faulty pieces, or None."""
     with context.timed("plan"):
-        return plan_with_intact_store(
-            lambda: plan_what_remains(
-                request.recipe, context, request.given, name=request.name, sample=request.sample, worlds=request.worlds
-            ),
-            context,
-        )
+        plan = partial(plan_what_remains, name=request.name, sample=request.sample, worlds=request.worlds)
+        return plan_with_intact_store(lambda: plan(request.recipe, context, request.given), context)
 
 
 @dataclass(frozen=True, slots=True)

@@ -53,14 +53,10 @@ def _check_scale(step: AddElement, holder: Node, linking: Linking, making: Eleme
     base = linking.base
     for frame in all_scaled_above(holder):
         if isinstance(base.origins.owner(frame, base.file), str):
-            making.sink.error(
-                "not-supported",
-                f"`{step.to}` is inside a frame that scales: what is added there would have other sizes and masses",
-                step.to_span,
-                notes=(Note("the frame", linking.span(base, frame, "scale" if frame.get("scale") else "massscale")),),
-                help="add it outside of the frame, or write the frame's content in its final size",
-                subjects=(step.to,),
-            )
+            message = f"`{step.to}` is inside a frame that scales: the element would have another size and mass"
+            span = linking.span(base, frame, "scale" if frame.get("scale") else "massscale")
+            help, notes = "add it outside of the frame, or write the frame without scale", (Note("the frame", span),)
+            making.sink.error("not-supported", message, step.to_span, notes=notes, help=help, subjects=(step.to,))
             return
 
 
@@ -74,12 +70,9 @@ def _check_mass(step: AddElement, node: Node, linking: Linking, making: ElementB
         return
     geoms = [node] if node.tag == "geom" else own(node, "geom") if node.tag in ("frame", "replicate") else []
     if any(has_mass(geom, linking.base.classes) for geom in geoms):
-        making.sink.warning(
-            "compiler-setting",
-            f"what is added to `{step.to}` adds no mass: its inertia is what the compiler settings of its model give",
-            step.span,
-            help="put it into a `body` of its own, or write `mass: 0`",
-        )
+        message = f"the element adds no mass to `{step.to}`: the compiler settings of its model give the inertia"
+        help = "put it into a `body` of its own, or write `mass: 0`"
+        making.sink.warning("compiler-setting", message, step.span, help=help)
 
 
 def _report_no_target(step: AddElement, linking: Linking, making: ElementBuilder) -> None:

@@ -288,20 +288,13 @@ class Composer:
             changes.of_keys()
         self.keys.note_written(linking)
         roots = [base.root, *(unit.root for unit in units)]
-        self.unplaced[base.root] = unplaced_records(
-            plan,
-            part_requests(plan, is_fixed),
-            [Part(base, "", keyframes=plan.base_keys, key=BASE), *linking.parts],
-            inner=[self.unplaced.get(root, []) for root in roots],
-        )
+        parts = [Part(base, "", keyframes=plan.base_keys, key=BASE), *linking.parts]
+        inner = [self.unplaced.get(root, []) for root in roots]
+        self.unplaced[base.root] = unplaced_records(plan, part_requests(plan, is_fixed), parts, inner=inner)
         if self.context.sink.error_count > before:
             return None
-        return Composed(
-            linking.flat(),
-            tuple(linking.files),
-            drawn=(*plan.drawn, *(changes.drawn if changes else ())),
-            tabled=tuple(changes.tabled) if changes else (),
-        )
+        drawn, tabled = (changes.drawn, changes.tabled) if changes else ([], [])
+        return Composed(linking.flat(), tuple(linking.files), drawn=(*plan.drawn, *drawn), tabled=tuple(tabled))
 
     def _linking(self, plan: Plan, base: Unit, units: list[Unit], making: ElementBuilder) -> Linking:
         """Return the base and its parts, with the joints between them, ready to be linked."""
@@ -402,12 +395,8 @@ def _adds_mass(plan: Plan) -> bool:
     """Return whether the recipe adds bodies, geoms or assets, and leaves the rules for the whole model to the base."""
     if any(isinstance(step, SetSingleton) and step.section == "compiler" for step in plan.steps):
         return False
-    return any(
-        step.section == "asset"
-        if isinstance(step, AppendElement)
-        else isinstance(step, AddElement) and step.element.tag not in _WEIGHTLESS
-        for step in plan.steps
-    )
+    assets = any(isinstance(step, AppendElement) and step.section == "asset" for step in plan.steps)
+    return assets or any(isinstance(step, AddElement) and step.element.tag not in _WEIGHTLESS for step in plan.steps)
 
 
 def _carry_out(plan: Plan, linking: Linking, making: ElementBuilder, early: EarlyAdditions) -> None:

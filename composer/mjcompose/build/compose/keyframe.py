@@ -225,14 +225,11 @@ class _KeyWriter:
         if key.time is None:
             key.time = source.time
         elif numbers.read(key.time.text) != numbers.read(source.time.text):
-            self.making.sink.error(
-                "keyframe-conflict",
-                f"the keys that `{key.name}` is made from have different times: {key.time.text} and {source.time.text}",
-                self._at(FROM, key=True),
-                notes=(Note("the second one is here", source.span(TIME)),),
-                help=f"write the time of the key: `{TIME}: {source.time.text}`",
-                subjects=(key.name,),
-            )
+            times = f"{key.time.text} and {source.time.text}"
+            message = f"the keys in `{FROM}` of `{key.name}` have different times: {times}"
+            notes = (Note("the second time is here", source.span(TIME)),)
+            help, span = f"write the time of the key: `{TIME}: {source.time.text}`", self._at(FROM, key=True)
+            self.making.sink.error("keyframe-conflict", message, span, notes=notes, help=help, subjects=(key.name,))
 
     def _place(self, vector: str, name: str, holder: _Holder, entry: Entry, path: tuple[str, ...]) -> None:
         """Write the numbers of an entry. `path` is the place of the entry below its vector."""
@@ -292,15 +289,11 @@ class _KeyWriter:
         if declared is not None and declared.getroottree().getroot() is not linking.base.root:
             sink.suppress_about([name])  # it was lost with another fault
         if kind == "joint" and declared is None and may_be_generated(name, linking.base.root):
-            sink.error(
-                "not-supported",
-                f"`{name}` in `{vector}` may be a joint that MuJoCo makes of a `<replicate>` or the like, "
-                "which a key cannot set yet",
-                span,
-                notes=(exists_note(kind, names, name),),
-                help="attach the part as often as it is needed: `replicate` in `attach`",
-                subjects=(name,),
-            )
+            reason = "MuJoCo may generate this joint, for example by a `<replicate>`"
+            message = f"a key cannot set `{name}` in `{vector}`: {reason}"
+            copies = "attach the part several times: `replicate` in `attach`"
+            note = exists_note(kind, names, name)
+            sink.error("not-supported", message, span, notes=(note,), help=copies, subjects=(name,))
             return
         near = closest(name, names)
         help = f"did you mean `{near[0]}`?" if near else None
@@ -329,13 +322,8 @@ class _KeyWriter:
 
 
 def _naming(actuators: Sequence[Node], name: str) -> str:
-    """Return advice on naming those actuators, or those of them that act on the element with the name."""
-    ends = [
-        (each, str(attribute))
-        for each in actuators
-        for attribute, value in each.items()
-        if attribute in _TRANSMISSIONS and value == name
-    ]
+    """Return advice on naming the actuators, or only the actuators that act on the element with the name."""
+    ends = [(each, end) for each in actuators for end in _TRANSMISSIONS if each.get(end) == name]
     if not ends:
         common = [end for end in _TRANSMISSIONS if all(each.get(end) for each in actuators)]
         new = f"${{{common[0]}}}" if common else "a${index}"

@@ -464,19 +464,14 @@ def _walk(placed: PlacedModel) -> Iterator[PlacedModel]:
     for part in plan.members:
         policy = part.attachment.key_policy
         keys = None if policy == "none" or placed.keys is None else placed.keys
-        yield from _walk(
-            PlacedModel(
-                part.model,
-                plan,
-                part,
-                part=above + part_name(part, plan.separator),
-                prefix=placed.prefix + part.prefix,
-                others=placed.others if part is not plan.base else (*placed.others, *prefixed),
-                keys=keys + part.prefix if keys is not None and policy == "prefix" else keys,
-                is_fixed_in_world=placed.is_fixed_in_world and is_fixed_in_world(part.attachment),
-                span=placed.span or part.span,
-            )
-        )
+        inner = PlacedModel(
+            part.model, plan, part, part=above + part_name(part, plan.separator), prefix=placed.prefix + part.prefix,
+            others=placed.others if part is not plan.base else (*placed.others, *prefixed),
+            keys=keys + part.prefix if keys is not None and policy == "prefix" else keys,
+            is_fixed_in_world=placed.is_fixed_in_world and is_fixed_in_world(part.attachment),
+            span=placed.span or part.span,
+        )  # fmt: skip
+        yield from _walk(inner)
 
 
 def part_name(part: AttachPart, separator: str) -> str:

@@ -249,14 +249,10 @@ class _Planner:
             prefixes = {own + recipe.separator if own else "": copy for own, copy in numbered}
             clash = next((prefix for prefix in prefixes if prefix and prefix in taken), None)
             if clash is not None:
-                self.sink.error(
-                    "name-clash",
-                    f"two parts have the prefix `{clash}`",
-                    span if attachment.prefix is None else locate(document, (*at, "prefix")),
-                    notes=(Note("the other part", taken[clash]),),
-                    help="give one of them another key, or another `prefix`",
-                    subjects=(clash,),
-                )
+                place = span if attachment.prefix is None else locate(document, (*at, "prefix"))
+                notes = (Note("the other part", taken[clash]),)
+                help, message = "give one of them another key, or `prefix`", f"two parts have the prefix `{clash}`"
+                self.sink.error("name-clash", message, place, notes=notes, help=help, subjects=(clash,))
                 continue
             taken.update(dict.fromkeys(prefixes, span))
             model = self._model(attachment, at, loaded, inside=inside)

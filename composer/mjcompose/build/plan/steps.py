@@ -107,6 +107,7 @@ class Step(ABC):
     __slots__ = ()
     sections: ClassVar[tuple[str, ...]]
     waits: ClassVar[bool] = False
+    why: ClassVar[str] = ""
     span: Span
 
     @classmethod
@@ -121,8 +122,8 @@ class Step(ABC):
 
     @property
     def reason(self) -> str:
-        """The reason that `explain` gives for an element or attribute written by the step."""
-        return self.words
+        """The reason that `explain` gives for an element or attribute written by the step: `why`, or the words."""
+        return self.why or self.words
 
 
 def words_of_element(element: Element) -> str:
@@ -140,6 +141,7 @@ def words_of_element(element: Element) -> str:
 class AddElement(Step):
     """Add an element to a body, a frame or the world (`to_kind` world, body, frame)."""
 
+    why: ClassVar[str] = "added by the recipe"
     sections: ClassVar[tuple[str, ...]] = ("add",)
     to_kind: Literal["world", "body", "frame"]
     to: str
@@ -158,10 +160,6 @@ class AddElement(Step):
     def words(self) -> str:
         where = "the world" if self.to_kind == "world" else f"the {self.to_kind} {self.to}"
         return f"add {words_of_element(self.element)} to {where}"
-
-    @property
-    def reason(self) -> str:
-        return "added by the recipe"
 
 
 KINDS = ("body", "frame", "site")
@@ -217,6 +215,7 @@ def _added_places_of(element: Element, document: Mapping) -> Iterator[tuple[str,
 class AppendElement(Step):
     """Append an element to a section."""
 
+    why: ClassVar[str] = "written in the recipe"
     sections: ClassVar[tuple[str, ...]] = tuple(
         name for name in Recipe.model_fields if name in (*sections_of(Elements), "contact")
     )
@@ -234,10 +233,6 @@ class AppendElement(Step):
     @property
     def words(self) -> str:
         return f"add {words_of_element(self.element)} to {self.section}"
-
-    @property
-    def reason(self) -> str:
-        return "written in the recipe"
 
 
 @dataclass(frozen=True, slots=True)
@@ -322,6 +317,7 @@ class SetCollisions(Step):
 class SetDefault(Step):
     """Set a default class, creating it if it does not exist."""
 
+    why: ClassVar[str] = "set by the recipe"
     sections: ClassVar[tuple[str, ...]] = ("default",)
     name: str
     parent: str | None
@@ -337,15 +333,12 @@ class SetDefault(Step):
     def words(self) -> str:
         return f"set the default class {self.name}: {', '.join(child.tag for child in self.element.children)}"
 
-    @property
-    def reason(self) -> str:
-        return "set by the recipe"
-
 
 @dataclass(frozen=True, slots=True)
 class SetSingleton(Step):
     """Set attributes of a section that a model has once (`option`, `visual`, …)."""
 
+    why: ClassVar[str] = "set by the recipe"
     sections: ClassVar[tuple[str, ...]] = sections_of(Singleton)
     section: str
     element: Element
@@ -361,10 +354,6 @@ class SetSingleton(Step):
     @property
     def words(self) -> str:
         return f"set {self.section}: {', '.join(_settings(self.element))}"
-
-    @property
-    def reason(self) -> str:
-        return "set by the recipe"
 
     @property
     def settled(self) -> Iterator[str]:
