@@ -65,7 +65,6 @@ def exact(diagnostic: Diagnostic, source: str) -> Diagnostic:
 
 
 def place_of(diagnostic: Diagnostic) -> Span | None:
-    """Return where the fix of a diagnostic applies."""
     return diagnostic.fix.span or diagnostic.span if diagnostic.fix is not None else None
 
 
@@ -149,7 +148,9 @@ class _Fixing:
                 break
             after = self.found()
             useless = _persisting(left, tried, after)
-            if _breaks(left, after):
+            known = set(map(_identity, left))
+            new = [each for each in after if _identity(each) not in known]
+            if any(each.code.startswith("yaml-") for each in new):  # a corrected name may exist already
                 useless = set(map(_identity, tried)) if len(tried) == 1 else set()
                 self.at_once = 1  # trying single fixes shows which of them fails
             elif not useless:
@@ -183,7 +184,10 @@ class _Fixing:
             if self.at_once is not None and sum(map(len, edits.values())) == self.at_once:
                 break
             edit = edit_of(diagnostic, _decoded(self.text(path))) if self.is_own(path) else None
-            if edit is not None and not any(_overlap(edit, each) for each in edits.get(path, ())):
+            if edit is not None and not any(
+                each.start == edit.start or (each.start < edit.end and edit.start < each.end)
+                for each in edits.get(path, ())
+            ):
                 edits.setdefault(path, {})[edit] = diagnostic
         for path, each in edits.items():
             mark = b"\xef\xbb\xbf" if self.text(path).startswith(b"\xef\xbb\xbf") else b""
@@ -209,12 +213,6 @@ def _identity(diagnostic: Diagnostic) -> tuple[str, str, str]:
     return file, diagnostic.code, diagnostic.message
 
 
-def _breaks(before: list[Diagnostic], after: list[Diagnostic]) -> bool:
-    """Return whether a file is no longer valid YAML: a corrected name may exist already."""
-    known = set(map(_identity, before))
-    return any(each.code.startswith("yaml-") and _identity(each) not in known for each in after)
-
-
 def _persisting(
     before: list[Diagnostic], tried: list[Diagnostic], after: list[Diagnostic]
 ) -> set[tuple[str, str, str]]:
@@ -223,10 +221,6 @@ def _persisting(
     others = Counter(map(_identity, before)) - made
     now = Counter(map(_identity, after))
     return {each for each in made if now[each] > others[each]}
-
-
-def _overlap(a: Edit, b: Edit) -> bool:
-    return (a.start < b.end and b.start < a.end) or a.start == b.start
 
 
 def _decoded(text: bytes) -> str:

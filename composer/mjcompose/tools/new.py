@@ -16,7 +16,6 @@ from mjcompose.build.bundle.staging import move, resolved_output, staged_folder
 
 
 def starter(name: str) -> str:
-    """Return the text of a recipe for a model of that name."""
     return _template("starter.yaml", {"MODEL": yaml_name(name)})
 
 

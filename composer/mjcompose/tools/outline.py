@@ -79,7 +79,6 @@ class Body:
     copies: int = 1
 
     def walk(self) -> Iterator[Body]:
-        """Yield the body and all below it, depth first."""
         yield self
         for child in self.children:
             yield from child.walk()
@@ -105,7 +104,6 @@ class Outline:
 
     @property
     def bodies(self) -> tuple[Body, ...]:
-        """All bodies, without the world."""
         return tuple(self.world.walk())[1:]
 
     @property

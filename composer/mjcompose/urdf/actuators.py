@@ -18,11 +18,9 @@ from mjcompose.model.unit import Unit
 from mjcompose.sources.ros import Actuators
 from mjcompose.urdf.robot import locate_as
 
-_MOVES = ("revolute", "continuous", "prismatic")
 _KP = ("kp", "p", "position_kp", "position_proportional_gain")
 _KD = ("kd", "d", "position_kd", "position_derivative_gain")
 _KV = ("kv", "kp", "p", "velocity_kp", "velocity_proportional_gain")
-_SIMPLE = "SimpleTransmission"
 
 
 @dataclass(slots=True)
@@ -43,7 +41,13 @@ def add_actuators(robot: Unit, unit: Unit, choice: Actuators, sink: Sink) -> dic
     made = {str(each.get("name")): each for each in unit.root.iter("joint") if each.get("name")}
     read: dict[Node, str] = {}
     drives: dict[str, Drive] = {}
-    for drive in (*_of_ros2_control(robot.root), *_of_transmissions(robot.root), *_of_all(joints, choice)):
+    moving = [
+        Drive(name, joint)
+        for name, joint in joints.items()
+        if joint.get("type") in ("revolute", "continuous", "prismatic") and joint.find("mimic") is None
+    ]
+    given = (*_of_ros2_control(robot.root), *_of_transmissions(robot.root))
+    for drive in (*given, *(moving if choice == "all" else ())):
         if drive.joint not in joints:
             _unknown(drive, list(joints), robot, sink=sink)
             continue
@@ -76,17 +80,11 @@ def _of_transmissions(root: Node) -> Iterator[Drive]:
     for transmission in root.iterchildren("transmission"):
         kind = transmission.findtext("type") or transmission.get("type") or ""
         joints, actuators = transmission.findall("joint"), transmission.findall("actuator")
-        if not kind.strip().endswith(_SIMPLE) or len(joints) != 1 or len(actuators) > 1:
+        if not kind.strip().endswith("SimpleTransmission") or len(joints) != 1 or len(actuators) > 1:
             continue
         words = [each.text or "" for each in transmission.iterfind(".//hardwareInterface")]
         names = [each.strip().rpartition("/")[2].removesuffix("JointInterface").lower() for each in words]
         yield Drive(str(joints[0].get("name")), transmission, dict.fromkeys(names, transmission))
-
-
-def _of_all(joints: dict[str, Node], choice: Actuators) -> Iterator[Drive]:
-    for name, joint in joints.items() if choice == "all" else ():
-        if joint.get("type") in _MOVES and joint.find("mimic") is None:
-            yield Drive(name, joint)
 
 
 def _element(drive: Drive, joint: Node) -> Node:

@@ -107,8 +107,6 @@ def _own(path: str, door: Door) -> dict[str, Any]:
 
 
 class _Resolver:
-    """Reads the files that a mesh names, for trimesh."""
-
     def __init__(self, folder: str, door: Door) -> None:
         self.folder, self.door = folder, door
         self.read: list[str] = []

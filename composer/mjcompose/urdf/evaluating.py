@@ -263,7 +263,6 @@ class Evaluator:
         return self.admitted(function.apply(*given, **named))
 
     def items(self, value: Any) -> list[Any]:
-        """Return the items of an iterable value."""
         if type(value) not in (str, range, *self._mappings, *self._lists, *_VIEWS):
             raise TypeError(f"'{type(value).__name__}' object is not iterable")
         self.spend(len(value))
@@ -388,7 +387,6 @@ class Evaluator:
     # The functions of xacro and of Python.
 
     def functions(self) -> dict[str, Any]:
-        """Return Python's functions by their names."""
         native: dict[str, tuple[Callable[..., Any], type | None]] = {
             "len": (len, None), "str": (self._text, str), "float": (float, float), "int": (int, int),
             "bool": (bool, bool), "round": (self._round, None), "abs": (abs, None), "all": (all, None),
@@ -408,7 +406,6 @@ class Evaluator:
         return {name: Function(name, apply, kind) for name, (apply, kind) in native.items()}
 
     def mathematics(self) -> dict[str, Any]:
-        """Return the names of `math`."""
         special: dict[str, Callable[..., Any]] = {
             "factorial": self._factorial, "prod": self._product, "comb": self._chosen, "perm": self._chosen,
         }  # fmt: skip

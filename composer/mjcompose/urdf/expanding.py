@@ -239,7 +239,6 @@ class _Work:
     # Replacements of xacro's own functions.
 
     def opened(self, name: str, *_: Any, **__: Any) -> io.StringIO:
-        """Open a file as text, through the door."""
         path = os.path.abspath(os.path.join(os.path.dirname(self.path), name))
         return io.StringIO(self.read(path).decode("utf-8-sig"))
 
@@ -358,8 +357,6 @@ def _is_name(name: str) -> bool:
 
 
 class _Builder(expatbuilder.ExpatBuilderNS):
-    """Builds a document whose elements know their places."""
-
     def __init__(self, path: str) -> None:
         super().__init__()
         self._path = path

@@ -59,7 +59,6 @@ def bad_inertias(robot: Robot) -> Iterator[Bad]:
 
 
 def report(robot: Robot, sink: Sink, notes: tuple[Note, ...]) -> None:
-    """Report an error for each of them."""
     for bad in bad_inertias(robot):
         sink.error(
             CODE,

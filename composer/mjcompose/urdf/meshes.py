@@ -186,7 +186,6 @@ class Meshes:
                 etree.SubElement(material, "color", rgba=" ".join(f"{each:g}" for each in rgba))
 
     def _check(self, mesh: Node, path: Path, facts: dict[str, Any]) -> None:
-        """Warn of doubtful meshes."""
         shape, scale = _shape(mesh), _numbers(mesh.get("scale"), (1.0, 1.0, 1.0))
         link, called = shape.getparent(), f"`{self.shown(path)}`"
         touches, inside = shape.tag == "collision", None
@@ -265,7 +264,6 @@ def add_looks(robot: Robot, unit: Unit, pairs: list[tuple[Node, Node]], sink: Si
 
 
 def _picture(robot: Robot, texture: Node, sink: Sink) -> Path | None:
-    """Return the picture of a `<texture>` if MuJoCo reads it."""
     written = str(texture.get("filename") or "")
     path = robot.file_of(written) if written else None
     span = robot.unit.origins.span(texture, robot.unit.file, "filename")

@@ -162,7 +162,6 @@ class UrdfReader:
             return None
 
     def _written(self, robot: Robot, stack: ExitStack) -> dict[str, Path]:
-        """Write converted meshes into files."""
         if not robot.made:
             return {}
         folder = stack.enter_context(scratch("meshes"))

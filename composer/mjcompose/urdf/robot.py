@@ -97,8 +97,6 @@ def _steps(path: str) -> list[str]:
 
 
 class _Sources:
-    """Maps elements of MJCF to their elements in the URDF."""
-
     def __init__(self, robot: Node) -> None:
         self.robot = robot
         self.links = {str(each.get("name")): each for each in robot.iterchildren("link")}
@@ -188,7 +186,6 @@ class Robot:
         return last_setting(self.root, name)
 
     def set(self, name: str, value: str) -> None:
-        """Set an attribute of `<mujoco><compiler>`."""
         if self.setting(name) == value:
             return
         self.changed = True
@@ -310,7 +307,6 @@ def named_in(message: str, robot: Node) -> Node:
 
 
 def _element(fault: Fault, sentence: Sentence, robot: Node) -> Node:
-    """Return the element of a fault, by its line or by its name."""
     for mesh in robot.iter("mesh") if sentence.topic in _OF_MESHES else ():
         file = str(mesh.get("filename") or "").replace("\\", "/").rpartition("/")[2]
         if file and {file, stem(file)} & {*sentence.names, fault.name}:

@@ -262,5 +262,4 @@ def _named(written: str, file: Path, packages: Mapping[str, Path], door: Door, l
 
 
 def parsed(text: bytes) -> Node:
-    """Parse a text that xacro wrote."""
     return etree.fromstring(text, etree.XMLParser(huge_tree=True, resolve_entities=False, no_network=True))

@@ -158,7 +158,6 @@ class Causes:
 
     @cached_property
     def pairs(self) -> Pairs:
-        """Pairs of elements, if both trees are known."""
         assert self.a is not None and self.b is not None
         return Pairs(self.a, self.b)
 

@@ -139,7 +139,6 @@ class End:
 
     @property
     def named(self) -> str:
-        """The label with the cell."""
         return self.label if self.cell is None else f"{self.label}: {self.cell}"
 
 
@@ -283,8 +282,6 @@ Pair: TypeAlias = "tuple[Node | None, Node | None, tuple[str, ...] | None]"
 
 
 class Pairs:
-    """Finds pairs in both models."""
-
     def __init__(self, a: Elements, b: Elements) -> None:
         self.a, self.b = a, b
 

@@ -374,7 +374,6 @@ def _goes_along(roster: NameTable, kind: str, index: int, ids: list[int] | None,
 
 
 def references(matching: Correspondence) -> Iterator[Change]:
-    """Yield references whose target changed."""
     for kind, index, target, mine, other in unequal_references(matching):
         link = mine or other
         assert link is not None

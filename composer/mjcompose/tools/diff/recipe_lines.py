@@ -61,7 +61,6 @@ def extent(span: Span, side: Side) -> range:
 
 
 def excerpt(lines: list[str]) -> tuple[str, ...]:
-    """Return the first lines, dedented."""
     cut = [line.rstrip() for line in lines[:_SHOWN]]
     if len(lines) > _SHOWN:
         cut.append(cut[-1][: len(cut[-1]) - len(cut[-1].lstrip())] + "…")
@@ -69,7 +68,6 @@ def excerpt(lines: list[str]) -> tuple[str, ...]:
 
 
 def is_yaml(span: Span | None) -> bool:
-    """Return whether a place is in a recipe."""
     return span is not None and span.file.endswith((".yaml", ".yml"))
 
 

@@ -105,7 +105,6 @@ def arrow(before: Value, after: Value, unit: str = "", *, share: bool = True) ->
 
 
 def view(view: View) -> str:
-    """Return how much two pictures differ, in words."""
     share = view.differs * 100
     return "the same" if share == 0 else f"{max(share, 0.1):.1f} % of the pixels differ"
 
@@ -219,12 +218,10 @@ def _change(change: Change) -> dict[str, Any]:
 
 
 def render(diff: Diff) -> str:
-    """Return the full report, line by line."""
     return "\n".join(_lines(diff))
 
 
 def verdict(diff: Diff) -> str:
-    """Return the result in one sentence."""
     if diff.same and diff.contrast.identical:
         files = "and so are all files" if diff.same_bytes else "though their files are not"
         return f"the same: the compiled models are equal bit for bit, {files}"
@@ -249,12 +246,11 @@ def place(cause: Cause) -> str:
     return f"{spans[0]} → {spans[1]}"
 
 
-def following(diff: Diff) -> str | None:
-    """Return how many changes are not listed one by one."""
-    if not diff.follows:
-        return None
-    verb = "differs" if diff.follows == 1 else "differ"
-    return f"{counted(diff.follows, 'number')} that MuJoCo computes from these {verb} too: --computed lists them"
+def _following(diff: Diff) -> Iterator[str]:
+    """Yield how many changes are not listed one by one."""
+    if diff.follows:
+        verb = "differs" if diff.follows == 1 else "differ"
+        yield f"{counted(diff.follows, 'number')} that MuJoCo computes from these {verb} too: --computed lists them"
 
 
 def _remarks(diff: Diff) -> Iterator[str]:
@@ -278,7 +274,7 @@ def _lines(diff: Diff) -> Iterator[str]:
     if diff.views:
         yield from ("", "pictures")
         yield from (f"  {each.name}: {view(each)}: {each.before}, {each.after}" for each in diff.views)
-    if (more := following(diff)) is not None:
+    for more in _following(diff):
         yield from ("", more)
     if diff.same_bytes != diff.same and diff.files:
         yield from ("", f"files that differ: {', '.join(diff.files)}")
@@ -330,7 +326,7 @@ def _lines_markdown(diff: Diff) -> Iterator[str]:
             f"| {_code(each.name)}<br>{view(each)} | ![before](<{each.before}>) | ![after](<{each.after}>) |"
             for each in diff.views
         )
-    if (more := following(diff)) is not None:
+    for more in _following(diff):
         yield from ("", f"<sub>{more}</sub>")
 
 

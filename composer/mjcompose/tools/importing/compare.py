@@ -276,7 +276,6 @@ class Comparison:
             self.edit(verbs | ({"move": flow(pair.moved)} if pair.moved else {}))
 
     def called(self, pair: Pair) -> str:
-        """Return the name of an element in messages."""
         item = pair.item
         name = item.name or (PurePosixPath(str(item.node.get("file") or "")).stem if item.section == "asset" else "")
         if name:

@@ -87,7 +87,6 @@ def items(unit: Unit) -> Iterator[Item]:
 
 
 def named(unit: Unit) -> dict[tuple[str, str], Item]:
-    """Return the elements that have a name."""
     return {(each.namespace, each.name): each for each in items(unit) if each.name}
 
 

@@ -148,13 +148,11 @@ class _Proposer(Comparison):
                 self.entries.append(Entry("asset", f"{word(name)}: {flow(shown)}", nested, group=tag))
 
     def remove_keys(self) -> None:
-        """Remove the keys of parts that the merged model does not have."""
         keys = [{str(key.get("name")) for key in unit.root.iter("key")} for unit in (self.merged, *self.parts)]
         for name in dict.fromkeys(name for each in self.found for name in sorted(keys[each.part + 1] - keys[0])):
             self.edit({"select": f"{{key: {word(name)}}}", "remove": "true"}, REMOVED)
 
     def head(self) -> list[str]:
-        """Return the first lines of the recipe."""
         model = self.merged.model
         return [
             "recipe: 1", *([f"name: {word(model)}"] if model else []), f"angle: {self.merged.settings.angle}",

@@ -107,24 +107,17 @@ def _only_name(change: Change, proposal: Proposal) -> bool:
 
     That is an equal asset under another name, or an additional one, or a negated quaternion.
     """
-    if change.field.endswith("quat") and _opposite(change):
-        return True
+    ours, theirs = elements.numbers_likeness(change.before), elements.numbers_likeness(change.after)
+    if change.field.endswith("quat") and ours and theirs:
+        return all(abs(a + b) <= _TOLERANCE for a, b in zip(ours, theirs, strict=True))
     if change.what == "added":
-        return change.kind in _ASSETS and change.name in proposal.alike
+        return change.kind in ("texture", "material", "mesh", "hfield", "skin") and change.name in proposal.alike
     wanted, there = change.before, change.after
     if not isinstance(wanted, str) or not isinstance(there, str):
         return False
     own = proposal.alike.get(there)
     names = [wanted, *(each.out + wanted for each in proposal.found)]
     return there in names or (own is not None and any(proposal.alike.get(name) == own for name in names))
-
-
-def _opposite(change: Change) -> bool:
-    ours, theirs = elements.numbers_likeness(change.before), elements.numbers_likeness(change.after)
-    return bool(ours and theirs) and all(abs(a + b) <= _TOLERANCE for a, b in zip(ours, theirs, strict=True))  # type: ignore[arg-type]
-
-
-_ASSETS = ("texture", "material", "mesh", "hfield", "skin")
 
 
 def changed(facts: tuple[elements.Changed, ...]) -> Iterator[str]:

@@ -269,7 +269,6 @@ def _of_menagerie(context: Context) -> Iterator[Candidate]:
 
 
 def _of_packages() -> Iterator[Candidate]:
-    """Yield the XML files of installed packages."""
     for distribution in metadata.distributions():
         for file in distribution.files or ():
             if file.suffix == ".xml" and len(file.parts) > 1:

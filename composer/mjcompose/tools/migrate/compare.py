@@ -83,7 +83,11 @@ def compare(before: Compiled, after: Compiled) -> Outcome:
     _settle_marks(one, two)
     pairs = _pairs(one, two, outcome)
     for array in sorted(one.arrays.keys() | two.arrays.keys()):
-        if not about(array).version and not _is_count(array):
+        # Not numbers of rows, flags of the compiler, or addresses of names.
+        is_count = (
+            array.startswith(("name_", "flg_")) or array == "nnames_map" or (array[0] == "n" and "_" not in array)
+        )
+        if not about(array).version and not is_count:
             _compare(array, one, two, pairs=pairs, outcome=outcome)
     flags = [_flags(side) for side in (one, two)]
     for flag in sorted(flags[0].keys() | flags[1].keys()):
@@ -93,11 +97,6 @@ def compare(before: Compiled, after: Compiled) -> Outcome:
         else:
             outcome.differences.append(Difference(f"flags.{flag}", "the model", words[0], after=words[1], count=1))
     return outcome
-
-
-def _is_count(array: str) -> bool:
-    """Return whether a field of `mjModel` is a number of rows, a flag of the compiler, or an address of names."""
-    return array.startswith(("name_", "flg_")) or array == "nnames_map" or (array[0] == "n" and "_" not in array)
 
 
 @dataclass(slots=True)
@@ -213,24 +212,20 @@ def _settle_surfaces(one: _Side, two: _Side, outcome: Outcome) -> None:
     counts, lengths = one.arrays["mesh_facenum"], two.arrays["mesh_facenum"]
     used = {int(each) for side in (one, two) for each in side.arrays["geom_dataid"]}
     used |= {int(each) for side in (one, two) for each in side.arrays.get("site_dataid", ())}
-    scales, kept = [], [[], []]  # type: ignore[var-annotated]
+    kept: list[Array] = []
     for mesh, (start, other) in enumerate(zip(starts, others, strict=True)):
         a, b = x[start : start + counts[mesh]], y[other : other + lengths[mesh]]
-        scale = one.scale[start : start + counts[mesh]]
         if mesh not in used and a.shape == b.shape:
             b = a  # no geom shows it, and versions place such a mesh differently
-        elif a.shape != b.shape or not _close(a, b, scale).all():
+        elif a.shape != b.shape or not _close(a, b, one.scale[start : start + counts[mesh]]).all():
             if _same_surface(a, b):
-                b = a
                 outcome.recut.append(_called("mesh", mesh, one))
-            elif _stand_alike(a, b, mesh, one=one, two=two):
                 b = a
-        kept[0].append(a)
-        kept[1].append(b)
-        scales.append(scale)
-    if starts.size:
-        one.arrays["mesh_face"], two.arrays["mesh_face"] = np.concatenate(kept[0]), np.concatenate(kept[1])
-        one.scale = np.concatenate(scales)
+            elif _look_alike(a, b, mesh, one=one, two=two):
+                b = a
+        kept.append(b)
+    if kept:
+        two.arrays["mesh_face"] = np.concatenate(kept)
 
 
 def _settle_marks(one: _Side, two: _Side) -> None:
@@ -256,7 +251,7 @@ def _settle_marks(one: _Side, two: _Side) -> None:
             pixels[1][both] = pixels[0][both]
 
 
-def _stand_alike(x: Array, y: Array, mesh: int, one: _Side, two: _Side) -> bool:
+def _look_alike(x: Array, y: Array, mesh: int, one: _Side, two: _Side) -> bool:
     """Return whether all geoms with a mesh look alike in their bodies: a mesh may move, and its geoms against it."""
     geoms = np.flatnonzero(one.arrays["geom_dataid"] == mesh)
     if not np.array_equal(geoms, np.flatnonzero(two.arrays["geom_dataid"] == mesh)):

@@ -316,12 +316,10 @@ class Editing:
         return RELEASED[RELEASED.index(self.change.version) - 1]
 
     def stage_reads(self, path: str, attribute: str) -> bool:
-        """Return whether that version knows an attribute."""
         known = spans()
         return all(exists_in(self.stage, *known[name]) for name in (path, f"{path}@{attribute}") if name in known)
 
     def lacking(self, path: str, attribute: str, value: str) -> str:
-        """Return the message that the other version lacks a setting."""
         tag = path.rpartition("/")[2]
         return f'MuJoCo {self.after} has no `{attribute}` of `<{tag}>`, which is `"{value}"` in {self.before}'
 
@@ -347,7 +345,6 @@ class Editing:
         self.steps.append(Step(self.name, self.span(node, attribute), words))
 
     def set(self, node: Node, attribute: str, value: str) -> None:
-        """Write an attribute."""
         had = node.get(attribute)
         if had != value:
             words = f'`{attribute}="{value}"`' + ("" if had is None else f' instead of `"{had}"`')
@@ -355,7 +352,6 @@ class Editing:
             node.set(attribute, value)
 
     def unset(self, node: Node, attribute: str) -> None:
-        """Remove an attribute."""
         had = node.get(attribute)
         if had is not None:
             self.note(node, f'removed `{attribute}="{had}"` from {called(node)}', attribute)
@@ -375,12 +371,10 @@ class Editing:
             self.renamed[node][new] = original
 
     def retag(self, node: Node, tag: str) -> None:
-        """Change the tag of an element."""
         self.note(node, f"replaced `<{node.tag}>` with `<{tag}>`")
         node.tag = tag
 
     def insert(self, parent: Node, tag: str, attributes: dict[str, str]) -> None:
-        """Append a new element."""
         etree.SubElement(parent, tag, attributes)
         written = "".join(f' {name}="{value}"' for name, value in attributes.items())
         self.note(parent, f"wrote `<{tag}{written}/>`")
@@ -408,7 +402,6 @@ class Editing:
         self.meanings.append(Meaning(self.name, message, span, help=help, arrays=shown if arrays is None else arrays))
 
     def refuse(self, node: Node, message: str, help: str | None = None, attribute: str | None = None) -> None:
-        """Report something that the other version cannot express."""
         if attribute is None and node in self.refused:
             return
         self.refused.add(node)
@@ -417,7 +410,6 @@ class Editing:
 
 
 def called(node: Node) -> str:
-    """Return an element as messages name it."""
     name = node.get("name") or node.get("class")
     return f"`<{node.tag}>` `{name}`" if name else f"`<{node.tag}>`"
 

@@ -27,8 +27,6 @@ _LONGEST = 300
 
 
 class OtherError(Exception):
-    """A MuJoCo cannot run."""
-
     def __init__(self, message: str, help: str | None = None) -> None:
         super().__init__(message)
         self.help = help
@@ -47,8 +45,6 @@ class Compiled:
 
 @dataclass(frozen=True, slots=True)
 class Other:
-    """A Python with a MuJoCo."""
-
     python: Path
     version: str
 

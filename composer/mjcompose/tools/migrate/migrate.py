@@ -58,7 +58,6 @@ def installed() -> str:
 
 
 def check_installed(context: Context) -> None:
-    """Warn if the installed MuJoCo is newer than the table."""
     own = _own()
     if own is not None and version_key(own) > version_key(RELEASED[-1]):
         message = f"MuJoCo {own} is installed, but mjcompose knows the changes only up to {RELEASED[-1]}"
@@ -446,7 +445,6 @@ def run(wish: Wish, context: Context, progress: Callable[[str], None]) -> Result
 
 
 def _found(model: str, context: Context) -> Path | None:
-    """Return the file of a path or a reference."""
     path, folder = context.folder / model, context.folder
     if os.path.exists(path):
         return path
