@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from mjcompose.base import files
 from mjcompose.base.access import ALL
-from mjcompose.base.files import TooLarge, unsaved, unsaved_text, untrusted, untrusted_for_temporary
+from mjcompose.base.files import TooLarge, unsaved, unsaved_text, untrusted
 from mjcompose.base.sink import Sink
 from mjcompose.build.plan.planner import make_plan
 from mjcompose.model.parse import parse_file
@@ -22,16 +22,16 @@ pytestmark = pytest.mark.skipif(not hasattr(os, "geteuid"), reason="files have n
 
 def test_ones_own_folder_is_trusted(tmp_path: Path) -> None:
     tmp_path.chmod(0o755)
-    assert untrusted(tmp_path) is None and untrusted_for_temporary(tmp_path) is None
+    assert untrusted(tmp_path) is None and untrusted(tmp_path, is_temporary=True) is None
 
 
 def test_a_folder_that_everybody_writes_is_not(tmp_path: Path) -> None:
     tmp_path.chmod(0o777)
     assert untrusted(tmp_path) == "every user may write to it"
-    assert untrusted_for_temporary(tmp_path) == "every user may remove what others have in it"
+    assert untrusted(tmp_path, is_temporary=True) == "every user may remove what others have in it"
     tmp_path.chmod(0o1777)  # as /tmp is
     assert untrusted(tmp_path) == "every user may write to it"
-    assert untrusted_for_temporary(tmp_path) is None
+    assert untrusted(tmp_path, is_temporary=True) is None
 
 
 def test_the_folder_of_another_user_is_not(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -39,7 +39,7 @@ READS_ITSELF = {
         build/bundle/write.py:_manifest build/bundle/bundle.py:with_moment build/cache/cache_key.py:_sha256
         sources/blobs.py:sha256_of sources/git_command.py:Git.run sources/git_command.py:_listed
         sources/git_command.py:_contents sources/web_archive.py:unpack sources/web_archive.py:_zip_members
-        sources/web_archive.py:_tar tools/worlds/worlds.py:read""",
+        tools/worlds/worlds.py:read""",
     "files of this package or project": """
         build/cache/cache_key.py:tool_version tools/cluster/probe.py:versions base/codes.py:page
         text/key_order.py:_read model/grammar.py:read_data model/history.py:spans
@@ -87,7 +87,7 @@ WRITES_ITSELF = {
     "the folder of a worker of a cluster, or a token beside the models": """
         tools/cluster/client.py:_token tools/cluster/uploads.py:lay_out tools/cluster/worker.py:_keep""",
     "the store": """
-        sources/blobs.py:_is_over sources/blobs.py:complete sources/blobs.py:gate sources/blobs.py:hold
+        sources/blobs.py:held sources/blobs.py:complete sources/blobs.py:gate sources/blobs.py:hold
         sources/blobs.py:is_left sources/blobs.py:write_whole sources/download.py:_Download._write
         sources/git_command.py:write_tree sources/store.py sources/web_archive.py:_write""",
     "the standard output of a process, and trials of what it may": """

@@ -22,7 +22,7 @@ def test_another_package_of_the_same_name_is_told(monkeypatch: pytest.MonkeyPatc
     monkeypatch.setattr(metadata, "packages_distributions", lambda: {"mjcompose": ["mjcompose", "composer"]})
     result = run("doctor")
     assert result.exit_code == 1
-    assert "is installed by `composer` too" in result.stdout
+    assert "`composer` also install it" in result.stdout
 
 
 def test_what_not_everybody_needs_is_no_fault(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,11 +1,8 @@
 """Files that a run reads: ordinary ones only, each remembered, none replaced by an output of the run.
 
-Folders are resolved and listed once until they change. Each model has its own door. Resolving the links of six folders
-and searching each for markers of a project takes longer than the rest of reading a 3 kB model; one `stat` of a folder
-shows whether it is unchanged.
-
-Every reader notes its files here, and the one writer (`bundle/staging.py`) asks here. Paths are resolved when something
-is written, and not before. A file that the run itself wrote does not count as a source.
+Folders are resolved and listed once until a `stat` shows a change, which takes less time than reading a model. Every
+reader notes its files here, and the one writer (`bundle/staging.py`) asks here. Paths are resolved when something is
+written. A file that the run itself wrote is not a source.
 """
 
 from __future__ import annotations
@@ -16,7 +13,7 @@ import re
 import stat
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from contextvars import ContextVar
 from io import BufferedReader
 from itertools import islice
@@ -54,9 +51,7 @@ class Memory(Generic[T]):
         except (OSError, ValueError):
             return self._missing(path)
         changed = max(status.st_mtime_ns, status.st_ctime_ns)
-        state = (
-            status.st_dev, status.st_ino, status.st_nlink, status.st_size, status.st_mtime_ns, status.st_ctime_ns
-        )  # fmt: skip
+        state = (*status[1:4], status.st_size, status.st_mtime_ns, status.st_ctime_ns)  # inode, device, links
         known = self._known.get(path)
         if known is not None and known[0] == state:
             return known[1]
@@ -157,11 +152,9 @@ class Refused(OSError):
         """Return one sentence; `shown` returns the file's name in messages."""
         from pathlib import Path
 
-        call = shown or str
-        leads = ""
-        if self.real is not None and Path(self.path).is_symlink():
-            leads = f", a link to `{call(Path(self.real))}`,"
-        return f"the file `{call(Path(self.path))}`{leads} {self.why}"
+        call, path = shown or str, Path(self.path)
+        leads = f", a link to `{call(Path(self.real))}`," if self.real is not None and path.is_symlink() else ""
+        return f"the file `{call(path)}`{leads} {self.why}"
 
     def report(
         self, sink: Sink, span: Span | None, notes: Iterable[Note] = (),
@@ -180,19 +173,10 @@ class Refused(OSError):
 
 
 # Opening does not wait for the other end of a pipe, and does not acquire a controlling terminal.
-_FLAGS = (
-    os.O_RDONLY
-    | getattr(os, "O_BINARY", 0)
-    | getattr(os, "O_NONBLOCK", 0)
-    | getattr(os, "O_NOCTTY", 0)
-    | getattr(os, "O_CLOEXEC", 0)
-)
-_KINDS = (
-    (stat.S_ISFIFO, "a named pipe"),
-    (stat.S_ISCHR, "a device"),
-    (stat.S_ISBLK, "a device"),
-    (stat.S_ISSOCK, "a socket"),
-)
+_FLAGS = os.O_RDONLY | sum(getattr(os, f"O_{name}", 0) for name in ("BINARY", "NONBLOCK", "NOCTTY", "CLOEXEC"))
+_KINDS = {
+    stat.S_IFIFO: "a named pipe", stat.S_IFCHR: "a device", stat.S_IFBLK: "a device", stat.S_IFSOCK: "a socket"
+}  # fmt: skip
 
 
 class TooLarge(OSError):
@@ -214,8 +198,7 @@ def is_irregular(path: str) -> str | None:
 def _irregular(mode: int) -> str | None:
     if stat.S_ISREG(mode) or stat.S_ISDIR(mode):
         return None
-    what = next((words for test, words in _KINDS if test(mode)), "no file")
-    return f"is {what}, not an ordinary file"
+    return f"is {_KINDS.get(stat.S_IFMT(mode), 'no file')}, not an ordinary file"
 
 
 def read_regular(path: str | os.PathLike[str], most: int | None = None, *, is_source: bool = True) -> bytes:
@@ -442,11 +425,10 @@ def _identity(path: str) -> Identity | None:
 
 
 def _text(path: str) -> bytes:
-
-    try:
-        return read_regular(path, in_force().xml_size, is_source=False) if os.path.isfile(path) else b""
-    except TooLarge:  # which no run reads
-        return b""
+    with suppress(TooLarge):  # which no run reads
+        if os.path.isfile(path):
+            return read_regular(path, in_force().xml_size, is_source=False)
+    return b""
 
 
 _TEXTS: ContextVar[Mapping[str, bytes] | None] = ContextVar("mjcompose.base.files", default=None)
@@ -456,7 +438,7 @@ _piped: dict[str, bytes] = {}
 
 
 def keep_piped(path: str, text: bytes) -> bytes:
-    """Return what a pipe gave, which gives it only once."""
+    """Return the text of a pipe, which can be read only once."""
     if text or path not in _piped:
         _piped[path] = text
     return _piped[path]
@@ -480,21 +462,11 @@ def unsaved_text(path: str | os.PathLike[str]) -> bytes | None:
     return texts.get(os.path.realpath(path)) if texts else None
 
 
-def untrusted(folder: str | os.PathLike[str]) -> str | None:
-    """Return why a private folder is not trusted; None if it is, or if it does not exist."""
-    return _untrusted(folder)
+def untrusted(folder: str | os.PathLike[str], is_temporary: bool = False) -> str | None:
+    """Return why a private folder is not trusted; None if it is, or if it does not exist.
 
-
-def untrusted_for_temporary(folder: str | os.PathLike[str] | None = None) -> str | None:
-    """Return why a folder for temporary files is not trusted. It may be the system's if its sticky bit is set."""
-    if folder is None:
-        import tempfile  # the store, whose owner is asked by every build, is elsewhere
-
-        folder = tempfile.gettempdir()
-    return _untrusted(folder, is_temporary=True)
-
-
-def _untrusted(folder: str | os.PathLike[str], is_temporary: bool = False) -> str | None:
+    A folder for temporary files may be the system's if its sticky bit is set.
+    """
     if not hasattr(os, "geteuid"):  # a system without such owners, as Windows
         return None
     try:
@@ -502,8 +474,8 @@ def _untrusted(folder: str | os.PathLike[str], is_temporary: bool = False) -> st
     except (FileNotFoundError, NotADirectoryError):
         return None
     except Exception as error:
-        said = getattr(error, "strerror", None) or type(error).__name__
-        return f"nobody can tell whose it is: {said.lower()}"
+        reason = getattr(error, "strerror", None) or type(error).__name__
+        return f"nobody can tell whose it is: {reason.lower()}"
     if status.st_uid != os.geteuid() and not (is_temporary and status.st_uid == 0):
         return "it belongs to another user"
     if not status.st_mode & stat.S_IWOTH or (is_temporary and status.st_mode & stat.S_ISVTX):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import ctypes
+import itertools
 import os
 import pickle
 import queue
@@ -32,8 +33,7 @@ class Process(subprocess.Popen[Any]):
 
     `memory` and `size` limit its data and each file that it writes, in bytes, on POSIX; 0 means no limit. With
     `watches` the program is Python that calls `guard.end_with` itself, with the last two numbers of its command
-    line. Takes the other arguments of `subprocess.Popen`. On Windows a job object is used instead, without the
-    limits.
+    line. On Windows a job object is used instead, without the limits.
     """
 
     def __init__(
@@ -42,7 +42,6 @@ class Process(subprocess.Popen[Any]):
         self._life: int | None = None
         if not _POSIX:
             super().__init__(command, **options)
-
             tie(int(getattr(self, "_handle")))  # noqa: B009  it exists on Windows alone
             return
         reading, self._life = os.pipe()
@@ -112,26 +111,20 @@ _SIZE, _FLAGS_AT = 144, 16
 
 def tie(handle: int) -> None:
     """End a process and all its children together with this one. Errors of the system are ignored."""
-    kernel = _kernel()
-    job = _job()
+    kernel, job = _kernel_and_job()
     if job:
         kernel.AssignProcessToJobObject(job, ctypes.c_void_p(handle))
 
 
 @cache
-def _job() -> Any:
-    kernel = _kernel()
+def _kernel_and_job() -> tuple[Any, Any]:
+    kernel = getattr(ctypes, "windll").kernel32  # noqa: B009  it exists on Windows alone
+    kernel.CreateJobObjectW.restype = ctypes.c_void_p
     job = ctypes.c_void_p(kernel.CreateJobObjectW(None, None))
     limits = ctypes.create_string_buffer(_SIZE)
     ctypes.memmove(ctypes.addressof(limits) + _FLAGS_AT, _KILL_ON_JOB_CLOSE.to_bytes(4, "little"), 4)
     kernel.SetInformationJobObject(job, _EXTENDED_LIMITS, limits, _SIZE)
-    return job
-
-
-def _kernel() -> Any:
-    kernel = getattr(ctypes, "windll").kernel32  # noqa: B009  it exists on Windows alone
-    kernel.CreateJobObjectW.restype = ctypes.c_void_p
-    return kernel
+    return kernel, job
 
 
 Task = TypeVar("Task")
@@ -153,7 +146,7 @@ class Died:
 
 @dataclass(frozen=True, slots=True)
 class Undone:
-    """A task that could not be done: no process could be started for it, or it raised an exception."""
+    """A task that no process could do: none could be started for it, or the task raised an exception."""
 
     task: Any
 
@@ -215,8 +208,10 @@ class Helper:
 
     def close(self) -> None:
         """Close the pipes to the process, once nobody waits for a result."""
-        if self._process is not None:
-            _close(self._process)
+        for pipe in () if self._process is None else (self._process.stdin, self._process.stdout):
+            if pipe is not None:
+                with contextlib.suppress(OSError):  # unsent data has no receiver any more
+                    pipe.close()
 
     def _asked(self, opening: bytes, task: bytes) -> tuple[bool, Any]:
         """Return whether the task was done, and the result. Raises OSError, EOFError and UnpicklingError."""
@@ -239,18 +234,11 @@ class Helper:
                 return ""
             process.end()
             if not self.ends:
-                _close(process)
+                self.close()
                 self._process = None
         status = process.returncode
         names = {-entry.value: f" ({entry.name})" for entry in signal.Signals}
         return f"ended with signal {-status}{names.get(status, '')}" if status < 0 else f"ended with status {status}"
-
-
-def _close(process: Process) -> None:
-    for pipe in (process.stdin, process.stdout):
-        if pipe is not None:
-            with contextlib.suppress(OSError):  # unsent data has no receiver any more
-                pipe.close()
 
 
 _AHEAD = 8
@@ -286,11 +274,7 @@ class Pool(Generic[Task, Result]):
             self._shared.opening = pickle.dumps(opening)
         each, given = iter(tasks), 0
         for taken in range(sys.maxsize):
-            while given < taken + self._ahead:
-                try:
-                    task = next(each)
-                except StopIteration:
-                    break
+            for task in itertools.islice(each, taken + self._ahead - given):
                 self._shared.todo.put((given, task))
                 given += 1
             if taken == given:

@@ -20,9 +20,8 @@ _FIRST, _NEW, _YOUNG, _OLD = 700_000, 50_000, 20, 50
 def rarely_collecting() -> None:
     """Run the garbage collector less often: imports and models create many objects that stay.
 
-    A build of one model creates some 500,000 objects, of which 2,500 are garbage that a collection would find. It
-    ends before the first collection, which saves it 40 ms of nine. Longer runs then collect as usual. Python
-    collects once more before it ends, which takes another 100 ms, and has nothing to look at here.
+    A build of one model creates some 500,000 objects, of which 2,500 are garbage, and ends before the first collection.
+    Longer runs then collect as usual.
     """
     gc.set_threshold(_FIRST, _YOUNG, _OLD)
     if _after_the_first not in gc.callbacks:

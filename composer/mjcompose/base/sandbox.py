@@ -1,10 +1,10 @@
-"""A process that may read and calculate, and nothing else: it answers one call, and the system holds it to that.
+"""A process that the system allows to read and calculate only, and that answers one call.
 
 `call_confined` starts this file as a script. It reads its task as one line of JSON, gives up its rights with
-`confine`, calls the function and answers with one line of JSON. On Linux, Landlock takes writing, new programs and
-connections, and all files but those that are named; seccomp lets only the system calls through that reading needs.
-Everywhere but on Windows, limits of resources take new processes (for root they do not) and large files. What the
-system has and does not grant is an error: nothing runs half confined.
+`confine`, calls the function and answers with one line of JSON. On Linux, Landlock forbids writing, new programs,
+connections and all files except those that are named; seccomp allows only the system calls that reading needs. Except
+on Windows, resource limits forbid new processes (except for root) and large files. If the system refuses a way that it
+has, the call fails: nothing runs half confined.
 """
 
 from __future__ import annotations
@@ -62,13 +62,11 @@ def call_confined(
         answer = None
     if isinstance(answer, dict):
         return answer
-    said = words.decode("utf-8", "replace").strip().splitlines()
-    if any("MemoryError" in each for each in said[-1:]):
+    last = (words.decode("utf-8", "replace").strip().splitlines() or [""])[-1]
+    if "MemoryError" in last:
         return _failure("it needs more memory than it may have", "memory")
-    return _failure(
-        f"its process ended with status {process.returncode}{': ' + said[-1][:200] if said else ''}",
-        f"exit {process.returncode}",
-    )
+    status = process.returncode
+    return _failure(f"its process ended with status {status}{': ' + last[:200] if last else ''}", f"exit {status}")
 
 
 def _failure(error: str, crash: str | None) -> dict[str, Any]:
@@ -107,7 +105,7 @@ def _answer(task: dict[str, Any]) -> dict[str, Any]:
 
 
 def probe(argument: str) -> dict[str, bool]:
-    """What a confined process can still do: write to a folder (the argument), connect, start a process. Runs in one."""
+    """Return whether a confined process, this one, can write to a folder (the argument), connect, start a process."""
     import socket
 
     def is_possible(attempt: Callable[[], object]) -> bool:
@@ -126,9 +124,6 @@ def probe(argument: str) -> dict[str, bool]:
         "connect": is_possible(lambda: socket.socket().close()),
         "start a process": is_possible(started),
     }
-
-
-# What confines.
 
 
 def confine(readable: Sequence[str], memory: int = 0, seconds: float = 0) -> list[str]:
@@ -157,7 +152,7 @@ def python_folders() -> list[str]:
 
 
 def _limit(memory: int, seconds: float) -> bool:
-    """Hard limits, which the process cannot raise again; whether the system has such limits."""
+    """Set limits that the process cannot raise again; return whether the system has such limits."""
     try:
         import resource
     except ImportError:
@@ -180,7 +175,7 @@ def _limit(memory: int, seconds: float) -> bool:
 
 
 class _Kernel:
-    """Linux, asked through the C library: a call gives its result, or minus the number of its error."""
+    """Calls Linux through the C library; a call returns its result, or minus the number of its error."""
 
     def __init__(self) -> None:
         import ctypes
@@ -190,7 +185,7 @@ class _Kernel:
         self.machine = platform.machine()
 
     def no_new_privileges(self) -> bool:
-        """Promise to gain no rights by starting programs, which the kernel wants first. Whether it knows that."""
+        """Promise to gain no rights by starting programs; return whether the kernel knows the promise."""
         said = self.prctl(38, 1)
         if said not in (0, -errno.EINVAL):
             raise Unconfined(f"no_new_privs: {os.strerror(-said)}")

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import click
 
 from mjcompose.base.dataclass import dataclass
+from mjcompose.base.report import counted
 from mjcompose.cli.options import ReportOptions, formats
 from mjcompose.cli.reporting import FINDINGS, USAGE, say
 from mjcompose.cli.run import Answer, Run, Stop, command, flag, group, option
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
     from mjcompose.sources.reference import SourceError
     from mjcompose.sources.store import Store
 
-_FIX = "run `mjcompose cache verify --fix`, which removes it; it is fetched again when it is needed"
+_FIX = "run `mjcompose cache verify --fix`, which removes it; the next command that needs it fetches it again"
 
 
 @click.group()
@@ -152,10 +153,7 @@ def verify(options: VerifyOptions, run: Run) -> Answer | None:
 
 
 def _say_removed(path: Path, form: str) -> None:
-    if form == "json":
-        click.echo(json.dumps({"removed": str(path)}))
-        return
-    say(f"removed {path}: it was damaged")
+    say(json.dumps({"removed": str(path)}) if form == "json" else f"removed {path}: it was damaged", form=form)
 
 
 def _store(run: Run) -> Store:
@@ -175,7 +173,7 @@ def _failed(error: SourceError, run: Run, code: int = FINDINGS) -> Stop:
 
 
 def _count(entries: Sequence[object]) -> str:
-    return "1 entry" if len(entries) == 1 else f"{len(entries)} entries"
+    return counted(len(entries), "entry", "entries")
 
 
 def _bytes(size: float) -> str:

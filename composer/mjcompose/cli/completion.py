@@ -105,12 +105,6 @@ def _parameters(recipe: Path, context: Context) -> Iterator[str]:
             yield from (f"{name}=true", f"{name}=false")
         else:
             yield f"{name}="
-    yield from _variants(recipe, context)
-
-
-def _variants(recipe: Path, context: Context) -> Iterator[str]:
-    from mjcompose.text.node import Mapping
-
     for axis, pieces in _entries(recipe, context, "variants").items():
         yield from (f"{axis}={name}" for name in (pieces.entries if isinstance(pieces, Mapping) else ()))
 
@@ -126,15 +120,11 @@ def _entries(recipe: Path, context: Context, section: str) -> dict[str, Node]:
     return {name: node for name, (_, node) in found.entries.items()}
 
 
-def _elements(recipe: Path, context: Context) -> Iterator[str]:
-    yield from sorted({name for each in _model(recipe, context) if (name := each.get("name"))})
-
-
-def _named(tag: str) -> Callable[[Path, Context], Iterator[str]]:
-    def offered(recipe: Path, context: Context) -> Iterator[str]:
-        yield from (name for each in _model(recipe, context) if each.tag == tag and (name := each.get("name")))
-
-    return offered
+def _named(*tags: str) -> Callable[[Path, Context], Iterable[str]]:
+    """Return a function for the names of all elements, or those with a tag."""
+    return lambda recipe, context: sorted(
+        {name for each in _model(recipe, context) if (not tags or each.tag in tags) and (name := each.get("name"))}
+    )
 
 
 def _model(recipe: Path, context: Context) -> Iterator[Element]:
@@ -188,7 +178,7 @@ def limits(ctx: click.Context, parameter: click.Parameter, incomplete: str) -> l
 
 cells = _completing(_cells, listed=True)
 samples, parameters, elements, keys, cameras = map(
-    _completing, (_samples, _parameters, _elements, _named("key"), _named("camera"))
+    _completing, (_samples, _parameters, _named(), _named("key"), _named("camera"))
 )
 
 

@@ -58,9 +58,7 @@ def _installed() -> Iterator[Finding]:
     others = sorted(set(metadata.packages_distributions().get("mjcompose", [])) - {"mjcompose"})
     if others:
         named = ", ".join(f"`{name}`" for name in others)
-        yield Finding(
-            "package mjcompose", f"is installed by {named} too: have them in environments of their own", False
-        )
+        yield Finding("package mjcompose", f"{named} also install it: use a separate environment for each", False)
     for name in _CORE:
         version = _version(name)
         yield Finding(name, version or "is not installed", version is not None)
@@ -85,10 +83,10 @@ def _mujoco() -> Iterator[Finding]:
 
 
 def _git() -> Finding:
-    found = shutil.which("git")
-    if found is None:
+    git = shutil.which("git")
+    if git is None:
         return Finding("git", "is not installed: `git+…` references and `diff REV:path` need it", None)
-    version = subprocess.run([found, "--version"], capture_output=True, text=True, check=False).stdout.strip()
+    version = subprocess.run([git, "--version"], capture_output=True, text=True, check=False).stdout.strip()
     return Finding("git", version.removeprefix("git version "))
 
 
@@ -112,17 +110,16 @@ def _store() -> Finding:
 
 
 def _templates() -> Finding:
-    """Return how the process is confined that expands templates, as it finds out itself."""
+    """Return how the process that expands templates is confined, as it reports itself."""
     from mjcompose.base.sandbox import call_confined
 
-    what = "templates"
     with scratch("doctor") as folder:
         answer = call_confined("mjcompose.base.sandbox:probe", str(folder), (), seconds=60, memory=1 << 30)
     if not answer["ok"]:
-        return Finding(what, f"cannot be expanded: {answer['error']}", False)
+        return Finding("templates", f"cannot be expanded: {answer['error']}", False)
     ways, can = answer["confined"], [each for each, is_possible in answer["value"].items() if is_possible]
     by = f"confined by {', '.join(ways)}" if ways else "this system has no way to confine their process"
-    return Finding(what, f"{by}; it can {' and '.join(can)}" if can else by, None if can else True)
+    return Finding("templates", f"{by}; it can {' and '.join(can)}" if can else by, None if can else True)
 
 
 def _extras() -> Iterator[Finding]:
@@ -137,11 +134,8 @@ def _extras() -> Iterator[Finding]:
     for library, use in uses.items():
         version = _version(library.name)
         package = library.name if library.extra is None else f'"mjcompose[{library.extra}]"'
-        yield Finding(
-            library.name,
-            version or f"is not installed; it is for {use}: pip install {package}",
-            True if version else None,
-        )
+        missing = f"is not installed; it is for {use}: pip install {package}"
+        yield Finding(library.name, version or missing, True if version else None)
 
 
 def _extensions() -> Iterator[Finding]:
@@ -151,12 +145,12 @@ def _extensions() -> Iterator[Finding]:
 
     for group, what in GROUPS.items():
         for word, owner in names(group).items():
+            finding = Finding(f"{what} `{word}`", owner)
             try:
                 load(group, word)
             except DiagnosticError as error:
-                yield Finding(f"{what} `{word}`", error.message, None)
-            else:
-                yield Finding(f"{what} `{word}`", owner)
+                finding = Finding(finding.what, error.message, None)
+            yield finding
 
 
 def _version(name: str) -> str | None:

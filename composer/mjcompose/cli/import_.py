@@ -55,19 +55,17 @@ def import_(options: Options, run: Run) -> Answer | int:
     merged, parts, context = options.merged, options.parts, run.context
     target = Path(options.out) if options.out is not None else Path(f"{merged.stem}.yaml")
     if os.path.lexists(target):
-        raise click.UsageError(f"{target} exists already and is left as it is: choose another name with -o")
+        raise click.UsageError(f"{target} exists already: choose another name with -o")
     if parts and options.folders:
-        raise click.UsageError("PARTS are named, so that nothing is looked for: leave --among out")
+        raise click.UsageError("--among is for a search, and you named PARTS: remove --among")
     if named := next((each for each in parts if _is_reference(each)), None):
-        raise click.UsageError(
-            f"PARTS are files, and `{named}` is a reference. "
-            "Leave PARTS out: Menagerie and installed packages are searched"
-        )
+        help = "Remove PARTS: mjcompose searches Menagerie and installed packages"
+        raise click.UsageError(f"PARTS are files, and `{named}` is a reference. {help}")
     _refuse_foreign((merged, *parts), run)
     progress(f"reading {merged}")
     if merged.suffix.lower() in (".urdf", ".xacro"):
         if parts or options.folders:
-            raise click.UsageError("a URDF is taken whole: leave PARTS and --among out")
+            raise click.UsageError("a URDF has no parts: remove PARTS and --among")
         return _urdf(merged, target, run)
     references: dict[Path, str] = {}
     if not parts:
@@ -98,13 +96,8 @@ def _answer(found: Recovered, target: Path, shown: str, run: Run) -> Answer | in
     different = None if outcome is None else [] if outcome.same else list(left(outcome, shown))
     code = FINDINGS if outcome is None or not outcome.same else 0
     if run.form == "json":
-        answer = {
-            "output": str(target),
-            "parts": len(found.proposal.found),
-            "comments": len(comments),
-            "changed": edits,
-            "differences": different,
-        }
+        parts = {"parts": len(found.proposal.found), "comments": len(comments)}
+        answer = {"output": str(target), **parts, "changed": edits, "differences": different}
         return Answer("", answer, code=code, is_outcome=True)
     run.report()
     only = f", {counted(len(comments), 'entry', 'entries')} only as {'a comment' if len(comments) == 1 else 'comments'}"
@@ -158,10 +151,8 @@ def _whole(merged: Path, target: Path, among: str, run: Run) -> Answer:
 
     if not rewrite(target, whole_recipe(merged, target).encode(), run.context):
         raise Stop(FINDINGS)
-    words = (
-        f"found none of its parts {among}; --among FOLDER looks further\n"
-        f"wrote {target}: it starts from {run.context.shown(merged)} as it is"
-    )
+    words = f"found none of its parts {among}; --among FOLDER looks further\n"
+    words += f"wrote {target}: it starts from {run.context.shown(merged)} as it is"
     answer = {"output": str(target), "parts": 0, "comments": 0, "changed": [], "differences": []}
     aside = words if run.form == "json" else None
     return Answer(words, answer, code=0, is_outcome=True, reports=False, aside=aside)

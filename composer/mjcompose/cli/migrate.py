@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from mjcompose.base.dataclass import dataclass
+from mjcompose.base.report import counted
 from mjcompose.cli import completion
 from mjcompose.cli.fmt import difference, rewrite, show_differences
 from mjcompose.cli.options import STRICT, FetchOptions, ReportOptions, TimeOptions, did_you_mean, output
@@ -147,7 +148,7 @@ def _lines(result: Result, written: Path | None, in_place: bool, context: Contex
     migrated, proof = result.migrated, result.proof
     shown = context.shown(result.model)
     way = f"from MuJoCo {migrated.before} to {migrated.after}"
-    count = f"{len(migrated.steps)} change{'s' * (len(migrated.steps) != 1)}"
+    count = counted(len(migrated.steps), "change")
     if not migrated.changed and (written is None or in_place):
         yield f"{shown} is the same text for MuJoCo {migrated.before} and {migrated.after}"
     elif written is None:
@@ -175,17 +176,11 @@ def _lines(result: Result, written: Path | None, in_place: bool, context: Contex
 
 def _data(result: Result, written: Path | None, context: Context) -> dict[str, Any]:
     migrated, outcome = result.migrated, result.proof.outcome
-    proof = None
+    proof: dict[str, Any] | None = None
     if outcome is not None:
-        proof = {
-            "same": outcome.same,
-            "equal": len(outcome.equal),
-            "rounded": outcome.rounded,
-            "explained": result.explained,
-            "unexplained": result.unexplained,
-            "recut": outcome.recut,
-            "not_compared": outcome.apart,
-        }
+        proof = {"same": outcome.same, "equal": len(outcome.equal), "rounded": outcome.rounded}
+        proof |= {"explained": result.explained, "unexplained": result.unexplained}
+        proof |= {"recut": outcome.recut, "not_compared": outcome.apart}
     return {
         "from": migrated.before,
         "to": migrated.after,

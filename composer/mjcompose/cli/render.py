@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from mjcompose.base.dataclass import dataclass
+from mjcompose.base.report import counted
 from mjcompose.cli import completion
 from mjcompose.cli.cells import JOBS, CellsOptions, check_several
 from mjcompose.cli.options import Amount, Choices, FetchOptions, ReportOptions, TimeOptions, output
@@ -27,11 +28,11 @@ _LONGEST_FILM = 60.0
 def _size(context: click.Context, option: click.Parameter, text: str | None) -> tuple[int, int] | None:
     from mjcompose.tools.view.render import MOST_PIXELS, size_of
 
-    found = None if text is None else size_of(text)
-    if text is not None and found is None:
+    size = None if text is None else size_of(text)
+    if text is not None and size is None:
         message = f"`{text}` is not WIDTHxHEIGHT in pixels, from 16 to {MOST_PIXELS}: write for instance `640x480`."
         raise click.BadParameter(message)
-    return found
+    return size
 
 
 def _color(context: click.Context, option: click.Parameter, text: str | None) -> tuple[int, int, int, int] | None:
@@ -87,9 +88,9 @@ def render(options: Options, run: Run) -> Answer:
     several, moves = not options.cells.one, options.turntable or options.play is not None
     check_several(not several, jobs=options.jobs)
     if several and moves:
-        raise click.UsageError("A contact sheet does not move: leave --turntable and --play out.")
+        raise click.UsageError("A contact sheet does not move: remove --turntable and --play.")
     if options.turntable and options.camera is not None:
-        raise click.UsageError("--turntable goes around the whole model: leave --camera out.")
+        raise click.UsageError("--turntable goes around the whole model: remove --camera.")
     run.check()
     wish = Wish(
         options.size or (TILE if several else Wish().size), options.key, options.camera,
@@ -147,14 +148,13 @@ class _Rendering:
 
         operand, out, context = self.operand, self.out, self.operand.context
         try:
-            if format_of(out, self.wish) is not Format.PNG:
-                raise AssertionError(out)
+            assert format_of(out, self.wish) is Format.PNG, out
         except OutputError as error:
             context.sink.add(error.diagnostic)
             return None
         if operand.kind is not Kind.RECIPE:
             context.sink.error("unknown-name", f"`{operand.label}` is not a recipe and has neither cells nor samples",
-                               help="leave `--all`, `--pick` and `--sample` out")  # fmt: skip
+                               help="remove `--all`, `--pick` and `--sample`")  # fmt: skip
             return None
         cells, code = options.cells.chosen(operand.path, self.given, context=context, verb="render")
         if code:
@@ -165,4 +165,4 @@ class _Rendering:
             operand, cells, out, wish=self.wish, session=self.session, given=self.given,
             tell=lambda name: progress(f"drawing {name}"), jobs=options.jobs,
         )  # fmt: skip
-        return f"wrote {out}: {drawn} picture{'s' * (drawn != 1)}" if drawn else None
+        return f"wrote {out}: {counted(drawn, 'picture')}" if drawn else None

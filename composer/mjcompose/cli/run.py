@@ -95,7 +95,11 @@ def command(
             def once() -> int:
                 return _ended(function, chosen, Run(context))
 
-            sys.exit(_again_and_again(once, _recipes(given)) if given.get("watch") else once())
+            if not given.get("watch"):
+                sys.exit(once())
+            recipes = [*_listed(given.get("recipe")), *_listed(given.get("recipes"))]
+            named = [path for recipe in recipes for path in (recipe, recipe.with_suffix(".lock"))]
+            sys.exit(_again_and_again(once, named))
 
         name = function.__name__.rstrip("_")
         callback.__doc__ = function.__doc__
@@ -303,11 +307,6 @@ def _ended(function: Callable[[Options, Run], Answer | int | None], options: Opt
     return code
 
 
-def _recipes(given: Mapping[str, Any]) -> list[Path]:
-    recipes = [path for key in ("recipe", "recipes") for path in _listed(given.get(key))]
-    return [path for recipe in recipes for path in (recipe, recipe.with_suffix(".lock"))]
-
-
 def _listed(value: Any) -> Iterable[Path]:
     return () if value is None else value if isinstance(value, tuple) else (value,)
 
@@ -346,8 +345,7 @@ def _wait(before: dict[Path, Mark]) -> None:
     from mjcompose.tools.view.builder import Watch
 
     stop, done = Event(), Event()
-    # Set up what stops the thread before it starts: otherwise an interrupt at that moment would wait for it
-    # forever.
+    # Register what stops the thread before it starts: an interrupt in between would wait for it forever.
     with ThreadPoolExecutor(1) as executor, ExitStack() as at_the_end:
         at_the_end.callback(stop.set)
         executor.submit(Watch(stop).wait, before).add_done_callback(lambda _: done.set())

@@ -20,7 +20,7 @@ from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any
 
 from mjcompose.base.dataclass import dataclass
-from mjcompose.base.files import untrusted_for_temporary
+from mjcompose.base.files import untrusted
 from mjcompose.base.limits import GIB, in_force
 from mjcompose.base.processes import Process, module_path
 from mjcompose.base.scratch import scratch
@@ -272,7 +272,7 @@ class Session:
 
     def _spawn(self) -> None:
         if self._folder is None:
-            if (why := untrusted_for_temporary()) is not None:
+            if (why := untrusted(tempfile.gettempdir(), is_temporary=True)) is not None:
                 raise OSError(f"the folder for temporary files, `{tempfile.gettempdir()}`, is not trusted: {why}")
             self._folder = self._held.enter_context(scratch("engine"))
         work = self._folder / f"work-{self._count}"

@@ -28,7 +28,6 @@ from mjcompose.base.dataclass import dataclass
 from mjcompose.base.files import Memory, open_regular, read_regular, unsaved_text
 
 if TYPE_CHECKING:
-    from io import FileIO
     from os import PathLike
 
 
@@ -122,19 +121,16 @@ def held(store: Path) -> set[str]:
             if path.name == _GATE:
                 continue
             with contextlib.suppress(OSError):
-                if _is_over(path):
+                file = os.open(path, os.O_RDWR)
+                try:
+                    is_over = lock_file(file, wait=False)
+                finally:
+                    os.close(file)
+                if is_over:
                     path.unlink()
                 else:
                     found.update(read_regular(path, is_source=False).decode("ascii").split())
     return found
-
-
-def _is_over(path: Path) -> bool:
-    file = os.open(path, os.O_RDWR)
-    try:
-        return lock_file(file, wait=False)
-    finally:
-        os.close(file)
 
 
 if sys.platform == "win32":
@@ -209,7 +205,9 @@ def write_whole(store: str | PathLike[str], path: str | PathLike[str], *pieces: 
             with contextlib.suppress(OSError):  # on a file system without locks, leftovers are removed after a time
                 lock_file(stream.fileno(), wait=False)
             for piece in pieces:
-                _write_all(stream, piece)
+                rest = memoryview(piece)
+                while rest:
+                    rest = rest[stream.write(rest) :]
             if os.name == "posix":  # other systems cannot rename an open file
                 os.replace(stage, path)
         if os.name != "posix":
@@ -222,22 +220,13 @@ def write_whole(store: str | PathLike[str], path: str | PathLike[str], *pieces: 
 
 def is_left(stage: str | PathLike[str]) -> bool:
     """Return whether a staged file was left by a killed process. An empty one may not be locked yet."""
-    try:
+    with contextlib.suppress(OSError):
         file = os.open(stage, os.O_RDWR)
-    except OSError:
-        return False
-    try:
-        return os.fstat(file).st_size > 0 and lock_file(file, wait=False)
-    except OSError:
-        return False
-    finally:
-        os.close(file)
-
-
-def _write_all(stream: FileIO, piece: bytes) -> None:
-    rest = memoryview(piece)
-    while rest:
-        rest = rest[stream.write(rest) :]
+        try:
+            return os.fstat(file).st_size > 0 and lock_file(file, wait=False)
+        finally:
+            os.close(file)
+    return False
 
 
 def has(store: str | PathLike[str], kind: str, key: str) -> bool:

@@ -14,6 +14,7 @@ from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import hide
 from mjcompose.base.files import read_regular
 from mjcompose.base.limits import advice, in_force, written
+from mjcompose.base.report import counted
 from mjcompose.sources.fetching import Silence, patience, waiting
 from mjcompose.sources.reference import SourceError, is_this_machine, take_apart
 from mjcompose.sources.trust import is_private
@@ -85,8 +86,7 @@ class _Download:
             TimeoutError,
         )  # fmt: skip
 
-        last, pause = "", 0.0
-        attempt = 0
+        last, pause, attempt = "", 0.0, 0
         while attempt < _TRIES and not self.silence.is_nearly_over:
             if attempt:
                 own = _PAUSE * 2**attempt
@@ -106,31 +106,23 @@ class _Download:
                 # urllib3 also reports a refused connection as a timeout.
                 if isinstance(error, TimeoutError) and not isinstance(error, NewConnectionError):
                     last = f"the server said nothing for {patience(self.environment):g} s"
-                if isinstance(getattr(error, "original_error", error), NameResolutionError):
-                    raise self._no_name(last) from None
+                message = f"`{self.url}` cannot be fetched: "
+                if isinstance(getattr(error, "original_error", error), NameResolutionError):  # as in a second, too
+                    message += "the name of its server cannot be resolved"
+                    help = "check the network and the address; with `--offline` what is in the store is used"
+                    raise SourceError("source-fetch", message, notes=(last,), help=help) from None
                 if "CERTIFICATE_VERIFY_FAILED" in last:
-                    raise self._untrusted(last) from None
-        raise SourceError(
-            "source-fetch",
-            f"`{self.url}` cannot be fetched",
-            notes=(f"after {attempt} {'tries' if attempt > 1 else 'try'}: {last}",),
-            help="try again later, which goes on from where it broke off; a slow server gets more time with"
-            " `MJCOMPOSE_TIMEOUT=120`; with `--offline` what is in the store is used",
-        )
-
-    def _no_name(self, said: str) -> SourceError:
-        """Return the error for an unknown network or server: another try a second later would fail too."""
-        return SourceError(
-            "source-fetch", f"`{self.url}` cannot be fetched: the name of its server cannot be resolved",
-            notes=(said,), help="check the network and the address; with `--offline` what is in the store is used",
-        )  # fmt: skip
-
-    def _untrusted(self, said: str) -> SourceError:
-        message = f"`{self.url}` cannot be fetched: its server has no certificate that this machine trusts"
-        help = "name a file with the certificate of its authority in `SSL_CERT_FILE`"
-        return SourceError("source-fetch", message, notes=(said,), help=help)
+                    message += "its server has no certificate that this machine trusts"
+                    help = "name a file with the certificate of its authority in `SSL_CERT_FILE`"
+                    raise SourceError("source-fetch", message, notes=(last,), help=help) from None
+        notes = (f"after {counted(attempt, 'try', 'tries')}: {last}",)
+        help = "try again later, which goes on from where it broke off; a slow server gets more time with"
+        help += " `MJCOMPOSE_TIMEOUT=120`; with `--offline` what is in the store is used"
+        raise SourceError("source-fetch", f"`{self.url}` cannot be fetched", notes=notes, help=help)
 
     def _pool(self, url: str) -> PoolManager:
+        import urllib.request
+
         import urllib3
 
         parts = urlsplit(url)
@@ -139,7 +131,8 @@ class _Download:
         named = (f"{parts.scheme}_proxy", f"{parts.scheme.upper()}_PROXY", "all_proxy", "ALL_PROXY")
         proxy = next((value for name in named if (value := self.environment.get(name))), None)
         spared = self.environment.get("no_proxy") or self.environment.get("NO_PROXY") or ""
-        if proxy and not _is_spared(parts.netloc, spared):
+        bypass: Any = getattr(urllib.request, "proxy_bypass_environment")  # noqa: B009  public, and not in the stubs
+        if proxy and not bypass(parts.netloc, {"no": spared}):
             try:
                 return urllib3.ProxyManager(proxy if "://" in proxy else f"http://{proxy}", timeout=timeout)
             except (ValueError, urllib3.exceptions.HTTPError) as error:
@@ -173,17 +166,14 @@ class _Download:
                 finally:
                     response.close()
             at = self._next(at, leads_to)
-        raise SourceError(
-            "source-fetch", f"`{self.url}` leads on more than {_HOPS} times", notes=(f"last to `{hide(at)}`",)
-        )
+        message = f"`{self.url}` leads on more than {_HOPS} times"
+        raise SourceError("source-fetch", message, notes=(f"last to `{hide(at)}`",))
 
     def _next(self, at: str, leads_to: str) -> str:
         """Return the target of a redirect. Unencrypted addresses are refused, except on this machine."""
         way = take_apart(leads_to, at)
         if way is None or way.scheme not in ("http", "https"):
-            raise SourceError(
-                "source-fetch", f"`{self.url}` leads to `{hide(leads_to)}`, which is not an address of the web"
-            )
+            raise SourceError("source-fetch", f"`{self.url}` leads to `{hide(leads_to)}`, which is no web address")
         leads_to = way.geturl()
         was_open = self.url.startswith("http:")
         if way.scheme == "http" and not (was_open and is_this_machine(way.netloc)):
@@ -241,7 +231,7 @@ class _Download:
         length = response.headers.get("Content-Length", "")
         total = size + int(length) if length.isdigit() else 0
         self._note.write_text(json.dumps({"etag": version.etag, "modified": version.modified}), encoding="utf-8")
-        seconds = patience(self.environment)
+        seconds, of = patience(self.environment), f" of {total}" if total else ""
         reported = since = time.monotonic()
         before = size
         with self.partial.open("ab" if size else "wb") as file:
@@ -258,17 +248,13 @@ class _Download:
                     now = time.monotonic()
                     if now - since >= seconds and size != total:
                         if size - before < _LEAST:
-                            of = f" of {total}" if total else ""
-                            raise _Broken(
-                                f"the transfer was given up after {size}{of} bytes: less than 1 KiB came"
-                                f" in {seconds:g} s"
-                            )
+                            slow = f"less than 1 KiB came in {seconds:g} s"
+                            raise _Broken(f"the transfer was given up after {size}{of} bytes: {slow}")
                         since, before = now, size
                     if now - reported > 1:
                         reported = now
                         self.progress(f"  {size >> 20} MiB" + (f" of {total >> 20} MiB" if total else ""))
             except HTTPError as error:
-                of = f" of {total}" if total else ""
                 why = ": it came to a halt" if isinstance(error, TimeoutError) else ""
                 raise _Broken(f"the transfer broke off after {size}{of} bytes{why}") from None
         if total and size != total:
@@ -290,13 +276,6 @@ def forget(partial: Path) -> None:
     """Remove a download that is finished or useless."""
     partial.unlink(missing_ok=True)
     partial.with_suffix(".version").unlink(missing_ok=True)
-
-
-def _is_spared(host: str, spared: str) -> bool:
-    import urllib.request
-
-    bypass: Any = getattr(urllib.request, "proxy_bypass_environment")  # noqa: B009  public, and not in the stubs
-    return bool(bypass(host, {"no": spared}))
 
 
 _OBJECT = re.compile(r"<.*?>: |HTTPS?Connection(Pool)?\(.*?\): ")

@@ -83,19 +83,15 @@ class _Repository:
                 commit = refs.get(f"{name}^{{}}", refs[name])
                 self.store.remember(self.id, {"commit": commit})
                 return commit
-        if _ABBREVIATED.fullmatch(revision):
-            return self._whole_hash(revision, refs)
-        raise self._no_revision(refs)
-
-    def _whole_hash(self, short: str, refs: Mapping[str, str]) -> str:
-        """Return the commit for an abbreviated hash, which needs the whole history."""
-        with scratch("git") as folder:
+        if not _ABBREVIATED.fullmatch(revision):
+            raise self._no_revision(refs)
+        with scratch("git") as folder:  # an abbreviated hash needs the whole history
             try:
-                self._history(Path(folder))
-                found = self._git.run("rev-parse", "--verify", "-q", f"{short}^{{commit}}", folder=Path(folder))
+                self._history(folder)
+                question = ("rev-parse", "--verify", "-q", f"{revision}^{{commit}}")
+                commit = self._git.run(*question, folder=folder).decode().strip()
             except GitFailure:
                 raise self._no_revision(refs) from None
-        commit = found.decode().strip()
         self.store.remember(self.id, {"commit": commit})
         return commit
 
@@ -149,10 +145,9 @@ class _Repository:
 
     def _unreachable(self, failure: GitFailure) -> SourceError:
         if _NO_ROOM.search(failure.said) or (_TOO_LARGE.search(failure.said) and _files_are_small()):
-            return SourceError(
-                "store-unusable", f"the store `{self.store.folder}` has no room for `{self.reference.name}`",
-                notes=words_of(failure), help="make room, or name another folder in `MJCOMPOSE_CACHE`",
-            )  # fmt: skip
+            message = f"the store `{self.store.folder}` has no room for `{self.reference.name}`"
+            help = "make room, or name another folder in `MJCOMPOSE_CACHE`"
+            return SourceError("store-unusable", message, notes=words_of(failure), help=help)
         for found, limit in ((_TOO_LARGE, "source-size"), (_NO_MEMORY, "git-memory")):
             if found.search(failure.said):
                 most = written(limit, getattr(in_force(), limit.replace("-", "_")))

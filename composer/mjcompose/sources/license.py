@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Iterable
+from contextlib import suppress
 from functools import lru_cache
 from pathlib import Path
 
@@ -64,10 +65,8 @@ def identify(text: str) -> str | None:
     if declared is not None:
         return declared[1]
     plain = " ".join(re.sub(r"[\s#*/;]+", " ", text.casefold().replace("licence", "license")).split())
-    found: list[tuple[int, str]] = []
-    for name, phrase in _PHRASES:
-        if (match := re.search(phrase, plain)) is not None:
-            found.append((match.start(), name))
+    matches = ((re.search(phrase, plain), name) for name, phrase in _PHRASES)
+    found = [(match.start(), name) for match, name in matches if match is not None]
     if (match := re.search(_BSD, plain)) is not None:
         clauses = "BSD-4-Clause" if re.search(_BSD_4, plain) else "BSD-3-Clause"
         found.append((match.start(), clauses if re.search(_BSD_3, plain) else "BSD-2-Clause"))
@@ -80,20 +79,16 @@ def license_of(source: Source) -> str | None:
     The model file itself comes first (`SPDX-License-Identifier`), then its license files, then the package.
     Different license files are joined by AND.
     """
-    if (declared := _DECLARED.search(_text(source.path, _HEAD))) is not None:
+    if (declared := _DECLARED.search(_heads.ask(os.fspath(source.path)))) is not None:
         return declared[1]
-    named = sorted({name for path in source.licenses if (name := identify(_text(path, _LARGEST))) is not None})
+    named = sorted({name for path in source.licenses if (name := identify(_texts.ask(os.fspath(path)))) is not None})
     if named:
         return " AND ".join(f"({each})" if " OR " in each and len(named) > 1 else each for each in named)
     return source.license if all(map(is_empty, source.licenses)) else None
 
 
 def is_empty(license: Path) -> bool:
-    return not _text(license, _LARGEST).strip()
-
-
-def _text(path: Path, size: int) -> str:
-    return _heads.ask(os.fspath(path)) if size == _HEAD else _texts.ask(os.fspath(path))
+    return not _texts.ask(os.fspath(license)).strip()
 
 
 def _read(path: str, size: int) -> str:
@@ -155,19 +150,14 @@ def find(model: Path, base: Path | None = None) -> tuple[Path, ...]:
     for _ in range(LEVELS + 1):
         if folder.name in ("site-packages", "dist-packages"):
             break
-        if found := tuple(sorted(_in_folder(folder))):
-            return found
+        with suppress(OSError):
+            paths = (folder / name for name in licenses_in(os.fspath(folder)))
+            if found := tuple(sorted(path for path in paths if os.path.isfile(path))):
+                return found
         if folder in (top, folder.parent) or os.path.exists(folder / ".git"):
             break
         folder = folder.parent
     return ()
-
-
-def _in_folder(folder: Path) -> list[Path]:
-    try:
-        return [path for name in licenses_in(os.fspath(folder)) if os.path.isfile(path := folder / name)]
-    except OSError:
-        return []
 
 
 def is_license(name: str) -> bool:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Iterator
+from contextlib import suppress
 from importlib.machinery import ModuleSpec
 from importlib.util import find_spec
 from pathlib import Path, PurePosixPath
@@ -30,7 +31,7 @@ from mjcompose.sources.reference import (
 )
 
 if TYPE_CHECKING:
-    # Takes as long to import as the rest of the room together, so it is imported on first use.
+    # It takes as long to import as the rest of the package, so it is imported on first use.
     from importlib.metadata import Distribution
 
 _FORM = Form("package:NAME/path/in/package.xml", "a file inside an installed Python package")
@@ -85,11 +86,8 @@ def distribution(name: str) -> Distribution | None:
     from importlib import metadata
 
     top = name.partition(".")[0]
-    try:
+    with suppress(metadata.PackageNotFoundError):
         same_name = metadata.distribution(top)
-    except metadata.PackageNotFoundError:
-        pass
-    else:
         if any(file.parts[0] == top for file in same_name.files or ()):
             return same_name
     owners = metadata.packages_distributions().get(top, [])
@@ -112,15 +110,14 @@ def _found(reference: Reference, path: Path, root: Path) -> Source:
 
 def _license_of(owner: Distribution) -> str | None:
     metadata = owner.metadata
-    written = {name: (metadata.get_all(name) or [None])[0] for name in ("License-Expression", "License")}
-    return of_package(written["License-Expression"], written["License"], metadata.get_all("Classifier") or ())
+    expression, written = ((metadata.get_all(name) or [None])[0] for name in ("License-Expression", "License"))
+    return of_package(expression, written, metadata.get_all("Classifier") or ())
 
 
 def _licenses_of(owner: Distribution) -> Iterator[Path]:
     for file in owner.files or ():
-        if not file.parts[0].endswith((".dist-info", ".egg-info")):
-            continue
-        if license.is_license(file.name) or "licenses" in file.parts[1:-1]:
+        is_license = license.is_license(file.name) or "licenses" in file.parts[1:-1]
+        if is_license and file.parts[0].endswith((".dist-info", ".egg-info")):
             path = Path(str(owner.locate_file(file)))
             if os.path.isfile(path):
                 yield path

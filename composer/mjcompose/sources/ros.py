@@ -58,13 +58,10 @@ def folders(names: tuple[str, ...], urdf: Path, given: Mapping[str, Path]) -> di
 
 def all_folders(urdf: Path, given: Mapping[str, Path]) -> dict[str, Path]:
     """Every package that a file may name: those that are given, and the folders above it by all their names."""
-    above: dict[str, Path] = {}
-    for folder in reversed(list(_above(urdf))):
-        above[folder.name] = folder
-    for folder in reversed(list(_above(urdf))):  # a clone may be called otherwise than the package in it
-        if (called := _called(folder)) is not None:
-            above[called] = folder
-    return {**above, **given}
+    folders = Path(os.path.abspath(urdf)).parents[::-1]
+    # A clone may have another name than its package.
+    called = {name: folder for folder in folders if (name := _called(folder)) is not None}
+    return {**{folder.name: folder for folder in folders}, **called, **given}
 
 
 def in_workspace(folder: Path) -> Iterator[tuple[str, Path]]:
@@ -96,8 +93,5 @@ def _called(folder: Path) -> str | None:
 
 def beside(name: str, urdf: Path) -> Path | None:
     """Return a folder of that name beside one above the file. It is probably meant, but only suggested."""
-    return next((found for folder in _above(urdf) if os.path.isdir(found := folder / name)), None)
-
-
-def _above(urdf: Path) -> Iterator[Path]:
-    yield from Path(os.path.abspath(urdf)).parents
+    parents = Path(os.path.abspath(urdf)).parents
+    return next((found for folder in parents if os.path.isdir(found := folder / name)), None)

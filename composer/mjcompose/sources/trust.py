@@ -70,12 +70,13 @@ def check_reach(reference: Reference, kind: SourceKind, origin: Origin, trust: T
             return
         if host is not None and not is_private(host, offline):
             return
-    except Exception:  # what cannot be judged is refused
-        what = "what cannot be judged"
+    except Exception:  # a guard that fails refuses
+        what = "something that mjcompose cannot check"
     else:
         what = "something on this machine" if host is None else f"`{host}`, which is on this machine or in its network"
     message = f"`{reference.text}` names {what}, and `{origin.id}`, whose recipe does, was fetched"
-    help = f'if you trust it with that, write in your own recipe `trust: {{references: ["{_prefix(reference)}"]}}`'
+    trusted = reference.text if reference.kind.is_local else reference.id
+    help = f'if you trust it with that, write in your own recipe `trust: {{references: ["{trusted}"]}}`'
     raise SourceError("source-outside", message, help=help)
 
 
@@ -110,17 +111,13 @@ def _address(text: str) -> ipaddress.IPv4Address | ipaddress.IPv6Address | None:
     except ValueError:
         pass
     else:
-        return _inner(found)
+        return (isinstance(found, ipaddress.IPv6Address) and found.ipv4_mapped) or found
     if not re.fullmatch(r"(0x[0-9a-f]*|\d+)(\.(0x[0-9a-f]*|\d+)){0,3}", text):
         return None
     try:
         return ipaddress.IPv4Address(socket.inet_aton(text))
     except OSError:
         return None
-
-
-def _inner(address: ipaddress.IPv4Address | ipaddress.IPv6Address) -> ipaddress.IPv4Address | ipaddress.IPv6Address:
-    return (isinstance(address, ipaddress.IPv6Address) and address.ipv4_mapped) or address
 
 
 @cache
@@ -136,7 +133,3 @@ def _addresses(name: str) -> tuple[ipaddress.IPv4Address | ipaddress.IPv6Address
     if None in addresses:
         raise ValueError(name)
     return tuple(each for each in addresses if each is not None)
-
-
-def _prefix(reference: Reference) -> str:
-    return reference.id if not reference.kind.is_local else reference.text

@@ -87,8 +87,10 @@ def unpack(archive: Path, target: Path) -> None:
             looks = ": it looks like a web page" if start.lstrip()[:1] == b"<" else ""
             raise Unsafe(f"it is neither a zip nor a tar{looks}")
         raw = open_regular(archive, size, is_source=False)
-        with raw, raw if opener is None else opener(raw) as plain, _tar(plain) as tar:
-            _write(_tar_members(tar), target, packed)
+        with raw, raw if opener is None else opener(raw) as plain:
+            bounded: Any = _Bounded(plain)
+            with tarfile.open(fileobj=bounded, mode="r:") as tar:
+                _write(_tar_members(tar), target, packed)
     except _BROKEN as fault:
         raise Unsafe(f"it is broken: {str(fault) or type(fault).__name__}") from fault
     except OSError as fault:
@@ -131,11 +133,6 @@ _KINDS = {
     stat.S_IFLNK: "a link", stat.S_IFCHR: "a device", stat.S_IFBLK: "a device", stat.S_IFIFO: "a pipe",
     stat.S_IFSOCK: "a socket",
 }  # fmt: skip
-
-
-def _tar(stream: IO[bytes]) -> tarfile.TarFile:
-    bounded: Any = _Bounded(stream)
-    return tarfile.open(fileobj=bounded, mode="r:")
 
 
 def _tar_members(archive: tarfile.TarFile) -> Iterator[tuple[str, IO[bytes] | None]]:
@@ -208,10 +205,7 @@ def resolve(reference: Reference, lookup: Lookup) -> Source:
     id, known = reference.id, lookup.fetching.origins
     if id not in known:
         store = Store.of(lookup.environment)
-        entry = _Archive(
-            reference, id, store, environment=lookup.environment, fetching=lookup.fetching,
-            is_confined=lookup.is_confined,
-        ).entry()  # fmt: skip
+        entry = _Archive(reference, id, store, lookup).entry()
         known[id] = Origin(id, reference.kind, entry.content, sha256=entry.key, stored=entry.files)
     return source_in(known[id], reference)
 
@@ -221,9 +215,11 @@ class _Archive:
     reference: Reference
     id: str
     store: Store
-    environment: Mapping[str, str]
-    fetching: Fetching
-    is_confined: bool
+    lookup: Lookup
+
+    @property
+    def fetching(self) -> Fetching:
+        return self.lookup.fetching
 
     def entry(self) -> Entry:
         written = self.reference.revision
@@ -257,12 +253,12 @@ class _Archive:
         url = self.reference.name
         self.fetching.progress(f"fetching {url}")
         known = Version(seen.get("etag", ""), seen.get("modified", "")) if had is not None else Version()
+        environment, progress, is_confined = self.lookup.environment, self.fetching.progress, self.lookup.is_confined
         version = download(
-            url, partial, environment=self.environment, progress=self.fetching.progress, known=known,
-            is_confined=self.is_confined,
-        )  # fmt: skip
+            url, partial, environment=environment, progress=progress, known=known, is_confined=is_confined
+        )
         if version is None:
-            assert had is not None, "only what is at hand is asked about"
+            assert had is not None, "only a known version can be unchanged"
             return had
         try:
             sha256 = sha256_of(partial)
@@ -284,15 +280,10 @@ class _Archive:
         return entry
 
     def _changed(self, wanted: str, sha256: str, changes: tuple[str, ...]) -> SourceError:
-        pinned = "the reference" if self.reference.revision else "the lock"
-        return SourceError(
-            "source-changed",
-            f"the archive `{self.reference.name}` is not the one that {pinned} pins",
-            notes=(f"sha256 {wanted} is pinned, {sha256} is there", *changes[:8]),
-            help=(
-                "write the new sha256 if that is the archive that is wanted"
-                if self.reference.revision
-                else f"see what it holds now, then run `mjcompose lock {self.fetching.recipe} --upgrade-source"
-                f" {self.id}`"
-            ),
-        )
+        pinned, help = "the reference", "if you want that archive, write the new sha256"
+        if not self.reference.revision:
+            upgrade = f"mjcompose lock {self.fetching.recipe} --upgrade-source {self.id}"
+            pinned, help = "the lock", f"see what it contains now, then run `{upgrade}`"
+        message = f"the archive `{self.reference.name}` is not the one that {pinned} pins"
+        notes = (f"sha256 {wanted} is pinned, {sha256} is there", *changes[:8])
+        return SourceError("source-changed", message, notes=notes, help=help)
