@@ -272,9 +272,9 @@ def expanded(
 def _made(
     root: Node, attached: Callable[[Node], Weight], in_file: Callable[[Node], int]
 ) -> tuple[dict[Node, Weight], Weight]:
-    """What each that is expanded makes, in the order of the tree, and how large the tree is with all that.
+    """Return the weight of each expanded element, in the order of the tree, and the weight of the whole tree.
 
-    Of what one makes, the elements are those that are not written. Without recursion, however deep a model is.
+    An expanded element does not count the elements that are written in it. No recursion, however deep a model is.
     """
     by_default = default_dofs(root)
     nodes = list(root.iter("*"))
@@ -301,7 +301,7 @@ def _made(
 
 
 def _expanded(node: Node, inside: Weight, attached: Callable[[Node], Weight], in_file: Callable[[Node], int]) -> Weight:
-    """What stands in the place of an element, which itself counts as one more."""
+    """Return the weight of the elements that replace an element, which itself counts as one more."""
     one = Weight(1)
     if node.tag == "replicate":
         # MuJoCo (4.0) takes its time for each copy, even where there is nothing to copy.

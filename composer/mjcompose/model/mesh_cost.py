@@ -52,7 +52,7 @@ def points_in(data: bytes, kind: str) -> int:
 
 
 def most_points(size: int, kind: str) -> int | None:
-    """Return an upper bound of the points of a file with so many bytes; None if only its bytes can tell.
+    """Return an upper bound of the points of a file of `size` bytes; None if only its bytes can tell.
 
     >>> most_points(84 + 50 * 12, "stl"), most_points(1000, "obj")
     (36, 312)
@@ -143,7 +143,7 @@ def file_points(element: Node, unit: Unit) -> int:
 
 
 def _in_file(element: Node, unit: Unit, count: _Count) -> int | None:
-    """What `count` says of a file, which is not opened for `most_points`."""
+    """Return the `count` of a file, which `most_points` does not open."""
     path = written_path(unit.settings, element, str(element.get("file") or ""))
     # MuJoCo believes `content_type` rather than the name.
     told = str(element.get("content_type") or "").lower().rpartition("/")[2]
@@ -247,10 +247,7 @@ def _has_hull(mesh: Node, hulled: set[str] | None) -> bool:
 
 
 def _hulled(root: Node) -> set[str] | None:
-    """The names of the meshes that MuJoCo looks for hulls of; None where any may be among them.
-
-    It does so for a geom that may collide, and for what asks for it by itself.
-    """
+    """Return the names of the meshes whose hulls MuJoCo computes: those of geoms that may collide; None for any."""
     asks = (*root.iterfind("contact/pair"), *root.iter("distance", "normal", "fromto"))
     is_convex = any(each.get("inertia") == "convex" for each in root.iter("mesh"))
     if asks or is_convex or any(each.get("mesh") for each in root.iterfind("default//geom")):

@@ -1,4 +1,4 @@
-"""Shapes that stand for a mesh: made, simplified and measured, in the child process.
+"""Shapes that replace a mesh: fitted, simplified and measured, in the child process.
 
 `beyond` is how far the shapes reach out of the mesh at most, `short` how far the mesh reaches out of the shapes; the
 greater of the two is the Hausdorff distance of the two solids. `uncovered` is the share of the mesh's surface that is
@@ -206,7 +206,7 @@ def measured(mesh: Mesh, shapes: Sequence[Shape]) -> dict[str, Any]:
 
 
 def measure_surfaces(mesh: Mesh, other: Mesh) -> dict[str, Any]:
-    """The same of a mesh that takes the place of another: how far each surface is from the other."""
+    """Return the same for a mesh that replaces another: how far each surface is from the other."""
     sides = []
     for one, two in ((other, mesh), (mesh, other)):
         points = numpy.vstack((on_surface(one.solid, _POINTS), _some(one.vertices)))
@@ -227,7 +227,7 @@ def _distances(beyond: float, short: float) -> dict[str, float]:
 
 
 def _some(vertices: numpy.ndarray) -> numpy.ndarray:
-    """All of them, or of very many every so many."""
+    """Return all vertices, or evenly spaced ones if there are very many."""
     return vertices[:: max(1, -(-len(vertices) // _VERTICES))]
 
 
@@ -299,7 +299,7 @@ def _winding(mesh: Mesh, points: numpy.ndarray) -> numpy.ndarray:
 
 
 def _volume(shapes: Sequence[Shape]) -> float:
-    """Of all shapes together: what several have is counted once."""
+    """Return the volume of all shapes together; shared parts count once."""
     if len(shapes) == 1:
         return shapes[0].volume
     whole = 0.0
@@ -319,11 +319,11 @@ NEEDS = {
 
 
 def make(mujoco: Any, argument: dict[str, Any]) -> dict[str, Any]:
-    """For `mjcompose.mujoco.engine.call`: what comes of a mesh.
+    """Return the shapes for a mesh; runs under `mjcompose.mujoco.engine.call`.
 
-    The argument has the attributes of the `mesh`, the `method`, what is `wanted` of it, and `most_faces`. The answer
-    has `missing` where a package is not installed, `unusable` where nothing can be made of the mesh, and otherwise what
-    `mjcompose.build.compose.shape_store` keeps.
+    The argument has the attributes of the `mesh`, the `method`, its settings in `wanted`, and `most_faces`. The answer
+    has `missing` if a package is not installed, `unusable` if the method does not work for the mesh, and otherwise the
+    entry of `mjcompose.build.compose.shape_store`.
     """
     method, wanted = argument["method"], argument["wanted"]
     versions = {}

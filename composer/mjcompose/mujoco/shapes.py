@@ -74,12 +74,12 @@ def read_mesh(mujoco: Any, attributes: dict[str, str], most_faces: int) -> Mesh:
 
 
 def on_surface(solid: Any, count: int, seed: int = 0) -> numpy.ndarray:
-    """So many points, as many on each part of the surface as it is large."""
+    """Return `count` points, evenly spread over the surface."""
     return with_faces(solid, count, seed)[0]
 
 
 def with_faces(solid: Any, count: int, seed: int = 0) -> tuple[numpy.ndarray, numpy.ndarray]:
-    """The same, with the face that each is on."""
+    """Return the same points, and the face of each."""
     random = numpy.random.Generator(numpy.random.PCG64(seed))
     ends = numpy.cumsum(solid.area_faces)
     faces = numpy.searchsorted(ends, random.random(count) * ends[-1])
@@ -93,7 +93,7 @@ def with_faces(solid: Any, count: int, seed: int = 0) -> tuple[numpy.ndarray, nu
 
 
 def in_solid(shape: Any, count: int) -> numpy.ndarray:
-    """Points in the box around a shape, as many as it takes for so many to be inside, or nearly; those inside."""
+    """Return about `count` points inside a shape, drawn from the box around it."""
     random = numpy.random.Generator(numpy.random.PCG64(0))
     low, high = shape.solid.bounds
     share = max(shape.volume / float(numpy.prod(high - low)), 0.05)
@@ -107,7 +107,7 @@ _FINE = 4
 
 
 def rounded(number: float) -> float:
-    """A number as MuJoCo keeps it in a mesh, which has seven digits; the same on all machines that agree so far."""
+    """Return a number with seven digits, as MuJoCo keeps it in a mesh: the same on every machine."""
     return float(f"{number:.7g}") + 0.0
 
 
@@ -227,10 +227,10 @@ Shape = Hull | Primitive
 
 
 def hull_of(vertices: numpy.ndarray, most: int | None = None) -> Hull:
-    """The convex hull of points, with at most so many vertices."""
+    """Return the convex hull of points, with at most `most` vertices."""
     from scipy.spatial import ConvexHull
 
-    # Qhull starts with a tetrahedron and stops after so many more vertices; so MuJoCo has it for `maxhullvert`.
+    # Qhull starts with a tetrahedron and stops after `TA` more vertices, as MuJoCo lets it for `maxhullvert`.
     found = ConvexHull(vertices, qhull_options="Qt" if most is None else f"Qt TA{most - 4}")
     kept = numpy.unique(found.simplices)
     faces = numpy.searchsorted(kept, found.simplices)
@@ -258,9 +258,9 @@ _FACTORS = {"large": (0.001, "its file is in millimetres"), "small": (1000, "it 
 
 @dataclass(frozen=True, slots=True)
 class Measured:
-    """What a mesh measures: `size` is the diagonal of the box around it, in metres, as it stands in the model.
+    """The measurements of a mesh: `size` is the diagonal of the box around it, in metres, in the model.
 
-    It is closed if every edge has two faces. `open_edges` of `edges` have not; None where nobody counted.
+    It is closed if every edge has two faces. `open_edges` of `edges` have not; None if they are not known.
     """
 
     size: float
@@ -272,7 +272,7 @@ class Measured:
 
 @dataclass(frozen=True, slots=True)
 class Doubt:
-    """Why a mesh is hardly what was meant: `large`, `small`, `flat` or `open`, as the end of a sentence (`what`)."""
+    """Why a mesh is hardly intended: `large`, `small`, `flat` or `open`; `what` is the end of a sentence."""
 
     kind: str
     what: str
@@ -292,10 +292,10 @@ class Doubt:
 
 
 def doubts(mesh: Measured, reach: float, *, touches: bool = True, inside: str | None = None) -> Iterator[Doubt]:
-    """Yield what is doubtful of a mesh. `reach` is the greatest distance of neighbouring bodies, in metres.
+    """Yield the doubts about a mesh. `reach` is the greatest distance of neighbouring bodies, in metres.
 
-    What is only seen (`touches` is false) may be flat. `inside` says what needs an inside, as a clause; a mesh may be
-    open without it, for MuJoCo lets its convex hull collide.
+    A mesh that nothing touches (`touches` is false) may be flat. `inside` is a clause about its use that needs an
+    inside; without it a mesh may be open, because MuJoCo lets its convex hull collide.
 
     >>> [each.what for each in doubts(Measured(300.0), 0.4)]
     ['is 300 m from corner to corner, and neighbouring bodies are at most 0.4 m apart']
