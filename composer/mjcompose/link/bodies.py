@@ -170,7 +170,6 @@ def _report_lost(linking: Linking, lost: Iterable[Part]) -> None:
 
 
 def _report_missing_place(linking: Linking, part: Part) -> None:
-    """Report that the place of a part does not exist."""
     kind, name = part.place.kind, part.place.name or ""
     added = [] if linking.later_places is None else linking.later_places.names()
     names = [

@@ -326,8 +326,7 @@ def _found_in_the_end(classes: Classes, own: DefaultClass, tag: str) -> DefaultC
 
 
 def _found_nowhere(classes: Classes, own: DefaultClass, tag: str) -> DefaultClass | None:
-    """Return None, for MuJoCo's own values without a class."""
-    return None
+    return None  # MuJoCo's own values without a class
 
 
 def _is_of(found: DefaultClass, tag: str) -> bool:

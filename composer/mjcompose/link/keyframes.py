@@ -210,7 +210,6 @@ def _carry_slot(place: Pose, slot: Slot, vector: str, values: list[str]) -> list
 
 
 def _carry_references(linking: Linking, part: Part, layout: Layout) -> None:
-    """Move the measured references of a part with it."""
     pose = part.pose_in_world
     if pose is None:
         return

@@ -127,7 +127,6 @@ class _UnitRenaming:
         )
 
     def _report_repeated(self, clash: _Clash) -> None:
-        """Report a name that a source itself declares twice."""
         name = clash.name.removeprefix(self.prefix)
         attribute = "name" if clash.namespace != "default" else "class"
         self.linking.sink.error(

@@ -311,7 +311,6 @@ def _shown(unit: Unit, source: str) -> str:
 
 
 def _same_bytes(one: bytes | Path, other: bytes | Path) -> bool:
-    """Return whether two files, in memory or on disk, have the same bytes."""
     if one == other:
         return True
     try:

@@ -174,7 +174,7 @@ def compile_model(model: Model, conflict: Policy) -> tuple[MjModel, Snapshot]:
     name_files(flat)
     text = write(flat.unit.root)
     compiled = compile_text(text, contents(flat), flat)
-    issue_warnings(flat)
+    issue_warnings(flat.warnings)
     return compiled, _snapshot(model, copies, flat, roster=NameTable(compiled))
 
 
@@ -307,5 +307,5 @@ def to_spec(model: Model, conflict: Policy) -> Any:
         spec = mujoco.MjSpec.from_string(xml_text(flat.unit.root), include=models, assets=files)
     except (ValueError, mujoco.FatalError) as error:
         raise compile_error(error, write(flat.unit.root), flat) from None
-    issue_warnings(flat)
+    issue_warnings(flat.warnings)
     return spec

@@ -143,8 +143,11 @@ def check(
         both = " and ".join(f"`{name}`" for name in turned)
         raise failure("wrong-type", f"`<{kind.tag}>` can have one orientation, got {both}")
     _check_name(model, kind, edit, node=node, frame=frame)
-    if node is not None and frame is None:
-        edit.skins = _skins(model, kind, edit, node=node)
+    naming = naming_attribute(kind)
+    if node is not None and frame is None and naming is not None and naming.declares == "body":
+        before, new = model.declared(node), edit.texts.get(naming.name)
+        if before and new and before[1] != new:
+            edit.skins = skins_after_renaming(model, before[1], new)
     return edit
 
 
@@ -251,9 +254,11 @@ def _check_name(model: Model, kind: ElementType, edit: Edit, node: Node | None, 
     after_file = kind.path in NAMED_AFTER_FILE
     if node is not None and edit.texts.keys().isdisjoint({attribute.name, "file"} if after_file else {attribute.name}):
         return
-    name = _text_after(edit, node, attribute.name)
-    if not name and after_file and (file := _text_after(edit, node, "file")):
-        name = stem(file)
+    texts: dict[str, str | None] = {} if node is None else {str(key): str(text) for key, text in node.items()}
+    texts.update(edit.texts)
+    name = texts.get(attribute.name)
+    if not name and after_file and (file := texts.get("file")):
+        name = stem(str(file))
     if frame is not None:
         name = frame.child.prefix + (name or "")
     if not name:
@@ -276,22 +281,6 @@ def _check_name(model: Model, kind: ElementType, edit: Edit, node: Node | None, 
         notes=(Note(f"{describe(taken.model, taken.node)} is here", taken.model.span(taken.node)),),
         help="give one of the two another name",
     )
-
-
-def _text_after(edit: Edit, node: Node | None, attribute: str) -> str | None:
-    """Return the text of an attribute after the edit."""
-    if attribute in edit.texts or node is None:
-        return edit.texts.get(attribute)
-    return node.get(attribute)
-
-
-def _skins(model: Model, kind: ElementType, edit: Edit, node: Node) -> Skins:
-    """Return the new skin files if the edit renames a body."""
-    attribute = naming_attribute(kind)
-    if attribute is None or attribute.declares != "body" or attribute.name not in edit.texts:
-        return []
-    before, name = model.declared(node), edit.texts[attribute.name]
-    return skins_after_renaming(model, before[1], name) if before and name and before[1] != name else []
 
 
 def check_lists(renaming: Renaming[Model]) -> None:

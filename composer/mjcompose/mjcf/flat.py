@@ -83,7 +83,9 @@ def with_unique_names(files: Sequence[FileUse]) -> list[tuple[FileUse, str]]:
 
 def is_inner(use: FileUse, files: Iterable[FileUse]) -> bool:
     """Return whether a file is used by a sub-model and not by the model itself."""
-    return not use.shared and any(use.path.startswith(_folder(each)) for each in files if _is_model(each))
+    return not use.shared and any(
+        use.path.startswith(f"{each.path.removesuffix('.xml')}/") for each in files if _is_model(each)
+    )
 
 
 def rename_file(element: Node, attribute: str, file: str) -> None:
@@ -97,18 +99,13 @@ def _is_model(use: FileUse) -> bool:
     return not use.shared and use.path.endswith(".xml")
 
 
-def _folder(model: FileUse) -> str:
-    """Return the folder of a sub-model's files."""
-    return f"{model.path.removesuffix('.xml')}/"
-
-
 def _with_file_names(model: FileUse, names: Mapping[str, str]) -> FileUse:
     """Return the sub-model with the new names of its files, which are relative to its own folder."""
-    start = f"{posixpath.dirname(model.path)}/"
+    start, folder = f"{posixpath.dirname(model.path)}/", f"{model.path.removesuffix('.xml')}/"
     changed = {
         path.removeprefix(start): name.removeprefix(start)
         for path, name in names.items()
-        if path != name and path.startswith(_folder(model))
+        if path != name and path.startswith(folder)
     }
     if not changed or model.content is None:
         return model
@@ -348,13 +345,9 @@ def _check(model: Model, conflict: Policy) -> None:
     raise_errors(names)
 
 
-def issue_warnings(flat: Flat) -> None:
+def issue_warnings(warnings: list[Diagnostic]) -> None:
     """Issue the warnings from linking as `MjcfWarning`s, at the line of the caller's program."""
-    _issue(flat.warnings)
-
-
-def _issue(diagnostics: list[Diagnostic]) -> None:
-    for each in diagnostics:
+    for each in warnings:
         warn(render(each), MjcfWarning)
 
 
@@ -363,7 +356,7 @@ def text(model: Model, conflict: Policy) -> str:
     state = _state(model, conflict) if model.attachments else None
     if model.written is not None and model.written[0] == state:
         _, found, warnings = model.written
-        _issue(warnings)
+        issue_warnings(warnings)
         return found
     _check(model, conflict)
     known = relocated_text(model, label(model))
@@ -371,7 +364,7 @@ def text(model: Model, conflict: Policy) -> str:
         return known
     flat = link_checked(model, conflict, copy_unit, check_keys=False)
     name_files(flat)
-    issue_warnings(flat)
+    issue_warnings(flat.warnings)
     found = to_text(flat.unit.root)
     model.written = None if state is None or flat.is_measured else (state, found, flat.warnings)
     return found

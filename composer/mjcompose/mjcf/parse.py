@@ -279,7 +279,7 @@ def _files(model: RootElement, model_filename: str, conflict: Policy) -> tuple[d
         check_paths(files)
     except BundleError as error:
         raise failure("file-unreadable", f"a file of the model cannot be exported: {error}") from None
-    issue_warnings(flat)
+    issue_warnings(flat.warnings)
     return files, [*flat.unit.origins.texts, *(use.source for use in flat.files)]
 
 
