@@ -142,9 +142,9 @@ def test_all_names_are_known_afterwards(workshop: Workshop) -> None:
     names = linked.linking.names
     model = linked.model()
     for kind, counted in (("body", model.nbody - 1), ("joint", model.njnt), ("camera", model.ncam)):
-        assert len(names.of(kind)) == counted
+        assert len(names.known(kind)) == counted
     for kind in ("site", "geom", "material", "mesh", "texture", "tendon", "numeric", "tuple", "skin", "flex"):
-        assert all(name.startswith("a/") or name == "mark" for name in names.of(kind))
+        assert all(name.startswith("a/") or name == "mark" for name in names.known(kind))
     found = names.find("body", "a/tip")
     assert found is not None
     assert found.get("pos") == ".3 0 0"

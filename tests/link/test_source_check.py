@@ -97,7 +97,7 @@ def test_all_bad_values_are_told_at_once(workshop: Workshop) -> None:
         ('<size njmax=" "/>', "wrong-type", "`njmax` of `<size>` is empty"),
         ('<keyframe><key name="a"/></keyframe><keyframe><key name="a"/></keyframe>', "name-clash", "two keys are called `a`"),
         ('<worldbody><geom mode="x" size="1"/></worldbody>', "unknown-attribute", "`mode` is not an attribute of `<geom>`"),
-        ("<worldbody><frame><bone/></frame></worldbody>", "unknown-element", "`<bone>` cannot stand in `<frame>`"),
+        ("<worldbody><frame><bone/></frame></worldbody>", "unknown-element", "`<bone>` cannot be in `<frame>`"),
     ],
 )  # fmt: skip
 def test_what_would_get_lost_is_told(workshop: Workshop, inside: str, code: str, message: str) -> None:
