@@ -1,4 +1,4 @@
-"""What one run may cost: every limit with its name, its default, and what it bounds.
+"""The limits of one run, each with its name, its default, and the work that it bounds.
 
 Each is checked before the work that it bounds. `--limit NAME=VALUE` raises it on the command line, `allow` in Python.
 """
@@ -89,7 +89,7 @@ class Limits:
 
 
 NAMES = {each.name.replace("_", "-"): each for each in fields(Limits)}
-"""What each limit is called on the command line."""
+"""The limits by their names on the command line."""
 _DEFAULTS = Limits()
 _IN_FORCE: ContextVar[Limits] = ContextVar("mjcompose.base.limits", default=_DEFAULTS)
 
@@ -101,7 +101,7 @@ def in_force() -> Limits:
 
 @contextmanager
 def allow(**changed: float) -> Iterator[Limits]:
-    """Other limits for what is done in the block. Raises ValueError for one that is not greater than zero.
+    """Change limits within the block. Raises ValueError for a limit that is not greater than zero.
 
     >>> with allow(expansion=1_000_000):
     ...     in_force().expansion
@@ -122,7 +122,7 @@ class Advice(str):
 
 
 def advice(name: str, needed: float | None = None) -> Advice:
-    """The help of an error about a limit: how to raise it to what is `needed`, where that is known.
+    """Return the help of an error about a limit: how to raise it, to `needed` if that is known.
 
     >>> advice("copies", 12000)
     'if that is meant, raise the limit: `--limit copies=12000`'
@@ -139,7 +139,7 @@ def advice(name: str, needed: float | None = None) -> Advice:
 
 
 def written(name: str, value: float) -> str:
-    """A limit's value as a person writes it.
+    """Return a limit's value as a person writes it.
 
     >>> written("xml-size", 64 * 2**20), written("copies", 10000), written("time", 300.0)
     ('64M', '10000', '300')
@@ -151,7 +151,7 @@ def written(name: str, value: float) -> str:
 
 
 def read(name: str, text: str) -> float | None:
-    """The value that a text gives a limit; None for what is none.
+    """Return the value that a text gives a limit; None if it is not a value.
 
     >>> read("memory", "2G"), read("copies", "10"), read("copies", "-1"), read("time", "0.5")
     (2147483648, 10, None, 0.5)
@@ -171,7 +171,7 @@ def read(name: str, text: str) -> float | None:
 
 
 def parse_size(text: str) -> int | None:
-    """A number of bytes, as `500M` or `2.5G`; None for what is none. No I/O.
+    """Return the bytes of a size such as `500M` or `2.5G`; None if it is not a size. No I/O.
 
     >>> parse_size("2K"), parse_size("0"), parse_size("many")
     (2048, 0, None)

@@ -96,7 +96,7 @@ def to_text(lock: Lock) -> str:
 
 
 def kind_of(locked: Locked) -> SourceKind:
-    """Return the row of a source's kind. It exists, because a lock with an unknown kind is not read. No I/O."""
+    """Return the row of a source's kind, which exists: a lock with an unknown kind is not read. No I/O."""
     kind = kind_called(locked.kind)
     assert kind is not None, locked.kind
     return kind

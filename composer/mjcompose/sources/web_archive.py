@@ -205,7 +205,7 @@ def resolve(reference: Reference, lookup: Lookup) -> Source:
     id, known = reference.id, lookup.fetching.origins
     if id not in known:
         store = Store.of(lookup.environment)
-        entry = _Archive(reference, id, store, lookup).entry()
+        entry = _Archive(reference, id, store, lookup=lookup).entry()
         known[id] = Origin(id, reference.kind, entry.content, sha256=entry.key, stored=entry.files)
     return source_in(known[id], reference)
 
