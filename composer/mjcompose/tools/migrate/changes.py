@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from functools import partial
 from typing import TYPE_CHECKING, TypeAlias
 
 from mjcompose.model.grammar import version_key
@@ -75,26 +76,20 @@ def drop(places: str, attribute: str, harmless: str | None = None, lost: str = "
     return carry_out, None
 
 
-def advise(places: str, message: str, help: str | None, matches: Matches = lambda editing, node: True) -> Acts:
-    """Warn at each matching element: no rule can migrate it."""
-
+def _report(
+    report: Callable[..., None], places: str, message: str, help: str | None,
+    matches: Matches = lambda editing, node: True,
+) -> Acts:  # fmt: skip
     def carry_out(editing: Editing) -> None:
         for node in editing.at(*places.split()):
             if matches(editing, node):
-                editing.warn(node, message.format(called=called(node)), help)
+                report(editing, node, message.format(called=called(node)), help=help)
 
     return carry_out, carry_out
 
 
-def refuse(places: str, message: str, help: str, matches: Matches = lambda editing, node: True) -> Acts:
-    """Report an error at each matching element: the other version has nothing that means the same."""
-
-    def carry_out(editing: Editing) -> None:
-        for node in editing.at(*places.split()):
-            if matches(editing, node):
-                editing.refuse(node, message.format(called=called(node)), help)
-
-    return carry_out, carry_out
+advise, refuse = partial(_report, Editing.warn), partial(_report, Editing.refuse)
+"""Report each matching element, which no rule can migrate: as a warning, or as an error."""
 
 
 def _plugin(name: str, version: str, plugins: tuple[str, ...], places: str, help: str) -> Change:

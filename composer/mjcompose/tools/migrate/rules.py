@@ -101,15 +101,13 @@ def split_passive(editing: Editing) -> None:
 
 def join_passive(editing: Editing) -> None:
     for node in editing.at("option/flag"):
-        values = {name: node.get(name) or "enable" for name in ("spring", "damper")}
-        if values["spring"] != values["damper"]:
+        spring, damper = node.get("spring"), node.get("damper")
+        if (spring or "enable") != (damper or "enable"):
             message = f"MuJoCo {editing.after} can only disable springs and dampers together"
-            editing.refuse(node, message, attribute="spring" if node.get("spring") else "damper")
-        elif node.get("spring") is not None:
-            editing.rename(node, "spring", "passive")
+            editing.refuse(node, message, attribute="spring" if spring else "damper")
+        elif spring is not None or damper is not None:
+            editing.rename(node, "damper" if spring is None else "spring", "passive")
             editing.unset(node, "damper")
-        elif node.get("damper") is not None:
-            editing.rename(node, "damper", "passive")
 
 
 def layers_by_role(editing: Editing) -> None:
@@ -228,17 +226,18 @@ def quats_that_are_read(editing: Editing) -> None:
         editing.refuse(node, message, f"write it as `{form}`, or remove `{form}` from the class", attribute="quat")
 
 
-def limits_that_were_ignored(editing: Editing) -> None:
+def _limit_tendons(editing: Editing, value: str) -> None:
     """Before 3.14 a tendon's `actuatorfrcrange` did nothing without `actuatorfrclimited`."""
     for node in editing.at("tendon/spatial", "tendon/fixed"):
-        if node.get("actuatorfrcrange") is not None and node.get("actuatorfrclimited") is None:
-            editing.set(node, "actuatorfrclimited", "false")
+        has_range = editing.value(node, "actuatorfrcrange") if value == "true" else node.get("actuatorfrcrange")
+        if has_range is not None and node.get("actuatorfrclimited") is None:
+            editing.set(node, "actuatorfrclimited", value)
 
 
-def limits_in_effect(editing: Editing) -> None:
-    for node in editing.at("tendon/spatial", "tendon/fixed"):
-        if editing.value(node, "actuatorfrcrange") is not None and node.get("actuatorfrclimited") is None:
-            editing.set(node, "actuatorfrclimited", "true")
+limits_that_were_ignored, limits_in_effect = (
+    partial(_limit_tendons, value="false"),
+    partial(_limit_tendons, value="true"),
+)
 
 
 def limited_by_hand(editing: Editing) -> None:
