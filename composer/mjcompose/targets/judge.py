@@ -132,7 +132,7 @@ def facts_of(mujoco: Any, model: Any, asked: Facts, losses: Sequence[Loss] = ())
 
 
 def _erased(model: Any, losses: Sequence[Loss]) -> Any:
-    """Return a copy of the model in which what is lost does nothing."""
+    """Return a copy of the model in which lost elements do nothing."""
     model = copy.copy(model)
     for loss in losses:
         if loss.feature == "computing":
@@ -156,11 +156,8 @@ def differences(
 
     `single` allows for a consumer that computes in single precision.
     """
-    unmoved = [
-        Loss(name, "joint", number, tag="joint", name="")
-        for name in facts.get("without", ())
-        for number in range(model.njnt)
-    ]
+    joints, without = range(model.njnt), facts.get("without", ())
+    unmoved = [Loss(name, "joint", number, tag="joint", name="") for name in without for number in joints]
     truth = facts_of(mujoco, model, asked, losses=[*losses, *unmoved])
     lost = {(loss.feature, loss.name) for loss in losses}
     composite = bool(facts.get("composite"))

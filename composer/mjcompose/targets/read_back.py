@@ -87,8 +87,8 @@ def interpreter(reader: Reader, environment: Mapping[str, str]) -> str | None:
 def read_back(reader: Reader, python: str, model: Path, questions: dict[str, Any]) -> dict[str, Any] | str:
     """Return the facts of a model as the program reads it, or an error message.
 
-    The facts are those of `judge.py`: numbers by name, the count of shapes, poses, and the end of a motion. Files are
-    written beside the folder of the model.
+    The facts are as in `judge.py`: numbers by name, the count of shapes, poses, and the end of a motion. Files are
+    written next to the folder of the model.
     """
     asked, out = model.parent.with_suffix(".poses.json"), model.parent.with_suffix(".facts.json")
     asked.write_text(json.dumps(questions), encoding="utf-8")

@@ -129,9 +129,8 @@ def _plain(draft: Draft) -> Any:
 
 def _options(draft: Draft) -> None:
     mine, plain = draft.model.opt, _plain(draft).opt
-    changed = [
-        _WORDS.get(name, name) for name in _OPTIONS if not np.array_equal(getattr(mine, name), getattr(plain, name))
-    ]
+    names = [name for name in _OPTIONS if not np.array_equal(getattr(mine, name), getattr(plain, name))]
+    changed = [_WORDS.get(name, name) for name in names]
     for option in draft.root.iterchildren("option"):
         if changed:
             draft.lose("computing", option, "it has settings of its own", what=_listed(changed))
@@ -166,10 +165,9 @@ def _bits(draft: Draft) -> None:
 def _joints(draft: Draft) -> None:
     model, plain = draft.model, _plain(draft)
     for number, node in draft.of("joint"):
-        if model.jnt_limited[number]:
-            changed = _changed(model, plain, number, names=("solref", "solimp", "margin"), kind="jnt")
-            if changed:
-                draft.lose("softness", node, what=f"{_listed(changed)} of the limits")
+        changed = _changed(model, plain, number, names=("solref", "solimp", "margin"), kind="jnt")
+        if changed and model.jnt_limited[number]:
+            draft.lose("softness", node, what=f"{_listed(changed)} of the limits")
 
 
 def _gravcomp(draft: Draft) -> None:

@@ -1,4 +1,4 @@
-"""The definition of a target, of its limits, and of what is lost."""
+"""The definition of a target, its limits, and losses."""
 
 from __future__ import annotations
 

@@ -10,7 +10,7 @@ import mujoco
 import pytest
 from mjcompose.base.diagnostic import Diagnostic
 from mjcompose.build.stages import Request, build
-from mjcompose.link import key_layout, keyframes, numbers, unit_keys
+from mjcompose.link import key_layout, keyframes, numbers
 from mjcompose.link.key_layout import Layout
 from mjcompose.link.unit_keys import MARK
 from mjcompose.mujoco.engine import Session
@@ -218,6 +218,6 @@ def test_only_a_bare_model_with_the_same_names_is_a_measure(names: str) -> None:
 
 
 def test_a_layout_that_reads_sources_wrongly_is_found(wrong: Wrong, monkeypatch: pytest.MonkeyPatch) -> None:
-    cut = unit_keys.holders
-    monkeypatch.setattr("mjcompose.link.keyframes.holders", lambda layout, vector: cut(layout, vector)[::-1])
+    cut = Layout.holders
+    monkeypatch.setattr(Layout, "holders", lambda layout, vector: cut(layout, vector)[::-1])
     assert wrong("base: ./posts.xml\nattach: {t: {model: {base: ./posts.xml}, pos: [0, 0, 5]}}")

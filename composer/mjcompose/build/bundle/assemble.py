@@ -79,7 +79,7 @@ def _elements(root: Node, kind: str) -> Iterator[Node]:
 
 
 def _of_body(body: Node, tags: tuple[str, ...]) -> Iterator[Node]:
-    """Yield the elements of a body, including those in frames, before those of child bodies: MuJoCo's order."""
+    """Yield the elements of a body, including those in frames, before the elements of child bodies: MuJoCo's order."""
     inner = list(through_frames(body))
     yield from (each for each in inner if each.tag in tags)
     for each in inner:
@@ -92,7 +92,7 @@ Renamed = Mapping[str, Mapping[str, Mapping[str, str]]]
 
 
 def renamed_in(model: Unit, members: Iterable[PartRecord]) -> Renamed:
-    """Return what edits renamed, traced back through later prefixes; elements removed since are left out."""
+    """Return what edits renamed, traced back through later prefixes; without elements removed since."""
     by_prefix = {member.prefix: member.part for member in reversed(list(members))}
     found: dict[str, dict[str, dict[str, str]]] = {}
     for node, steps in model.origins.renamed.items():

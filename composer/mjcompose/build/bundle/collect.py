@@ -125,7 +125,7 @@ def _missing(model: Unit, use: FileUse, error: OSError, sink: Sink, shown: Calla
     # Missing files of one folder are one finding, unless they need different corrections.
     folder: Path | None = None
     if near := closest(source.name, beside):
-        # The tree of a URDF has what is written; in that of a model it is a path of the bundle by now.
+        # The tree of a URDF has the written path; the tree of a model already has the path in the bundle.
         written = str(use.element.get("filename") or "") if use.attribute == "filename" else ""
         help = f"did you mean `{''.join(written.rpartition('/')[:2])}{near[0]}`?"
     elif sink.error_count < _LOOKED_FOR and (elsewhere := _found_elsewhere(source)):

@@ -29,7 +29,7 @@ class Row:
 
 def license_rows(plan: Plan, context: Context) -> list[Row]:
     """Return a row for each part, with the base named after its file. Reads license files and the heads of models."""
-    from mjcompose.build.bundle.assemble import sources  # what was built before needs none of this
+    from mjcompose.build.bundle.assemble import sources  # a model from the cache needs none of this
     from mjcompose.sources.license import is_empty, license_of
 
     rows = []
@@ -62,6 +62,6 @@ def report_unlicensed(rows: Iterable[Row], context: Context) -> None:
     context.sink.warning(
         "license-missing",
         f"nothing says under which license {names} may be passed on",
-        help="put a `LICENSE` with its text beside the model, or"
+        help="put a `LICENSE` with its text next to the model, or"
         " `<!-- SPDX-License-Identifier: CC-BY-4.0 -->` at its top",
     )

@@ -76,7 +76,7 @@ COLUMNS: Mapping[str, type] = {
     "model": str, "cell": str, "sample": int, "path": str, "sha256": str, "mujoco": str, "checks": int,
     **dict.fromkeys(SIZES, int),
 }  # fmt: skip
-"""The columns of every model, followed by those of the matrix and of draws."""
+"""The columns of every model, followed by the columns of the matrix and of draws."""
 
 
 class ListingError(DiagnosticError):

@@ -213,9 +213,6 @@ def named_model(manifest: bytes) -> str:
 def _models(files: Mapping[str, bytes]) -> list[str]:
     """Return the MJCF files that no other MJCF file includes or attaches."""
     models = {path: content for path, content in files.items() if _ROOT.match(content)}
-    named = {
-        posixpath.basename(name.decode("utf-8", "replace"))
-        for content in models.values()
-        for name in _NAMED.findall(content)
-    }
+    references = [name.decode("utf-8", "replace") for content in models.values() for name in _NAMED.findall(content)]
+    named = set(map(posixpath.basename, references))
     return sorted(path for path in models if posixpath.basename(path) not in named)

@@ -262,7 +262,7 @@ class OutputOrigin:
 
 
 def origin_of_output(out: Path | str) -> OutputOrigin | None:
-    """Return what the manifest of an output says, or None if there is no readable one."""
+    """Return the origin in the manifest of an output, or None if there is no readable manifest."""
     try:
         manifest = json.loads(_manifest(out))
         chosen = {name: manifest[name] for name in ("cell", "sample") if manifest[name] is not None}

@@ -5,9 +5,10 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import field, replace
+from functools import partial
 from hashlib import sha256
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Severity
@@ -105,34 +106,31 @@ def source_files(plan: Plan, model: Unit, uses: Iterable[FileUse]) -> Iterator[P
     yield from (Path(use.source) for use in uses if use.content is None)
 
 
-def load_files(record: Record, cache: Cache) -> dict[str, bytes] | None:
-    """Return the files of a bundle, or None if one of them is lost or changed."""
-    found: dict[str, bytes] = {}
+_File = TypeVar("_File")
+
+
+def load_files(record: Record, load: Callable[[KeptFile], _File | None]) -> dict[str, _File] | None:
+    """Return the files of a bundle, each as `load` returns it, or None if one of them is lost or changed."""
+    files: dict[str, _File] = {}
     for file in record.files:
-        content = cache.raw(file)
-        if content is None:
+        loaded = load(file)
+        if loaded is None:
             return None
-        found[file.path] = content
-    return found
+        files[file.path] = loaded
+    return files
 
 
-def load_packed(record: Record, cache: Cache) -> dict[str, Packed] | None:
-    """Return the compressed files of a bundle, or None if one of them is lost."""
+def load_packed(file: KeptFile, cache: Cache) -> Packed | None:
+    """Return a file of a bundle in compressed form, or None if it is lost."""
     from mjcompose.build.bundle.write import level_of, pack
 
-    whole: dict[str, Packed] = {}
-    for file in record.files:
-        level = level_of(file.path)
-        packed = cache.packed(file.sha256, level) if level else None
-        if packed is None:
-            content = cache.raw(file)
-            if content is None:
-                return None
-            packed = pack(content, level)
-            if level:
-                cache.keep_packed(file.sha256, level, packed)
-        whole[file.path] = packed
-    return whole
+    level = level_of(file.path)
+    packed = cache.packed(file.sha256, level) if level else None
+    if packed is None and (content := cache.raw(file)) is not None:
+        packed = pack(content, level)
+        if level:
+            cache.keep_packed(file.sha256, level, packed)
+    return packed
 
 
 OutputLocator = Callable[[str, "str | None"], "Location | None"]
@@ -182,8 +180,8 @@ class Maker:
         if self.cache is None:
             return None
         if self._key is None:
-            context = self.context
-            self._key = self.options.key(self.recipe, context.folder, context.environment, self.cache.store.folder)
+            context, store = self.context, self.cache.store.folder
+            self._key = self.options.key(self.recipe, context.folder, context.environment, store=store)
         return self._key if cell is None else self._key.of_cell(cell, values or {})
 
     def recall(
@@ -305,11 +303,11 @@ class Maker:
         if target is None or made.text is not None:
             return made
         if self.form == "archive":
-            packed = load_packed(record, self.cache)
+            packed = load_files(record, partial(load_packed, cache=self.cache))
             return None if packed is None else replace(made, packed=packed)
         from mjcompose.build.bundle.bundle import Bundle
 
-        files = load_files(record, self.cache)
+        files = load_files(record, self.cache.raw)
         return None if files is None else replace(made, bundle=Bundle(files, record.model))
 
     def _planned(self, plan: Plan, cell: str | None) -> CacheKey:
@@ -354,7 +352,7 @@ class Maker:
         recipes = tuple(replace(each, sha256=states.get(each.path, "")) for each in record.recipes)
         if recipes == record.recipes:
             return record
-        files = load_files(record, self.cache)
+        files = load_files(record, self.cache.raw)
         if files is None or len(recipes) != len(states) or not all(each.sha256 for each in recipes):
             return None
         hashes = {each.name: each.sha256 for each in recipes}

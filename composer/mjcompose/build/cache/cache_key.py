@@ -259,7 +259,7 @@ class BuildOptions:
 def plan_content(plan: Plan) -> list[object]:
     """Return everything that determines the result of a plan besides the contents of files, as JSON data. No I/O.
 
-    Lines and columns in recipes are left out, but not the files, because paths are relative to them.
+    It has the files of recipes, because paths are relative to them, but no lines and columns.
     """
     found: list[object] = []
     for each in plan.plans():

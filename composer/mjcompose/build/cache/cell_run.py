@@ -43,7 +43,7 @@ Finish = Callable[[BuildResult, Maker, Context, Session], "BuildResult | None"]
 class CellResult:
     """The result of a cell: `result` is None if it failed.
 
-    `diagnostics` are its own, `of_run` those of the run as a whole; `outcomes` are its checks, `files` its
+    `diagnostics` are its own, `of_run` the diagnostics of the run as a whole; `outcomes` are its checks, `files` its
     inputs, and `timings` the time of each stage. Can be pickled.
     """
 
@@ -178,7 +178,7 @@ def _working(job: Job | RecipeJob, on_keep: OnKeep | None) -> Iterator[tuple[Cac
 
 @dataclass(frozen=True, slots=True)
 class Job:
-    """What a worker needs to make cells as this process would: `CellMaker` as data. Can be pickled."""
+    """The data of a `CellMaker`, so a worker makes cells as this process would. Can be pickled."""
 
     recipe: Path
     options: BuildOptions
@@ -212,7 +212,7 @@ class Job:
 
 @dataclass(frozen=True, slots=True)
 class RecipeJob:
-    """What a worker needs to make one model of each of several recipes. Can be pickled."""
+    """The data for a worker that makes one model of each of several recipes. Can be pickled."""
 
     options: BuildOptions
     store: Store | None
@@ -314,7 +314,7 @@ class CellRun:
             stages.planned(request, replace(maker.context, sink=Sink()))
 
     def _taken(self, result: CellResult) -> CellResult:
-        """Add what a cell reports about the run as a whole, with one time for each stage, to the maker's context."""
+        """Add the times of a cell, one for each stage, and its reports about the run to the maker's context."""
         maker = self.making.maker
         seconds: dict[str, float] = {}
         for stage, took in (*maker.context.timings, *result.timings):

@@ -75,7 +75,7 @@ class Inputs:
     def others(self, built: Built, context: Context) -> tuple[str, ...]:
         """Return all other files: models, included files, assets, licenses and the folders searched for them, lock.
 
-        Shapes made of meshes are searched for beside the lock, even if there are none yet.
+        Shapes made of meshes are next to the lock; they count even if there are none yet.
         """
         found = self._planned(built.plan, built.plan.sources(), context)
         model = built.composed.model
@@ -89,7 +89,7 @@ class Inputs:
         return tuple(path for path in found if path not in recipes)
 
     def planned(self, plan: Plan, context: Context) -> tuple[str, ...]:
-        """Return the inputs that are known before composition, without those of installed packages."""
+        """Return the inputs that are known before composition, without the inputs of installed packages."""
         own = (each for each in plan.sources() if each.package is None or each.version is None)
         found = dict.fromkeys((*self.recipes(plan), *self._planned(plan, own, context)))
         if plan.works_on_meshes and context.fetching is not None and context.fetching.lock_file is not None:
@@ -106,7 +106,7 @@ class Inputs:
         return dict.fromkeys(found)
 
     def packages(self, plan: Plan) -> Iterator[tuple[str, str, str]]:
-        """Yield the packages that affect the result, and those that contain sources."""
+        """Yield the packages that affect the result, and the packages that contain sources."""
         known = list(plan.sources())
         named = [each.package for each in known if each.package]
         named += [library.name for each in known for library in each.kind.libraries]

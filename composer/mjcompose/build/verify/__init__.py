@@ -1,1 +1,1 @@
-"""MuJoCo compiles the result; each part is what it is alone."""
+"""Compile the result in MuJoCo, and compare each part with its source."""

@@ -34,7 +34,7 @@ class NestedRecipe:
 
     `part` is its name there with a separator behind it, empty for the outermost recipe. `prefix` starts all its
     names, `others` are longer prefixes that do not belong to it, and `keys` starts the names of its keyframes; None
-    if they were left out.
+    if they were omitted.
     """
 
     plan: Plan
@@ -67,7 +67,7 @@ class NestedRecipe:
 
 
 def checks_in(plan: Plan) -> Iterator[tuple[NestedRecipe, Check]]:
-    """Yield the checks of a plan, then those of its nested recipes."""
+    """Yield the checks of a plan, then the checks of its nested recipes."""
     for place in plan.walk():
         if isinstance(inner := place.model, Plan):
             part = f"{place.part}{inner.separator}" if place.part else ""
@@ -84,9 +84,9 @@ _RUNS: Table[Callable[..., dict[str, Any]]] = Table("checks", {}, "run", modules
 
 @dataclass(frozen=True)
 class Checks:
-    """The checks of a model that the session keeps; `run` reports those that fail to the sink of `context`.
+    """The checks of a model that the session keeps; `run` reports failed checks to the sink of `context`.
 
-    `bundle` is the model with its files, and `shapes` is what was made of meshes.
+    `bundle` is the model with its files, and `shapes` are made of meshes.
     """
 
     plan: Plan
@@ -171,7 +171,7 @@ def _place(check: Check, recipe: NestedRecipe) -> Span:
 
 
 def report(finding: Fault, check: Check, recipe: NestedRecipe, context: Context) -> None:
-    """Report what a check finds, at the value that it is about, or else at the word of the check."""
+    """Report a finding of a check at its value, or else at the word of the check."""
     path = (*check.at, *finding.at)
     value = find(recipe.plan.document, path) if finding.at else None
     span = locate(recipe.plan.document, path, key=value is None or isinstance(value, Mapping))

@@ -90,8 +90,7 @@ def compile_and_report(
 def _words_for(element: Node | None) -> str:
     if element is None:
         return "the model"
-    name = element.get("name")
-    return f"`<{element.tag}>` `{name}`" if name else f"`<{element.tag}>`"
+    return f"`<{element.tag}>`" + (f" `{element.get('name')}`" if element.get("name") else "")
 
 
 def _report_unread(element: Node, name: str | None, model: Unit, context: Context) -> None:
@@ -162,7 +161,7 @@ def _with_sources(message: str, model: Unit, context: Context) -> str:
 
 WHOLE = "whole"
 """The name under which the session keeps the composition."""
-# Greedy: the match may include what stands between two sections of one name, but it never misses anything.
+# Greedy: the match may include text between two sections of one name, but it never misses anything.
 _OF_FILES = [
     re.compile(rb"<%b\b[^>]*>(?:.*</%b>)?" % (tag, tag), re.DOTALL) for tag in (b"asset", b"default", b"compiler")
 ]

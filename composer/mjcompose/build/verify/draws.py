@@ -261,7 +261,7 @@ def compute_worlds(mujoco: Any, model: Model, asked: dict[str, Any]) -> list[str
     """Write every number that differs in some world to the file `out`, and return the names of the arrays.
 
     Runs under `mjcompose.mujoco.engine.call`. `draws` is a file with a row for each world, `(worlds, columns)`;
-    `columns` says where the numbers go; `stored` says what is written. The model is restored afterwards.
+    `columns` says where the numbers go. The model is restored afterwards.
     """
     draws, columns = np.load(asked["draws"], allow_pickle=False), asked["columns"]
     found, computed = Recorder(model), DerivedValues(mujoco, model, mujoco.MjData(model))

@@ -80,7 +80,7 @@ def check_kept_keys(model: Unit, notes: KeyNotes, session: engine.Session, sink:
 
 
 def _held_key(key: Node, model: Unit, notes: KeyNotes) -> WrittenKey | None:
-    """Return what the recipe writes into a key if it holds a pose."""
+    """Return the recipe's entries of a key if it holds a pose."""
     record = model.origins.keys.get(key)
     written = notes.written.get(record.keys[0]) if record is not None and record.keys else None
     return written if written is not None and written.held else None
@@ -88,14 +88,14 @@ def _held_key(key: Node, model: Unit, notes: KeyNotes) -> WrittenKey | None:
 
 @dataclass(slots=True)
 class _KeyMeanings:
-    """Finds what a key means, from the keys and entries that it is made of."""
+    """Finds the meaning of a key, from the keys and entries that it is made of."""
 
     model: Unit
     notes: KeyNotes
     sources: Mapping[Node, tuple[BareModel, Mapping[str, Any] | None]]
 
     def of(self, key: Node) -> Meant | None:
-        """Return what a key means; None if that is not known, or edits have changed its numbers."""
+        """Return the meaning of a key; None if it is unknown, or edits have changed its numbers."""
         if key in self.notes.edited:
             return None
         if (written := self.notes.written.get(key)) is not None:
@@ -129,7 +129,7 @@ class _KeyMeanings:
         return found
 
     def _read(self, source: BareModel, described: Mapping[str, Any], key: Node) -> Meant:
-        """Return what the key of a source means alone, moved with its part."""
+        """Return the meaning of a source's key, moved with its part."""
         found: Meant = {}
         at = list(source.rows).index(key)
         for vector, count in source.rows[key].items():
@@ -146,7 +146,7 @@ class _KeyMeanings:
 
 
 class _Difference(NamedTuple):
-    """Numbers of a joint, actuator or mocap body that are not what is meant."""
+    """Numbers of a joint, actuator or mocap body that differ from the expected value."""
 
     vector: str
     name: str
@@ -156,7 +156,7 @@ class _Difference(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class _Comparison:
-    """Compares the keys of the `final` model with what is meant; `answer` is MuJoCo's about the bare models."""
+    """Compares the keys of the `final` model with their meaning; `answer` is MuJoCo's about the bare models."""
 
     final: BareModel
     answer: Mapping[str, Any]
@@ -194,7 +194,7 @@ class _Comparison:
 
 
 def _value_of(copies: Sequence[Value], within: Within, default: Sequence[float]) -> Value | None:
-    """Return what is meant for one copy of an element, or None if that is not known."""
+    """Return the expected value of one copy of an element, or None if it is unknown."""
     inside = dict(within)
     alike = [each for each in copies if all(inside.get(r, n) == n for r, n in each.within)]
     if any(not each.numbers for each in alike):

@@ -160,7 +160,7 @@ def compare_part(
 
 
 def _free(alone: Model, prefix: str) -> frozenset[str]:
-    """Return the names of free joints and their bodies in the composition; `#` stands for unnamed ones."""
+    """Return the names of free joints and their bodies in the composition; `#` for unnamed joints and bodies."""
     roster = NameTable(alone)
     free = [index for index, kind in enumerate(alone.jnt_type) if kind == FREE]
     names = [roster.names["joint"][index] for index in free]
