@@ -125,7 +125,7 @@ def _note_changes(plan: Plan, records: list[UnplacedRecord]) -> None:
                 changed += arrays_of("lengthrange")
             for name in sorted(_RESHAPING & written.keys()):
                 for record in records:
-                    record.update(obscure=f"the recipe sets `compiler.{name}`, which removes elements")
+                    record.update(obscure=f"the recipe sets `compiler.{name}`, which takes elements away")
         elif isinstance(step, DrawValues) and step.sample:
             changed += arrays_of_draw(step)
         for record in records:
@@ -322,7 +322,7 @@ def _note_edits(record: UnplacedRecord, edits: Iterable[Edit]) -> None:
     """Note in the record the arrays that edits change in the part, or why it is not compared."""
     for edit in edits:
         if any(verb.reshapes for verb in edit.verbs.values()) and not record.member.reduced:
-            record.update(reduced="the recipe removes, moves or converts elements")
+            record.update(reduced="the recipe takes away, moves or converts elements")
         tag = None if "/" in edit.select.tag else edit.select.tag
         changes = [change for verb in edit.verbs.values() for change in verb.changes(tag)]
         record.add_changed(array for kind, name in changes for array in arrays_of(name, kind))
