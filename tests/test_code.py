@@ -18,7 +18,7 @@ Function = ast.FunctionDef | ast.AsyncFunctionDef
 
 FUNCTIONS_LEFT = Counter(
     """
-    Comparison Correspondence Workshop _give _given _of_use between check_fragment compare compile
+    Comparison Correspondence Workshop _give _given between check_fragment compare compile
     convert_urdf diff element error load load_cell parse_text render render_sheet unknown unknown_attribute
     unknown_name unresolved warning
     """.split()
@@ -29,10 +29,10 @@ CALLS_LEFT = Counter(
     Lens=2, Model=1, Names=1, Question=1, Selection=1, Selector=1, Settable=2, Span=11, Symbol=1,
     Traced=1, Use=2, _Download=1, _Frame=1, _about=1, _added=2, _analysed=1, _angles=1, _apart=1,
     _composed=1, _count=1, _error=4, _fits=1, _in_recipe=2, _insert=4, _is_excepted=1, _is_sound=2,
-    _line=1, _of_use=1, _pattern=1, _rename_parameter=1, _rename_part=1,
+    _line=1, _pattern=1, _rename_parameter=1, _rename_part=1,
     _span=1, _text=1, _up_to_the_next=1, _where=1, add=2, carried=1, check=1,
     drop=4, element=11, failed=11, fetch=2, finish=1, in_brackets=2, items=1, listed=1,
-    names_of=1, open=1, pack=4, packed=1, read_selector=2, rename=1, renamed=2,
+    names_of=1, open=1, pack=4, packed=1, read_selector=2, rename=1,
     row=1, run=2, step=1, syscall=3, unknown=2, unknown_attribute=1, unmet=4, unread_in=1,
     with_item=1, with_key=1, word=3, write_facts=2, write_whole=1,
     values_of=1,

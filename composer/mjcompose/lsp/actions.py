@@ -56,7 +56,6 @@ def with_item(tree: Mapping, lines: Lines[str], file: str, key: str, value: str)
 
 
 def _added(holder: Mapping, lines: Lines[str], file: str, text: str, top: bool) -> Change:
-    """Return the change that adds an entry at the end of a mapping."""
     if not top and _is_flow(holder, lines):
         line, column = _end(holder, file)
         at = lines[line - 1].find("}", column - 1) + 1 or column
@@ -96,7 +95,6 @@ class Offer:
 
     @cached_property
     def tree(self) -> Mapping | None:
-        """Return the tree of the recipe, or None if the current text has none."""
         return self.analysis.mapping if self.analysis.is_current else None
 
     def with_key(self, path: Steps, value: str) -> Change | None:
@@ -149,7 +147,6 @@ def offer_fixes(offered: Offer) -> Iterator[Action]:
 
 
 def offer_near(offered: Offer) -> Iterator[Action]:
-    """Yield a change for each word that fits at the place and resembles the unknown one."""
     question = offered.question
     cursor = question.cursor
     written = cursor.whole.strip()

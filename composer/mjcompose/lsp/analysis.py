@@ -63,7 +63,6 @@ class Shelf:
             self.library.pop(key, None)
 
     def note(self, texts: Entries[str, bytes]) -> None:
-        """Record the marks of the units that were read since the last call."""
         for key, unit in self.library.items():
             if key not in self._marks:
                 self._marks[key] = marks(_files(key, unit), texts)
@@ -251,10 +250,7 @@ class Known:
 
 @dataclass(frozen=True)
 class Names:
-    """The names of a model by namespace, in the order of the model, and the paths of its parts.
-
-    `sources` has the units of the parts, by their paths, and `prefixes` the prefix of each part.
-    """
+    """The names of a model by namespace, the paths of its parts, and by these their units and prefixes."""
 
     known: dict[str, dict[str, Known]] = field(default_factory=dict)
     parts: tuple[str, ...] = ()
@@ -381,10 +377,7 @@ def _closers(line: str) -> str:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Model:
-    """A composed model: its tree, the part of each element, and all that it was composed from.
-
-    `library` has the sources as they were read then, and `texts` what editors had not saved then.
-    """
+    """A composed model: its tree, the part of each element, the sources of that time and unsaved texts of editors."""
 
     unit: Unit
     plan: Plan
@@ -427,7 +420,6 @@ class Analysis:
 
     @cached_property
     def file(self) -> str:
-        """Return the path of the recipe as spans write it."""
         return shown(self.path, self.folder)
 
     @cached_property
@@ -480,7 +472,6 @@ class Question:
 
     @cached_property
     def tree(self) -> Node | None:
-        """Return the tree of the text with the cursor, or None."""
         return repaired(self.lines, self.cursor, self.analysis.tree)
 
     @cached_property

@@ -50,7 +50,6 @@ def begun(question: Question) -> str | None:
 
 
 def offer_expressions(question: Question) -> Iterator[Item]:
-    """Yield the names and functions that the expression may use."""
     if begun(question) is None:
         return
     for each in settables(question.data).values():
@@ -104,20 +103,16 @@ def _is_collection(key: Key) -> bool:
 def offer_names(question: Question) -> Iterator[Item]:
     """Yield the names that fit at the cursor. Names of the most likely kind come first."""
     cursor, analysis = question.cursor, question.analysis
-    for wanted, is_key in _wanted(question):
+    wanted_names: list[tuple[Wanted, bool]] = []
+    if cursor.role in ("key", "either") and (key := wanted_key(cursor.path)) is not None:
+        wanted_names.append((key, True))
+    if (value := wanted_as_value(question)) is not None and not value.pattern:
+        wanted_names.append((value, False))
+    for wanted, is_key in wanted_names:
         for at, (rank, known) in enumerate(fitting(wanted, analysis.names, analysis.plan)):
             colon = ": " if is_key and not cursor.has_colon else ""
             insert, nearness = known.name + colon if colon else "", min(at, 9000) / 10000
             yield Item(known.name, known.namespace, known.detail, rank=rank + nearness, insert=insert)
-
-
-def _wanted(question: Question) -> Iterator[tuple[Wanted, bool]]:
-    cursor = question.cursor
-    if cursor.role in ("key", "either") and (found := wanted_key(cursor.path)) is not None:
-        yield found, True
-    found = wanted_as_value(question)
-    if found is not None and not found.pattern:
-        yield found, False
 
 
 def offer_parameters(question: Question) -> Iterator[Item]:
@@ -150,7 +145,6 @@ _SCHEMES = tuple(form for kind in KINDS for form in kind.forms)
 
 
 def offer_references(question: Question) -> Iterator[Item]:
-    """Yield the continuations of the reference at the cursor."""
     cursor = question.cursor
     is_reference = cursor.path in (("extends",), ("base",)) or (len(cursor.path) > 1 and cursor.path[-1] == "model")
     if cursor.role not in ("value", "either") or not is_reference:
@@ -187,7 +181,6 @@ def _robots(word: str) -> Iterator[Item]:
 
 
 def offer_selectors(question: Question) -> Iterator[Item]:
-    """Yield globs that match existing elements, followed by the names themselves."""
     analysis, wanted = question.analysis, wanted_as_value(question)
     if wanted is None or not wanted.pattern:
         return
@@ -201,7 +194,6 @@ def offer_selectors(question: Question) -> Iterator[Item]:
 
 
 def _globs(found: list[Known], separator: str) -> list[tuple[str, int]]:
-    """Return `PREFIX/*` and `PREFIX/**` for each existing prefix, with the number of names that they match."""
     deep: Counter[str] = Counter()
     flat: Counter[str] = Counter()
     for known in found:

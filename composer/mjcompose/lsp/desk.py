@@ -63,21 +63,10 @@ def carried(found: Iterable[Diagnostic], file: str, old: Sequence[str], new: Seq
     return tuple(kept)
 
 
-def together(now: Sequence[Diagnostic], verified: Sequence[Diagnostic]) -> list[Diagnostic]:
-    """Return the diagnostics of the text and those from MuJoCo. If the text has errors, there is no model."""
-    if any(each.severity is Severity.ERROR for each in now):
-        return list(now)
-    return [*now, *(each for each in verified if each not in now)]
-
-
 def by_file(
     found: Iterable[Diagnostic], own: str, uses: Mapping[str, Span] | None = None
 ) -> Mapping[str, list[Diagnostic]]:
-    """Return diagnostics by the file in which they are shown. Those without a place are shown in the recipe.
-
-    A diagnostic of a model is shown there and where the recipe uses the model, because most editors do not show the
-    diagnostics of files that are not open. `uses` gives the place of use, by file.
-    """
+    """Return diagnostics by file. Those of a model are also shown at its place in `uses`: its file may not be open."""
     files: dict[str, list[Diagnostic]] = {own: []}
     for each in found:
         span = each.span
@@ -90,7 +79,6 @@ def by_file(
 
 
 def uses_of(analysis: Analysis) -> dict[str, Span]:
-    """Return the first place at which a recipe uses each file."""
     found: dict[str, Span] = {}
     for place in analysis.plan.walk() if analysis.plan is not None else ():
         path = getattr(place.model, "path", None)
@@ -128,7 +116,6 @@ _RECIPE = re.compile(r"^(?:recipe|extends)\s*:", re.MULTILINE)
 
 
 def is_recipe(path: Path, text: str) -> bool:
-    """Return whether a YAML file is a recipe: its text or its file name says so."""
     return path.suffix.lower() in RECIPES and bool(_RECIPE.search(text) or path.stem.endswith(".recipe"))
 
 
@@ -289,11 +276,7 @@ class Document:
 
 
 class Desk:
-    """The open documents by path.
-
-    `publish` is called with a file and its diagnostics, and `log` with an error message. Everything runs in the
-    thread of the event loop, except for `Workspace` and `Verifier`, which have one thread each.
-    """
+    """The open documents by path, in the thread of the event loop; `Workspace` and `Verifier` have one thread each."""
 
     def __init__(
         self, folder: Path, publish: Callable[[Path, list[Diagnostic]], None], log: Callable[[str], None]
@@ -325,7 +308,6 @@ class Desk:
             self.changed_on_disk([path])
 
     def changed_on_disk(self, paths: Iterable[Path]) -> None:
-        """Analyse the recipes again that use any of these files."""
         for path in paths:
             self._touched(path, itself=False)
 
@@ -362,7 +344,6 @@ class Desk:
         return whole
 
     async def including(self, path: Path) -> list[Analysis]:
-        """Return the recipes of the workspace that mention a recipe, and so may include it."""
         return await asyncio.get_running_loop().run_in_executor(
             self._analysing, self.workspace.including, path, self.texts()
         )
@@ -433,7 +414,9 @@ class Desk:
         lines = lines_of(analysis.text)
         document.verified = carried(document.verified, analysis.file, document.verified_lines, lines)
         document.verified_lines = lines
-        found = together(analysis.found, document.verified)
+        found = list(analysis.found)
+        if not any(each.severity is Severity.ERROR for each in found):  # with errors there is no model
+            found += [each for each in document.verified if each not in found]
         self._report(document.path, by_file(found, analysis.file, uses_of(analysis)))
 
     def _report(self, path: Path, files: Mapping[str, list[Diagnostic]]) -> None:
@@ -451,7 +434,6 @@ class Desk:
         return [each for reported in self._reported.values() for each in reported.get(file, ())]
 
     async def shut(self) -> None:
-        """Stop all work. Requests get no answers after this."""
         for document in self.documents.values():
             document.stop()
         self._analysing.shutdown(wait=False, cancel_futures=True)

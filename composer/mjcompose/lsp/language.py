@@ -23,7 +23,6 @@ _MOST = 400  # the most schemas for one place: they refer to one another
 
 @cache
 def whole() -> Schema:
-    """Return the schema of a recipe, which the first call creates."""
     return recipe_schema()
 
 
@@ -80,7 +79,6 @@ def keys_of(forms: list[Form]) -> list[Key]:
 
 
 def words_of(forms: list[Form]) -> dict[str, str]:
-    """Return the fixed words that a value of these forms can be, each with its meaning."""
     found: dict[str, str] = {}
     for form in forms:
         schema = form.schema

@@ -27,7 +27,6 @@ from mjcompose.text.node import Mapping, Node, Scalar, Sequence, find, is_templa
 
 
 def definition(question: Question) -> list[Span]:
-    """Return the definitions of the name or reference at the cursor."""
     return list(dict.fromkeys([*_named(question), *_declared(question), *_model(question)]))
 
 
@@ -37,7 +36,6 @@ def _named(question: Question) -> Iterator[Span]:
 
 
 def _declared(question: Question) -> Iterator[Span]:
-    """Yield the key of the part or parameter at the cursor."""
     analysis = question.analysis
     tree, paths = analysis.mapping, [at] if (at := subject.part_named_at(question)) is not None else []
     if (parameter := subject.parameter_at(question)) is not None:
@@ -121,7 +119,6 @@ def hover_in_model(path: File, line: int, analyses: Iterable[Analysis]) -> Hover
 
 
 def references_in_recipes(path: File, line: int, analyses: Iterable[Analysis]) -> list[Span]:
-    """Return the places in recipes and models that refer to the element on a line."""
     found = [span for each in analyses for known in elements_at(path, line, each) for span in uses_of(known, each)]
     return list(dict.fromkeys(found))
 
@@ -165,7 +162,6 @@ def _count(node: Mapping, path: Path, data: dict[str, Any], analysis: Analysis) 
 
 
 def _angles(name: str, value: Node, data: dict[str, Any], forms: list[Form], unit: str) -> Iterator[Hint]:
-    """Yield the unit of each angle that is written without one."""
     items = value.items if isinstance(value, Sequence) else (value,)
     numbers = [item for item in items if isinstance(item, Scalar)]
     if len(numbers) != len(items):
@@ -245,7 +241,6 @@ def references(question: Question, declaration: bool = True) -> list[Span]:
 
 
 def uses_of(known: Known, analysis: Analysis) -> Iterator[Span]:
-    """Yield the places that refer to an element, in the recipe and in the composed model."""
     for use in subject.uses_in(analysis.tree):
         if use.text == name_there(known, use, analysis) and known.namespace in use.wanted.namespaces:
             yield from analysis.all_now([use.span], analysis.tree_of)

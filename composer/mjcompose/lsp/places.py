@@ -30,7 +30,6 @@ if TYPE_CHECKING:
 
 
 def selector_around(question: Question) -> tuple[Path, dict[str, Any]] | None:
-    """Return the path and the data of the innermost selector around a cursor."""
     path = question.path
     for length in range(len(path), 0, -1):
         written = question.at(path[:length])

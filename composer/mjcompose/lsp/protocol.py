@@ -95,7 +95,6 @@ class Frames:
         return None
 
     def _is_valid(self, body: bytes) -> bool:
-        """Return whether a message can be handled; answer it otherwise."""
         try:
             message = json.loads(body)
         except Exception as error:  # also a RecursionError, for what nests too deep
@@ -249,12 +248,12 @@ class Converter:
         return lsp.InlayHint(self.range(found.span).end, found.text, padding_left=True, tooltip=found.doc or None)
 
     def lens(self, found: analysis.Lens) -> lsp.CodeLens:
-        command = lsp.Command(found.title, found.command, arguments=list(found.arguments))
-        return lsp.CodeLens(self.range(found.span), command)
+        return lsp.CodeLens(
+            self.range(found.span), lsp.Command(found.title, found.command, arguments=[*found.arguments])
+        )
 
 
 def _words(found: Diagnostic) -> str:
-    """Return the message, the notes and the help on lines of their own, as in a terminal."""
     notes = [note.message for note in found.listed() if note.span is None]
     help = [f"help: {found.help}"] if found.help else []
     return printable("\n".join([found.message, *notes, *help]))

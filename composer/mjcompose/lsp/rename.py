@@ -153,27 +153,20 @@ def _in_recipe(analysis: Analysis, outer: str, prefix: str, old: str, new: str) 
             yield _written(locate(tree, ("attach", old), key=True), new, analysis)
         has_names = not (isinstance(part, Mapping) and "prefix" in part.entries)
     for use in subject.uses_in(tree):
-        found = _of_use(use, analysis, outer, prefix, old, new, has_names)
-        if found is not None:
-            yield _written(use.span, found, analysis)
+        pattern, changed = use.wanted.pattern, None
+        own = analysis.names.prefixes.get(part_called(use.wanted.of, analysis.plan)) if use.wanted.of else ""
+        if PART in use.wanted.namespaces:
+            above = f"{outer}/" if outer else ""
+            changed = renamed(use.text, above + old, above + new, separator="/", pattern=pattern)
+        elif has_names and own is not None and prefix.startswith(own):
+            inner = prefix[len(own) :]
+            changed = renamed(use.text, inner + old, inner + new, separator=separator, pattern=pattern)
+        if changed is not None:
+            yield _written(use.span, changed, analysis)
     if has_names:
         for path, _, node in walk(tree):
             if path[-1:] == ("xml",) and isinstance(node, Scalar):
                 yield from _in_fragment(node, prefix + old + separator, prefix + new + separator)
-
-
-def _of_use(
-    use: subject.Use, analysis: Analysis, outer: str, prefix: str, old: str, new: str, has_names: bool
-) -> str | None:
-    separator = analysis.separator
-    if PART in use.wanted.namespaces:
-        above = f"{outer}/" if outer else ""
-        return renamed(use.text, above + old, above + new, "/", use.wanted.pattern)
-    own = analysis.names.prefixes.get(part_called(use.wanted.of, analysis.plan)) if use.wanted.of else ""
-    if not has_names or own is None or not prefix.startswith(own):
-        return None
-    inner = prefix[len(own) :]
-    return renamed(use.text, inner + old, inner + new, separator, use.wanted.pattern)
 
 
 def _in_fragment(node: Scalar, old: str, new: str) -> Iterator[Change]:
@@ -220,7 +213,6 @@ def _rename_parameter(old: str, new: str, question: Question, others: Iterable[A
 
 
 def _extended_with(path: Path, analysis: Analysis) -> str | None:
-    """Return the name of the file that this recipe extends and that has something at a path, or None."""
     for source, _ in analysis.plan.extended if analysis.plan is not None else ():
         try:
             tree = load(read_regular(source.path), source.path.name, Sink())

@@ -23,24 +23,12 @@ from pygls.uris import from_fs_path, to_fs_path
 from mjcompose.base.diagnostic import Diagnostic, Span
 from mjcompose.base.files import read_regular, unsaved
 from mjcompose.base.version import __version__
-from mjcompose.lsp import language
+from mjcompose.lsp import language, navigation
 from mjcompose.lsp.actions import Offer, actions
 from mjcompose.lsp.analysis import Analysis, Question, lines_of
 from mjcompose.lsp.completion import complete
 from mjcompose.lsp.desk import Desk, Document
 from mjcompose.lsp.hover import hover
-from mjcompose.lsp.navigation import (
-    COMMANDS,
-    definition,
-    folds,
-    formatted,
-    hints,
-    hover_in_model,
-    lenses,
-    references,
-    references_in_recipes,
-    symbols,
-)
 from mjcompose.lsp.protocol import Converter, Errands, Frames
 from mjcompose.lsp.rename import Refused, rename, renameable
 
@@ -81,7 +69,6 @@ class Server(LanguageServer):
         return self.uris.get(path) or from_fs_path(str(path)) or ""
 
     def lines(self, path: Path) -> list[str]:
-        """Return the lines of a file as the editor or the disk has it."""
         document = self.desk.documents.get(path)
         if document is not None:
             return document.lines
@@ -210,7 +197,7 @@ async def completion(own: Server, params: lsp.CompletionParams) -> lsp.Completio
 async def hovered(own: Server, params: lsp.HoverParams) -> lsp.Hover | None:
     path = own.path(params.text_document.uri)
     if own.desk.is_model(path):
-        found = hover_in_model(path, params.position.line, await own.desk.using(path))
+        found = navigation.hover_in_model(path, params.position.line, await own.desk.using(path))
     else:
         found = hover(await own.question(params, traced=True))
     return None if found is None else own.converter.hover(found)
@@ -218,15 +205,17 @@ async def hovered(own: Server, params: lsp.HoverParams) -> lsp.Hover | None:
 
 @_feature(lsp.TEXT_DOCUMENT_DEFINITION)
 async def defined(own: Server, params: lsp.DefinitionParams) -> list[lsp.Location]:
-    return own.locations(definition(await own.question(params, traced=True)))
+    return own.locations(navigation.definition(await own.question(params, traced=True)))
 
 
 @_feature(lsp.TEXT_DOCUMENT_REFERENCES)
 async def referred(own: Server, params: lsp.ReferenceParams) -> list[lsp.Location]:
     path = own.path(params.text_document.uri)
     if own.desk.is_model(path):
-        return own.locations(references_in_recipes(path, params.position.line, await own.desk.using(path)))
-    return own.locations(references(await own.question(params, traced=True), params.context.include_declaration))
+        return own.locations(navigation.references_in_recipes(path, params.position.line, await own.desk.using(path)))
+    return own.locations(
+        navigation.references(await own.question(params, traced=True), params.context.include_declaration)
+    )
 
 
 @_feature(lsp.TEXT_DOCUMENT_PREPARE_RENAME)
@@ -255,30 +244,32 @@ async def acted(own: Server, params: lsp.CodeActionParams) -> list[lsp.CodeActio
 
 @_feature(lsp.TEXT_DOCUMENT_DOCUMENT_SYMBOL)
 async def outlined(own: Server, params: lsp.DocumentSymbolParams) -> list[lsp.DocumentSymbol]:
-    return [own.converter.symbol(each) for each in symbols(await own.analysis(params))]
+    return [own.converter.symbol(each) for each in navigation.symbols(await own.analysis(params))]
 
 
 @_feature(lsp.TEXT_DOCUMENT_FOLDING_RANGE)
 async def folded(own: Server, params: lsp.FoldingRangeParams) -> list[lsp.FoldingRange]:
-    return [lsp.FoldingRange(each.first, each.last, kind=each.kind) for each in folds(own.recipe(params).lines)]
+    return [
+        lsp.FoldingRange(each.first, each.last, kind=each.kind) for each in navigation.folds(own.recipe(params).lines)
+    ]
 
 
 @_feature(lsp.TEXT_DOCUMENT_INLAY_HINT)
 async def hinted(own: Server, params: lsp.InlayHintParams) -> list[lsp.InlayHint]:
     first, last = params.range.start.line + 1, params.range.end.line + 1
-    found = hints(await own.analysis(params))
+    found = navigation.hints(await own.analysis(params))
     return [own.converter.hint(each) for each in found if first <= each.span.line <= last]
 
 
 @_feature(lsp.TEXT_DOCUMENT_CODE_LENS)
 async def lensed(own: Server, params: lsp.CodeLensParams) -> list[lsp.CodeLens]:
-    return [own.converter.lens(each) for each in lenses(await own.analysis(params))]
+    return [own.converter.lens(each) for each in navigation.lenses(await own.analysis(params))]
 
 
 @_feature(lsp.TEXT_DOCUMENT_FORMATTING)
 async def laid_out(own: Server, params: lsp.DocumentFormattingParams) -> list[lsp.TextEdit]:
     document = own.recipe(params)
-    return [own.converter.text_edit(each) for each in formatted(document.text, str(document.path))]
+    return [own.converter.text_edit(each) for each in navigation.formatted(document.text, str(document.path))]
 
 
 def _command(verb: str) -> None:
@@ -290,7 +281,7 @@ def _command(verb: str) -> None:
         return text
 
 
-for _verb in COMMANDS:
+for _verb in navigation.COMMANDS:
     _command(_verb)
 
 

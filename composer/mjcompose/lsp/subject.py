@@ -68,7 +68,6 @@ def _below(at: Formed) -> Iterator[Formed]:
 
 
 def uses_in(tree: Node | None) -> Iterator[Use]:
-    """Yield the names in a recipe, in the order of the text."""
     for at in formed(tree):
         if at.key is not None and (wanted := wanted_key(at.path[:-1])) is not None:
             yield Use(at.key.name, at.key.span, at.path, wanted)
@@ -132,7 +131,6 @@ def _entries(data: Any, section: str) -> list[tuple[str, Any]]:
 
 
 def text(value: Any) -> str:
-    """Return a value as YAML; None is an empty text."""
     if value is None:
         return ""
     if isinstance(value, bool):
@@ -163,7 +161,6 @@ def names_in(template: str) -> list[tuple[str, int, int]]:
 
 
 def parameter_uses(name: str, tree: Node | None) -> list[Span]:
-    """Return the places where a recipe uses one of its own parameters or variants."""
     if tree is None:
         return []
     keys = [at.key.span for at in walk(tree) if at.key is not None and at.key.name == name and sets(at.path[:-1])]
@@ -233,7 +230,6 @@ def part_named_at(question: Question) -> Path | None:
 
 
 def declared_at(known: Known, analysis: Analysis) -> Iterator[Span]:
-    """Yield where an element is written: in a model, in this recipe or in another one."""
     node, traced = known.node, analysis.traced
     if node is None:
         return
@@ -247,7 +243,6 @@ def declared_at(known: Known, analysis: Analysis) -> Iterator[Span]:
 
 
 def unit_of(known: Known, analysis: Analysis) -> Unit | None:
-    """Return the source of an element that is not in the composed model, or None."""
     if known.node is None:
         return None
     root = known.node.getroottree().getroot()

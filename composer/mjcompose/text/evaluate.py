@@ -121,21 +121,17 @@ def _binary(tree: Binary, scope: Mapping[str, Value]) -> Value:
     # Evaluate each operand once: sums nest on the left, and twice each would be exponential in the number of terms.
     first = evaluate(tree.left, scope)
     if tree.operator == "+" and isinstance(first, str):
-        return _joined(tree, first, evaluate(tree.right, scope))
+        second, most = evaluate(tree.right, scope), in_force().string
+        if not isinstance(second, str):
+            raise ExpressionError(f"`+` of text and {kind(second)}", tree.at)
+        if len(first) + len(second) > most:
+            raise ExpressionError(f"text is at most {most} characters long", tree.at, advice("string"))
+        return first + second
     what = f"`{tree.operator}`"
     a, b = _as_number(first, tree.left, what), _number(tree.right, what, scope)
     if tree.operator == "**" and abs(b) > _MAX_EXPONENT:
         raise ExpressionError(f"an exponent is at most {_MAX_EXPONENT}, got {shown(b)}", tree.right.at)
     return _checked(tree, lambda: _ARITHMETIC[tree.operator](a, b), (a, b))
-
-
-def _joined(tree: Binary, left: str, right: Value) -> str:
-    if not isinstance(right, str):
-        raise ExpressionError(f"`+` of text and {kind(right)}", tree.at)
-    most = in_force().string
-    if len(left) + len(right) > most:
-        raise ExpressionError(f"text is at most {most} characters long", tree.at, advice("string"))
-    return left + right
 
 
 def _comparison(tree: Comparison, scope: Mapping[str, Value]) -> bool:

@@ -97,11 +97,7 @@ _WORD = re.compile(r"[\w${*/.-]+|\S")
 
 @dataclass(frozen=True, slots=True)
 class SyntaxFault:
-    """A syntax fault as a diagnostic.
-
-    `hide` is the stretch of text of a plain value: once it is hidden from the reader, reading can continue and find
-    further faults. It is None if reading ends here.
-    """
+    """A fault, and the stretch of plain text to `hide` so that reading can find further faults; None ends reading."""
 
     diagnostic: Diagnostic
     hide: tuple[int, int] | None = None
@@ -394,14 +390,6 @@ def _block(it: ParserStop) -> SyntaxFault:
     return it.fault(message, it.span(it.at), help, notes=[opened])
 
 
-def _no_content(it: ParserStop) -> SyntaxFault:
-    return it.fault(f"a value is missing before {it.shown}", it.span(it.at))
-
-
-def _after_end(it: ParserStop) -> SyntaxFault:
-    return it.fault(f"{it.shown} is after the end of the document", it.span(it.at))
-
-
 def _tag(it: ParserStop) -> SyntaxFault:
     start = it.since if it.sign == "!" else it.at
     end = start + len(re.split(r"[\s,\[\]{}]", it.text[start:], maxsplit=1)[0])
@@ -436,8 +424,8 @@ _RULES: tuple[tuple[str, str, Callable[[ParserStop], SyntaxFault | None]], ...] 
     ("flow sequence|flow mapping", "", _flow),
     ("block scalar", "", _block_text),
     ("block mapping|block collection", "", _block),
-    ("", "node content", _no_content),
-    ("", "document start", _after_end),
+    ("", "node content", lambda it: it.fault(f"a value is missing before {it.shown}", it.span(it.at))),
+    ("", "document start", lambda it: it.fault(f"{it.shown} is after the end of the document", it.span(it.at))),
     ("tag", "", _tag),
     ("", "tag", _tag),
     ("directive", "", _directive),

@@ -23,10 +23,7 @@ class Leaf:
 
 @dataclass(slots=True)
 class Entry:
-    """A key and its value, or an item of a list (`key` is None).
-
-    `column`, from 0, is where it begins in the original text.
-    """
+    """A key and its value, or an item of a list (`key` is None). `column`, from 0, is its place in the text."""
 
     column: int
     key: Leaf | None = None
@@ -143,7 +140,6 @@ def _name(entry: Entry) -> str:
 
 
 def _table(path: Path) -> tuple[tuple[str, ...], bool]:
-    """Return the ordered keys, and whether these are all keys."""
     if path[:1] == ("variants",):
         path = path[3:] if len(path) >= 3 else ("",)
     path = tuple(map(str, in_own_model(path)))

@@ -156,7 +156,6 @@ class _Reader:
         return result
 
     def pair(self, entry: Entry, in_mapping: bool) -> None:
-        """Read a key, and its value if it has one."""
         if self.next.kind != "Key":
             raise Unusual("a value has no key", self.next.line + 1)
         self.key(entry)
@@ -206,7 +205,6 @@ class _Reader:
         return result
 
     def hand_over(self, comments: list[Comment], result: Collection) -> None:
-        """Move a comment after the comma to the entry before it."""
         if comments and not comments[0].own_line and result.entries and result.entries[-1].trail is None:
             result.entries[-1].trail = comments.pop(0)
 
@@ -347,7 +345,6 @@ class _Writer:
         self.comments(node.tail, indent)
 
     def entry(self, entry: Entry, indent: int) -> None:
-        """Write an entry on its own line, without the comments before it."""
         shift = indent - entry.column
         value = entry.value
         start = " " * indent + ("-" if entry.key is None else f"{_key(entry.key)}:")
@@ -439,7 +436,6 @@ def _start(entry: Entry) -> str:
 
 
 def _inline(node: Collection) -> str | None:
-    """Return a collection in brackets on one line, or None if it spans several."""
     if node.broken:
         return None
     texts = [text for entry in node.entries if (text := _inline_entry(entry)) is not None]
@@ -458,10 +454,7 @@ def _inline_entry(entry: Entry) -> str | None:
 
 
 def difference(one: Node, other: Node) -> str | None:
-    """Return the path of the first value that differs between two trees, or None if they are equal.
-
-    Texts, types and numbers are compared, and the order of keys if it has a meaning.
-    """
+    """Return the path of the first value that differs between two trees, or None. The order of keys may count."""
     waiting: list[tuple[Node, Node, Path, str]] = [(one, other, (), "")]
     while waiting:
         a, b, path, shown = waiting.pop()

@@ -73,7 +73,6 @@ def _restorer(mask: Mask, pure: bool) -> Callable[[str], str] | None:
 
 
 def _unreadable(error: Exception, text: str, file: str) -> Diagnostic:
-    """Return a diagnostic for the few faults that a reader reports without a place."""
     escape = _TOO_LARGE_ESCAPE.search(text)
     if escape is None:
         return Diagnostic("yaml-syntax", f"this is not YAML: {error}", Span(file, 1, 1))

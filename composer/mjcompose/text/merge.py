@@ -210,7 +210,6 @@ def _long(node: Node, key: str) -> Node:
 
 
 def _differ(lower: Mapping, upper: Mapping, key: str) -> bool:
-    """Return whether both set the key to different values."""
     if key not in lower.entries or key not in upper.entries:
         return False
     a, b = lower.entries[key][1], upper.entries[key][1]
@@ -231,7 +230,6 @@ def _replaced(lower: Mapping, upper: Mapping, path: MergePath) -> Collection[str
 
 
 def _given(node: Mapping, name: str) -> bool:
-    """Return whether a key exists and does not delete."""
     found = node.entries.get(name)
     return found is not None and not (isinstance(found[1], Scalar) and found[1].value is None)
 

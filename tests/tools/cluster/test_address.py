@@ -52,8 +52,8 @@ def test_what_is_neither_a_file_nor_an_address() -> None:
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (["--cluster", "local"], "--cluster is for --all, --pick and --sample"),
-        (["--all", "--cluster", "a:1", "--jobs", "2"], "--jobs is for --cluster local"),
+        (["--cluster", "local"], "--cluster needs --all, --pick or --sample"),
+        (["--all", "--cluster", "a:1", "--jobs", "2"], "--jobs needs --cluster local"),
     ],
 )
 def test_what_does_not_go_together(folder: Path, words: list[str], said: str) -> None:

@@ -244,7 +244,6 @@ class Stations:
         return self._journal is not None and self._journal.take(cell, self._making, self._packages)
 
     def close(self, client: Client) -> None:
-        """End all work of the run on all workers."""
         with contextlib.suppress(Exception):  # workers that are gone have nothing to close
             client.run(station.close, self.order.run, on_error="ignore")
 
@@ -395,7 +394,6 @@ class Crew:
             self._connect_again(error)
 
     def _count_threads(self) -> None:
-        """Count the threads of the cluster; wait until there is one."""
         is_waiting = False
         while not (threads := sum(self._client.nthreads().values())):
             if not is_waiting:
@@ -451,12 +449,9 @@ class Crew:
             self._stations.end()
 
     def _connect_again(self, error: Exception) -> None:
-        """Reconnect, and submit unfinished parts again. Raises ClusterError."""
-        lost = ClusterError(
-            "cluster-unreachable",
-            f"the cluster `{self._address}` was lost: {_words(error)}",
-            "check that its scheduler runs, and run the same command again: finished models are kept",
-        )
+        help = "check that its scheduler runs, and run the same command again: finished models are kept"
+        message = f"the cluster `{self._address}` was lost: {_words(error)}"
+        lost = ClusterError("cluster-unreachable", message, help)
         self._lost += 1
         if self._address == LOCAL or self._lost > _MOST_LOST:
             raise lost from error

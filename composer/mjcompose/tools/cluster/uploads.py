@@ -143,7 +143,6 @@ def _inside(root: Path, path: str) -> Path:
 
 
 def _followed(path: str, links: dict[str, str]) -> str:
-    """Return the real path, and add each link on the way."""
     rest, at, followed = path.split(os.sep)[1:], os.sep, 0
     while rest:
         candidate = os.path.join(at, rest.pop(0))

@@ -1,12 +1,10 @@
 """A worker's side: messages, the journal, and the processes that make models.
 
-Each worker has a station for a run. Dask's process itself reads no models and unpickles no jobs: it passes cells to
-processes of mjcompose, one for each of its threads, which are replaced when they die, and which have the limits of the
-run. `client.py` calls functions without a leading underscore through Dask.
+Dask's own process reads no models and unpickles no jobs: it passes cells to processes of mjcompose, one for each of its
+threads, with the limits of the run. `client.py` calls functions without a leading underscore through Dask.
 
-The journal has the models that workers with disks of their own have written, until the client has them in its cache. A
-client that is killed has not heard of its last models; the next run finds them here, compares inputs and output, and
-builds none of them again. Entries are signed with a key in the store of the client, so others cannot write any.
+The journal has the models that workers with disks of their own wrote, until the client has them in its cache: if the
+client is killed, the next run finds them. Entries are signed with a key in the client's store.
 """
 
 from __future__ import annotations
@@ -62,7 +60,6 @@ class Journal:
     key: bytes
 
     def note(self, cell: str, record: Record, inputs: Sequence[FileState]) -> None:
-        """Note a model that is written whole; if that fails, it may be built twice."""
         data = [self.run, cell, to_json(record).decode(), [each.as_data() for each in inputs]]
         text = json.dumps(data, ensure_ascii=True).encode()
         with contextlib.suppress(OutputError, OSError), staged_file(self._place(cell)) as stage:
@@ -306,12 +303,10 @@ async def begin(order: Order, dask_worker: Any) -> Refused | Lacks | None:
 
 
 async def receive(contents: Mapping[str, bytes], dask_worker: Any) -> None:
-    """Store contents of files by their sha256."""
     await asyncio.to_thread(_keep, contents, Path(dask_worker.local_directory) / _CONTENTS)
 
 
 def make(run: str, cells: Sequence[Any]) -> list[Any] | NotOpen:
-    """Make cells of a run: the scheduler's task."""
     from distributed import get_worker
 
     with _lock:
@@ -355,7 +350,6 @@ def _begin(order: Order, contents: Path) -> Refused | Lacks | None:
 
 
 def _away(order: Order, contents: Path) -> Station | Refused:
-    """Return a station whose files are a mirror of the client's files."""
     if order.away is None:
         message = "does not have the files of the models, which MJCF alone only names"
         return Refused(message, "write bundles, such as `-o 'build/{name}.zip'`")

@@ -31,7 +31,7 @@ from mjcompose.model.pattern import BadPattern
 from mjcompose.model.select import kind_of
 from mjcompose.model.unit import Unit
 from mjcompose.sources.context import Context
-from mjcompose.tools.explain import query
+from mjcompose.tools.explain import query, trace_words
 from mjcompose.tools.explain.explanation import (
     AttributeExplained,
     Changed,
@@ -46,17 +46,6 @@ from mjcompose.tools.explain.explanation import (
 )
 from mjcompose.tools.explain.query import RecipeLines, no_attribute, not_found, same_words
 from mjcompose.tools.explain.trace import TAG, Change, Life, Move, NumberOrigin, Trace, key_origins, rows
-from mjcompose.tools.explain.trace_words import (
-    Causes,
-    givers,
-    is_derived,
-    only_place,
-    place,
-    reason_of,
-    rewrites,
-    row_explained,
-    total,
-)
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as Node
@@ -78,7 +67,7 @@ class Traced:
     def __post_init__(self) -> None:
         self.recipe_lines = RecipeLines(self.folder)
         self.classes = Classes(self.model.root)
-        self.causes = Causes(self.watch)
+        self.causes = trace_words.Causes(self.watch)
         self.labels = query.labels(self.model.root)
         self.declared = {
             str(each.get("class") or MAIN): each
@@ -99,7 +88,11 @@ class Traced:
             return None
         if asked.attribute is not None:
             attribute, _ = attribute_and_index(asked.attribute)
-            fitting = [node for node in found if attribute in kind_of(node).attributes or is_derived(node, attribute)]
+            fitting = [
+                node
+                for node in found
+                if attribute in kind_of(node).attributes or trace_words.is_derived(node, attribute)
+            ]
             if not fitting:
                 no_attribute(found[0], asked.attribute, context.sink)
                 return None
@@ -126,15 +119,16 @@ class Traced:
             Listed(f"{child.tag!s} {name!s}", str(text), Reason("", self.written_at(child, str(name))))
             for child in children if child.tag != "default" for name, text in child.items()
         ]  # fmt: skip
+        holders = (self.labels[each] for each in node.iterancestors() if each.tag == "worldbody" or query.name_of(each))
         return ElementExplained(
-            label=self.labels[node], text=_start_tag(node), holder=self._holder(node),
+            label=self.labels[node], text=_start_tag(node), holder=next(holders, None),
             end_line=life.line if isinstance(life.owner, str) else None, written=tuple(self.written(life)),
             parts=tuple(self.parts(life)), changes=tuple(self.changes(life)), in_force=in_force, classes=tuple(steps),
             given=tuple(values), sets=tuple(sets),
         )  # fmt: skip
 
     def attribute(self, node: Node, name: str) -> AttributeExplained:
-        if is_derived(node, name):
+        if trace_words.is_derived(node, name):
             return self._derived(node, name)
         kind = kind_of(node)
         attribute = kind.attributes[name]
@@ -164,7 +158,7 @@ class Traced:
 
     def _derived(self, node: Node, name: str) -> AttributeExplained:
         """Explain an attribute that other attributes determine: each of them is a level of its own."""
-        found = givers(node, name, self.classes)
+        found = trace_words.givers(node, name, self.classes)
         explained = [self.attribute(giver, attribute) for giver, attribute in found]
         levels = []
         for (giver, attribute), each in zip(found, explained, strict=True):
@@ -173,7 +167,7 @@ class Traced:
                 if level.wins and (giver is not node or level.kind != "mujoco"):
                     place = {"element": "", "class": f", class {level.name}", "mujoco": f", {level.name}"}[level.kind]
                     levels.append(replace(level, kind="element", name=f"{called} {attribute}{place}"))
-        said = total(found, name, [each.value for each in explained]) if node.tag == "body" else None
+        said = trace_words.total(found, name, [each.value for each in explained]) if node.tag == "body" else None
         return AttributeExplained(
             label=self.labels[node], attribute=name, value=said, levels=tuple(levels), in_force=None,
             about=None, rows=(), notes=() if said is not None else (f"MuJoCo computes `{name}` from these",),
@@ -183,7 +177,7 @@ class Traced:
         text, life = None, self.watch.life(node)
         written = list(self.written(life))
         reason = Reason(written[0].words, next((each.span for each in written if each.span), None))
-        if attribute is not None and is_derived(node, attribute):
+        if attribute is not None and trace_words.is_derived(node, attribute):
             text = self._derived(node, attribute).value or "computed by MuJoCo"
         elif attribute is not None:
             kind = kind_of(node)
@@ -202,7 +196,10 @@ class Traced:
             if origin.kind == "entry":
                 reason = self.recipe_lines.in_own_form(reason.span, numbers)
             written = origin.written or (None if reason.span is None else self.recipe_lines.text_of(reason.span))
-            yield holder, row_explained(self.labels[holder], numbers, origin, reason=reason, written=written)
+            yield (
+                holder,
+                trace_words.row_explained(self.labels[holder], numbers, origin, reason=reason, written=written),
+            )
 
     def written(self, life: Life) -> Iterator[Reason]:
         if life.made_by is not None:
@@ -222,18 +219,9 @@ class Traced:
 
     def parts(self, life: Life) -> Iterator[Reason]:
         for part in life.parts:
-            yield Reason(f"`{part.called}` {place(part)}", part.span)
-
-    def _holder(self, node: Node) -> str | None:
-        for above in node.iterancestors():
-            if above.tag == "worldbody":
-                return "body world"
-            if query.name_of(above) is not None:
-                return self.labels[above]
-        return None
+            yield Reason(f"`{part.called}` {trace_words.place(part)}", part.span)
 
     def on_line(self, file: str, line: int) -> list[Node]:
-        """Return the elements whose start tag covers a line of a file."""
         found = []
         for node in query.ordered(self.model.root):
             for life in (self.watch.life(node), *self.watch.life(node).sources):
@@ -305,14 +293,14 @@ class Traced:
         life = self.watch.life(node)
         if node.tag == "key" and attribute in (*VECTORS, "time") and node.get(attribute):
             origins = key_origins(self.model, node, attribute, trace=self.watch)
-            span = only_place(self._row_reason(node, origin) for origin in origins)
+            span = trace_words.only_place(self._row_reason(node, origin) for origin in origins)
             return self.recipe_lines.in_own_form(span, str(node.get(attribute)) if attribute == "time" else None)
         replaces = life.made_by is not None and life.made_by.is_pass and len(life.sources) == 1
         return self.origin_of(life.sources[0] if replaces else life, attribute)
 
     def origin_of(self, life: Life, attribute: str) -> Reason:
         for change in reversed(life.of(attribute)):
-            if not rewrites(change.cause):
+            if not trace_words.rewrites(change.cause):
                 cause = self.causes.change(change, life)
                 return Reason("" if cause.span else cause.words, cause.span)
         if life.made_by is not None and (life.made_by.is_pass or isinstance(life.made_by.done, SetCollisions)):
@@ -337,7 +325,7 @@ class Traced:
         return Reason("", span)
 
     def _row_reason(self, key: Node, origin: NumberOrigin) -> Reason:
-        return reason_of(origin, lambda change: self.causes.change(change, self.watch.life(key)))
+        return trace_words.reason_of(origin, lambda change: self.causes.change(change, self.watch.life(key)))
 
     def history(self, node: Node, attribute: str) -> list[Span]:
         """Return every place that influenced an attribute: where it was read or created, then what changed it."""
@@ -347,7 +335,7 @@ class Traced:
         else:
             found = [self._span(each, attribute) for each in (life.sources[0] if len(life.sources) == 1 else life,)]
         for change in life.of(attribute):
-            if not rewrites(change.cause):
+            if not trace_words.rewrites(change.cause):
                 found.append(self.causes.change(change, life).span)
         return [span for span in dict.fromkeys(found) if span is not None]
 
@@ -413,7 +401,6 @@ def trace(path: Path, context: Context, sample: int = 0, given: ConcreteGiven | 
 
 
 def _no_recipe(path: Path, context: Context) -> None:
-    """Report that a bundle has neither its recipe nor the files of its parts."""
     from mjcompose.build.bundle.bundle import MANIFEST
     from mjcompose.build.bundle.manifest import from_json
     from mjcompose.build.bundle.read import ReadError, read

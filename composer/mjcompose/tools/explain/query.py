@@ -37,7 +37,6 @@ class RecipeLines:
         self.lines: dict[str, list[str]] = {}
 
     def text_of(self, span: Span) -> str | None:
-        """Return the text of a span if it is on one line."""
         if span.end_column is None or span.end_line != span.line:
             return None
         if span.file not in self.lines:
@@ -119,18 +118,15 @@ def read(text: str, attribute: str | None, sink: Sink) -> Asked | None:
     numbered = _NUMBERED.fullmatch(words[0])
     line = _LINE.fullmatch(words[0])
     kinds = _kinds(numbered[1] if numbered else words[0])
-    if numbered and kinds is None:
-        unknown_kind(numbered[1], sink)
-        return None
-    if numbered:
+    unknown = numbered[1] if numbered and kinds is None else None
+    if numbered and kinds is not None:
         asked, rest = Asked(text, kinds, number=int(numbered[2])), words[1:]
     elif line and kinds is None:
         asked, rest = Asked(text, None, line=(line[1], int(line[2]))), words[1:]
     elif kinds is None:
         is_attribute = len(words) > 1 and any(words[1] in GRAMMAR.element(path).attributes for path in GRAMMAR.paths)
         if len(words) > 1 and re.fullmatch(r"[a-z_]+", words[0]) and not is_attribute:
-            unknown_kind(words[0], sink)
-            return None
+            unknown = words[0]
         asked, rest = Asked(text, None, name=words[0]), words[1:]
     elif _is_one(kinds):
         asked, rest = _inside(text, words)
@@ -138,6 +134,9 @@ def read(text: str, attribute: str | None, sink: Sink) -> Asked | None:
         asked, rest = Asked(text, kinds, name=words[1]), words[2:]
     else:
         asked, rest = Asked(text, kinds), []
+    if unknown is not None:
+        sink.error("unknown-element", f"MJCF has no element `{unknown}`", help=did_you_mean(unknown, tags_of()))
+        return None
     rest = [*rest, *([attribute] if attribute is not None else [])]
     if len(rest) > 1:
         help = "write KIND NAME ATTRIBUTE in one pair of quotes: 'geom gripper/pad friction'"
@@ -263,12 +262,7 @@ def _inside(text: str, words: list[str]) -> tuple[Asked, list[str]]:
     return Asked(text, _kinds(path) or frozenset({path})), rest
 
 
-def unknown_kind(word: str, sink: Sink) -> None:
-    sink.error("unknown-element", f"MJCF has no element `{word}`", help=did_you_mean(word, tags_of()))
-
-
 def not_found(asked: Asked, root: Node, sink: Sink, notes: Iterable[Note] = ()) -> None:
-    """Report that nothing matches a query, with existing names and the most similar one."""
     notes = tuple(notes)
     word = asked.text.split()[0].split("#")[0] if asked.kinds is not None else "element"
     if asked.line is not None:
@@ -303,6 +297,5 @@ def _no_such_name(asked: Asked, name: str, word: str, root: Node, sink: Sink, no
 
 
 def no_attribute(node: Node, name: str, sink: Sink) -> None:
-    """Report that elements of this kind do not have the attribute."""
     known = sorted({*kind_of(node).attributes, *derived_names(kind_of(node))})
     sink.add(unknown_attribute(name, f"`<{node.tag}>`", known))

@@ -105,7 +105,6 @@ class Life:
 
     @property
     def name(self) -> str | None:
-        """Its name when it was first seen."""
         return self.attributes.get("class" if self.tag == "default" else "name")
 
     def of(self, attribute: str) -> list[Change]:
@@ -418,7 +417,6 @@ def _layout(model: Unit, life: Life) -> Layout | None:
 
 
 def _runs(numbers: list[_Known]) -> Iterator[list[_Known]]:
-    """Yield runs of neighbouring numbers with one origin."""
     run: list[_Known] = []
     for each in numbers:
         if run:

@@ -72,7 +72,6 @@ def reason_of(origin: NumberOrigin, edited: Callable[[Change], Reason]) -> Reaso
 
 
 def only_place(reasons: Iterable[Reason]) -> Span | None:
-    """Return the only place where numbers are written, or None if there are several."""
     spans = {reason.span for reason in reasons if reason.words not in _NOBODY.values()}
     return spans.pop() if len(spans) == 1 else None
 
@@ -100,7 +99,6 @@ def of_step(cause: Cause, owner: object, attribute: str | None, node: Node | Non
 
 
 def owned(owner: object, attribute: str | None) -> Span | None:
-    """Return the place of an element or of its attribute, if its owner knows it."""
     if isinstance(owner, Span):
         return owner
     if callable(owner):
@@ -346,7 +344,6 @@ class Causes:
         return self._worded(VALUES, life, change) or self.made(life)
 
     def gone(self, life: Life) -> Reason:
-        """Return why an element no longer exists."""
         assert life.gone is not None
         reason = self._worded(GONE, life, Change("", None, None, cause=life.gone, owner=life.owner))
         return reason or of_step(life.gone, None, None)
@@ -364,7 +361,6 @@ class Causes:
 
 
 def place(part: Part) -> str:
-    """Return the place of a part in words."""
     where = part.place
     found = "in the world" if where.kind == "world" else f"on the {where.kind} `{where.name}`"
     return f"{found}, with an offset" if where.offset else found
@@ -375,7 +371,6 @@ def hung_at(part: Part) -> Span | None:
 
 
 def _file(unit: Unit) -> str:
-    """Return the file name of a unit; its folder is shown beside it."""
     return f"`{unit.file.rpartition('/')[2]}`"
 
 

@@ -96,10 +96,7 @@ EDITOR = "vscode://file{file}:{line}:{column}"
 
 @dataclass(slots=True)
 class Shown:
-    """The state of a page: the last good model, and the current fault, if there is one.
-
-    `version` counts the models. `blobs` has everything that its text refers to.
-    """
+    """The last good model with its blobs, and the current fault, if any. `version` counts the models."""
 
     version: int = -1
     text: str = ""

@@ -107,7 +107,6 @@ def _build(server: Server, said: Callable[[Shown], None]) -> dict[Path, Mark]:
 
 
 def _invitation(address: str, opens: bool) -> list[str]:
-    """Return the address, and how to reach it from the user's browser."""
     reason, port = _no_browser() if opens else None, address.split("/")[2].rpartition(":")[2]
     if reason == "ssh":
         connection = os.environ.get("SSH_CONNECTION", "").split()
@@ -121,7 +120,6 @@ def _invitation(address: str, opens: bool) -> list[str]:
 
 
 def _no_browser() -> str | None:
-    """Return why no browser can be opened here, or None if one can."""
     if os.environ.get("SSH_CONNECTION") or os.environ.get("SSH_TTY"):
         return "ssh"
     is_container = os.path.exists("/.dockerenv") or os.path.exists("/run/.containerenv")

@@ -83,11 +83,7 @@ def choices(operand: Operand, asked: Asked) -> list[dict[str, Any]]:
 
 @dataclass(slots=True)
 class Names:
-    """Short unique names for the files of several models.
-
-    `folder` is the user's folder: files below it keep their relative path. Others get the shortest unique end of
-    their path.
-    """
+    """Short unique names for files: the relative path below `folder`, else the shortest unique end of the path."""
 
     folder: Path
     _files: dict[str, str] = field(default_factory=dict)
@@ -131,11 +127,7 @@ Place = list[int] | None  # the number of a file, a line and a column
 
 
 class Origins:
-    """The origins of elements for the page.
-
-    Files have the names in `names`, or their reference if they were fetched. `absolute` has the files of this
-    machine by these names, for links into an editor.
-    """
+    """The origins of elements for the page; `absolute` has files of this machine by their `names`, for editors."""
 
     def __init__(self, side: Side, names: Names) -> None:
         self.side, self.names = side, names
@@ -205,10 +197,7 @@ class Origins:
 
 @dataclass(frozen=True, slots=True)
 class Description:
-    """The description of a model for the page.
-
-    `text` is JSON; `used` are the names of the blobs that it refers to, `blobs` the bytes of the new ones.
-    """
+    """A model as JSON for the page. `used` are the names of its blobs, `blobs` the bytes of the new ones."""
 
     title: str
     text: str

@@ -200,7 +200,6 @@ class _Job:
 
     @contextmanager
     def opened(self) -> Iterator[Callable[[tuple[int, Cell]], Drawn]]:
-        """Yield, in a worker process, the function that draws a cell, by its number."""
         with allow(**asdict(self.limits)), engine.Session(rendering=True) as session:
             yield partial(self.draw, session, {})
 

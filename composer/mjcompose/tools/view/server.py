@@ -170,11 +170,8 @@ class Server:
 
         self._http = _Http((host, port), Handler)
         self.guard = Guard(host, self._http.server_address[1], secrets.token_urlsafe(16))
+        self.address = self.guard.address
         self.physics = Physics(workshop, lambda state: self.hub.send("state", state))
-
-    @property
-    def address(self) -> str:
-        return self.guard.address
 
     def show(self, shown: Shown) -> None:
         for event, data in news(shown):
@@ -370,7 +367,6 @@ class _Handler(BaseHTTPRequestHandler):
         return json.loads(self.rfile.read(size))
 
     def _wish(self, key: str, said: Any) -> Callable[[], object] | None:
-        """Return the action of a request, or None if there is no action of that name."""
         physics = self.owner.physics
         if key == "play":
             start = {name: _numbers(said[name]) for name in ("qpos", "ctrl")} | {"key": int(said["key"])}
@@ -402,10 +398,7 @@ class _Handler(BaseHTTPRequestHandler):
             self.owner.hub.leave(page)
 
     def _refuse(self, status: HTTPStatus) -> None:
-        """Answer with a status, and end the connection.
-
-        It discards more bytes of the request for a moment, because the system would otherwise drop the answer.
-        """
+        """Answer with a status and end the connection; discard more bytes, or the system would drop the answer."""
         self.close_connection = True
         self._send(f"{status.phrase}\n".encode(), "text/plain", status)
         end = time.monotonic() + _MOMENT
@@ -453,7 +446,6 @@ def _numbers(values: Any) -> list[float]:
 
 
 def _text(value: Any) -> str:
-    """Return a text of a page. Raises UnicodeEncodeError for half a character."""
     text = str(value)
     text.encode()
     return text

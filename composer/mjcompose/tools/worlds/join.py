@@ -76,7 +76,6 @@ class Tree:
                 self.children[bodies[self.model.body_parentid[number]]].append(name)
 
     def _about(self, kind: str, each: int) -> tuple[Hashable, ...]:
-        """Return the identity of an element, without its numbers."""
         model, name = self.model, self.table.names[kind][each]
         if kind == "joint":
             return name, int(model.jnt_type[each])

@@ -94,10 +94,7 @@ def _load(path: Path, shown: str, *, allow_changes: bool) -> Loaded:
 
 
 class _Checked(NamedTuple):
-    """A bundle, and its differences from its manifest.
-
-    `key` identifies its bytes. `kept` is the bundle on disk if the same bytes were checked before.
-    """
+    """A bundle, and its differences from its manifest. `kept` is the bundle on disk if it was checked before."""
 
     key: Hashable
     manifest: Manifest
@@ -152,10 +149,7 @@ def _read_binary(path: Path, shown: str) -> _Checked:
 
 @dataclass(frozen=True, slots=True)
 class _Kept:
-    """A checked bundle in a folder of its own. MuJoCo's cache knows meshes and textures by their paths.
-
-    `stamps` has the size and the time of each file when it was written.
-    """
+    """A checked bundle in a folder of its own; `stamps` has the size and time of each file when it was written."""
 
     manifest: Manifest
     file: Path

@@ -100,7 +100,6 @@ def per_world(model: Any, worlds: Worlds) -> list[str]:
 
 
 def put_worlds(model: Any, name: str, worlds: Worlds) -> None:
-    """Replace an array of a `mujoco_warp.Model` by one with a row for each world."""
     import warp as wp
 
     owner, field = _owner(model, name)
@@ -230,7 +229,6 @@ def mjlab(worlds: Worlds, entity: str | None = None) -> dict[str, Any]:
 
 
 def _set(worlds: Worlds, names: list[str], entity: str | None, sim: Any, env_ids: Any) -> None:
-    """Write the numbers of some environments, or of all for None."""
     import torch
     import warp
 

@@ -133,7 +133,6 @@ def of_sources(bundle: Bundle, models: Sequence[Bundle]) -> Bundle:
 
 
 def _free(path: str, content: bytes, texts: dict[str, bytes]) -> str:
-    """Return a path for a license that no other text has."""
     number, free = 1, path
     while texts.get(free, content) != content:
         number += 1
@@ -193,7 +192,6 @@ def _models(group: Group) -> Iterator[Model]:
 
 
 def _world(mujoco: object, union: Model, mapped: Mapped, model: Model, unused: Sequence[str]) -> Model:
-    """Return the union in the state of a model's world."""
     made = copy.copy(union)
     for name in numbers(union):
         if hasattr(model, name):

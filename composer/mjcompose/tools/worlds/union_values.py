@@ -107,7 +107,6 @@ class Mapped:
                     raise failure(CODE, message, "let it act on one part alone, or have it in all models")
 
     def _labels(self, kind: str, number: int) -> list[str]:
-        """Return the possible names in the union of an element of the model."""
         if kind in _TREE:
             return [self._there(kind, number)]
         if name := self.theirs.names[kind][number]:
@@ -123,7 +122,6 @@ class Mapped:
         return at is not None and words(self.union, kind, at, label=self.ours.describe) == theirs
 
     def _there(self, kind: str, number: int) -> str:
-        """Return the name in the union of an element that the model refers to."""
         if kind not in _TREE:
             at = self.places[kind][number]
             return self.ours.describe(kind, at[0]) if at else ""
