@@ -331,7 +331,10 @@ def read(kind: str, written: Written, operation: Operation) -> FieldDistribution
     units = {each.unit for each in angles}
     unit = None if not units else units.pop() if len(units) == 1 else "rad"
     kept = int if kind == "integers" else float
-    plain = {name: tuple(kept(_in(each, unit)) for each in items) for name, items in numbers.items()}
+    plain = {
+        name: tuple(kept(each.in_unit(unit or "rad") if isinstance(each, Angle) else each) for each in items)
+        for name, items in numbers.items()
+    }
     lengths = {len(each) for each in plain.values()} - {1}
     if len(lengths) > 1:
         counts = " and ".join(map(str, sorted(lengths)))
@@ -339,10 +342,6 @@ def read(kind: str, written: Written, operation: Operation) -> FieldDistribution
     found = FieldDistribution(kind, plain, unit=unit)
     wrong = next(filter(None, map(_fault_of, map(found.of, range(found.components or 1)))), None)
     return found if wrong is None else Fault("out-of-range", f"{called}: {wrong}")
-
-
-def _in(value: float | Angle, unit: Literal["deg", "rad"] | None) -> float:
-    return value.in_unit(unit or "rad") if isinstance(value, Angle) else value
 
 
 def _fault_of(distribution: Distribution) -> str | None:

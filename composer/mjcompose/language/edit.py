@@ -150,7 +150,10 @@ class _ByTag:
         forms = {name: VERBS[name] for name in VERBS.own}
         for tag in TAGS:
             values = {name: reference(f"{form.values}:{tag}") for name, form in forms.items() if form.values}
-            refused = {name: _for_no(tag, rule) for name, rule in _strange(tag, forms)}
+            refused: dict[str, Schema] = {
+                name: {"not": {}, "errorMessage": f"it is {rule.what.format(tag=tag)}"}
+                for name, rule in _strange(tag, forms)
+            }
             yield _where_selected(tag, {**values, **refused}, forms)
         values = {name: reference(f"of-{form.values}") for name, form in forms.items() if form.values}
         yield _where_selected("default", values, forms)
@@ -162,10 +165,6 @@ def _strange(tag: str, forms: Mapping[str, Any]) -> Iterator[tuple[str, For]]:
         for rule in form.rules:
             if isinstance(rule, For) and not any(rule.fits(kind.path) for kind in kinds_of(tag)):
                 yield name, rule
-
-
-def _for_no(tag: str, rule: For) -> Schema:
-    return {"not": {}, "errorMessage": f"it is {rule.what.format(tag=tag)}"}
 
 
 def _where_selected(tag: str, values: Mapping[str, Schema], forms: Mapping[str, Any]) -> Schema:

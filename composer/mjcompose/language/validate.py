@@ -6,7 +6,7 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from collections.abc import Mapping as AbcMapping
 from dataclasses import replace
 from itertools import islice
-from typing import Any
+from typing import Any, cast
 
 from pydantic import ValidationError
 
@@ -18,6 +18,7 @@ from mjcompose.base.suggest import closest
 from mjcompose.language.attach import Attachment
 from mjcompose.language.element import raw
 from mjcompose.language.forms.context import Settings
+from mjcompose.language.forms.model import fields_of
 from mjcompose.language.forms.translate import misspelt, translated
 from mjcompose.language.placing import faults_in_place
 from mjcompose.language.recipe import VERSION, Recipe, sections_of
@@ -61,7 +62,8 @@ def recover(node: Mapping, faults: Sequence[Fault], judge: Judge) -> Recovered |
             if _means(path[0], ("conflict",)):
                 lost.update(_AGREED)
             unit = _means(path[0], ("angle",)) and len(path) == 1
-            node = _in_some_unit(_without(node, path)) if unit else _without(node, path)
+            rest = cast(Mapping, _cut(node, path))
+            node = _in_some_unit(rest) if unit else rest
         recipe, faults = judge(node)
         if recipe is not None:
             return Recovered(recipe, node, frozenset(lost))
@@ -112,12 +114,6 @@ def _outermost(paths: Iterator[Path]) -> list[Path]:
     return sorted(kept, key=lambda path: [step if isinstance(step, int) else -1 for step in path], reverse=True)
 
 
-def _without(node: Mapping, path: Path) -> Mapping:
-    found = _cut(node, path)
-    assert isinstance(found, Mapping)
-    return found
-
-
 def _cut(node: Node, path: Path) -> Node:
     step, *rest = path
     if isinstance(node, Mapping):
@@ -151,8 +147,7 @@ def faults(error: ValidationError, data: Any) -> Iterator[Fault]:
     For pydantic, a misspelled key is an unknown key and a missing one. Here it is one fault.
     """
     errors = error.errors(include_url=False)
-    typos = misspelt(errors, Recipe, data)
-    meant = {id(each) for each in typos.values()}
+    meant = {id(each) for each in misspelt(errors, Recipe, data).values()}
     parts = part_keys(data) if isinstance(data, AbcMapping) else {}
     stray = [*parts]
     for each in errors:
@@ -172,9 +167,7 @@ def faults(error: ValidationError, data: Any) -> Iterator[Fault]:
         yield fault
 
 
-_PART_KEYS = frozenset(str(field.alias or name) for name, field in Attachment.model_fields.items()) - frozenset(
-    Recipe.model_fields
-)
+_PART_KEYS = fields_of(Attachment).keys() - fields_of(Recipe).keys()
 _OF_MJCF = {
     "worldbody": "write `add: [{to: world, body: {…}}]`",
     "include": "write `attach` for another model, or `base` for the one to start from",
@@ -225,11 +218,8 @@ def _keys_at_top(parts: AbcMapping[str, Any]) -> str:
 
 
 def _short(value: Any) -> str:
-    return shown(value) if isinstance(value, str | int | float | bool) or _is_flat(value) else "{…}"
-
-
-def _is_flat(value: Any) -> bool:
-    return isinstance(value, list) and all(isinstance(item, str | int | float) for item in value)
+    items = value if isinstance(value, list) else [value]
+    return shown(value) if all(isinstance(each, str | int | float) for each in items) else "{…}"
 
 
 def _flow(value: AbcMapping[str, Any]) -> str:
@@ -367,7 +357,7 @@ def _report(faults: Iterable[Fault], node: Mapping, sink: Sink) -> None:
     for fault in faults:
         related = (Note(message, locate(node, at, key=True)) for message, at in fault.related)
         notes = (*fault.notes, *related)
-        message, span = fault.message, _span(node, fault.at, fault.key)
+        message, span = fault.message, locate(node, fault.at, key=fault.key) if fault.at else _start(node.span)
         if fault.within is not None:
             line, column, width = fault.within
             text = find(node, fault.at)
@@ -377,10 +367,6 @@ def _report(faults: Iterable[Fault], node: Mapping, sink: Sink) -> None:
             else:
                 message = f"line {line} of the fragment: {message}"
         sink.error(fault.code, message, span, notes=notes, help=fault.help, fix=fault.fix)
-
-
-def _span(node: Mapping, path: Path, key: bool) -> Span:
-    return _start(node.span) if not path else locate(node, path, key=key)
 
 
 def _start(span: Span) -> Span:
