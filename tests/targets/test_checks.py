@@ -112,7 +112,7 @@ def test_what_the_target_loses_is_told_and_not_compared(with_reader: Path, tmp_p
     assert bundle is not None
     ((code, message),) = told(context)
     assert code == "target-loss"
-    assert message == "check `it`: MJX ignores the higher terms of damping of 1 joint: `j1`; it reads the linear term"
+    assert message == "check `it`: MJX ignores the higher terms of damping of 1 joint: `j1`; what is linear is read"
 
 
 def test_a_program_that_ends_with_an_error(with_reader: Path, tmp_path: Path) -> None:

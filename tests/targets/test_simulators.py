@@ -98,7 +98,7 @@ def test_what_drake_reads_is_not_lost(tmp_path: Path) -> None:
          "Drake ignores 1 geom: `g`; they neither collide nor are shown"),
         ("drake", {"joint": 'armature=".1"'},
          "Drake ignores armature of 1 joint: `j`; it reads that of joints with an actuator"),
-        ("drake", {"joint": 'damping="1 2"'}, "Drake ignores the higher terms of damping of 1 joint: `j`; it reads the linear term"),
+        ("drake", {"joint": 'damping="1 2"'}, "Drake ignores the higher terms of damping of 1 joint: `j`; what is linear is read"),
         ("drake", {"more": '<actuator><position name="a" joint="j" kp="2" kv="1"/></actuator>'},
          "Drake ignores `kv` of 1 actuator: `a`"),
         ("drake", {"more": '<actuator><motor name="a" joint="j" ctrlrange="0 1"/></actuator>'},

@@ -57,7 +57,7 @@ def single_joints(mass: str = "0") -> Limit:
             if len(joints) < 2 or holder is None:
                 continue
             draft.mujoco_reads &= mass != "0"  # nothing that moves may be without a mass there
-            draft.lose("joints", body, "each joint except the last has a body of its own", outcome=Outcome.WRITTEN)
+            draft.lose("joints", body, "each joint but the last has a body of its own", outcome=Outcome.WRITTEN)
             at, place = holder.index(body), {"pos": str(body.get("pos")), "quat": str(body.get("quat"))}
             for joint in joints[:-1]:
                 between = etree.Element("body", {"name": f"{body.get('name')}__{joint.get('name')}", **place})
@@ -203,7 +203,7 @@ def _linear(draft: Draft) -> None:
                 first, *rest = str(element.get(name) or "0").split()
                 if rest:
                     element.set(name, first)
-                    draft.lose("polynomials", element, "it reads the linear term", what=f"the higher terms of {name}")
+                    draft.lose("polynomials", element, "what is linear is read", what=f"the higher terms of {name}")
 
 
 def _plain_colors(draft: Draft) -> None:
@@ -234,7 +234,7 @@ NO_CAMERAS = left_out("cameras", ".//camera")
 NO_LIGHTS = left_out("lights", ".//light")
 NO_SITES = left_out("sites", ".//site")
 NO_TENDONS = left_out("tendons", "tendon/*")
-NO_EQUALITY = left_out("equality", "equality/*", why="the bodies that they couple move freely")
+NO_EQUALITY = left_out("equality", "equality/*", why="what they couple moves freely")
 NO_PAIRS = left_out("pairs", "contact/pair")
 NO_EXCLUDES = left_out("excludes", "contact/exclude", why="these bodies collide")
 NO_SOFT = left_out("soft", "deformable/*", "asset/skin")

@@ -190,11 +190,11 @@ def mimics(draft: Draft, joints: dict[str, Node]) -> None:
         leader, follower = str(node.get("joint2") or ""), str(node.get("joint1") or "")
         polynomial = model.eq_data[number][:5]
         if node.tag != "joint" or leader not in joints or follower not in joints:
-            draft.lose("equality", node, "the bodies that they couple move freely")
+            draft.lose("equality", node, "what they couple moves freely")
         elif polynomial[2:].any():
             draft.lose("equality", node, "a joint follows another in proportion only")
         elif not model.eq_active0[number]:
-            draft.lose("equality", node, "they are inactive at the start, and nothing can activate them")
+            draft.lose("equality", node, "they are not active at the start, and nothing can switch them on")
         elif joints[follower].find("mimic") is not None:
             draft.lose("equality", node, "a joint follows one other")
         else:

@@ -22,7 +22,7 @@ TARGET = Target(
         limits.NO_TEXTURES, limits.servos("motor", "position"), _NO_CONTROL_RANGE, limits.AT_JOINTS,
         limits.SYMMETRIC_FORCES, limits.NO_SERVO_DAMPING, limits.NO_DELAY, limits.NO_ACTUATOR_ARMATURE,
         limits.NO_ACTUATOR_DAMPING, limits.REFLECTED_ARMATURE,
-        limits.left_out("equality", "equality/*", but=("connect",), why="the bodies that they couple move freely"),
+        limits.left_out("equality", "equality/*", but=("connect",), why="what they couple moves freely"),
         COMPUTING, GRAVCOMP, BITS, SOFTNESS, unread_contacts("torsional", "rolling"),
     ), write=write_mjcf, package="drake",
 )  # fmt: skip
