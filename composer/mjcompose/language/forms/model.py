@@ -178,9 +178,8 @@ def _with_exact_words(model: type[Model], value: dict[str, Any]) -> dict[str, An
     """Return the mapping with values as texts that only equal a word: for pydantic, 1 is the word `true`."""
     for key, words in _inexact(model).items():
         written = value.get(key)
-        if isinstance(written, int | float) and not any(
-            written == word and type(written) is type(word) for word in words
-        ):
+        same = [type(word) for word in words if word == written]
+        if same and type(written) not in same:
             value = {**value, key: shown(written)}
     return value
 
