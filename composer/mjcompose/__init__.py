@@ -2,6 +2,7 @@
 
     import mjcompose
 
+    spec = mjcompose.spec("cell.yaml", tool="flange")    # a recipe as a `mujoco.MjSpec`; `mjcompose.model` compiles it
     robot = mjcompose.load("build/robot/")               # a bundle: its model, its manifest, an index of names
     arm = mjcompose.mjcf.from_path("arm.xml")            # a model to read, edit, attach and write
     study = mjcompose.worlds.load("build/study/")        # one model and the numbers that differ between its samples
@@ -17,37 +18,36 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from mjcompose import mjcf as mjcf
+    from mjcompose import mujoco_plugin as mujoco_plugin
     from mjcompose import worlds as worlds
     from mjcompose.base.report import MjcomposeError as MjcomposeError
     from mjcompose.base.version import __version__ as __version__
+    from mjcompose.tools.open.recipe import BuildError as BuildError
+    from mjcompose.tools.open.recipe import RecipeWarning as RecipeWarning
+    from mjcompose.tools.open.recipe import model as model
+    from mjcompose.tools.open.recipe import spec as spec
     from mjcompose.tools.worlds.load import load as load
     from mjcompose.tools.worlds.many import load_many as load_many
     from mjcompose.tools.worlds.names import BundleWarning as BundleWarning
     from mjcompose.tools.worlds.names import LoadError as LoadError
     from mjcompose.tools.worlds.names import UnknownNameError as UnknownNameError
 
-_MODULES = {"mjcf": "mjcompose.mjcf", "worlds": "mjcompose.worlds"}
+_MODULES = {name: f"mjcompose.{name}" for name in ("mjcf", "mujoco_plugin", "worlds")}
 _HOMES = {
+    "BuildError": "mjcompose.tools.open.recipe",
     "BundleWarning": "mjcompose.tools.worlds.names",
     "LoadError": "mjcompose.tools.worlds.names",
     "MjcomposeError": "mjcompose.base.report",
+    "RecipeWarning": "mjcompose.tools.open.recipe",
     "UnknownNameError": "mjcompose.tools.worlds.names",
     "__version__": "mjcompose.base.version",
     "load": "mjcompose.tools.worlds.load",
     "load_many": "mjcompose.tools.worlds.many",
+    "model": "mjcompose.tools.open.recipe",
+    "spec": "mjcompose.tools.open.recipe",
 }
 
-__all__ = [
-    "BundleWarning",
-    "LoadError",
-    "MjcomposeError",
-    "UnknownNameError",
-    "__version__",
-    "load",
-    "load_many",
-    "mjcf",
-    "worlds",
-]
+__all__ = [*_MODULES, *_HOMES]
 
 
 def __getattr__(name: str) -> object:

@@ -1,0 +1,189 @@
+"""A recipe as a model in this process: built without files, except generated assets in the cache."""
+
+from __future__ import annotations
+
+import json
+import os
+import time
+from collections.abc import Iterator, Mapping
+from os import PathLike
+from pathlib import Path
+from threading import Lock, RLock
+from typing import Any, NamedTuple, TypeAlias
+
+from mjcompose.base.files import Mark, mark_of
+from mjcompose.base.log import warn
+from mjcompose.base.report import MjcomposeError, render, short_traceback
+from mjcompose.build.cache.inputs import Inputs
+from mjcompose.build.plan.read import Given
+from mjcompose.build.stages import Built, Request, build
+from mjcompose.model.files import NAMED_AFTER_FILE, stem
+from mjcompose.model.xml_text import write
+from mjcompose.mujoco.engine import Session
+from mjcompose.sources import blobs
+from mjcompose.sources.context import Context
+from mjcompose.sources.fetching import Fetching
+from mjcompose.sources.store import Store
+from mjcompose.text.load import load
+
+Spec: TypeAlias = Any
+"""A `mujoco.MjSpec`, which has no type stubs."""
+Model: TypeAlias = Any
+"""A `mujoco.MjModel`, which has no type stubs."""
+
+
+class BuildError(MjcomposeError):
+    """A recipe that cannot be built; `diagnostics` has all errors and warnings of the build."""
+
+
+class RecipeWarning(UserWarning):
+    """A warning of a build, with its place in the recipe."""
+
+
+@short_traceback
+def spec(
+    recipe: str | PathLike[str], /, *, cell: str | None = None, sample: int = 0, verified: bool = False, **values: Any
+) -> Spec:
+    """Build a recipe in this process and return it as a `mujoco.MjSpec`, which you can edit, attach and compile.
+
+        spec = mjcompose.spec("cell.yaml", tool="flange", reach=0.5)
+        spec.worldbody.add_light(pos=[0, 0, 3])
+        model = spec.compile()
+
+    `values` are the values of the recipe's parameters and variants, `cell` the name of a cell of its matrix, `sample`
+    the number of a sample of `randomize`. With `verified`, MuJoCo compiles the model in a process of its own first,
+    and the recipe's checks run. A recipe whose files have not changed is not built again.
+
+    Raises BuildError, and warns with RecipeWarning.
+    """
+    import mujoco
+
+    return mujoco.MjSpec.from_string(text_of(recipe, cell=cell, sample=sample, verified=verified, values=values))
+
+
+@short_traceback
+def model(
+    recipe: str | PathLike[str], /, *, cell: str | None = None, sample: int = 0, verified: bool = False, **values: Any
+) -> Model:
+    """Build a recipe in this process and return it as a compiled `mujoco.MjModel`.
+
+        model = mjcompose.model("cell.yaml", tool="flange")
+        data = mujoco.MjData(model)
+
+    Takes the same values as `mjcompose.spec`. Raises BuildError, and warns with RecipeWarning.
+    """
+    import mujoco
+
+    text = text_of(recipe, cell=cell, sample=sample, verified=verified, values=values)
+    return mujoco.MjModel.from_xml_string(text)
+
+
+class _Opened(NamedTuple):
+    """The text of a built recipe, and the marks of the files that it depends on."""
+
+    text: str
+    marks: Mapping[str, Mark]
+    warnings: tuple[str, ...]
+
+    @property
+    def is_current(self) -> bool:
+        return all(mark_of(path) == mark for path, mark in self.marks.items())
+
+
+_MOST = 64
+"""The number of recipes whose text is remembered."""
+_opened: dict[str, _Opened] = {}
+_building = RLock()
+_remembering = Lock()
+
+
+def text_of(
+    recipe: str | PathLike[str], *, cell: str | None = None, sample: int = 0, verified: bool = False,
+    values: Mapping[str, Any] | None = None,
+) -> str:  # fmt: skip
+    """Return the MJCF of a recipe, which names all files by absolute paths. Raises BuildError.
+
+    The text of an unchanged recipe is remembered. Threads may call it at the same time.
+    """
+    path = os.path.abspath(recipe)
+    written = _as_json(values or {})
+    key = json.dumps([path, written, cell, sample, verified])
+    opened = _opened.get(key)
+    if opened is None or not opened.is_current:
+        with _building:
+            opened = _opened.get(key)
+            if opened is None or not opened.is_current:
+                opened = _open(Path(path), written, cell, sample=sample, verified=verified)
+        with _remembering:
+            _opened.pop(key, None)
+            _opened[key] = opened
+            while len(_opened) > _MOST:
+                del _opened[next(iter(_opened))]
+    for message in opened.warnings:
+        warn(message, RecipeWarning)
+    return opened.text
+
+
+def files_of(recipe: str | PathLike[str]) -> Iterator[str]:
+    """Yield the files that the remembered texts of a recipe depend on; nothing if it was not built."""
+    path = os.path.abspath(recipe)
+    for key, opened in list(_opened.items()):
+        if json.loads(key)[0] == path:
+            yield from opened.marks
+
+
+def _open(recipe: Path, written: Mapping[str, str], cell: str | None, *, sample: int, verified: bool) -> _Opened:
+    started = time.time_ns()
+    context = Context(fetching=Fetching())
+    given = _nodes(written, context)
+    built = None
+    if not context.sink.has_errors:
+        request = Request(recipe, given, cell, sample, verified=verified)
+        with Session() as session:
+            built = build(request, context, session=session)
+    if built is None:
+        raise BuildError(context.sink.diagnostics)
+    inputs = Inputs()
+    files = [*inputs.recipes(built.plan), *inputs.others(built, context)]
+    marks = {path: mark_of(path) for path in files if not os.path.isdir(path)}
+    text, generated = _text(built, context)
+    marks |= {path: mark_of(path) for path in generated}
+    # A file that changed during the build may have been read before: the model is built again at the next call.
+    marks |= {path: None for path in files if (mark := marks.get(path)) is not None and mark[0] >= started}
+    return _Opened(text, marks, tuple(map(render, context.sink.diagnostics)))
+
+
+def _text(built: Built, context: Context) -> tuple[str, list[str]]:
+    """Return the model's text, and the generated files that it names.
+
+    Assets are named where they are, so that MuJoCo's cache of meshes, which goes by name and time, has them already.
+    Generated ones go to the store, by their hash.
+    """
+    folder = Store.of(context.environment).folder / "opened"
+    generated = []
+    for use in built.composed.files:
+        if use.content is None:
+            path = os.path.abspath(context.folder / use.source)
+        else:
+            path = str(folder / f"{blobs.digest(use.content)}{os.path.splitext(use.path)[1]}")
+            generated.append(path)
+            if not os.path.exists(path):
+                blobs.write_whole(folder.parent, path, use.content)
+        if use.element.tag in NAMED_AFTER_FILE and not use.element.get("name"):
+            use.element.set("name", stem(use.path))
+        use.element.set(use.attribute, path)
+    return write(built.composed.model.root).decode(), generated
+
+
+def _as_json(values: Mapping[str, Any]) -> dict[str, str]:
+    def plain(value: Any) -> Any:
+        if hasattr(value, "tolist"):  # of numpy
+            return value.tolist()
+        raise TypeError(f"a recipe has no values such as {value!r}")
+
+    return {name: json.dumps(value, default=plain, ensure_ascii=False) for name, value in sorted(values.items())}
+
+
+def _nodes(written: Mapping[str, str], context: Context) -> Given:
+    nodes = {name: load(text, f"{name}=", context.sink) for name, text in written.items()}
+    return {name: node for name, node in nodes.items() if node is not None}
