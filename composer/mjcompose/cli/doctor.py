@@ -41,7 +41,7 @@ def doctor(options: Options, run: Run) -> Answer:
 
     The exit code is 1 if something that every build needs is missing.
     """
-    findings = [*_installed(), *_mujoco(), _git(), _store(), _templates(), *_extras(), *_extensions()]
+    findings = [*_installed(), *_mujoco(), _plugin(), _git(), _store(), _templates(), *_extras(), *_extensions()]
     width = max(len(each.what) for each in findings)
     mark = {True: "ok", None: "--", False: "!!"}
     return Answer(
@@ -80,6 +80,19 @@ def _mujoco() -> Iterator[Finding]:
         reason = answer.value.get("no OpenGL") if answer.ok else answer.error or answer.crash
         reason = session.no_opengl or reason
     yield Finding("OpenGL", f"none: {reason}" if reason else "renders", None if reason else True)
+
+
+def _plugin() -> Finding:
+    from mjcompose.tools.open.shim import PluginError, library_in, mujoco_folder
+
+    what = "plugin"
+    try:
+        place = library_in(mujoco_folder())
+    except PluginError as error:
+        return Finding(what, str(error), None)
+    if not place.is_file():
+        return Finding(what, "is not installed; it lets C++ programs open recipes: `mjcompose plugin install`", None)
+    return Finding(what, f"{place}: MuJoCo opens recipes")
 
 
 def _git() -> Finding:

@@ -44,6 +44,7 @@ _GROUPS = {
     },
     "Set up": {
         "doctor": "Check this installation, and show what it can do.",
+        "plugin": "Let MuJoCo open recipes in C++ programs, Studio and ROS 2 control.",
         "lsp": "Run the language server for editors, with completion, errors and origins.",
         "schema": "Print the JSON Schema of recipes, for editors.",
         "completion": "Print the line that enables completion in a shell.",

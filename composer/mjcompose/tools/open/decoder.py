@@ -11,6 +11,7 @@ import ctypes
 import glob
 import os
 import signal
+import sys
 import threading
 import time
 from collections.abc import Callable
@@ -27,6 +28,7 @@ from mjcompose.tools.open.recipe import text_of
 
 OLDEST = (4, 0)
 """The first MuJoCo whose decoders have these arguments."""
+CONTENT_TYPE = b"application/x-mjcompose"
 EXTENSIONS = b".yaml|.yml"
 PROVIDERS = ("menagerie", "package")
 _LONGEST = 1024
@@ -88,7 +90,9 @@ def register() -> None:
         )
     library = _library(Path(mujoco.__file__).parent)
     probe = _Resource(name=b"x.yaml")
-    if library.mjp_findDecoder(ctypes.byref(probe), b""):
+    if known := library.mjp_findDecoder(ctypes.byref(probe), b""):
+        if ctypes.cast(known, ctypes.POINTER(_Decoder)).contents.content_type == CONTENT_TYPE:
+            return  # `mjcompose plugin install` has put it into MuJoCo's folder
         raise _error(
             "another package already opens `.yaml` files in this process, and MuJoCo allows one decoder",
             "use `mjcompose.spec(recipe)`",
@@ -128,6 +132,9 @@ def _library(folder: Path) -> Any:
 _interrupted = threading.Event()
 """An interrupt arrived in a callback, and waits until MuJoCo has returned to Python."""
 _before: Any = None
+"""The handler of the program."""
+_sent = False
+"""An interrupt was sent again, and has not arrived yet."""
 
 
 class _Safe:
@@ -157,15 +164,19 @@ _GUARD, _WORK = _Safe.__call__.__code__, _Safe.run.__code__
 
 
 def _on_interrupt(number: int, frame: FrameType | None) -> None:
+    global _sent
+    _sent = False
     below: FrameType | None = frame
     while below is not None and below.f_code not in (_GUARD, _WORK):
         below = below.f_back
-    if below is not None and below.f_code is _GUARD:
-        _postpone()
-        return
     if below is None:
         _interrupted.clear()
-    _before(number, frame)
+        _before(number, frame)
+        return
+    is_first = not _interrupted.is_set()
+    _postpone()  # also if it is raised here: a destructor could swallow it
+    if below.f_code is _WORK and is_first:
+        _before(number, frame)
 
 
 def _postpone() -> None:
@@ -176,10 +187,15 @@ def _postpone() -> None:
 
 
 def _send_again() -> None:
+    global _sent
     while _interrupted.is_set():
+        if not _sent:  # otherwise two would arrive for one
+            _sent = True
+            if sys.platform == "win32":
+                signal.raise_signal(signal.SIGINT)
+            else:  # wakes the main thread up, too
+                signal.pthread_kill(threading.main_thread().ident or 0, signal.SIGINT)
         time.sleep(0.001)
-        if _interrupted.is_set():
-            signal.raise_signal(signal.SIGINT)
 
 
 def _watch_interrupts() -> None:
@@ -213,7 +229,7 @@ def _decoder(library: Any) -> _Decoder:
             _write(place, size, reason)
 
     return _Decoder(
-        b"application/x-mjcompose", EXTENSIONS, _OPEN(lambda resource: 1), _DECODE(_Safe(decode, None, explain))
+        CONTENT_TYPE, EXTENSIONS, _OPEN(_Safe(lambda resource: 1, 1)), _DECODE(_Safe(decode, None, explain))
     )
 
 
