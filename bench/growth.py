@@ -18,7 +18,7 @@ from mjcompose import mjcf
 from mjcompose.base.sink import Sink
 from mjcompose.link.link import finish, link
 from mjcompose.link.linking import AttachmentPlace, Linking, Part
-from mjcompose.model.parse import parse_text
+from mjcompose.tree.parse import parse_text
 
 from bench import peers
 from bench.models import REPOSITORY

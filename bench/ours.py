@@ -9,9 +9,9 @@ from lxml import etree
 from mjcompose.base.sink import Sink
 from mjcompose.link.link import finish, link
 from mjcompose.link.linking import AttachmentPlace, Linking, Measure, Part, Request
-from mjcompose.model.parse import parse_file
-from mjcompose.model.unit import Unit
-from mjcompose.model.xml_text import write
+from mjcompose.tree.parse import parse_file
+from mjcompose.tree.unit import Unit
+from mjcompose.tree.xml_text import write
 
 # What the hands ask for and the arms do not: a recipe has to say which it is, or it does not build.
 _SETTLED = frozenset({"option/cone", "option/impratio"})

@@ -17,9 +17,9 @@ from typing import Any
 
 from mjcompose.link.linking import AttachmentPlace, Measure
 from mjcompose.link.measure import measure_with
-from mjcompose.model.unit import Unit
 from mjcompose.mujoco.engine import Session
 from mjcompose.sources.context import Context
+from mjcompose.tree.unit import Unit
 
 from bench import ours, peers
 from bench.row import Row

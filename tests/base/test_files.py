@@ -11,11 +11,11 @@ from mjcompose.base.access import ALL
 from mjcompose.base.files import TooLarge, unsaved, unsaved_text, untrusted
 from mjcompose.base.sink import Sink
 from mjcompose.build.plan.planner import make_plan
-from mjcompose.model.parse import parse_file
 from mjcompose.mujoco.engine import Request, Session
 from mjcompose.sources.context import Context
 from mjcompose.sources.reference import SourceError
 from mjcompose.sources.store import Store
+from mjcompose.tree.parse import parse_file
 
 pytestmark = pytest.mark.skipif(not hasattr(os, "geteuid"), reason="files have no owner of this kind")
 

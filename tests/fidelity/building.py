@@ -89,8 +89,8 @@ def reread(path: Path) -> bytes:
     """An MJCF file parsed into mjcompose's tree and written again. Raises ValueError where it is refused."""
     from mjcompose.base.access import own_door
     from mjcompose.base.sink import Sink
-    from mjcompose.model.parse import parse_file
-    from mjcompose.model.xml_text import write
+    from mjcompose.tree.parse import parse_file
+    from mjcompose.tree.xml_text import write
 
     sink, top = Sink(), repository(path)
     unit = parse_file(path, sink, door=own_door(path, () if top is None else (top,)))

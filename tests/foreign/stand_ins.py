@@ -10,8 +10,8 @@ import mujoco
 import numpy as np
 from mjcompose.mjcf import Element, Physics, RootElement
 from mjcompose.mjcf.views import always_there
-from mjcompose.model.grammar import ElementType
-from mjcompose.model.select import kind_of
+from mjcompose.tree.grammar import ElementType
+from mjcompose.tree.select import kind_of
 
 _COLUMNS = {"x": 0, "y": 1, "z": 2}
 

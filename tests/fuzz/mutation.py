@@ -15,7 +15,7 @@ from typing import Any
 import yaml
 from lxml import etree
 from lxml.etree import _Element as Node
-from mjcompose.model.grammar import GRAMMAR
+from mjcompose.tree.grammar import GRAMMAR
 
 ODD: tuple[Any, ...] = (
     "", " ", "0", "-1", "1e999", "nan", "inf", ".inf", "world", "main", "base", "/", "//", "**", "*", "{a,b}", "/(a+)+$/",

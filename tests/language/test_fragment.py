@@ -3,7 +3,7 @@ from __future__ import annotations
 import pytest
 from mjcompose.base.diagnostic import Fault
 from mjcompose.language.fragment import check_fragment, report_clashing
-from mjcompose.model.grammar import GRAMMAR, Constraint
+from mjcompose.tree.grammar import GRAMMAR, Constraint
 
 
 def check(text: str, bare_angles: bool = True, named: bool = False) -> tuple[object, list[Fault]]:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 from cases import Case
-from mjcompose.model.grammar import GRAMMAR
+from mjcompose.tree.grammar import GRAMMAR
 
 if TYPE_CHECKING:
     from conftest import YamlServer

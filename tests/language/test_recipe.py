@@ -13,8 +13,8 @@ from mjcompose.language.attach import Attachment
 from mjcompose.language.check import checks_of
 from mjcompose.language.recipe import Recipe
 from mjcompose.language.value import Element
-from mjcompose.model.selector import EVERYTHING, Selector
 from mjcompose.text.expression_values import Angle
+from mjcompose.tree.selector import EVERYTHING, Selector
 from pydantic import ValidationError
 
 

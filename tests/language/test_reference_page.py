@@ -5,8 +5,8 @@ from pathlib import Path
 
 from mjcompose.language.recipe import Recipe
 from mjcompose.language.reference_page import page, pages, text
-from mjcompose.model.grammar import GRAMMAR
 from mjcompose.text import key_order
+from mjcompose.tree.grammar import GRAMMAR
 
 FILE = Path(key_order.__file__).with_name("key_order.json")
 

@@ -15,9 +15,9 @@ from mjcompose.language.recipe import SETTABLE
 from mjcompose.language.schema import recipe_schema, text
 from mjcompose.language.sections import MARKS
 from mjcompose.language.validate import validate
-from mjcompose.model.grammar import GRAMMAR, Attribute, ElementType
 from mjcompose.text.load import load
 from mjcompose.text.node import to_python
+from mjcompose.tree.grammar import GRAMMAR, Attribute, ElementType
 
 ROOT = Path(__file__).parents[2]
 FILE = ROOT / "schemas" / "recipe.schema.json"

@@ -17,9 +17,9 @@ from mjcompose.base.sink import Sink
 from mjcompose.language.assign import TAGS
 from mjcompose.language.expand import expand
 from mjcompose.language.validate import validate
-from mjcompose.model.selector import known_tags
 from mjcompose.text.load import load
 from mjcompose.text.node import Mapping, Node, Sequence, to_python
+from mjcompose.tree.selector import known_tags
 
 ROOT = Path(__file__).parents[2]
 RECIPES = [

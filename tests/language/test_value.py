@@ -5,8 +5,8 @@ from typing import Any
 import pytest
 from mjcompose.base.diagnostic import Fault
 from mjcompose.language.value import bare_angle, read_value
-from mjcompose.model.grammar import GRAMMAR
 from mjcompose.text.expression_values import Angle
+from mjcompose.tree.grammar import GRAMMAR
 
 
 @pytest.mark.parametrize(

@@ -12,8 +12,8 @@ from mjcompose.base.sink import Sink
 from mjcompose.link.agreement import requested_settings, resolving_settings
 from mjcompose.link.link import link
 from mjcompose.link.linking import Linking, Part
-from mjcompose.model.parse import parse_text
-from mjcompose.model.unit import Unit
+from mjcompose.tree.parse import parse_text
+from mjcompose.tree.unit import Unit
 
 
 def options(inside: str) -> str:

@@ -15,8 +15,8 @@ from mjcompose.build.bundle.collect import collect
 from mjcompose.link.files import KINDS, Merged, NamedFile, add_file, dedup, files, path_in_assets
 from mjcompose.link.link import link as link_link_link
 from mjcompose.link.linking import FileUse, Linking, Part
-from mjcompose.model.files import Settings
-from mjcompose.model.unit import Unit
+from mjcompose.tree.files import Settings
+from mjcompose.tree.unit import Unit
 
 
 def png(red: int = 255) -> bytes:

@@ -19,10 +19,10 @@ from mjcompose.link.key_layout import BLOCK, Copy, Holder, Slot, actuators_in_or
 from mjcompose.link.linking import Linking
 from mjcompose.link.measure import measure_with
 from mjcompose.link.unit_keys import layout_of
-from mjcompose.model.parse import parse_file, parse_text
-from mjcompose.model.unit import Unit
 from mjcompose.mujoco.engine import Session
 from mjcompose.sources.context import Context
+from mjcompose.tree.parse import parse_file, parse_text
+from mjcompose.tree.unit import Unit
 
 
 def ends(holder: Holder) -> str:

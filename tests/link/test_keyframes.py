@@ -7,9 +7,9 @@ from link.workshop import BASE, OLDER, Linked, Piece, Workshop, hinge, placed
 from mjcompose.base.rotation import quat_from_axisangle
 from mjcompose.link.keyframes import part_keys
 from mjcompose.link.linking import Joint
-from mjcompose.model.key_policy import KeyPolicy
-from mjcompose.model.unit import texts
 from mjcompose.mujoco.keyframes import Keys
+from mjcompose.tree.key_policy import KeyPolicy
+from mjcompose.tree.unit import texts
 
 ARM = """
 <mujoco model="arm"><worldbody>

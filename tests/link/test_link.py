@@ -21,7 +21,7 @@ from mjcompose.link.link import (
 )
 from mjcompose.link.linking import Linking, Part
 from mjcompose.link.names import names
-from mjcompose.model.xml_text import write
+from mjcompose.tree.xml_text import write
 
 ALL = (*PASSES, *FINISHING)
 # The neighbours whose order changes a model or a fault: measured by swapping them, on all models of the tests.

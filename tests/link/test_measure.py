@@ -7,10 +7,10 @@ from link.workshop import Workshop
 from mjcompose.base.sink import Sink
 from mjcompose.link.linking import Linking
 from mjcompose.link.measure import BODIES, NAMED, KeptSettings, Survey, measure_with
-from mjcompose.model.parse import parse_text
-from mjcompose.model.unit import Unit
 from mjcompose.mujoco.engine import Limits
 from mjcompose.sources.context import Context
+from mjcompose.tree.parse import parse_text
+from mjcompose.tree.unit import Unit
 
 TEXT = """\
 <mujoco>

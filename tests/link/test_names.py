@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from link.workshop import BASE, Piece, Workshop, obj, placed
 from mjcompose.link.names import rename
-from mjcompose.model.classes import MAIN
-from mjcompose.model.names import may_be_generated
+from mjcompose.tree.classes import MAIN
+from mjcompose.tree.names import may_be_generated
 
 # Every attribute that refers to a name, and every kind of thing it may refer to.
 REFERRING = """

@@ -25,9 +25,9 @@ from mjcompose.link.settings import alignment, compiler, memory_requests, memory
 from mjcompose.link.submodels import submodel_options, submodels
 from mjcompose.link.unit_keys import layouts
 from mjcompose.link.world import check_roots, roots, sections, worlds
-from mjcompose.model.parse import parse_text
-from mjcompose.model.unit import Unit
 from mjcompose.sources.context import Context
+from mjcompose.tree.parse import parse_text
+from mjcompose.tree.unit import Unit
 
 
 def print_after(

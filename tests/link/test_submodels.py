@@ -11,7 +11,7 @@ from mjcompose.link.agreement import SINGLETONS
 from mjcompose.link.link import finish, link
 from mjcompose.link.linking import Linking, Part
 from mjcompose.link.submodels import submodel_options
-from mjcompose.model.unit import Unit
+from mjcompose.tree.unit import Unit
 
 pytestmark = pytest.mark.mujoco4("MuJoCo 3 has no `conflict`")
 
@@ -203,7 +203,7 @@ def test_what_is_attached_is_counted_through_the_door(tmp_path: Path) -> None:
     """Not even to count it is a file outside opened."""
     from mjcompose.base.access import Door
     from mjcompose.link.submodels import attached_size
-    from mjcompose.model.parse import parse_text
+    from mjcompose.tree.parse import parse_text
 
     (tmp_path / "own").mkdir()
     (tmp_path / "secret.xml").write_text("<mujoco><worldbody><body/></worldbody></mujoco>")

@@ -12,12 +12,12 @@ from lxml import etree
 from mjcompose.base.sink import Sink
 from mjcompose.link.measure import measure_with
 from mjcompose.link.subtree import Subtree, take_subtree
-from mjcompose.model.parse import parse_file
-from mjcompose.model.unit import Unit
-from mjcompose.model.xml_text import write
 from mjcompose.mujoco.match import Mount
 from mjcompose.mujoco.unchanged import compare
 from mjcompose.sources.context import Context
+from mjcompose.tree.parse import parse_file
+from mjcompose.tree.unit import Unit
+from mjcompose.tree.xml_text import write
 from sampling import rest_slow
 
 CORPUS = os.environ.get("MJCOMPOSE_CORPUS")

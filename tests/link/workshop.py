@@ -16,13 +16,13 @@ from mjcompose.build.bundle.collect import collect
 from mjcompose.link.link import finish, link
 from mjcompose.link.linking import AttachmentPlace, Joint, Linking, Part, Request
 from mjcompose.link.measure import measure_with
-from mjcompose.model.parse import parse_file
-from mjcompose.model.unit import Unit
-from mjcompose.model.xml_text import write
 from mjcompose.mujoco.keyframes import Keys
 from mjcompose.mujoco.match import Difference, Mount
 from mjcompose.mujoco.unchanged import compare
 from mjcompose.sources.context import Context
+from mjcompose.tree.parse import parse_file
+from mjcompose.tree.unit import Unit
+from mjcompose.tree.xml_text import write
 
 BASE = '<mujoco model="base"><worldbody><site name="mark" pos="1 2 3"/></worldbody></mujoco>'
 """A base that says next to nothing."""

@@ -9,7 +9,7 @@ import pytest
 from lxml import etree
 from mjcompose import mjcf
 from mjcompose.mjcf import Element, MjcfError, RootElement
-from mjcompose.model.grammar import GRAMMAR
+from mjcompose.tree.grammar import GRAMMAR
 
 _SECTIONS = ("asset", "contact", "equality", "tendon", "actuator", "sensor", "keyframe", "custom")
 _ON_BODIES = ("body", "joint", "geom", "site", "camera", "light", "inertial", "frame")

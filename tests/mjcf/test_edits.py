@@ -17,7 +17,7 @@ from lxml import etree
 from mjcompose import mjcf
 from mjcompose.mjcf import Element, MjcfError, Physics, RootElement
 from mjcompose.mjcf.model import Model
-from mjcompose.model.names import NameIndex
+from mjcompose.tree.names import NameIndex
 
 START = """
 <mujoco model="{name}">

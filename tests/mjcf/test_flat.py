@@ -17,7 +17,7 @@ from mjcompose.link.link import finish, link
 from mjcompose.link.linking import Linking
 from mjcompose.mjcf import flat
 from mjcompose.mjcf.flat import copy_unit, label, link_checked, name_files, relocated_text
-from mjcompose.model.xml_text import to_text
+from mjcompose.tree.xml_text import to_text
 
 Compiled = Callable[[mjcf.RootElement], mujoco.MjModel]
 

@@ -4,7 +4,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 from mjcompose import mjcf
-from mjcompose.model.grammar import GRAMMAR
+from mjcompose.tree.grammar import GRAMMAR
 
 
 def test_every_section_is_an_attribute() -> None:

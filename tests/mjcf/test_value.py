@@ -5,7 +5,7 @@ import pytest
 from mjcompose import mjcf
 from mjcompose.mjcf import MjcfError, RootElement
 from mjcompose.mjcf.value import BadValue, decode, encode
-from mjcompose.model.grammar import GRAMMAR
+from mjcompose.tree.grammar import GRAMMAR
 
 
 @pytest.fixture

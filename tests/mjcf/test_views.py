@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from mjcompose import mjcf
 from mjcompose.mjcf.views import of_attribute, of_element
-from mjcompose.model.grammar import GRAMMAR
+from mjcompose.tree.grammar import GRAMMAR
 
 
 @pytest.fixture

@@ -6,11 +6,11 @@ from typing import Any
 import mujoco
 import numpy as np
 import pytest
-from mjcompose.model.grammar import GRAMMAR
 from mjcompose.mujoco import arrays
 from mjcompose.mujoco.addresses import data_of
 from mjcompose.mujoco.arrays import ARRAYS, ENUMS, about, unit, words
 from mjcompose.mujoco.attributes import KINDS
+from mjcompose.tree.grammar import GRAMMAR
 
 
 def test_every_array_has_the_words_of_an_enumeration() -> None:

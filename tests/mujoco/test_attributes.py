@@ -8,11 +8,11 @@ from __future__ import annotations
 import mujoco
 import pytest
 from mjcompose.build.checks.unchanged import attributes as attributes_unchanged
-from mjcompose.model.grammar import GRAMMAR
 from mjcompose.mujoco.arrays import BALL, ENUMS, FREE, HINGE, JOINT_TYPES, SLIDE, about
 from mjcompose.mujoco.attributes import _BECOMES, _KINDS, ENUMERATED, HOLDERS, KINDS, array_of, arrays_of, attributes
 from mjcompose.mujoco.attributes import TAGS as ATTRIBUTES_TAGS
 from mjcompose.mujoco.unchanged import compare
+from mjcompose.tree.grammar import GRAMMAR
 
 MODEL = """
 <mujoco>

@@ -9,7 +9,7 @@ from typing import TypeVar
 
 from lxml import etree
 from lxml.etree import _Element as Node
-from mjcompose.model.grammar import GRAMMAR, Attribute, ElementType
+from mjcompose.tree.grammar import GRAMMAR, Attribute, ElementType
 
 T = TypeVar("T")
 

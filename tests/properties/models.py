@@ -10,7 +10,7 @@ import mujoco
 from hypothesis import strategies as st
 from lxml import etree
 from lxml.etree import _Element as Node
-from mjcompose.model.grammar import GRAMMAR, ElementType
+from mjcompose.tree.grammar import GRAMMAR, ElementType
 from properties.elements import Maker, element
 from properties.mending import mended
 from properties.scattering import scatter

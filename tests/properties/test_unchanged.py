@@ -18,9 +18,9 @@ from hypothesis import HealthCheck, given, reject, settings
 from mjcompose.build.bundle.assemble import assemble
 from mjcompose.build.compose.compose import Composer
 from mjcompose.build.plan.planner import make_plan
-from mjcompose.model.unit import Unit
-from mjcompose.model.xml_text import write
 from mjcompose.sources.context import Context
+from mjcompose.tree.unit import Unit
+from mjcompose.tree.xml_text import write
 from properties.compositions import Composition, compositions
 
 EXAMPLES = int(os.environ.get("MJCOMPOSE_EXAMPLES", "60"))

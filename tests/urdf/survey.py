@@ -22,12 +22,12 @@ sys.path[:0] = [str(ROOT), str(ROOT / "tests")]
 from mjcompose.base.access import Door  # noqa: E402
 from mjcompose.base.sink import Sink  # noqa: E402
 from mjcompose.link.measure import folder_of  # noqa: E402
-from mjcompose.model.xml_text import write  # noqa: E402
 from mjcompose.mujoco.engine import Session  # noqa: E402
 from mjcompose.sources.path import KIND  # noqa: E402
 from mjcompose.sources.reference import Source  # noqa: E402
 from mjcompose.sources.ros import UrdfChoices  # noqa: E402
 from mjcompose.targets.read_back import READERS, read_back  # noqa: E402
+from mjcompose.tree.xml_text import write  # noqa: E402
 from mjcompose.urdf.read import UrdfReader  # noqa: E402
 from targets.environments import FOLDER, is_ready, python_of  # noqa: E402
 

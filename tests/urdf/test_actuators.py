@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import pytest
-from mjcompose.model.unit import Unit
+from mjcompose.tree.unit import Unit
 from mjcompose.urdf.read import UrdfReader
 from urdf.parts import ARM, INERTIAL, joint, link, robot
 

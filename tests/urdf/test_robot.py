@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 from lxml import etree
 from mjcompose.base.diagnostic import Span
-from mjcompose.model.unit import FileText, Origins, Unit
+from mjcompose.tree.unit import FileText, Origins, Unit
 from mjcompose.urdf.robot import locate_in_urdf, mesh_of, name_fused_links
 
 URDF = b"""<robot name="arm">

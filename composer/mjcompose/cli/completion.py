@@ -139,7 +139,7 @@ def attributes(ctx: click.Context, parameter: click.Parameter, incomplete: str) 
     """Complete the attributes of the element in an `explain` query: `'geom left/pad'`, or its name alone."""
 
     def offered(recipe: Path, context: Context) -> Iterator[str]:
-        from mjcompose.model.select import kind_of
+        from mjcompose.tree.select import kind_of
 
         tag, _, name = str(ctx.params["query"]).rpartition(" ")
         for each in _model(recipe, context):

@@ -16,8 +16,8 @@ from mjcompose.base.diagnostic import Severity, hide
 from mjcompose.base.report import counted
 from mjcompose.build.bundle.bundle import Location, file_name, hash_of, is_address, location, picture_of
 from mjcompose.cli.reporting import clear_progress, note_files, progress, say, say_details
-from mjcompose.model.merged_settings import in_words
 from mjcompose.text.expression_values import shown
+from mjcompose.tree.merged_settings import in_words
 
 if TYPE_CHECKING:
     from mjcompose.build.bundle.bundle import Bundle, OutputForm

@@ -19,10 +19,10 @@ from mjcompose.language.placing import ORIENTATIONS
 from mjcompose.language.select import check_template, kinds_of, unknown_attribute
 from mjcompose.language.value import attribute_and_index, bare_angle, read_value
 from mjcompose.language.wording import EXCLUSIVE, kind_of, shown
-from mjcompose.model.grammar import GRAMMAR, Attribute, ElementType
-from mjcompose.model.selector import Selector, paths_of
 from mjcompose.text.expression_values import Angle
 from mjcompose.text.node import is_template
+from mjcompose.tree.grammar import GRAMMAR, Attribute, ElementType
+from mjcompose.tree.selector import Selector, paths_of
 
 MASS = "mass"
 

@@ -17,7 +17,7 @@ from mjcompose.language.forms.rules import OneOf
 from mjcompose.language.forms.scalars import Checked, Count, Expects, Items, Name, When, whole
 from mjcompose.language.value import Element
 from mjcompose.language.wording import kind_of
-from mjcompose.model.grammar import GRAMMAR
+from mjcompose.tree.grammar import GRAMMAR
 
 BETWEEN = "between"
 SAMPLES = 1000

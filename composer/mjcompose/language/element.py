@@ -20,9 +20,9 @@ from mjcompose.language.forms.context import Settings
 from mjcompose.language.fragment import check_fragment, report_clashing, report_missing
 from mjcompose.language.value import Element, Value, bare_angle, element_instead, read_value
 from mjcompose.language.wording import fault_at, is_unprintable, kind_of, unprintable
-from mjcompose.model.grammar import GRAMMAR, ElementType, number_text
 from mjcompose.text.merge import is_of_elements, is_taken_out
 from mjcompose.text.node import Mapping, Node, Scalar, Sequence, is_template
+from mjcompose.tree.grammar import GRAMMAR, ElementType, number_text
 
 _NAMES = ("attach", "sensor", "actuator", "equality", "tendon")
 

@@ -14,9 +14,9 @@ from typing import Any
 from mjcompose.language.element import CONFIG, FRAGMENT, NAME
 from mjcompose.language.forms.definitions import Schema, definition, reference
 from mjcompose.language.wording import shown
-from mjcompose.model.grammar import GRAMMAR, Attribute, Constraint, ElementType
-from mjcompose.model.values import INT_MAX, INT_MIN
 from mjcompose.text.expression_values import ANGLE_PATTERN
+from mjcompose.tree.grammar import GRAMMAR, Attribute, Constraint, ElementType
+from mjcompose.tree.values import INT_MAX, INT_MIN
 
 TEMPLATE_PATTERN = r"\$\{"
 _NUMBER_PATTERN = f"^{ANGLE_PATTERN}$|{TEMPLATE_PATTERN}"

@@ -9,8 +9,8 @@ from mjcompose.base.diagnostic import Fault, Note, Path
 from mjcompose.base.suggest import closest, exists_note, unknown_attribute
 from mjcompose.language.value import bare_angle
 from mjcompose.language.wording import EXCLUSIVE
-from mjcompose.model.grammar import Constraint, ElementType
-from mjcompose.model.values import check_value, items, parse_real
+from mjcompose.tree.grammar import Constraint, ElementType
+from mjcompose.tree.values import check_value, items, parse_real
 
 
 def report_missing(kind: ElementType, present: Collection[str], owner: str, at: Path, faults: list[Fault]) -> None:

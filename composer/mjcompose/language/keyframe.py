@@ -20,7 +20,7 @@ from mjcompose.language.forms.model import OWNER, Model
 from mjcompose.language.forms.scalars import Expects, Name, Unit, When
 from mjcompose.language.value import Single, read_value
 from mjcompose.language.wording import kind_of, shown
-from mjcompose.model.grammar import GRAMMAR
+from mjcompose.tree.grammar import GRAMMAR
 
 CTRL, HOLD, JOINT = "ctrl", "hold", "joint"
 Way = Literal["positions", "forces"]

@@ -22,12 +22,12 @@ from mjcompose.language.forms.scalars import Checked, Name
 from mjcompose.language.fragment import missing_key
 from mjcompose.language.value import Element, Single
 from mjcompose.language.wording import is_unprintable, kind_of, shown, unprintable
-from mjcompose.model.grammar import GRAMMAR
 from mjcompose.text.expression_values import Angle
 from mjcompose.text.key_order import WHOLE
 from mjcompose.text.node import Key, Scalar, find
 from mjcompose.text.node import Mapping as Located
 from mjcompose.text.node import Sequence as List
+from mjcompose.tree.grammar import GRAMMAR
 
 INHERITED = ("recipe", "angle", "eulerseq", "separator", "conflict")
 """What a model in place has of the recipe that it is written in, where it does not say otherwise."""

@@ -29,7 +29,7 @@ from mjcompose.language.placing import Frame, Place
 from mjcompose.language.sections import ByTag, DefaultClass, Defaults, Extension, Section, Singleton, Typed
 from mjcompose.language.value import Element
 from mjcompose.language.wording import EXCLUSIVE, is_unprintable, kind_of, unprintable
-from mjcompose.model.grammar import GRAMMAR, ElementType
+from mjcompose.tree.grammar import GRAMMAR, ElementType
 
 TO = "to"
 WORLD = "world"

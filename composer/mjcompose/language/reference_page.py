@@ -24,9 +24,9 @@ from mjcompose.language.forms.walk import first_keys
 from mjcompose.language.forms.walk import key_order as key_order_of
 from mjcompose.language.recipe import Recipe
 from mjcompose.language.schema import recipe_schema
-from mjcompose.model.classes import ORIENTATIONS
-from mjcompose.model.grammar import GRAMMAR, ElementType
 from mjcompose.sources.kinds import KINDS
+from mjcompose.tree.classes import ORIENTATIONS
+from mjcompose.tree.grammar import GRAMMAR, ElementType
 
 
 def key_order() -> dict[str, dict[str, list[str]]]:

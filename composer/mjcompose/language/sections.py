@@ -22,7 +22,7 @@ from mjcompose.language.forms.definitions import Schema, definition, reference
 from mjcompose.language.fragment import missing_key
 from mjcompose.language.value import Element, read_value
 from mjcompose.language.wording import EXCLUSIVE, kind_of
-from mjcompose.model.grammar import GRAMMAR, ElementType
+from mjcompose.tree.grammar import GRAMMAR, ElementType
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,12 +11,12 @@ from mjcompose.language.element import path_of
 from mjcompose.language.forms.definitions import Schema
 from mjcompose.language.value import attribute_and_index
 from mjcompose.language.wording import EXCLUSIVE, fault_at, kind_of, shown
-from mjcompose.model.grammar import GRAMMAR, ElementType
-from mjcompose.model.pattern import fault_of, is_pattern, is_regular, length_fault, stray_brace
-from mjcompose.model.selector import Selector, known_tags, paths_of
 from mjcompose.text.evaluate import Template
 from mjcompose.text.expression import ExpressionError
 from mjcompose.text.node import is_template
+from mjcompose.tree.grammar import GRAMMAR, ElementType
+from mjcompose.tree.pattern import fault_of, is_pattern, is_regular, length_fault, stray_brace
+from mjcompose.tree.selector import Selector, known_tags, paths_of
 
 GLOB: Schema = {
     "type": "string",

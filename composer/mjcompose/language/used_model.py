@@ -14,8 +14,8 @@ from mjcompose.language.forms.definitions import Schema, definition, reference
 from mjcompose.language.forms.model import IT, Model, Rest
 from mjcompose.language.forms.scalars import Checked, Count, Expects, Items, Keywords, Written
 from mjcompose.language.select import GLOB, NARROWING, read_selector
-from mjcompose.model.grammar import GRAMMAR
-from mjcompose.model.selector import EVERYTHING, Selector, known_tags, paths_of
+from mjcompose.tree.grammar import GRAMMAR
+from mjcompose.tree.selector import EVERYTHING, Selector, known_tags, paths_of
 
 
 class UrdfKeys(Model):

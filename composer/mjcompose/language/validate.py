@@ -24,9 +24,9 @@ from mjcompose.language.placing import faults_in_place
 from mjcompose.language.recipe import VERSION, Recipe, sections_of
 from mjcompose.language.sections import ByTag, Typed
 from mjcompose.language.wording import kind_of, shown
-from mjcompose.model.grammar import GRAMMAR
 from mjcompose.text.node import Key, Mapping, Node, Scalar, find, locate, texts, to_python
 from mjcompose.text.node import Sequence as List
+from mjcompose.tree.grammar import GRAMMAR
 
 # Without these, nothing else in the recipe can be judged.
 _INDISPENSABLE = ("recipe", "separator", "base")

@@ -12,9 +12,9 @@ from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Fault, Fix, Note, Path
 from mjcompose.base.suggest import advised, exists_note
 from mjcompose.language.wording import is_unprintable, kind_of, shown, unprintable
-from mjcompose.model.grammar import Attribute, ElementType, number_text
-from mjcompose.model.values import Refusal, check_number, check_python, expected, items, parse_real
 from mjcompose.text.expression_values import Angle
+from mjcompose.tree.grammar import Attribute, ElementType, number_text
+from mjcompose.tree.values import Refusal, check_number, check_python, expected, items, parse_real
 
 Single = bool | int | float | str | Angle
 
@@ -87,7 +87,7 @@ def bare_angle(attribute: Attribute, value: Value, joint: str | None, at: Path, 
 def angle_places(attribute: Attribute, count: int, joint: str | None) -> range:
     """Return which numbers of an attribute are angles. `joint` is the type of the joint, for attributes of joints.
 
-    >>> from mjcompose.model.grammar import GRAMMAR
+    >>> from mjcompose.tree.grammar import GRAMMAR
     >>> angle_places(GRAMMAR.element("site").attributes["axisangle"], 4, None)
     range(3, 4)
     """

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 from mjcompose.base.diagnostic import Diagnostic, Fault, Fix, Path
 from mjcompose.base.suggest import advised, exists_note
-from mjcompose.model.grammar import number_text
+from mjcompose.tree.grammar import number_text
 
 # Two keys exclude each other.
 EXCLUSIVE = "wrong-type"

@@ -17,12 +17,12 @@ from mjcompose.base.diagnostic import Cause, Note, Span
 from mjcompose.link import numbers
 from mjcompose.link.linking import Linking, Part, shown_name
 from mjcompose.link.settings import merge_sizes, model_autolimits
-from mjcompose.model.classes import text_in_effect
-from mjcompose.model.files import file_attributes
-from mjcompose.model.grammar import GRAMMAR
-from mjcompose.model.merged_settings import Adopted
-from mjcompose.model.select import kind_of
-from mjcompose.model.unit import Unit
+from mjcompose.tree.classes import text_in_effect
+from mjcompose.tree.files import file_attributes
+from mjcompose.tree.grammar import GRAMMAR
+from mjcompose.tree.merged_settings import Adopted
+from mjcompose.tree.select import kind_of
+from mjcompose.tree.unit import Unit
 
 SINGLETONS = ("option", "visual", "statistic")
 _SMALLER_IS_SAFER = ("timestep", "tolerance", "ls_tolerance", "noslip_tolerance", "ccd_tolerance", "sleep_tolerance")

@@ -25,9 +25,9 @@ from mjcompose.base.diagnostic import Note
 from mjcompose.base.rotation import normalise, quat_from_euler
 from mjcompose.link import numbers
 from mjcompose.link.linking import Flex, Linking
-from mjcompose.model.classes import MAIN, NESTED, Classes, childclass_of, through_frames, written
-from mjcompose.model.grammar import GRAMMAR, to_text
-from mjcompose.model.unit import Unit
+from mjcompose.tree.classes import MAIN, NESTED, Classes, childclass_of, through_frames, written
+from mjcompose.tree.grammar import GRAMMAR, to_text
+from mjcompose.tree.unit import Unit
 
 _TURNED = etree.XPath("(worldbody | default)//*[@euler or @axisangle]")
 # Without `fovy` and `cutoff`, which MuJoCo 4.0 reads in degrees even under `<compiler angle="radian"/>`, and without

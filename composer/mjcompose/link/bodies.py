@@ -17,11 +17,11 @@ from mjcompose.link.key_layout import JOINTS, joint_type
 from mjcompose.link.linking import Linking, Part, Sense
 from mjcompose.link.numbers import pose_in_world, read_pose
 from mjcompose.link.settings import is_leaf
-from mjcompose.model.classes import MAIN, ORIENTATIONS, Classes, childclass_of, default_tag, own, through_frames
-from mjcompose.model.cost import scaled_above
-from mjcompose.model.edit import attached_notes
-from mjcompose.model.names import word
-from mjcompose.model.parse import above
+from mjcompose.tree.classes import MAIN, ORIENTATIONS, Classes, childclass_of, default_tag, own, through_frames
+from mjcompose.tree.cost import scaled_above
+from mjcompose.tree.edit import attached_notes
+from mjcompose.tree.names import word
+from mjcompose.tree.parse import above
 
 _PLACES = ("site", "body", "frame")
 _GIVEN = ("pos", *ORIENTATIONS, "fromto")

@@ -17,11 +17,11 @@ from mjcompose.link.inertia import has_mass, settle_inertia
 from mjcompose.link.key_layout import JOINTS
 from mjcompose.link.linking import Linking, Part, detach
 from mjcompose.link.measure import BODIES, NAMED, KeptSettings, Survey
-from mjcompose.model.classes import childclass_of, own, through_frames, walk_bodies
-from mjcompose.model.files import stem
-from mjcompose.model.grammar import GRAMMAR
-from mjcompose.model.names import LISTS, REFERS, naming_table
-from mjcompose.model.unit import Unit
+from mjcompose.tree.classes import childclass_of, own, through_frames, walk_bodies
+from mjcompose.tree.files import stem
+from mjcompose.tree.grammar import GRAMMAR
+from mjcompose.tree.names import LISTS, REFERS, naming_table
+from mjcompose.tree.unit import Unit
 
 
 def body_reduction(linking: Linking) -> None:

@@ -23,10 +23,10 @@ from mjcompose.base.sink import Sink
 from mjcompose.link.angles import in_world, keep_in_main
 from mjcompose.link.key_layout import actuators_in_order, element_of
 from mjcompose.link.linking import Linking, shown_name
-from mjcompose.model.classes import MAIN, NESTED, Classes, DefaultClass, says_something
-from mjcompose.model.grammar import GRAMMAR
-from mjcompose.model.parse import above
-from mjcompose.model.unit import Unit
+from mjcompose.tree.classes import MAIN, NESTED, Classes, DefaultClass, says_something
+from mjcompose.tree.grammar import GRAMMAR
+from mjcompose.tree.parse import above
+from mjcompose.tree.unit import Unit
 
 # Sections whose elements take a class but stand outside the body tree, where no childclass reaches them: MuJoCo 4.0
 # gives a `<motor joint="j"/>` gear 1 though the body of `j` has a childclass with `<motor gear="5"/>`.
@@ -288,7 +288,7 @@ def _gains(linking: Linking, unit: Unit, *, wrap: bool = False) -> _Gains | None
 
 def _write(unit: Unit, actuator: Node, gain: Callable[[Classes, DefaultClass, str], DefaultClass | None]) -> None:
     """Write the values of the class that `gain` finds, if the composition has other values."""
-    from mjcompose.model.classes import default_text  # few models need it
+    from mjcompose.tree.classes import default_text  # few models need it
 
     tag = str(actuator.tag)
     own = unit.classes.get(actuator.get("class"))

@@ -18,12 +18,12 @@ from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Span
 from mjcompose.base.files import Refused, read_regular
 from mjcompose.link.linking import FileUse, Linking, detach
-from mjcompose.model.classes import DefaultClass
-from mjcompose.model.edit import BadSkin, rename_bones
-from mjcompose.model.files import Settings, file_attributes, is_absolute, is_plain, join, written_path
-from mjcompose.model.grammar import GRAMMAR, Attribute
-from mjcompose.model.names import LISTS, REFERS, REFERS_BY, WORLD, declaration, naming_table, object_namespace
-from mjcompose.model.unit import Unit
+from mjcompose.tree.classes import DefaultClass
+from mjcompose.tree.edit import BadSkin, rename_bones
+from mjcompose.tree.files import Settings, file_attributes, is_absolute, is_plain, join, written_path
+from mjcompose.tree.grammar import GRAMMAR, Attribute
+from mjcompose.tree.names import LISTS, REFERS, REFERS_BY, WORLD, declaration, naming_table, object_namespace
+from mjcompose.tree.unit import Unit
 
 KINDS = ("texture", "material", "mesh", "hfield")
 """Tags of merged assets, in an order in which nothing refers to a later kind."""

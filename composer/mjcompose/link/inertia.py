@@ -20,9 +20,9 @@ from mjcompose.link import numbers
 from mjcompose.link.linking import Linking, detach
 from mjcompose.link.measure import BODIES, GEOMS, KeptSettings, Survey
 from mjcompose.link.numbers import pose_below
-from mjcompose.model.classes import ORIENTATIONS, Classes, childclass_of, own, walk_bodies
-from mjcompose.model.files import Settings
-from mjcompose.model.unit import Unit
+from mjcompose.tree.classes import ORIENTATIONS, Classes, childclass_of, own, walk_bodies
+from mjcompose.tree.files import Settings
+from mjcompose.tree.unit import Unit
 
 _DEFAULT = Settings()
 # Rules that change a whole model after its parts: only MuJoCo can say what they give.

@@ -20,10 +20,10 @@ from typing import NamedTuple
 from lxml.etree import _Element as Node
 
 from mjcompose.base.dataclass import dataclass
-from mjcompose.model.classes import Classes, childclass_of, through_frames
-from mjcompose.model.names import DECLARES, REFERS, naming_table
-from mjcompose.model.unit import Unit
 from mjcompose.mujoco.arrays import JOINT_TYPES
+from mjcompose.tree.classes import Classes, childclass_of, through_frames
+from mjcompose.tree.names import DECLARES, REFERS, naming_table
+from mjcompose.tree.unit import Unit
 
 Name = tuple[str, str]
 """Namespace and name."""

@@ -17,8 +17,8 @@ from mjcompose.link.key_layout import BLOCK, Copy, Holder, Layout, Slot
 from mjcompose.link.linking import Linking, Part, detach, shown_name
 from mjcompose.link.measure import Reference
 from mjcompose.link.unit_keys import VECTORS, final_layout, keys_of, measure_references_again, reshaped_flexes
-from mjcompose.model.classes import ORIENTATIONS
-from mjcompose.model.unit import Key, KeyRecord, Number, PartKeys, Unit, line_of, moved, numbers_of, set_line, texts
+from mjcompose.tree.classes import ORIENTATIONS
+from mjcompose.tree.unit import Key, KeyRecord, Number, PartKeys, Unit, line_of, moved, numbers_of, set_line, texts
 
 BASE = "base"
 """The name of the base among the parts."""

@@ -17,9 +17,9 @@ from mjcompose.base.diagnostic import Span
 from mjcompose.base.rotation import Pose
 from mjcompose.base.sink import Sink
 from mjcompose.link.key_layout import Holder, Layout, Slot
-from mjcompose.model.key_policy import KeyPolicy
-from mjcompose.model.names import Names, may_be_generated
-from mjcompose.model.unit import Key, PartKeys, Unit, Watch, nobody
+from mjcompose.tree.key_policy import KeyPolicy
+from mjcompose.tree.names import Names, may_be_generated
+from mjcompose.tree.unit import Key, PartKeys, Unit, Watch, nobody
 
 Policy = Literal["error", "base", "mujoco"]
 

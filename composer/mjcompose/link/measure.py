@@ -36,17 +36,17 @@ from mjcompose.link.key_layout import (
 )
 from mjcompose.link.linking import Linking, Measure
 from mjcompose.link.numbers import pose_in_world, read_pose
-from mjcompose.model.classes import childclass_of, walk_bodies, written
-from mjcompose.model.cost import first_scaled
-from mjcompose.model.files import file_attributes, is_absolute, written_path
-from mjcompose.model.mesh_cost import check_meshes
-from mjcompose.model.names import declaration
-from mjcompose.model.unit import KeySource, Number, Unit, element_at, texts
-from mjcompose.model.xml_text import write
 from mjcompose.mujoco import engine
 from mjcompose.mujoco.arrays import FREE, HINGE
 from mjcompose.mujoco.messages import CRASHES, crash_help, parse, report, translate
 from mjcompose.sources.context import Context
+from mjcompose.tree.classes import childclass_of, walk_bodies, written
+from mjcompose.tree.cost import first_scaled
+from mjcompose.tree.files import file_attributes, is_absolute, written_path
+from mjcompose.tree.mesh_cost import check_meshes
+from mjcompose.tree.names import declaration
+from mjcompose.tree.unit import KeySource, Number, Unit, element_at, texts
+from mjcompose.tree.xml_text import write
 
 _SIZES = ("nq", "nv", "narena")
 

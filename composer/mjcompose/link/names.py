@@ -13,9 +13,9 @@ from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Note
 from mjcompose.base.suggest import unknown_name
 from mjcompose.link.linking import Linking, Part
-from mjcompose.model.classes import MAIN
-from mjcompose.model.files import NAMED_AFTER_FILE, stem
-from mjcompose.model.names import (
+from mjcompose.tree.classes import MAIN
+from mjcompose.tree.files import NAMED_AFTER_FILE, stem
+from mjcompose.tree.names import (
     DECLARES,
     GENERATES,
     LISTS,
@@ -28,7 +28,7 @@ from mjcompose.model.names import (
     users,
     word,
 )
-from mjcompose.model.unit import Unit, line_of
+from mjcompose.tree.unit import Unit, line_of
 
 
 @dataclass(frozen=True, slots=True)

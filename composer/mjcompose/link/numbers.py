@@ -16,7 +16,7 @@ from mjcompose.base.rotation import (
     quat_from_xyaxes,
     quat_from_zaxis,
 )
-from mjcompose.model.values import items, parse_real
+from mjcompose.tree.values import items, parse_real
 
 RADIANS_PER_DEGREE = math.pi / 180
 

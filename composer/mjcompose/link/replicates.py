@@ -23,10 +23,10 @@ from mjcompose.link import numbers
 from mjcompose.link.key_layout import BLOCKS, Name, copied_names, inner_first, suffixes
 from mjcompose.link.linking import Linking, shown_name
 from mjcompose.link.numbers import orientation_radians
-from mjcompose.model.cost import scaled_above
-from mjcompose.model.files import read_settings
-from mjcompose.model.names import DECLARES, REFERS, REFERS_BY, WORLD, NameIndex, naming_table, object_namespace
-from mjcompose.model.unit import Unit
+from mjcompose.tree.cost import scaled_above
+from mjcompose.tree.files import read_settings
+from mjcompose.tree.names import DECLARES, REFERS, REFERS_BY, WORLD, NameIndex, naming_table, object_namespace
+from mjcompose.tree.unit import Unit
 
 
 @lru_cache(maxsize=16)  # every copy of a part needs the same rows

@@ -22,9 +22,9 @@ from lxml.etree import _Element as Node
 from mjcompose.base.diagnostic import Note
 from mjcompose.link.inertia import MEASURED
 from mjcompose.link.linking import Linking, MemoryRequest, detach
-from mjcompose.model.classes import through_frames, walk_bodies
-from mjcompose.model.unit import Unit, line_of, set_line
-from mjcompose.model.values import parse_int
+from mjcompose.tree.classes import through_frames, walk_bodies
+from mjcompose.tree.unit import Unit, line_of, set_line
+from mjcompose.tree.values import parse_int
 
 _OF_FREEJOINTS = frozenset({"name", "type", "group", "class"})
 _INSIDE_BODIES = ("body", "flexcomp", "composite", "attach")

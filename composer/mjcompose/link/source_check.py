@@ -26,12 +26,12 @@ from mjcompose.base.diagnostic import Note
 from mjcompose.base.sink import Sink
 from mjcompose.link.linking import detach
 from mjcompose.link.settings import ROOM
-from mjcompose.model.classes import MAIN
-from mjcompose.model.grammar import GRAMMAR, Attribute, ElementType, version_key
-from mjcompose.model.unit import Unit
-from mjcompose.model.values import Refusal, check_value
-from mjcompose.model.xml_faults import BLIND, unread
 from mjcompose.mujoco.messages import unknown_attribute, unknown_element, version_of
+from mjcompose.tree.classes import MAIN
+from mjcompose.tree.grammar import GRAMMAR, Attribute, ElementType, version_key
+from mjcompose.tree.unit import Unit
+from mjcompose.tree.values import Refusal, check_value
+from mjcompose.tree.xml_faults import BLIND, unread
 
 INVALID_SOURCE = (ValueError, IndexError, KeyError, OverflowError, ZeroDivisionError)
 """What reading a source that is not MJCF may raise. Of one that is it is a bug."""

@@ -27,12 +27,12 @@ from mjcompose.link.agreement import default_of, merge_values, set_value, writte
 from mjcompose.link.files import ASSETS, NamedFile, add_file, path_in_assets, readable_path
 from mjcompose.link.linking import FileUse, Linking
 from mjcompose.link.settings import FOLDERS
-from mjcompose.model.cost import NOTHING, Weight, expanded
-from mjcompose.model.files import FromFolder, file_attributes, join, written_path
-from mjcompose.model.mesh_cost import file_points, mesh_points
-from mjcompose.model.parse import parse_file, parse_text
-from mjcompose.model.unit import Unit, line_of, set_line
-from mjcompose.model.xml_text import write
+from mjcompose.tree.cost import NOTHING, Weight, expanded
+from mjcompose.tree.files import FromFolder, file_attributes, join, written_path
+from mjcompose.tree.mesh_cost import file_points, mesh_points
+from mjcompose.tree.parse import parse_file, parse_text
+from mjcompose.tree.unit import Unit, line_of, set_line
+from mjcompose.tree.xml_text import write
 
 
 def attached_size(unit: Unit) -> Callable[[Node], Weight]:

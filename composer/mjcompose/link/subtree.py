@@ -19,13 +19,13 @@ from mjcompose.link.key_layout import Holder, element_of
 from mjcompose.link.keyframes import cut_row
 from mjcompose.link.linking import Linking, Measure, detach
 from mjcompose.link.unit_keys import VECTORS, keys_of, layout_of, remove_keys
-from mjcompose.model.classes import childclass_of
-from mjcompose.model.edit import attached_notes, bones, is_rod, twisted_by
-from mjcompose.model.files import written_path
-from mjcompose.model.key_policy import KeyPolicy
-from mjcompose.model.names import GENERATORS, WORLD, declaration, references, word
-from mjcompose.model.select import section_of
-from mjcompose.model.unit import KeyRecord, Number, Unit, texts
+from mjcompose.tree.classes import childclass_of
+from mjcompose.tree.edit import attached_notes, bones, is_rod, twisted_by
+from mjcompose.tree.files import written_path
+from mjcompose.tree.key_policy import KeyPolicy
+from mjcompose.tree.names import GENERATORS, WORLD, declaration, references, word
+from mjcompose.tree.select import section_of
+from mjcompose.tree.unit import KeyRecord, Number, Unit, texts
 
 _SUPPORT = ("default", "asset", "extension")
 Name = tuple[str, str]

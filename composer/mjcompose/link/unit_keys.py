@@ -24,8 +24,8 @@ from mjcompose.link import numbers
 from mjcompose.link.key_layout import Copy, Layout, Slot, Unknown, element_of, ends_of_copies, lay_out
 from mjcompose.link.linking import Linking, WrittenKey
 from mjcompose.link.measure import attached_slots, flexible_widths, is_expanded, is_measured
-from mjcompose.model.files import read_settings
-from mjcompose.model.unit import KeyRecord, KeySource, Number, Unit, numbers_of, texts
+from mjcompose.tree.files import read_settings
+from mjcompose.tree.unit import KeyRecord, KeySource, Number, Unit, numbers_of, texts
 
 Within = frozenset[tuple[Node, int]]
 """The number of a copy in each `<replicate>` around it."""

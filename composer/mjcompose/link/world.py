@@ -15,12 +15,12 @@ from mjcompose.link.key_layout import joint_type
 from mjcompose.link.linking import Floating, Linking, Part, detach
 from mjcompose.link.numbers import pose_below, pose_in_world
 from mjcompose.link.subtree import side_of_world
-from mjcompose.model.classes import childclass_of, text_in_effect, through_frames
-from mjcompose.model.edit import whole
-from mjcompose.model.grammar import GRAMMAR
-from mjcompose.model.names import WORLD, users
-from mjcompose.model.parse import above
-from mjcompose.model.unit import Unit
+from mjcompose.tree.classes import childclass_of, text_in_effect, through_frames
+from mjcompose.tree.edit import whole
+from mjcompose.tree.grammar import GRAMMAR
+from mjcompose.tree.names import WORLD, users
+from mjcompose.tree.parse import above
+from mjcompose.tree.unit import Unit
 
 
 def roots(linking: Linking) -> None:

@@ -19,11 +19,11 @@ from mjcompose.build.compose.load import Key, Library, source_key
 from mjcompose.build.plan.plan import BASE, PlacedModel, Plan
 from mjcompose.lsp.cursor import Cursor, Path, cursor_at
 from mjcompose.lsp.language import Form, forms_at
-from mjcompose.model.names import WORLD, NameIndex
-from mjcompose.model.unit import Unit
 from mjcompose.sources.reference import Source
 from mjcompose.text.load import load
 from mjcompose.text.node import Mapping, Node, find, to_python
+from mjcompose.tree.names import WORLD, NameIndex
+from mjcompose.tree.unit import Unit
 
 if TYPE_CHECKING:
     from lxml.etree import _Element

@@ -24,21 +24,21 @@ from mjcompose.build.stages import Request, build
 from mjcompose.link.measure import measure_with
 from mjcompose.link.source_check import check_source
 from mjcompose.lsp.analysis import Analysis, Model, Shelf, is_saved, lines_of, moved, shown, span_after
-from mjcompose.model.parse import parse_text
-from mjcompose.model.unit import Watch, nobody
 from mjcompose.mujoco.engine import Session
 from mjcompose.sources.context import Context
 from mjcompose.sources.fetching import Fetching, model_files
 from mjcompose.text.load import load
 from mjcompose.tools.explain.explain import Traced
 from mjcompose.tools.explain.trace import Trace
+from mjcompose.tree.parse import parse_text
+from mjcompose.tree.unit import Watch, nobody
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as Node
 
     from mjcompose.build.compose.load import Library
     from mjcompose.build.plan.plan import Plan
-    from mjcompose.model.unit import Unit
+    from mjcompose.tree.unit import Unit
 
 
 def carried(found: Iterable[Diagnostic], file: str, old: Sequence[str], new: Sequence[str]) -> tuple[Diagnostic, ...]:

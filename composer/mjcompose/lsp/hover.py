@@ -18,8 +18,6 @@ from mjcompose.lsp.analysis import Analysis, Hover, Known, Question
 from mjcompose.lsp.language import doc_of, words_of
 from mjcompose.lsp.places import label, matches, part_of_reference, selector_around
 from mjcompose.lsp.subject import Settable, in_model, named_at, names_in, of_nested, settables
-from mjcompose.model.grammar import GRAMMAR
-from mjcompose.model.unit import Unit
 from mjcompose.sources.reference import Source
 from mjcompose.text.evaluate import Template
 from mjcompose.text.expression import ExpressionError
@@ -28,6 +26,8 @@ from mjcompose.text.node import Mapping as Located
 from mjcompose.text.node import is_template
 from mjcompose.tools.explain.explanation import render
 from mjcompose.tools.outline import world_of
+from mjcompose.tree.grammar import GRAMMAR
+from mjcompose.tree.unit import Unit
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as _EtreeElement

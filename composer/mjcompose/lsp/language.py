@@ -10,7 +10,7 @@ from typing import Any
 from mjcompose.base.dataclass import dataclass
 from mjcompose.language.schema import recipe_schema
 from mjcompose.lsp.cursor import Path
-from mjcompose.model.grammar import GRAMMAR, ElementType
+from mjcompose.tree.grammar import GRAMMAR, ElementType
 
 Schema = dict[str, Any]
 _ELEMENT = re.compile(r"(?:element|named|variant|settable|scalable)\.(.+)")

@@ -17,11 +17,11 @@ from mjcompose.language.select import NARROWING, read_selector
 from mjcompose.lsp.analysis import Known, Names, Question
 from mjcompose.lsp.cursor import Path
 from mjcompose.lsp.language import Form, kinds_of
-from mjcompose.model.grammar import GRAMMAR
-from mjcompose.model.names import WORLD
-from mjcompose.model.pattern import BadPattern
-from mjcompose.model.select import Selection, name_of
-from mjcompose.model.selector import paths_of
+from mjcompose.tree.grammar import GRAMMAR
+from mjcompose.tree.names import WORLD
+from mjcompose.tree.pattern import BadPattern
+from mjcompose.tree.select import Selection, name_of
+from mjcompose.tree.selector import paths_of
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as Node

@@ -14,12 +14,12 @@ from mjcompose.lsp.analysis import Analysis, Known, Question
 from mjcompose.lsp.cursor import Path
 from mjcompose.lsp.language import Form, forms_at, forms_below
 from mjcompose.lsp.places import PART, Wanted, fitting, part_at, wanted_key, wanted_value
-from mjcompose.model.unit import Unit
 from mjcompose.sources.context import Context
 from mjcompose.sources.fetching import Fetching
 from mjcompose.text.evaluate import Template
 from mjcompose.text.expression import ExpressionError
 from mjcompose.text.node import Key, Mapping, Node, Scalar, Sequence, to_python, walk
+from mjcompose.tree.unit import Unit
 
 
 @dataclass(frozen=True, slots=True)

@@ -43,7 +43,7 @@ from mjcompose.mjcf.parse import (
 )
 from mjcompose.mjcf.physics import Physics
 from mjcompose.mjcf.views import ViewClasses, register
-from mjcompose.model.names import SEPARATOR as PREFIX_SEPARATOR
+from mjcompose.tree.names import SEPARATOR as PREFIX_SEPARATOR
 
 register(ViewClasses(element=Element, root=RootElement, frame=AttachmentFrame, several=ElementList))
 

@@ -20,8 +20,8 @@ from mjcompose.base.files import CODE, Refused, read_regular
 from mjcompose.mjcf.errors import MjcfError, failure
 from mjcompose.mjcf.flat import bundle_paths
 from mjcompose.mjcf.model import Model
-from mjcompose.model.edit import BadBone, renamed_skin, skins
-from mjcompose.model.files import in_archive, join, read_settings, stem, written_path
+from mjcompose.tree.edit import BadBone, renamed_skin, skins
+from mjcompose.tree.files import in_archive, join, read_settings, stem, written_path
 
 
 def as_path(argument: str, value: object) -> Path:

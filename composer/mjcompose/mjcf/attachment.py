@@ -17,7 +17,7 @@ from mjcompose.mjcf.model import Attachment
 from mjcompose.mjcf.node_view import checked
 from mjcompose.mjcf.value import describe
 from mjcompose.mjcf.views import view
-from mjcompose.model.classes import ORIENTATIONS, Classes, childclass_of, through_frames
+from mjcompose.tree.classes import ORIENTATIONS, Classes, childclass_of, through_frames
 
 _OF_FRAMES = frozenset({"pos", *ORIENTATIONS, "mocap"})
 _JOINTS = ("joint", "freejoint")

@@ -16,9 +16,9 @@ from mjcompose.mjcf.errors import MjcfAttributeError, failure, no_attribute
 from mjcompose.mjcf.model import Model, Target
 from mjcompose.mjcf.value import BadValue, decode, describe, is_reference, resolved
 from mjcompose.mjcf.views import always_there, view, views
-from mjcompose.model.grammar import Attribute, ElementType
-from mjcompose.model.names import own_name
-from mjcompose.model.select import attribute_of, kind_of, naming_attribute, spoken
+from mjcompose.tree.grammar import Attribute, ElementType
+from mjcompose.tree.names import own_name
+from mjcompose.tree.select import attribute_of, kind_of, naming_attribute, spoken
 
 
 class Attributed:

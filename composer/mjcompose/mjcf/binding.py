@@ -20,9 +20,9 @@ from mjcompose.base.diagnostic import Note
 from mjcompose.base.suggest import did_you_mean
 from mjcompose.mjcf.compile import IN_PLACE, ScatteredRows, flat_indices
 from mjcompose.mjcf.errors import MjcfAttributeError, MjcfError, failure
-from mjcompose.model.values import shorten
 from mjcompose.mujoco.addresses import RUNS, Run
 from mjcompose.mujoco.attributes import KINDS, Model
+from mjcompose.tree.values import shorten
 
 # A short name is that of the first: `solref` of a joint is `jnt_solref` and the other one is `dof_solref`.
 _MORE_WORDS = {"joint": ("dof",), "tendon": ("ten",), "skin": ("skin",), "flex": ("flexedge", "flexvert")}

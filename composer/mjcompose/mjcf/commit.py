@@ -19,10 +19,10 @@ from mjcompose.mjcf.mounting import childclass_at
 from mjcompose.mjcf.node_view import checked
 from mjcompose.mjcf.value import describe
 from mjcompose.mjcf.views import class_of
-from mjcompose.model.classes import MAIN, ORIENTATIONS, Classes, DefaultClass, childclass_of, default_tag
-from mjcompose.model.edit import assign
-from mjcompose.model.grammar import GRAMMAR, Attribute
-from mjcompose.model.select import ROOT, attribute_of, kind_of, spoken
+from mjcompose.tree.classes import MAIN, ORIENTATIONS, Classes, DefaultClass, childclass_of, default_tag
+from mjcompose.tree.edit import assign
+from mjcompose.tree.grammar import GRAMMAR, Attribute
+from mjcompose.tree.select import ROOT, attribute_of, kind_of, spoken
 
 ACTUATORS = frozenset(GRAMMAR.section("actuator").children)
 _GENERAL = "general"

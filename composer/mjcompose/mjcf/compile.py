@@ -19,15 +19,15 @@ from mjcompose.mjcf.errors import MjcfError, error_of, failure, raise_errors
 from mjcompose.mjcf.flat import Flat, contents, copy_unit, flatten, issue_warnings, name_files
 from mjcompose.mjcf.model import Model, Target
 from mjcompose.mjcf.node_view import attachments_below
-from mjcompose.model.grammar import GRAMMAR, Attribute, to_text
-from mjcompose.model.mesh_cost import check_meshes
-from mjcompose.model.unit import Unit, element_at
-from mjcompose.model.xml_text import to_text as xml_text
-from mjcompose.model.xml_text import write
 from mjcompose.mujoco.attributes import Model as MjModel
 from mjcompose.mujoco.attributes import NameTable
 from mjcompose.mujoco.messages import Topic, locate_fault, parse, translate
 from mjcompose.mujoco.order import compiled_kind, compiled_order, rows
+from mjcompose.tree.grammar import GRAMMAR, Attribute, to_text
+from mjcompose.tree.mesh_cost import check_meshes
+from mjcompose.tree.unit import Unit, element_at
+from mjcompose.tree.xml_text import to_text as xml_text
+from mjcompose.tree.xml_text import write
 
 _Number = TypeVar("_Number", bound=np.generic)
 

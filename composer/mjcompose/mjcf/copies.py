@@ -14,7 +14,7 @@ from mjcompose.base.diagnostic import Span
 from mjcompose.mjcf.attributed import Attributed
 from mjcompose.mjcf.model import Attachment, Model
 from mjcompose.mjcf.views import view
-from mjcompose.model.unit import FileText, Origins, Unit, counterpart
+from mjcompose.tree.unit import FileText, Origins, Unit, counterpart
 
 
 def duplicate(model: Model, memo: dict[int, Any] | None = None) -> Model:

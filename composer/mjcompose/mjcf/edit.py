@@ -20,12 +20,12 @@ from mjcompose.mjcf.asset import Asset, Skins, add_files, place_asset, skins_aft
 from mjcompose.mjcf.errors import MjcfError, failure, no_attribute
 from mjcompose.mjcf.model import Attachment, Model, Target
 from mjcompose.mjcf.value import BadValue, describe, encode, is_reference, name_for, namespace_of, plain_text
-from mjcompose.model.classes import MAIN, ORIENTATIONS
-from mjcompose.model.edit import NewName, Removal, Renaming, assign, is_section, replace, unlistable_message
-from mjcompose.model.files import NAMED_AFTER_FILE, stem
-from mjcompose.model.grammar import Attribute, ElementType
-from mjcompose.model.names import MAY_REPEAT
-from mjcompose.model.select import attribute_of, kind_of, naming_attribute, spoken
+from mjcompose.tree.classes import MAIN, ORIENTATIONS
+from mjcompose.tree.edit import NewName, Removal, Renaming, assign, is_section, replace, unlistable_message
+from mjcompose.tree.files import NAMED_AFTER_FILE, stem
+from mjcompose.tree.grammar import Attribute, ElementType
+from mjcompose.tree.names import MAY_REPEAT
+from mjcompose.tree.select import attribute_of, kind_of, naming_attribute, spoken
 
 
 def remove(model: Model, node: Node, cascade: bool) -> None:

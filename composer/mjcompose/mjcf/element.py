@@ -26,10 +26,10 @@ from mjcompose.mjcf.model import UNNAMED, Model, Target
 from mjcompose.mjcf.node_view import NodeView, RootView, attach, model_of, set_model_name
 from mjcompose.mjcf.physics import Physics, page_with_picture
 from mjcompose.mjcf.views import view
-from mjcompose.model.grammar import ElementType
-from mjcompose.model.names import SEPARATOR
-from mjcompose.model.select import WORLD_SECTION
-from mjcompose.model.unit import Unit
+from mjcompose.tree.grammar import ElementType
+from mjcompose.tree.names import SEPARATOR
+from mjcompose.tree.select import WORLD_SECTION
+from mjcompose.tree.unit import Unit
 
 
 class Element(NodeView):

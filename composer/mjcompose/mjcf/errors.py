@@ -9,8 +9,8 @@ from mjcompose.base.diagnostic import Diagnostic, Note, Span, call_site
 from mjcompose.base.report import MjcomposeError
 from mjcompose.base.sink import Sink
 from mjcompose.base.suggest import closest, exists_note, unknown_attribute
-from mjcompose.model.grammar import ElementType
-from mjcompose.model.select import spoken
+from mjcompose.tree.grammar import ElementType
+from mjcompose.tree.select import spoken
 
 
 class MjcfError(MjcomposeError, ValueError):

@@ -30,15 +30,15 @@ from mjcompose.mjcf.errors import MjcfError, MjcfWarning, failure, raise_errors
 from mjcompose.mjcf.model import UNNAMED, Model
 from mjcompose.mjcf.mounting import Mounting, without_outward
 from mjcompose.mjcf.value import describe, describe_target
-from mjcompose.model.classes import says_something
-from mjcompose.model.edit import resolves, unresolved
-from mjcompose.model.files import CUBE, NAMED_AFTER_FILE, file_attributes, is_plain, stem
-from mjcompose.model.names import UP, Use, word
-from mjcompose.model.select import HOLDS_ONE_OF_EACH, section_of, spoken
-from mjcompose.model.unit import Unit
-from mjcompose.model.xml_text import as_it_is, to_text, write
 from mjcompose.mujoco.engine import Session
 from mjcompose.sources.context import Context
+from mjcompose.tree.classes import says_something
+from mjcompose.tree.edit import resolves, unresolved
+from mjcompose.tree.files import CUBE, NAMED_AFTER_FILE, file_attributes, is_plain, stem
+from mjcompose.tree.names import UP, Use, word
+from mjcompose.tree.select import HOLDS_ONE_OF_EACH, section_of, spoken
+from mjcompose.tree.unit import Unit
+from mjcompose.tree.xml_text import as_it_is, to_text, write
 
 
 def prune(unit: Unit) -> None:

@@ -18,10 +18,10 @@ from mjcompose.mjcf.copies import duplicate
 from mjcompose.mjcf.errors import MjcfWarning, raise_errors
 from mjcompose.mjcf.model import Model
 from mjcompose.mjcf.value import describe
-from mjcompose.model.files import NAMED_AFTER_FILE, Settings, file_attributes, join
-from mjcompose.model.names import own_name, word
-from mjcompose.model.unit import Unit
-from mjcompose.model.values import items, parse_real
+from mjcompose.tree.files import NAMED_AFTER_FILE, Settings, file_attributes, join
+from mjcompose.tree.names import own_name, word
+from mjcompose.tree.unit import Unit
+from mjcompose.tree.values import items, parse_real
 
 
 def take_model(model: Model, source: Unit, element: Node) -> None:

@@ -13,12 +13,12 @@ from lxml.etree import _Element as Node
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Diagnostic, Span
-from mjcompose.model.classes import MAIN
-from mjcompose.model.edit import names_in
-from mjcompose.model.grammar import GRAMMAR
-from mjcompose.model.names import LEADING_OUT, SEPARATOR, UP, WORLD, NameIndex, may_be_generated, own_name
-from mjcompose.model.select import ROOT, WORLD_SECTION, kind_of, naming_attribute, section_of
-from mjcompose.model.unit import Unit
+from mjcompose.tree.classes import MAIN
+from mjcompose.tree.edit import names_in
+from mjcompose.tree.grammar import GRAMMAR
+from mjcompose.tree.names import LEADING_OUT, SEPARATOR, UP, WORLD, NameIndex, may_be_generated, own_name
+from mjcompose.tree.select import ROOT, WORLD_SECTION, kind_of, naming_attribute, section_of
+from mjcompose.tree.unit import Unit
 
 UNNAMED = "unnamed_model"
 

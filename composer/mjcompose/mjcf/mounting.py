@@ -18,15 +18,15 @@ from mjcompose.link.numbers import text as number_text
 from mjcompose.link.settings import INSTEAD_OF_MEMORY
 from mjcompose.mjcf.errors import failure
 from mjcompose.mjcf.model import Attachment, Model
-from mjcompose.model.classes import MAIN, ORIENTATIONS, childclass_of
-from mjcompose.model.edit import whole
-from mjcompose.model.files import stem
-from mjcompose.model.grammar import GRAMMAR, ElementType
-from mjcompose.model.names import DECLARES, MAY_REPEAT, UP, NameIndex, declaration, naming_table, own_name
-from mjcompose.model.select import WORLD_SECTION, section_of
-from mjcompose.model.unit import Unit, counterpart
-from mjcompose.model.xml_faults import ignored, is_unread_alone
 from mjcompose.mujoco.messages import of_other_version
+from mjcompose.tree.classes import MAIN, ORIENTATIONS, childclass_of
+from mjcompose.tree.edit import whole
+from mjcompose.tree.files import stem
+from mjcompose.tree.grammar import GRAMMAR, ElementType
+from mjcompose.tree.names import DECLARES, MAY_REPEAT, UP, NameIndex, declaration, naming_table, own_name
+from mjcompose.tree.select import WORLD_SECTION, section_of
+from mjcompose.tree.unit import Unit, counterpart
+from mjcompose.tree.xml_faults import ignored, is_unread_alone
 
 _STAND_IN = "stands in for what is attached"
 # The targets of an actuator, and the attributes that depend on them.

@@ -23,10 +23,10 @@ from mjcompose.mjcf.flat import assets
 from mjcompose.mjcf.flat import text as flat_text
 from mjcompose.mjcf.model import Attachment, Model, Target, page
 from mjcompose.mjcf.value import describe, update_references
-from mjcompose.model.edit import Renaming, assign, replace
-from mjcompose.model.names import SEPARATOR
-from mjcompose.model.select import WORLD_SECTION, kind_of, naming_attribute, spoken
-from mjcompose.model.unit import counterpart
+from mjcompose.tree.edit import Renaming, assign, replace
+from mjcompose.tree.names import SEPARATOR
+from mjcompose.tree.select import WORLD_SECTION, kind_of, naming_attribute, spoken
+from mjcompose.tree.unit import counterpart
 
 ESCAPED = "\\"
 

@@ -29,11 +29,11 @@ from mjcompose.mjcf.model import UNNAMED, Model
 from mjcompose.mjcf.mounting import check_tree, one_of_each_section
 from mjcompose.mjcf.node_view import escape_separators as escape_separators_of
 from mjcompose.mjcf.views import view
-from mjcompose.model.parse import all_admitted, parse_file, parse_text
-from mjcompose.model.unit import Unit
-from mjcompose.model.xml_text import write
 from mjcompose.mujoco.attributes import KINDS
 from mjcompose.mujoco.references import arrays
+from mjcompose.tree.parse import all_admitted, parse_file, parse_text
+from mjcompose.tree.unit import Unit
+from mjcompose.tree.xml_text import write
 
 _TEXT = "<xml_string>"
 

@@ -27,13 +27,13 @@ from mjcompose.mjcf.errors import MjcfError, MjcfWarning, error_of, failure, rai
 from mjcompose.mjcf.model import Model, page
 from mjcompose.mjcf.node_view import NodeView, RootView, model_of
 from mjcompose.mjcf.views import view
-from mjcompose.model.edit import is_copy
-from mjcompose.model.parse import all_admitted, parse_file
-from mjcompose.model.select import WORLD_SECTION
 from mjcompose.mujoco.attributes import KINDS, NameTable
 from mjcompose.mujoco.film import png
 from mjcompose.mujoco.messages import Topic, read_sentence
 from mjcompose.mujoco.order import compiled_kind
+from mjcompose.tree.edit import is_copy
+from mjcompose.tree.parse import all_admitted, parse_file
+from mjcompose.tree.select import WORLD_SECTION
 
 
 class Rendering:

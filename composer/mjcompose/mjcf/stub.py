@@ -7,8 +7,8 @@ from pathlib import Path
 
 from mjcompose.mjcf.element import Element, RootElement
 from mjcompose.mjcf.views import always_there, class_name, kinds
-from mjcompose.model.grammar import GRAMMAR, Attribute, ElementType
-from mjcompose.model.select import query, spoken
+from mjcompose.tree.grammar import GRAMMAR, Attribute, ElementType
+from mjcompose.tree.select import query, spoken
 
 _WIDTH = 140
 _HEAD = '''\

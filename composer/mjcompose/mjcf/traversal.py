@@ -10,9 +10,9 @@ from lxml.etree import _Element as Node
 from mjcompose.mjcf.asset import as_name
 from mjcompose.mjcf.errors import unknown_tag
 from mjcompose.mjcf.model import Attachment, Model, Target
-from mjcompose.model.edit import is_section
-from mjcompose.model.names import WORLD
-from mjcompose.model.select import WORLD_SECTION, Query, kind_of, query, section_of, tags_of
+from mjcompose.tree.edit import is_section
+from mjcompose.tree.names import WORLD
+from mjcompose.tree.select import WORLD_SECTION, Query, kind_of, query, section_of, tags_of
 
 
 def from_root(model: Model, query: Query) -> Iterator[Target]:

@@ -12,12 +12,12 @@ import numpy as np
 from lxml.etree import _Element as Node
 
 from mjcompose.mjcf.model import Model, Target
-from mjcompose.model.classes import ORIENTATIONS
-from mjcompose.model.edit import assign
-from mjcompose.model.grammar import GRAMMAR, Attribute, number_text, to_text
-from mjcompose.model.names import UP, WORLD, word
-from mjcompose.model.select import kind_of
-from mjcompose.model.values import (
+from mjcompose.tree.classes import ORIENTATIONS
+from mjcompose.tree.edit import assign
+from mjcompose.tree.grammar import GRAMMAR, Attribute, number_text, to_text
+from mjcompose.tree.names import UP, WORLD, word
+from mjcompose.tree.select import kind_of
+from mjcompose.tree.values import (
     INT_MAX,
     NOT_XML,
     Refusal,

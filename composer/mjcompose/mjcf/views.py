@@ -11,9 +11,9 @@ from lxml.etree import _Element as Node
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.mjcf.model import Model
-from mjcompose.model.grammar import GRAMMAR, Attribute, ElementType, to_text
-from mjcompose.model.select import HOLDS_ONE_OF_EACH, ROOT, kind_of, spoken
-from mjcompose.model.values import SHOWN_KEYWORDS, expected
+from mjcompose.tree.grammar import GRAMMAR, Attribute, ElementType, to_text
+from mjcompose.tree.select import HOLDS_ONE_OF_EACH, ROOT, kind_of, spoken
+from mjcompose.tree.values import SHOWN_KEYWORDS, expected
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,7 +109,7 @@ def of_element(kind: ElementType) -> str:
 def of_attribute(attribute: Attribute) -> str:
     """Return the docstring of an attribute: its meaning, its values, its default, and the versions that have it.
 
-    >>> from mjcompose.model.grammar import GRAMMAR
+    >>> from mjcompose.tree.grammar import GRAMMAR
     >>> print(of_attribute(GRAMMAR.element('geom').attributes['friction']))
     sliding, spinning (m) and rolling (m) friction
     <BLANKLINE>

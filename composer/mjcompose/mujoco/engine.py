@@ -24,7 +24,7 @@ from mjcompose.base.files import untrusted
 from mjcompose.base.limits import GIB, in_force
 from mjcompose.base.processes import Process, module_path
 from mjcompose.base.scratch import scratch
-from mjcompose.model.grammar import version_key
+from mjcompose.tree.grammar import version_key
 
 if TYPE_CHECKING:
     import numpy

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, TypeAlias
 
-from mjcompose.model.classes import through_frames
-from mjcompose.model.names import WORLD, own_name
-from mjcompose.model.select import WORLD_SECTION, kind_of, naming_attribute
 from mjcompose.mujoco.attributes import KINDS, ON_BODIES, NameTable
 from mjcompose.mujoco.references import links
+from mjcompose.tree.classes import through_frames
+from mjcompose.tree.names import WORLD, own_name
+from mjcompose.tree.select import WORLD_SECTION, kind_of, naming_attribute
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as Node

@@ -21,7 +21,6 @@ from mjcompose.build.bundle.manifest import (
     with_manifest,
 )
 from mjcompose.build.bundle.staging import write_files
-from mjcompose.model.unit import Unit
 from mjcompose.mujoco import engine
 from mjcompose.mujoco.attributes import NameTable
 from mjcompose.mujoco.index import Index, index
@@ -31,6 +30,7 @@ from mjcompose.targets.plain import CannotBePlain, plain
 from mjcompose.targets.same import differences
 from mjcompose.targets.table import FEATURES, PLAIN, TARGETS
 from mjcompose.targets.target import Loss, grouped, in_words
+from mjcompose.tree.unit import Unit
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as Node

@@ -17,16 +17,16 @@ import numpy as np
 from lxml import etree
 from lxml.etree import _Element as Node
 
-from mjcompose.model.classes import ORIENTATIONS, Classes, chain, given, text_in_effect
-from mjcompose.model.files import file_attributes, join, stem
-from mjcompose.model.grammar import GRAMMAR, number_text
-from mjcompose.model.select import kind_of
-from mjcompose.model.values import items, parse_real
 from mjcompose.mujoco.arrays import words
 from mjcompose.mujoco.attributes import NameTable
 from mjcompose.mujoco.facts import save_digits
 from mjcompose.mujoco.order import compiled_order
 from mjcompose.targets.target import Draft
+from mjcompose.tree.classes import ORIENTATIONS, Classes, chain, given, text_in_effect
+from mjcompose.tree.files import file_attributes, join, stem
+from mjcompose.tree.grammar import GRAMMAR, number_text
+from mjcompose.tree.select import kind_of
+from mjcompose.tree.values import items, parse_real
 
 
 def text(values: Any) -> str:

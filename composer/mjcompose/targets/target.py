@@ -11,8 +11,8 @@ from lxml import etree
 from lxml.etree import _Element as Node
 
 from mjcompose.base.dataclass import dataclass
-from mjcompose.model.files import file_attributes
-from mjcompose.model.xml_text import write
+from mjcompose.tree.files import file_attributes
+from mjcompose.tree.xml_text import write
 
 
 class Outcome(StrEnum):

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Span
 from mjcompose.base.sink import Sink
-from mjcompose.model.values import NOT_XML, code_point
+from mjcompose.tree.values import NOT_XML, code_point
 
 _WORDS: dict[str, bool | float | None] = {
     **dict.fromkeys(("", "~", "null", "Null", "NULL")),

@@ -27,16 +27,16 @@ from mjcompose.link.bodies import effective_pose
 from mjcompose.link.key_layout import joint_type
 from mjcompose.link.measure import measure_with
 from mjcompose.link.numbers import read_pose
-from mjcompose.model.classes import text_in_effect
-from mjcompose.model.names import WORLD
-from mjcompose.model.parse import parse_text
-from mjcompose.model.select import kind_of
-from mjcompose.model.unit import Unit
 from mjcompose.mujoco.arrays import BY_WORD
 from mjcompose.sources.context import Context
 from mjcompose.sources.lock import resolve
 from mjcompose.sources.reference import SourceError
 from mjcompose.text.faults import quoted, word
+from mjcompose.tree.classes import text_in_effect
+from mjcompose.tree.names import WORLD
+from mjcompose.tree.parse import parse_text
+from mjcompose.tree.select import kind_of
+from mjcompose.tree.unit import Unit
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as Node

@@ -13,9 +13,9 @@ from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Note
 from mjcompose.base.sink import Sink
 from mjcompose.base.suggest import did_you_mean, exists_note
-from mjcompose.model.merged_settings import ReadRow
-from mjcompose.model.unit import Unit
 from mjcompose.sources.ros import Actuators
+from mjcompose.tree.merged_settings import ReadRow
+from mjcompose.tree.unit import Unit
 from mjcompose.urdf.robot import locate_as
 
 _KP = ("kp", "p", "position_kp", "position_proportional_gain")

@@ -19,9 +19,9 @@ from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Cause, Span
 from mjcompose.base.files import Refused
 from mjcompose.base.sink import Sink
-from mjcompose.model.unit import Unit
 from mjcompose.mujoco.engine import Session, call
 from mjcompose.mujoco.shapes import Doubt, doubts, measured
+from mjcompose.tree.unit import Unit
 from mjcompose.urdf.converting import convert, measure
 from mjcompose.urdf.robot import FLAT_HELP, Look, Robot, locate_as
 

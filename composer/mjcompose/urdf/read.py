@@ -16,16 +16,16 @@ from mjcompose.base.files import SDF, Refused
 from mjcompose.base.scratch import scratch
 from mjcompose.base.sink import Sink
 from mjcompose.base.suggest import did_you_mean, exists_note, unknown_attribute
-from mjcompose.model.files import written_path
-from mjcompose.model.grammar import GRAMMAR
-from mjcompose.model.merged_settings import ReadRow
-from mjcompose.model.parse import includes_admitted, parse_text, parse_xml, read_file
-from mjcompose.model.unit import FileText, Unit
 from mjcompose.mujoco.convert import PACKAGE, Converted, convert_urdf
 from mjcompose.mujoco.engine import Session
 from mjcompose.mujoco.messages import CRASHES, Topic, parse, read_sentence
 from mjcompose.sources import ros
 from mjcompose.sources.reference import Source
+from mjcompose.tree.files import written_path
+from mjcompose.tree.grammar import GRAMMAR
+from mjcompose.tree.merged_settings import ReadRow
+from mjcompose.tree.parse import includes_admitted, parse_text, parse_xml, read_file
+from mjcompose.tree.unit import FileText, Unit
 from mjcompose.urdf import inertia
 from mjcompose.urdf.actuators import Extras, add_actuators, note_unread, read_rows
 from mjcompose.urdf.meshes import Meshes, add_looks

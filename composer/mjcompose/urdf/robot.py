@@ -15,9 +15,9 @@ from lxml.etree import _Element as Node
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Diagnostic, Note, Span
 from mjcompose.base.suggest import did_you_mean, exists_note
-from mjcompose.model.files import join, stem
-from mjcompose.model.unit import Origins, Unit, line_of
 from mjcompose.mujoco.messages import Fault, Sentence, Topic, read_sentence, translate
+from mjcompose.tree.files import join, stem
+from mjcompose.tree.unit import Origins, Unit, line_of
 
 _VALUES = {
     "inertial": {"mass": ("mass", "value"), "pos": ("origin", "xyz"), "quat": ("origin", "rpy")},

@@ -21,10 +21,10 @@ from mjcompose.base.limits import advice, in_force
 from mjcompose.base.sandbox import call_confined
 from mjcompose.base.sink import Sink
 from mjcompose.base.suggest import closest, did_you_mean, exists_note
-from mjcompose.model.parse import parse_xml
-from mjcompose.model.unit import Origins
-from mjcompose.model.xml_text import SourceText
 from mjcompose.sources import ros
+from mjcompose.tree.parse import parse_xml
+from mjcompose.tree.unit import Origins
+from mjcompose.tree.xml_text import SourceText
 
 _EXPAND = "mjcompose.urdf.expanding:expand"
 _SHARE = 0.2

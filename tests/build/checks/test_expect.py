@@ -4,8 +4,8 @@ import mujoco
 import pytest
 from mjcompose.build.checks.check import Scope
 from mjcompose.build.checks.expect import COUNTS, _size
-from mjcompose.model.grammar import GRAMMAR
 from mjcompose.mujoco.attributes import TAGS, NameTable, array_of, attributes
+from mjcompose.tree.grammar import GRAMMAR
 
 from tests.build.checks.conftest import notes
 

@@ -10,10 +10,10 @@ from mjcompose.base.sink import Sink
 from mjcompose.build.compose.actuators import ControlUnits
 from mjcompose.link.linking import Linking
 from mjcompose.link.measure import measure_with
-from mjcompose.model.parse import parse_file
 from mjcompose.mujoco import controls
 from mjcompose.mujoco.engine import Session
 from mjcompose.sources.context import Context
+from mjcompose.tree.parse import parse_file
 
 WORDS = {"rad": "an angle", "rad/s": "an angular velocity"}
 MODEL = """

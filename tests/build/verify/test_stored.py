@@ -15,9 +15,9 @@ from mjcompose.build.bundle.write import write
 from mjcompose.build.compose.attach import may_match_part
 from mjcompose.build.stages import Request, build
 from mjcompose.build.verify.stored import VerifiedBundle, verify_stored
-from mjcompose.model.selector import Selector
 from mjcompose.mujoco.engine import Session
 from mjcompose.sources.context import Context
+from mjcompose.tree.selector import Selector
 
 PART = """
 <mujoco model="part">

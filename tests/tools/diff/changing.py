@@ -8,10 +8,10 @@ from pathlib import Path
 
 from lxml import etree
 from mjcompose.base.sink import Sink
-from mjcompose.model.grammar import GRAMMAR
-from mjcompose.model.parse import parse_file
 from mjcompose.text.load import load
 from mjcompose.text.node import Mapping, Node, Scalar, Sequence
+from mjcompose.tree.grammar import GRAMMAR
+from mjcompose.tree.parse import parse_file
 
 # What changes nothing in the model, or says what is looked at and not what is there.
 _NOT_OF_THE_MODEL = ("check", "matrix", "randomize", "variants", "recipe", "description")

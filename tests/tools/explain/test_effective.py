@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from mjcompose.base.sink import Sink
 from mjcompose.build.stages import Request, build
-from mjcompose.model.select import kind_of
 from mjcompose.sources.context import Context
 from mjcompose.tools.explain import query
 from mjcompose.tools.explain.explain import Traced, trace
+from mjcompose.tree.select import kind_of
 
 _OBJECTS = "body joint geom site camera light tendon equality actuator sensor key".split()
 _ARRAYS = [

@@ -5,10 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 
 from mjcompose.base.sink import Sink
-from mjcompose.model.select import kind_of
 from mjcompose.tools.explain import query
 from mjcompose.tools.explain.explain import Traced
 from mjcompose.tools.explain.explanation import render
+from mjcompose.tree.select import kind_of
 
 # What is about the whole model, and made for it, stands nowhere.
 _MADE = {"mujoco", "compiler", "default", "worldbody", "keyframe", "frame"}

@@ -3,8 +3,8 @@ from __future__ import annotations
 import pytest
 from lxml import etree
 from mjcompose.base.sink import Sink
-from mjcompose.model.pattern import BadPattern
 from mjcompose.tools.explain.query import Asked, find, read
+from mjcompose.tree.pattern import BadPattern
 
 
 def asked(text: str, attribute: str | None = None) -> Asked:

@@ -11,12 +11,12 @@ from pathlib import Path
 from mjcompose.base.sink import Sink
 from mjcompose.build.compose.compose import Composer
 from mjcompose.build.stages import Request, build
-from mjcompose.model.parse import parse_text
-from mjcompose.model.unit import nobody
-from mjcompose.model.xml_text import write
 from mjcompose.sources.context import Context
 from mjcompose.tools.explain.explain import Traced, trace
 from mjcompose.tools.explain.trace import TAG, Change, Life, Trace
+from mjcompose.tree.parse import parse_text
+from mjcompose.tree.unit import nobody
+from mjcompose.tree.xml_text import write
 
 ARM = """<mujoco model="arm">
   <worldbody><body name="a"><joint name="j"/><geom size=".1"/>

@@ -6,14 +6,14 @@ from pathlib import Path
 
 import mujoco
 import pytest
-from mjcompose.model.grammar import GRAMMAR
-from mjcompose.model.select import query as paths_of
 from mjcompose.mujoco.attributes import TAGS, attributes
 from mjcompose.sources.context import Context
 from mjcompose.tools.explain import query
 from mjcompose.tools.explain.explain import explain, trace
 from mjcompose.tools.explain.explanation import AttributeExplained
 from mjcompose.tools.explain.trace_words import derived_names
+from mjcompose.tree.grammar import GRAMMAR
+from mjcompose.tree.select import query as paths_of
 
 MODEL = """<mujoco>
   <default><geom density="50"/></default>

@@ -5,11 +5,11 @@ from pathlib import Path
 
 import pytest
 from mjcompose.build.stages import Request, build
-from mjcompose.model.parse import parse_file
 from mjcompose.sources.context import Context
 from mjcompose.tools.importing.propose import propose
 from mjcompose.tools.importing.recover import Recovered, recover
 from mjcompose.tools.importing.search import find, separator_of
+from mjcompose.tree.parse import parse_file
 
 ARM = """\
 <mujoco model="arm">

@@ -1,4 +1,4 @@
-"""Makes `composer/mjcompose/model/history.json`: which elements and attributes each MuJoCo since 3.0 has that not all have.
+"""Makes `composer/mjcompose/tree/history.json`: which elements and attributes each MuJoCo since 3.0 has that not all have.
 
 `python tests/tools/migrate/survey.py FOLDER`, where FOLDER has one environment for each version: `FOLDER/3.0.0/bin/python`, or
 a folder of packages (`pip install --target FOLDER/3.0.0 mujoco==3.0.0`). Each is asked for the schema that it prints.
@@ -18,7 +18,7 @@ sys.path.insert(0, str(ROOT))
 
 from mjcompose.tools.migrate.editing import RELEASED  # noqa: E402
 
-OUT = ROOT / "composer" / "mjcompose" / "model" / "history.json"
+OUT = ROOT / "composer" / "mjcompose" / "tree" / "history.json"
 ASK = "import mujoco; print(mujoco.mj_printSchema(False, True))"
 _LINE = re.compile(r"^( *)(\S+) \((.)\)\s*(.*)$")
 _LEVEL, _COLUMN = 3, 20

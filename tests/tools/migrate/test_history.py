@@ -7,10 +7,10 @@ from pathlib import Path
 
 import pytest
 from lxml import etree
-from mjcompose.model.history import place, spans, unread
 from mjcompose.tools.migrate.changes import ORDERED
 from mjcompose.tools.migrate.editing import RELEASED, later, release
 from mjcompose.tools.migrate.migrate import bounds
+from mjcompose.tree.history import place, spans, unread
 
 
 def model(text: str) -> etree._Element:

@@ -21,18 +21,18 @@ from mjcompose.build.plan.extensions import packages_of
 from mjcompose.build.plan.plan import Drawn, GeneratedShapes, PartRecord, Plan, Tables
 from mjcompose.link.files import Merged
 from mjcompose.link.linking import FileUse
-from mjcompose.model.classes import through_frames
-from mjcompose.model.grammar import GRAMMAR
-from mjcompose.model.merged_settings import ReadRow
-from mjcompose.model.select import kind_of, naming_attribute
-from mjcompose.model.unit import Unit
-from mjcompose.model.xml_text import write
 from mjcompose.sources.blobs import remembered_sha256
 from mjcompose.sources.context import Context, as_text
 from mjcompose.sources.license import UNKNOWN, license_of
 from mjcompose.sources.reference import Origin as Fetched
 from mjcompose.sources.reference import Source
 from mjcompose.text.node import spans
+from mjcompose.tree.classes import through_frames
+from mjcompose.tree.grammar import GRAMMAR
+from mjcompose.tree.merged_settings import ReadRow
+from mjcompose.tree.select import kind_of, naming_attribute
+from mjcompose.tree.unit import Unit
+from mjcompose.tree.xml_text import write
 
 if TYPE_CHECKING:
     from pydantic import BaseModel

@@ -15,10 +15,10 @@ from mjcompose.base.sink import Sink
 from mjcompose.base.suggest import closest
 from mjcompose.build.bundle.bundle import OutputError
 from mjcompose.link.linking import FileUse
-from mjcompose.model import xml_faults
-from mjcompose.model.files import NAMED_AFTER_FILE, in_archive, stem
-from mjcompose.model.unit import Unit
-from mjcompose.model.xml_text import write
+from mjcompose.tree import xml_faults
+from mjcompose.tree.files import NAMED_AFTER_FILE, in_archive, stem
+from mjcompose.tree.unit import Unit
+from mjcompose.tree.xml_text import write
 
 
 def text_alone(model: Unit, uses: Iterable[FileUse], out: str, folder: Path) -> bytes:

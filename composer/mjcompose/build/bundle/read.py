@@ -27,7 +27,7 @@ from mjcompose.base.files import open_regular, read_regular
 from mjcompose.base.limits import in_force
 from mjcompose.base.sink import Sink
 from mjcompose.build.bundle.bundle import MANIFEST, MODEL, Bundle, BundleError, check_paths, raise_error
-from mjcompose.model.parse import all_admitted, parse_file
+from mjcompose.tree.parse import all_admitted, parse_file
 
 ZIP_FAULTS: tuple[type[Exception], ...] = (
     zipfile.BadZipFile,
@@ -121,7 +121,7 @@ def read(
 
 def _check_size(bundle: Bundle, path: Path, shown: str) -> None:
     """Raise ReadError for a model that is too large once it is expanded."""
-    from mjcompose.model.parse import parse_text  # few models of bundles expand
+    from mjcompose.tree.parse import parse_text  # few models of bundles expand
 
     found = Sink()
     text = bundle.files[bundle.model]

@@ -27,8 +27,8 @@ from mjcompose.base.files import read_regular
 from mjcompose.build.bundle.bundle import MANIFEST, Bundle, OutputError, files_in, to_text
 from mjcompose.build.bundle.manifest import from_json
 from mjcompose.build.bundle.staging import staged_file, write_folder
-from mjcompose.model.files import CUBE, NAMED_AFTER_FILE, file_attributes, stem
-from mjcompose.model.xml_text import write
+from mjcompose.tree.files import CUBE, NAMED_AFTER_FILE, file_attributes, stem
+from mjcompose.tree.xml_text import write
 
 FileSystem: TypeAlias = Any
 """An `fsspec.AbstractFileSystem`."""

@@ -28,10 +28,10 @@ if TYPE_CHECKING:
     from mjcompose.build.stages import Built
     from mjcompose.build.verify.outcome import Outcome
     from mjcompose.link.linking import FileUse
-    from mjcompose.model.unit import Unit
     from mjcompose.mujoco.engine import Session
     from mjcompose.sources.context import Context
     from mjcompose.text.node import Node
+    from mjcompose.tree.unit import Unit
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

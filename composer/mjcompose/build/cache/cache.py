@@ -27,11 +27,11 @@ from mjcompose.build.bundle.bundle import is_address
 from mjcompose.build.bundle.licenses import Row
 from mjcompose.build.cache.cache_key import CacheKey, Files, FileState, differences, file_state, stamp_of
 from mjcompose.build.verify.outcome import Outcome
-from mjcompose.model.merged_settings import Adopted, known
 from mjcompose.sources import blobs
 from mjcompose.sources.blobs import key_of
 from mjcompose.sources.store import ENTRY, KINDS, Store
 from mjcompose.text.expression_values import Value
+from mjcompose.tree.merged_settings import Adopted, known
 
 if TYPE_CHECKING:
     from mjcompose.base.sink import Sink

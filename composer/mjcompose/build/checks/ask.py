@@ -9,8 +9,8 @@ from mjcompose.base.diagnostic import Fault
 from mjcompose.base.extensions import Table
 from mjcompose.build.checks.check import Scope, to_json
 from mjcompose.language.check import MODULES
-from mjcompose.model.pattern import BadPattern
 from mjcompose.mujoco.attributes import Model
+from mjcompose.tree.pattern import BadPattern
 
 CHECKS: Table[Callable[[Scope, dict[str, Any]], list[Fault]]] = Table("checks", {}, "check", modules=MODULES)
 

@@ -11,8 +11,8 @@ from typing import Any
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Fault, Note
 from mjcompose.base.suggest import did_you_mean, exists_note, unknown_name
-from mjcompose.model.pattern import fitter
 from mjcompose.mujoco.attributes import ON_BODIES, Model, NameTable, holder
+from mjcompose.tree.pattern import fitter
 
 
 def failed(

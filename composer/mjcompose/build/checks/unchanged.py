@@ -10,9 +10,9 @@ from mjcompose.base.diagnostic import Fault
 from mjcompose.base.suggest import advised
 from mjcompose.language.check import Check
 from mjcompose.language.forms.scalars import Checked, Expects, Items, Name, Text
-from mjcompose.model.grammar import GRAMMAR
 from mjcompose.mujoco.attributes import arrays_of
 from mjcompose.text.node import locate
+from mjcompose.tree.grammar import GRAMMAR
 
 if TYPE_CHECKING:
     from mjcompose.build.verify.checks import Checks, NestedRecipe

@@ -10,11 +10,11 @@ from typing import Any
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Fault, Note
 from mjcompose.build.checks.check import Scope
-from mjcompose.model.grammar import GRAMMAR
-from mjcompose.model.selector import paths_of
-from mjcompose.model.values import is_in_degrees
 from mjcompose.mujoco.arrays import JOINT_TYPES, words
 from mjcompose.mujoco.attributes import ANGLES, ENUMERATED, array_of
+from mjcompose.tree.grammar import GRAMMAR
+from mjcompose.tree.selector import paths_of
+from mjcompose.tree.values import is_in_degrees
 
 SUBTREE_MASS = "subtree_mass"
 """An attribute of bodies that MJCF does not have: the mass of a body and all below it."""

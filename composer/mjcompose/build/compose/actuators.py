@@ -20,10 +20,10 @@ from mjcompose.base.sink import Sink
 from mjcompose.build.compose.keys import without_keys
 from mjcompose.link import numbers
 from mjcompose.link.linking import Linking, Measure
-from mjcompose.model.classes import text_in_effect
-from mjcompose.model.grammar import GRAMMAR, Attribute
-from mjcompose.model.select import kind_of
-from mjcompose.model.unit import Unit
+from mjcompose.tree.classes import text_in_effect
+from mjcompose.tree.grammar import GRAMMAR, Attribute
+from mjcompose.tree.select import kind_of
+from mjcompose.tree.unit import Unit
 
 _ARRAYS = (
     "actuator_user", "actuator_gaintype", "actuator_biastype", "actuator_dyntype",

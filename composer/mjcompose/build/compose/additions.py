@@ -15,10 +15,10 @@ from mjcompose.build.plan.steps import AddedPlace, AddElement, Step, steps_addin
 from mjcompose.link.bodies import bodies
 from mjcompose.link.inertia import has_mass
 from mjcompose.link.linking import Linking
-from mjcompose.model.classes import NESTED, own
-from mjcompose.model.cost import all_scaled_above
-from mjcompose.model.edit import unresolved
-from mjcompose.model.grammar import GRAMMAR
+from mjcompose.tree.classes import NESTED, own
+from mjcompose.tree.cost import all_scaled_above
+from mjcompose.tree.edit import unresolved
+from mjcompose.tree.grammar import GRAMMAR
 
 
 def add_element(step: AddElement, linking: Linking, making: ElementBuilder) -> None:

@@ -27,13 +27,13 @@ from mjcompose.link.linking import AttachmentPlace, Joint, Linking, Part, Sense
 from mjcompose.link.numbers import pose_in_world, read_pose
 from mjcompose.link.replicates import copy_poses
 from mjcompose.link.world import floats_by_itself
-from mjcompose.model.classes import MAIN
-from mjcompose.model.cost import scaled_above
-from mjcompose.model.files import read_settings
-from mjcompose.model.selector import Selector
-from mjcompose.model.unit import Unit
 from mjcompose.mujoco.attributes import arrays_of
 from mjcompose.text.node import locate
+from mjcompose.tree.classes import MAIN
+from mjcompose.tree.cost import scaled_above
+from mjcompose.tree.files import read_settings
+from mjcompose.tree.selector import Selector
+from mjcompose.tree.unit import Unit
 
 # These three change every body of the model, in every part.
 _MASSES = frozenset({"boundmass", "boundinertia", "settotalmass"})

@@ -16,13 +16,13 @@ from mjcompose.link.inertia import MEASURED, has_mass
 from mjcompose.link.key_layout import joint_type
 from mjcompose.link.linking import Linking, Part
 from mjcompose.link.unit_keys import keys_of
-from mjcompose.model.classes import MAIN, NESTED, childclass_of, own, written
-from mjcompose.model.edit import resolves, unresolved
-from mjcompose.model.files import Settings
-from mjcompose.model.grammar import GRAMMAR
-from mjcompose.model.names import DECLARES, naming_table, own_references, word
-from mjcompose.model.select import name_of
 from mjcompose.text.node import locate
+from mjcompose.tree.classes import MAIN, NESTED, childclass_of, own, written
+from mjcompose.tree.edit import resolves, unresolved
+from mjcompose.tree.files import Settings
+from mjcompose.tree.grammar import GRAMMAR
+from mjcompose.tree.names import DECLARES, naming_table, own_references, word
+from mjcompose.tree.select import name_of
 
 
 def check_class_angles(linking: Linking, making: ElementBuilder) -> None:

@@ -19,11 +19,11 @@ from mjcompose.build.plan.steps import SetCollisions
 from mjcompose.language.contact import BETWEEN
 from mjcompose.link.key_layout import names_of_copies
 from mjcompose.link.linking import Linking
-from mjcompose.model.classes import childclass_of, own
-from mjcompose.model.pattern import fitter
 from mjcompose.mujoco import engine
 from mjcompose.sources.context import Context
 from mjcompose.text.node import locate
+from mjcompose.tree.classes import childclass_of, own
+from mjcompose.tree.pattern import fitter
 
 _MOST = 20_000
 _COLLIDING = ("contype", "conaffinity")

@@ -62,14 +62,14 @@ from mjcompose.link.replicates import spare_added
 from mjcompose.link.source_check import INVALID_SOURCE, check_source, repair
 from mjcompose.link.submodels import add_named_file, attached_size
 from mjcompose.link.unit_keys import KeyNotes, remove_keys
-from mjcompose.model.classes import MAIN
-from mjcompose.model.cost import check_size, written
-from mjcompose.model.merged_settings import Adopted
-from mjcompose.model.parse import parse_file
-from mjcompose.model.unit import Unit, Watch, nobody
 from mjcompose.sources.context import Context
 from mjcompose.sources.reference import Source
 from mjcompose.text.node import locate
+from mjcompose.tree.classes import MAIN
+from mjcompose.tree.cost import check_size, written
+from mjcompose.tree.merged_settings import Adopted
+from mjcompose.tree.parse import parse_file
+from mjcompose.tree.unit import Unit, Watch, nobody
 
 if TYPE_CHECKING:
     from mjcompose.build.compose.edits import ModelEdits

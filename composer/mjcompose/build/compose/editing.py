@@ -23,17 +23,17 @@ from mjcompose.language.datasheets import Sheet
 from mjcompose.link.key_layout import JOINTS
 from mjcompose.link.linking import Linking
 from mjcompose.link.submodels import add_named_file
-from mjcompose.model.classes import Classes, text_in_effect
-from mjcompose.model.cost import written
-from mjcompose.model.edit import changing, names_in
-from mjcompose.model.files import written_path
-from mjcompose.model.grammar import Attribute
-from mjcompose.model.names import WORLD, NameIndex
-from mjcompose.model.pattern import is_regular
-from mjcompose.model.select import kind_of, name_of, section_of
-from mjcompose.model.selector import Selector
 from mjcompose.text.expression_values import Value
 from mjcompose.text.node import locate
+from mjcompose.tree.classes import Classes, text_in_effect
+from mjcompose.tree.cost import written
+from mjcompose.tree.edit import changing, names_in
+from mjcompose.tree.files import written_path
+from mjcompose.tree.grammar import Attribute
+from mjcompose.tree.names import WORLD, NameIndex
+from mjcompose.tree.pattern import is_regular
+from mjcompose.tree.select import kind_of, name_of, section_of
+from mjcompose.tree.selector import Selector
 
 # Measured: in the 0.1 ms in which a value is written, a selector visits 30 elements, 100 characters of a condition are
 # evaluated, and 100 values are drawn, or 30 for a table. A regular expression may take 2 s, and costs 500 values.

@@ -30,10 +30,10 @@ from mjcompose.link.keyframes import keyframes, lay_out_replaced
 from mjcompose.link.linking import Linking, Request
 from mjcompose.link.subtree import DroppedElement
 from mjcompose.link.unit_keys import keys_of, layouts, remove_keys
-from mjcompose.model.select import section_of
-from mjcompose.model.selector import paths_of
-from mjcompose.model.unit import Key, PartKeys, Unit
 from mjcompose.text.node import locate, texts
+from mjcompose.tree.select import section_of
+from mjcompose.tree.selector import paths_of
+from mjcompose.tree.unit import Key, PartKeys, Unit
 
 if TYPE_CHECKING:
     from mjcompose.build.compose.compose import Composer

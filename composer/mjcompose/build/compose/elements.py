@@ -24,15 +24,15 @@ from mjcompose.link import numbers
 from mjcompose.link.angles import in_sequence
 from mjcompose.link.files import NamedFile
 from mjcompose.link.linking import Linking
-from mjcompose.model.classes import MAIN
-from mjcompose.model.edit import unresolved
-from mjcompose.model.grammar import GRAMMAR, Attribute, ElementType, to_text
-from mjcompose.model.unit import FileText, Origins, Unit, line_of
-from mjcompose.model.values import is_in_degrees
 from mjcompose.sources.context import Context
 from mjcompose.text.expression_values import Angle
 from mjcompose.text.node import Mapping as Located
 from mjcompose.text.node import Scalar, find, locate
+from mjcompose.tree.classes import MAIN
+from mjcompose.tree.edit import unresolved
+from mjcompose.tree.grammar import GRAMMAR, Attribute, ElementType, to_text
+from mjcompose.tree.unit import FileText, Origins, Unit, line_of
+from mjcompose.tree.values import is_in_degrees
 
 
 class Reference(NamedTuple):

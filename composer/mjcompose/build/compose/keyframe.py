@@ -25,11 +25,11 @@ from mjcompose.link.keyframes import part_keys
 from mjcompose.link.linking import Linking, WrittenKey
 from mjcompose.link.measure import without_void
 from mjcompose.link.unit_keys import final_layout
-from mjcompose.model.classes import through_frames
-from mjcompose.model.names import may_be_generated, word
-from mjcompose.model.unit import Key, KeySource, Number, taken
 from mjcompose.text.expression_values import Angle
 from mjcompose.text.node import find, locate
+from mjcompose.tree.classes import through_frames
+from mjcompose.tree.names import may_be_generated, word
+from mjcompose.tree.unit import Key, KeySource, Number, taken
 
 _Holder = tuple[Node, Slot | None]
 """A joint, an actuator or a mocap body; the slot is None for what always has the same width."""

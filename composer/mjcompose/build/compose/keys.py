@@ -21,10 +21,10 @@ from mjcompose.link import numbers
 from mjcompose.link.key_layout import Layout
 from mjcompose.link.linking import Linking
 from mjcompose.link.unit_keys import keys_of
-from mjcompose.model.select import kind_of
-from mjcompose.model.unit import KeySource, Number, numbers_of, texts
 from mjcompose.mujoco import engine
 from mjcompose.text.node import locate
+from mjcompose.tree.select import kind_of
+from mjcompose.tree.unit import KeySource, Number, numbers_of, texts
 
 if TYPE_CHECKING:
     from mjcompose.sources.context import Context

@@ -17,16 +17,16 @@ from mjcompose.language.used_model import Drop
 from mjcompose.link.linking import Linking, Measure
 from mjcompose.link.measure import folder_of
 from mjcompose.link.source_check import check_source
-from mjcompose.model.key_policy import KeyPolicy
-from mjcompose.model.parse import all_admitted, parse_file
-from mjcompose.model.unit import Unit, Watch, element_at, nobody
-from mjcompose.model.xml_text import write
 from mjcompose.mujoco import engine
 from mjcompose.mujoco.messages import parse, report, translate
 from mjcompose.sources.context import Context
 from mjcompose.sources.reference import Source
 from mjcompose.sources.ros import UrdfChoices
 from mjcompose.text.node import Mapping, locate
+from mjcompose.tree.key_policy import KeyPolicy
+from mjcompose.tree.parse import all_admitted, parse_file
+from mjcompose.tree.unit import Unit, Watch, element_at, nobody
+from mjcompose.tree.xml_text import write
 
 if TYPE_CHECKING:
     from mjcompose.link.subtree import Subtree

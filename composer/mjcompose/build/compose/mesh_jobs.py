@@ -22,14 +22,14 @@ from mjcompose.build.compose.values import UnusableValue
 from mjcompose.build.plan.plan import GeneratedShapes
 from mjcompose.link import numbers
 from mjcompose.link.linking import FileUse
-from mjcompose.model.files import written_path
-from mjcompose.model.select import name_of
 from mjcompose.mujoco import engine
 from mjcompose.mujoco.fit import make
 from mjcompose.mujoco.shapes import SHAPE, Measured, doubts
 from mjcompose.sources.blobs import digest
 from mjcompose.sources.context import Context
 from mjcompose.text.faults import word
+from mjcompose.tree.files import written_path
+from mjcompose.tree.select import name_of
 
 SAID = ("content_type", "vertex", "face", "refpos", "refquat", "scale", "builtin", "params")
 """The attributes of a mesh that decide where its surface is."""

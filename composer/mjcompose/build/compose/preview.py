@@ -18,9 +18,9 @@ from mjcompose.build.plan.describe import acknowledge
 from mjcompose.build.plan.plan import EditOutcome, Gains, Plan, PlanPreview
 from mjcompose.link.linking import Measure
 from mjcompose.link.measure import measure_with
-from mjcompose.model.grammar import GRAMMAR
 from mjcompose.mujoco import engine
 from mjcompose.sources.context import Context
+from mjcompose.tree.grammar import GRAMMAR
 
 
 def preview_plan(plan: Plan, context: Context) -> PlanPreview:

@@ -14,14 +14,14 @@ from mjcompose.base.suggest import closest, exists_note, renaming
 from mjcompose.build.compose.editing import Editing, cost_of_condition, cost_of_selecting
 from mjcompose.build.compose.values import UnusableValue, Values, attributes_scope, matches_value
 from mjcompose.language.value import attribute_and_index
-from mjcompose.model.grammar import GRAMMAR, Attribute
-from mjcompose.model.pattern import BadPattern, is_glob, is_pattern, matcher
-from mjcompose.model.select import Selection, kind_of
-from mjcompose.model.selector import Selector, paths_of
-from mjcompose.model.values import is_in_degrees
 from mjcompose.text.evaluate import Template
 from mjcompose.text.expression import ExpressionError
 from mjcompose.text.expression_values import Angle, Value
+from mjcompose.tree.grammar import GRAMMAR, Attribute
+from mjcompose.tree.pattern import BadPattern, is_glob, is_pattern, matcher
+from mjcompose.tree.select import Selection, kind_of
+from mjcompose.tree.selector import Selector, paths_of
+from mjcompose.tree.values import is_in_degrees
 
 _SHOWN = 12
 

@@ -25,10 +25,10 @@ from mjcompose.link.files import ASSETS
 from mjcompose.link.inertia import has_mass
 from mjcompose.link.linking import FileUse
 from mjcompose.link.numbers import read_pose
-from mjcompose.model.classes import ORIENTATIONS, childclass_of, own
-from mjcompose.model.edit import assign, changing, referrers
-from mjcompose.model.files import written_path
-from mjcompose.model.select import name_of, section_of
+from mjcompose.tree.classes import ORIENTATIONS, childclass_of, own
+from mjcompose.tree.edit import assign, changing, referrers
+from mjcompose.tree.files import written_path
+from mjcompose.tree.select import name_of, section_of
 
 if TYPE_CHECKING:
     from mjcompose.build.verbs.collision import Collision

@@ -13,11 +13,11 @@ from mjcompose.base.diagnostic import Note, Span
 from mjcompose.base.sink import Sink
 from mjcompose.build.bundle.collect import collect
 from mjcompose.link.linking import FileUse
-from mjcompose.model.files import join
-from mjcompose.model.unit import Unit
 from mjcompose.mujoco.convert import PACKAGE
 from mjcompose.sources.context import Context
 from mjcompose.sources.reference import Source
+from mjcompose.tree.files import join
+from mjcompose.tree.unit import Unit
 from mjcompose.urdf.read import UrdfReader
 from mjcompose.urdf.robot import Robot, mesh_of
 

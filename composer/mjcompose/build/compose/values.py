@@ -13,15 +13,15 @@ from mjcompose.base.sink import Sink
 from mjcompose.base.suggest import did_you_mean, exists_note
 from mjcompose.link import numbers
 from mjcompose.link.key_layout import joint_type
-from mjcompose.model.classes import childclass_of, own
-from mjcompose.model.files import Settings
-from mjcompose.model.grammar import Attribute
-from mjcompose.model.select import kind_of, name_of, parent_of
-from mjcompose.model.values import parse_real
 from mjcompose.text.evaluate import Template
 from mjcompose.text.expression import ExpressionError, UnknownName
 from mjcompose.text.expression_values import Value
 from mjcompose.text.node import Scalar, find, is_template, locate
+from mjcompose.tree.classes import childclass_of, own
+from mjcompose.tree.files import Settings
+from mjcompose.tree.grammar import Attribute
+from mjcompose.tree.select import kind_of, name_of, parent_of
+from mjcompose.tree.values import parse_real
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as Node
@@ -164,7 +164,7 @@ def attributes_scope(values: Values) -> dict[str, Value]:
 def matches_value(attribute: Attribute, have: Value, wanted: object) -> bool:
     """Return whether an effective value is the one that `where` gives. Numbers are compared up to rounding.
 
-    >>> from mjcompose.model.grammar import GRAMMAR
+    >>> from mjcompose.tree.grammar import GRAMMAR
     >>> matches_value(GRAMMAR.element("geom").attributes["friction"], (1.0, 0.005, 0.0001), [1, 0.005])
     True
     """

@@ -14,9 +14,9 @@ from mjcompose.build.plan.plan import AttachPart, EditOutcome, Gains, Plan, Plan
 from mjcompose.build.plan.steps import EditElements, Step, steps_adding
 from mjcompose.language.codes import ALLOW
 from mjcompose.language.edit import Edit
-from mjcompose.model.merged_settings import in_words
 from mjcompose.sources.reference import Source
 from mjcompose.text.node import Mapping, Node, Scalar, Sequence, find, locate, spans
+from mjcompose.tree.merged_settings import in_words
 
 if TYPE_CHECKING:
     from mjcompose.link.subtree import DroppedElement

@@ -28,13 +28,13 @@ from mjcompose.language.edit import Edit
 from mjcompose.language.used_model import Drop
 from mjcompose.language.value import attribute_and_index
 from mjcompose.language.wording import shown
-from mjcompose.model.grammar import number_text
-from mjcompose.model.key_policy import KeyPolicy
-from mjcompose.model.merged_settings import Adopted, ReadRow
 from mjcompose.mujoco.attributes import arrays_of
 from mjcompose.sources.reference import ReadAs, Source
 from mjcompose.text.expression_values import Value
 from mjcompose.text.node import Mapping as Located
+from mjcompose.tree.grammar import number_text
+from mjcompose.tree.key_policy import KeyPolicy
+from mjcompose.tree.merged_settings import Adopted, ReadRow
 
 if TYPE_CHECKING:
     from mjcompose.language.distribution import Operation

@@ -29,9 +29,6 @@ from mjcompose.language.expand import Concrete, expand
 from mjcompose.language.recipe import Recipe
 from mjcompose.language.validate import validate_what_remains
 from mjcompose.language.value import Element
-from mjcompose.model.files import CUBE, file_attributes, join, written_path
-from mjcompose.model.grammar import number_text
-from mjcompose.model.parse import parse_file
 from mjcompose.sources import ros
 from mjcompose.sources.context import Context, ReadRecipe
 from mjcompose.sources.fetching import Fetching, model_files, nearest
@@ -52,6 +49,9 @@ from mjcompose.text.node import (
     resolve,
     to_python,
 )
+from mjcompose.tree.files import CUBE, file_attributes, join, written_path
+from mjcompose.tree.grammar import number_text
+from mjcompose.tree.parse import parse_file
 from mjcompose.urdf.robot import SCHEMES
 from mjcompose.urdf.xacro import files_named
 from mjcompose.urdf.xacro import is_template as is_template_urdf

@@ -25,9 +25,9 @@ from mjcompose.language.value import read_value
 from mjcompose.language.wording import kind_of
 from mjcompose.link import numbers
 from mjcompose.link.key_layout import element_of
-from mjcompose.model.classes import levels
-from mjcompose.model.grammar import GRAMMAR, Attribute, to_text
-from mjcompose.model.unit import texts
+from mjcompose.tree.classes import levels
+from mjcompose.tree.grammar import GRAMMAR, Attribute, to_text
+from mjcompose.tree.unit import texts
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as Node

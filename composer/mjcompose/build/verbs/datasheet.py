@@ -18,7 +18,7 @@ from mjcompose.language.forms.rules import Exclusive
 from mjcompose.language.forms.scalars import Name, NotNegative, Positive, Unit
 from mjcompose.link import numbers
 from mjcompose.link.key_layout import joint_type
-from mjcompose.model.edit import assign
+from mjcompose.tree.edit import assign
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as Node

@@ -16,8 +16,8 @@ from mjcompose.language.forms.scalars import Positive, Unit, Whole
 from mjcompose.link import numbers
 from mjcompose.link.inertia import MEASURED
 from mjcompose.link.measure import BODIES
-from mjcompose.model.classes import own, walk_bodies
-from mjcompose.model.edit import replace
+from mjcompose.tree.classes import own, walk_bodies
+from mjcompose.tree.edit import replace
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as Node

@@ -16,12 +16,12 @@ from mjcompose.language.forms.rules import Exclusive
 from mjcompose.language.placing import ORIENTATIONS, Frame, Place
 from mjcompose.language.select import kinds_of, unknown_attribute
 from mjcompose.link.key_layout import JOINTS
-from mjcompose.model.classes import MAIN, NESTED, childclass_of, through_frames
-from mjcompose.model.cost import all_scaled_above
-from mjcompose.model.edit import assign, unresolved
-from mjcompose.model.grammar import GRAMMAR
-from mjcompose.model.names import WORLD
-from mjcompose.model.select import kind_of
+from mjcompose.tree.classes import MAIN, NESTED, childclass_of, through_frames
+from mjcompose.tree.cost import all_scaled_above
+from mjcompose.tree.edit import assign, unresolved
+from mjcompose.tree.grammar import GRAMMAR
+from mjcompose.tree.names import WORLD
+from mjcompose.tree.select import kind_of
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as Node

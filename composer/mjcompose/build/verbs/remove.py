@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from mjcompose.build.compose.editing import Editing
     from mjcompose.build.verbs.values import Entry
     from mjcompose.link.subtree import DroppedElement
-    from mjcompose.model.edit import Removal
+    from mjcompose.tree.edit import Removal
 
 
 _SHOWN = 20
@@ -40,7 +40,7 @@ class Remove(Verb):
 
 def remove(editing: Editing, nodes: list[Node], *, cascade: bool, at: Path) -> list[DroppedElement]:
     """Remove nodes, and return all that was removed. Without `cascade`, a reference is an error, and all stay."""
-    from mjcompose.model.edit import Removal
+    from mjcompose.tree.edit import Removal
 
     removal = Removal.of((editing, node) for node in nodes)
     if not cascade and removal.references:
@@ -63,8 +63,8 @@ def _stands(node: Node, root: Node) -> bool:
 
 
 def _take_out(editing: Editing, node: Node) -> None:
-    from mjcompose.model.edit import is_section
-    from mjcompose.model.select import section_of
+    from mjcompose.tree.edit import is_section
+    from mjcompose.tree.select import section_of
 
     for each in node.iter("*"):
         if not is_section(each) and each is not editing.root:
@@ -83,9 +83,9 @@ def _take_out(editing: Editing, node: Node) -> None:
 def _named(node: Node) -> list[DroppedElement]:
     """Return what is removed, for lists: each element in the body tree, elsewhere the element as a whole."""
     from mjcompose.link.subtree import DroppedElement
-    from mjcompose.model.edit import is_section
-    from mjcompose.model.names import declaration
-    from mjcompose.model.select import kind_of, naming_attribute, section_of
+    from mjcompose.tree.edit import is_section
+    from mjcompose.tree.names import declaration
+    from mjcompose.tree.select import kind_of, naming_attribute, section_of
 
     section = section_of(node)
     inside = node.iter("*") if section in ("worldbody", "default") else [node]
@@ -103,7 +103,7 @@ def _named(node: Node) -> list[DroppedElement]:
 
 def listed_kind(node: Node, section: str) -> str:
     """Return what lists of elements call the kind of an element."""
-    from mjcompose.model.names import word
+    from mjcompose.tree.names import word
 
     if section in ("tendon", "equality", "actuator", "sensor"):
         return section
@@ -111,9 +111,9 @@ def listed_kind(node: Node, section: str) -> str:
 
 
 def _still_needed(removal: Removal[Editing], editing: Editing, at: Path) -> None:
-    from mjcompose.model.edit import whole
-    from mjcompose.model.names import is_list, word
-    from mjcompose.model.select import section_of
+    from mjcompose.tree.edit import whole
+    from mjcompose.tree.names import is_list, word
+    from mjcompose.tree.select import section_of
 
     notes = []
     seen: set[Node] = set()

@@ -19,12 +19,12 @@ if TYPE_CHECKING:
 
     from mjcompose.build.compose.editing import Editing
     from mjcompose.build.verbs.values import Entry
-    from mjcompose.model.edit import Renaming
+    from mjcompose.tree.edit import Renaming
 
 
 def rename_in_skins(editing: Editing, names: Mapping[str, str], at: Path) -> None:
     """Rewrite every skin file in which one of these bodies is a bone."""
-    from mjcompose.model.edit import BadBone, renamed_skin, skins
+    from mjcompose.tree.edit import BadBone, renamed_skin, skins
 
     unit, files = editing.linking.base, editing.linking.files
     for skin in skins(unit.root):
@@ -55,9 +55,9 @@ class Rename(Verb):
     def carry_out(self, entry: Entry, at: Path) -> None:
         # All names are decided before the first is written, so that two can change places.
         from mjcompose.build.compose.values import UnusableValue
-        from mjcompose.model.edit import unlistable_message
-        from mjcompose.model.names import own_name
-        from mjcompose.model.select import kind_of, naming_attribute
+        from mjcompose.tree.edit import unlistable_message
+        from mjcompose.tree.names import own_name
+        from mjcompose.tree.select import kind_of, naming_attribute
 
         entry.check()  # messages name the elements as they are written
         editing = entry.editing
@@ -99,8 +99,8 @@ class Rename(Verb):
 
 def _new_name(editing: Editing, node: Node, index: int, written: str, at: Path) -> str:
     from mjcompose.build.compose.values import UnusableValue, Values
-    from mjcompose.model.names import WORLD, own_name
-    from mjcompose.model.select import kind_of, naming_attribute
+    from mjcompose.tree.names import WORLD, own_name
+    from mjcompose.tree.select import kind_of, naming_attribute
 
     values = Values(editing, node, index, at=at)
     naming = naming_attribute(kind_of(node))
@@ -129,7 +129,7 @@ def _new_name(editing: Editing, node: Node, index: int, written: str, at: Path) 
 
 def _take_twists_along(editing: Editing, new: dict[Node, str]) -> None:
     """Rename the joints in which a rod is twisted with it: they belong to it by their names."""
-    from mjcompose.model.edit import is_rod, twisted_by
+    from mjcompose.tree.edit import is_rod, twisted_by
 
     for rod, name in list(new.items()):
         old = str(rod.get("name") or "")
@@ -141,7 +141,7 @@ def _take_twists_along(editing: Editing, new: dict[Node, str]) -> None:
 def _check_twists(editing: Editing, new: dict[Node, str], at: Path) -> None:
     """Report joints that would not belong to their rod any more."""
     from mjcompose.build.compose.values import UnusableValue
-    from mjcompose.model.edit import is_rod, twisted_by
+    from mjcompose.tree.edit import is_rod, twisted_by
 
     for node, name in new.items():
         rod = twisted_by(str(node.get("name") or "")) if node.tag == "joint" else ""
@@ -163,8 +163,8 @@ def _check_twists(editing: Editing, new: dict[Node, str], at: Path) -> None:
 def _check(editing: Editing, new: dict[Node, str], at: Path) -> None:
     """Report a new name that is already used, unless that name is given up in the same step."""
     from mjcompose.build.compose.values import UnusableValue
-    from mjcompose.model.names import MAY_REPEAT
-    from mjcompose.model.select import kind_of, naming_attribute
+    from mjcompose.tree.names import MAY_REPEAT
+    from mjcompose.tree.select import kind_of, naming_attribute
 
     taken: dict[tuple[str, str], Node] = {}
     for node, name in new.items():
@@ -195,7 +195,7 @@ def _check(editing: Editing, new: dict[Node, str], at: Path) -> None:
 def _advice(editing: Editing, node: Node, other: Node, at: Path) -> str:
     """Return advice on how to distinguish two elements that would get the same name."""
     from mjcompose.build.compose.values import Values
-    from mjcompose.model.select import kind_of
+    from mjcompose.tree.select import kind_of
 
     one, two = (Values(editing, each, 0, at=at) for each in (node, other))
     differ = [name for name in ("name", "parent") if one.scope[name] != two.scope[name]]
@@ -209,9 +209,9 @@ def _advice(editing: Editing, node: Node, other: Node, at: Path) -> str:
 
 
 def _renaming(editing: Editing, new: dict[Node, str]) -> Renaming[Editing]:
-    from mjcompose.model.edit import NewName, Renaming
-    from mjcompose.model.names import own_name
-    from mjcompose.model.select import kind_of, naming_attribute
+    from mjcompose.tree.edit import NewName, Renaming
+    from mjcompose.tree.names import own_name
+    from mjcompose.tree.select import kind_of, naming_attribute
 
     names = []
     for node, name in new.items():

@@ -84,8 +84,8 @@ def _take_out(entry: Entry, going: Mapping[str, Any], at: Path) -> None:
 def _remove(editing: Editing, found: list[Node], going: Mapping[str, Any], at: Path) -> None:
     """Remove attributes. Report one that no selected element writes."""
     from mjcompose.build.compose.values import UnusableValue
-    from mjcompose.model.edit import assign
-    from mjcompose.model.select import kind_of
+    from mjcompose.tree.edit import assign
+    from mjcompose.tree.select import kind_of
 
     for name, inner in going.items():
         path = (*at, name)
@@ -112,7 +112,7 @@ def _remove(editing: Editing, found: list[Node], going: Mapping[str, Any], at: P
 
 def _missing_attributes(editing: Editing, node: Node) -> list[Fault]:
     """Return a fault for each required attribute that an element lacks."""
-    from mjcompose.model.select import kind_of
+    from mjcompose.tree.select import kind_of
 
     kind = kind_of(node)
     present = [str(name) for name in node.keys()]  # noqa: SIM118 (an element is not a mapping)
@@ -151,7 +151,7 @@ def _report_newly_missing(
 
 
 def _by_class(editing: Editing, node: Node, name: str) -> bool:
-    from mjcompose.model.classes import chain
+    from mjcompose.tree.classes import chain
 
     return any(step.lookup(str(node.tag), name) for step in chain(node, editing.classes))
 

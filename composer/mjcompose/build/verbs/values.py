@@ -21,13 +21,13 @@ from mjcompose.language.value import Element, Value, attribute_and_index, bare_a
 from mjcompose.link import numbers
 from mjcompose.link.key_layout import joint_type
 from mjcompose.link.subtree import DroppedElement
-from mjcompose.model.classes import MAIN, ORIENTATIONS, levels
-from mjcompose.model.edit import changing, replace, resolves, unresolved
-from mjcompose.model.grammar import Attribute, to_text
-from mjcompose.model.names import own_references
-from mjcompose.model.select import kind_of, section_of
-from mjcompose.model.values import check_python, is_in_degrees
 from mjcompose.text.expression_values import Angle
+from mjcompose.tree.classes import MAIN, ORIENTATIONS, levels
+from mjcompose.tree.edit import changing, replace, resolves, unresolved
+from mjcompose.tree.grammar import Attribute, to_text
+from mjcompose.tree.names import own_references
+from mjcompose.tree.select import kind_of, section_of
+from mjcompose.tree.values import check_python, is_in_degrees
 
 if TYPE_CHECKING:
     from mjcompose.build.compose.mesh_jobs import MeshResult, MeshWorkshop

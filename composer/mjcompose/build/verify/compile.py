@@ -17,13 +17,13 @@ from mjcompose.base.scratch import scratch
 from mjcompose.build.bundle.bundle import MANIFEST, Bundle, OutputError, unwritable_error
 from mjcompose.build.bundle.read import files_outside
 from mjcompose.build.bundle.staging import write_files
-from mjcompose.model.classes import ORIENTATIONS
-from mjcompose.model.files import NAMED_AFTER_FILE
-from mjcompose.model.grammar import GRAMMAR, version_key
-from mjcompose.model.unit import Unit, element_at
-from mjcompose.model.xml_faults import ignored, is_unread_alone, unread
 from mjcompose.mujoco import engine, messages
 from mjcompose.sources.context import Context
+from mjcompose.tree.classes import ORIENTATIONS
+from mjcompose.tree.files import NAMED_AFTER_FILE
+from mjcompose.tree.grammar import GRAMMAR, version_key
+from mjcompose.tree.unit import Unit, element_at
+from mjcompose.tree.xml_faults import ignored, is_unread_alone, unread
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as Node

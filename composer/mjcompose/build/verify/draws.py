@@ -20,7 +20,6 @@ from mjcompose.build.bundle.listing import write_rows
 from mjcompose.build.plan.plan import ElementDraws, Plan
 from mjcompose.build.verify.compile import WHOLE
 from mjcompose.language.assign import MASS
-from mjcompose.model.values import is_in_degrees
 from mjcompose.mujoco import engine
 from mjcompose.mujoco.addresses import rows_of
 from mjcompose.mujoco.attributes import ON_BODIES, TAGS, Model, array_of, attributes
@@ -31,6 +30,7 @@ from mjcompose.mujoco.varying import Numbers, Recorder, arrays, flat, put, store
 from mjcompose.sources.context import Context
 from mjcompose.text.expression_values import UNITS, Angle
 from mjcompose.text.node import locate
+from mjcompose.tree.values import is_in_degrees
 
 if TYPE_CHECKING:
     from mjcompose.language.randomize import DrawField

@@ -18,9 +18,9 @@ from mjcompose.base.sink import Sink
 from mjcompose.build.verify.compile import WHOLE
 from mjcompose.link.linking import WrittenKey
 from mjcompose.link.unit_keys import MARK, VECTORS, BareModel, KeyNotes, Within, bare_model, keys_of
-from mjcompose.model.unit import Unit
 from mjcompose.mujoco import engine
 from mjcompose.mujoco.keyframes import key_rows
+from mjcompose.tree.unit import Unit
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as Node

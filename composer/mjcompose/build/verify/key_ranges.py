@@ -10,12 +10,12 @@ from mjcompose.base.diagnostic import Note, Span
 from mjcompose.base.sink import Sink
 from mjcompose.build.plan.plan import Plan
 from mjcompose.language.keyframe import CTRL, HOLD
-from mjcompose.model.classes import text_in_effect
-from mjcompose.model.select import kind_of
-from mjcompose.model.unit import Unit
 from mjcompose.mujoco.index import Index, Ranged, ranged
 from mjcompose.text.expression_values import Angle
 from mjcompose.text.node import locate
+from mjcompose.tree.classes import text_in_effect
+from mjcompose.tree.select import kind_of
+from mjcompose.tree.unit import Unit
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as Node

@@ -16,9 +16,6 @@ from mjcompose.build.plan.plan import PartRecord
 from mjcompose.build.verify.compile import WHOLE
 from mjcompose.link.measure import folder_of, measure_with
 from mjcompose.link.subtree import take_subtree
-from mjcompose.model.key_policy import KeyPolicy
-from mjcompose.model.parse import parse_file
-from mjcompose.model.xml_text import write
 from mjcompose.mujoco import engine
 from mjcompose.mujoco.arrays import FREE
 from mjcompose.mujoco.attributes import DERIVED, Model, NameTable
@@ -26,6 +23,9 @@ from mjcompose.mujoco.keyframes import Keys, Roots
 from mjcompose.mujoco.match import EXTRA, MISSING, Difference, Mount, Value
 from mjcompose.mujoco.unchanged import compare
 from mjcompose.sources.context import Context
+from mjcompose.tree.key_policy import KeyPolicy
+from mjcompose.tree.parse import parse_file
+from mjcompose.tree.xml_text import write
 
 
 def keep_source(member: PartRecord, session: engine.Session, name: str) -> str | None:

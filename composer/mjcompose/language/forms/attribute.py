@@ -11,10 +11,10 @@ from mjcompose.language.forms.definitions import Schema, reference
 from mjcompose.language.forms.model import OWNER
 from mjcompose.language.select import check_template, read_selector
 from mjcompose.language.value import bare_angle, read_value
-from mjcompose.model.grammar import GRAMMAR
-from mjcompose.model.grammar import Attribute as Declared
-from mjcompose.model.selector import Selector
 from mjcompose.text.node import is_template
+from mjcompose.tree.grammar import GRAMMAR
+from mjcompose.tree.grammar import Attribute as Declared
+from mjcompose.tree.selector import Selector
 
 
 class Attribute(ByGrammar):

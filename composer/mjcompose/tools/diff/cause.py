@@ -10,8 +10,6 @@ from typing import TYPE_CHECKING, TypeAlias
 from mjcompose.base.diagnostic import Span
 from mjcompose.build.plan.steps import AddElement
 from mjcompose.link.unit_keys import VECTORS
-from mjcompose.model.classes import class_in_force
-from mjcompose.model.select import kind_of
 from mjcompose.mujoco.arrays import about
 from mjcompose.text.node import Mapping as Located
 from mjcompose.text.node import Node as LocatedNode
@@ -21,6 +19,8 @@ from mjcompose.tools.diff.recipe_lines import Recipes, Written, is_yaml, name, r
 from mjcompose.tools.diff.sides import Side
 from mjcompose.tools.explain.query import name_of, same_value
 from mjcompose.tools.explain.trace import Life
+from mjcompose.tree.classes import class_in_force
+from mjcompose.tree.select import kind_of
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as Node

@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING, Literal, TypeAlias
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Span
 from mjcompose.link.inertia import has_mass
-from mjcompose.model.classes import levels, value
-from mjcompose.model.select import kind_of
-from mjcompose.model.select import query as paths_of
 from mjcompose.mujoco.arrays import about
 from mjcompose.mujoco.attributes import KINDS
 from mjcompose.tools.explain import query
 from mjcompose.tools.explain.explain import Traced
+from mjcompose.tree.classes import levels, value
+from mjcompose.tree.select import kind_of
+from mjcompose.tree.select import query as paths_of
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as Node

@@ -36,11 +36,6 @@ from mjcompose.build.plan.read import Given
 from mjcompose.build.verify.compile import OutsideFilesError, compile_and_report, verify
 from mjcompose.language.expand import Cell
 from mjcompose.link.measure import measure_with
-from mjcompose.model import xml_faults
-from mjcompose.model.cost import CODE as TOO_MUCH
-from mjcompose.model.files import file_attributes, join, written_path
-from mjcompose.model.parse import all_admitted, parse_file, parse_text
-from mjcompose.model.unit import Unit
 from mjcompose.mujoco import engine
 from mjcompose.mujoco.messages import CRASHES, Fault, parse
 from mjcompose.sources.blobs import files_below, sha256_of
@@ -52,6 +47,11 @@ from mjcompose.sources.trust import Trust
 from mjcompose.tools.diff.changes import End
 from mjcompose.tools.explain.explain import Traced
 from mjcompose.tools.explain.trace import Trace
+from mjcompose.tree import xml_faults
+from mjcompose.tree.cost import CODE as TOO_MUCH
+from mjcompose.tree.files import file_attributes, join, written_path
+from mjcompose.tree.parse import all_admitted, parse_file, parse_text
+from mjcompose.tree.unit import Unit
 
 if TYPE_CHECKING:
     from mjcompose.build.compose.load import Library

@@ -23,13 +23,6 @@ from mjcompose.language.value import attribute_and_index
 from mjcompose.link.measure import measure_with
 from mjcompose.link.source_check import check_source
 from mjcompose.link.unit_keys import VECTORS
-from mjcompose.model.classes import MAIN, ORIENTATIONS, Classes, class_in_force, given, levels, value
-from mjcompose.model.classes import chain as class_chain
-from mjcompose.model.edit import attached_notes
-from mjcompose.model.parse import parse_file
-from mjcompose.model.pattern import BadPattern
-from mjcompose.model.select import kind_of
-from mjcompose.model.unit import Unit
 from mjcompose.sources.context import Context
 from mjcompose.tools.explain import query, trace_words
 from mjcompose.tools.explain.explanation import (
@@ -46,6 +39,13 @@ from mjcompose.tools.explain.explanation import (
 )
 from mjcompose.tools.explain.query import RecipeLines, no_attribute, not_found, same_words
 from mjcompose.tools.explain.trace import TAG, Change, Life, Move, NumberOrigin, Trace, key_origins, rows
+from mjcompose.tree.classes import MAIN, ORIENTATIONS, Classes, class_in_force, given, levels, value
+from mjcompose.tree.classes import chain as class_chain
+from mjcompose.tree.edit import attached_notes
+from mjcompose.tree.parse import parse_file
+from mjcompose.tree.pattern import BadPattern
+from mjcompose.tree.select import kind_of
+from mjcompose.tree.unit import Unit
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as Node

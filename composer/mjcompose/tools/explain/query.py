@@ -17,13 +17,13 @@ from mjcompose.base.files import read_regular
 from mjcompose.base.sink import Sink
 from mjcompose.base.suggest import did_you_mean, exists_note, unknown_attribute
 from mjcompose.language.keyframe import HOLD, WAYS
-from mjcompose.model.grammar import GRAMMAR, ElementType
-from mjcompose.model.names import WORLD
-from mjcompose.model.pattern import fitter, is_pattern
-from mjcompose.model.select import kind_of, naming_attribute, query, tags_of
-from mjcompose.model.selector import EVERYTHING
 from mjcompose.tools.explain.explanation import Reason
 from mjcompose.tools.explain.trace_words import derived_names
+from mjcompose.tree.grammar import GRAMMAR, ElementType
+from mjcompose.tree.names import WORLD
+from mjcompose.tree.pattern import fitter, is_pattern
+from mjcompose.tree.select import kind_of, naming_attribute, query, tags_of
+from mjcompose.tree.selector import EVERYTHING
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as Node

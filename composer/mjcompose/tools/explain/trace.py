@@ -17,8 +17,8 @@ from mjcompose.link import numbers
 from mjcompose.link.key_layout import Layout, Unknown, element_of, lay_out
 from mjcompose.link.linking import Linking, Part
 from mjcompose.link.unit_keys import VECTORS as VECTORS
-from mjcompose.model.unit import KeySource, Number, Origins, Place, Unit, line_of
-from mjcompose.model.xml_text import as_it_is
+from mjcompose.tree.unit import KeySource, Number, Origins, Place, Unit, line_of
+from mjcompose.tree.xml_text import as_it_is
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as Node

@@ -36,19 +36,19 @@ from mjcompose.link.replicates import replicates
 from mjcompose.link.settings import compiler, model_autolimits
 from mjcompose.link.submodels import submodel_options, submodels
 from mjcompose.link.world import roots, sections
-from mjcompose.model.classes import MAIN, ORIENTATIONS, Classes, childclass_of, class_in_force, own
-from mjcompose.model.files import Settings, read_settings
-from mjcompose.model.grammar import GRAMMAR, ElementType
-from mjcompose.model.select import kind_of
 from mjcompose.mujoco.attributes import attributes as compared
 from mjcompose.text.node import find, locate
 from mjcompose.tools.explain.explanation import Reason, RowExplained
 from mjcompose.tools.explain.trace import Cause, Change, Function, Life, Move, NumberOrigin, Trace
+from mjcompose.tree.classes import MAIN, ORIENTATIONS, Classes, childclass_of, class_in_force, own
+from mjcompose.tree.files import Settings, read_settings
+from mjcompose.tree.grammar import GRAMMAR, ElementType
+from mjcompose.tree.select import kind_of
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as Node
 
-    from mjcompose.model.unit import Unit
+    from mjcompose.tree.unit import Unit
 
 _NOBODY = {"reference": "the reference configuration", "zero": "0, because no key sets it", "unknown": "not known"}
 

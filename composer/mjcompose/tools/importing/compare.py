@@ -9,11 +9,6 @@ from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING
 
 from mjcompose.base.rotation import Pose
-from mjcompose.model.classes import MAIN, childclass_of, default_tag
-from mjcompose.model.files import NAMED_AFTER_FILE
-from mjcompose.model.grammar import GRAMMAR, Attribute
-from mjcompose.model.select import numbered, parent_of
-from mjcompose.model.unit import Unit
 from mjcompose.mujoco.arrays import ANGULAR, unit
 from mjcompose.text.faults import quoted, word
 from mjcompose.tools.importing.elements import (
@@ -42,6 +37,11 @@ from mjcompose.tools.importing.elements import (
     written_value,
 )
 from mjcompose.tools.importing.search import Instance, paired, parent_body
+from mjcompose.tree.classes import MAIN, childclass_of, default_tag
+from mjcompose.tree.files import NAMED_AFTER_FILE
+from mjcompose.tree.grammar import GRAMMAR, Attribute
+from mjcompose.tree.select import numbered, parent_of
+from mjcompose.tree.unit import Unit
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as Node

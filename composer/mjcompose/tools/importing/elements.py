@@ -16,12 +16,6 @@ from typing import TYPE_CHECKING, Any
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.rotation import Pose, quat_from_zaxis
 from mjcompose.link.numbers import read, read_pose
-from mjcompose.model.classes import childclass_of
-from mjcompose.model.files import Settings
-from mjcompose.model.grammar import GRAMMAR, Attribute, ElementType, to_text
-from mjcompose.model.select import kind_of
-from mjcompose.model.select import query as paths_of
-from mjcompose.model.unit import Unit
 from mjcompose.mujoco.arrays import about
 from mjcompose.mujoco.attributes import KINDS, Model, NameTable
 from mjcompose.mujoco.match import Correspondence, Mount
@@ -30,6 +24,12 @@ from mjcompose.tools.diff.changes import Change, Value
 from mjcompose.tools.diff.models import Values, references
 from mjcompose.tools.explain.query import ordered
 from mjcompose.tools.importing.search import Instance
+from mjcompose.tree.classes import childclass_of
+from mjcompose.tree.files import Settings
+from mjcompose.tree.grammar import GRAMMAR, Attribute, ElementType, to_text
+from mjcompose.tree.select import kind_of
+from mjcompose.tree.select import query as paths_of
+from mjcompose.tree.unit import Unit
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as Node

@@ -16,10 +16,6 @@ from mjcompose.base.diagnostic import Severity, Span
 from mjcompose.base.rotation import IDENTITY_QUAT, Pose
 from mjcompose.base.sink import Sink
 from mjcompose.language.recipe import SETTABLE
-from mjcompose.model.classes import childclass_of
-from mjcompose.model.grammar import GRAMMAR
-from mjcompose.model.merged_settings import ReadRow
-from mjcompose.model.unit import Unit
 from mjcompose.mujoco.engine import Session
 from mjcompose.sources.context import Context
 from mjcompose.sources.lock import resolve
@@ -48,6 +44,10 @@ from mjcompose.tools.importing.elements import (
     written_value,
 )
 from mjcompose.tools.importing.search import Instance, find, name_in_recipe, parent_body, separator_of
+from mjcompose.tree.classes import childclass_of
+from mjcompose.tree.grammar import GRAMMAR
+from mjcompose.tree.merged_settings import ReadRow
+from mjcompose.tree.unit import Unit
 from mjcompose.urdf.actuators import CODE as UNREAD
 from mjcompose.urdf.inertia import CODE as INERTIA
 from mjcompose.urdf.read import UrdfReader

@@ -18,8 +18,6 @@ from mjcompose.build.bundle.staging import sibling
 from mjcompose.build.stages import Request, build
 from mjcompose.build.verify.compile import WHOLE
 from mjcompose.link.source_check import check_source
-from mjcompose.model.parse import all_admitted, parse_file
-from mjcompose.model.unit import Unit
 from mjcompose.mujoco.engine import Session, call, compile
 from mjcompose.sources.context import Context
 from mjcompose.text.faults import word
@@ -29,6 +27,8 @@ from mjcompose.tools.diff.text import sentences, shown, subject
 from mjcompose.tools.importing import elements
 from mjcompose.tools.importing.propose import Proposal, propose, recipe_text
 from mjcompose.tools.importing.search import Instance, parent_body
+from mjcompose.tree.parse import all_admitted, parse_file
+from mjcompose.tree.unit import Unit
 
 _TOLERANCE = 1e-7
 _MERGED = "merged"

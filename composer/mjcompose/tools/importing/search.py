@@ -14,12 +14,12 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.files import Refused, read_regular
 from mjcompose.base.sink import Sink
-from mjcompose.model.parse import parse_file
-from mjcompose.model.unit import Unit
 from mjcompose.sources.context import Context
 from mjcompose.sources.fetching import Fetching
 from mjcompose.sources.lock import resolve
 from mjcompose.sources.reference import SourceError
+from mjcompose.tree.parse import parse_file
+from mjcompose.tree.unit import Unit
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as Node

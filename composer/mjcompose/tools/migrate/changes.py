@@ -9,10 +9,10 @@ from collections.abc import Callable, Iterator
 from functools import partial
 from typing import TYPE_CHECKING, TypeAlias
 
-from mjcompose.model.grammar import version_key
-from mjcompose.model.values import parse_real
 from mjcompose.tools.migrate import rules
 from mjcompose.tools.migrate.editing import Act, Change, Editing, called
+from mjcompose.tree.grammar import version_key
+from mjcompose.tree.values import parse_real
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as Node

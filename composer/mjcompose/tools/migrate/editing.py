@@ -18,13 +18,13 @@ from lxml.etree import _Element as Node
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Cause, Span
 from mjcompose.base.sink import Sink
-from mjcompose.model.classes import childclass_of
-from mjcompose.model.files import join
-from mjcompose.model.grammar import exists_in, version_key
-from mjcompose.model.history import place, spans
-from mjcompose.model.parse import parse_file
-from mjcompose.model.unit import Unit, line_of
 from mjcompose.sources.context import Context
+from mjcompose.tree.classes import childclass_of
+from mjcompose.tree.files import join
+from mjcompose.tree.grammar import exists_in, version_key
+from mjcompose.tree.history import place, spans
+from mjcompose.tree.parse import parse_file
+from mjcompose.tree.unit import Unit, line_of
 
 RELEASED = tuple(
     """

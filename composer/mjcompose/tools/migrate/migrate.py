@@ -17,11 +17,6 @@ from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Cause, Note
 from mjcompose.base.report import counted
 from mjcompose.base.scratch import scratch
-from mjcompose.model.files import file_attributes, join, written_path
-from mjcompose.model.grammar import number_text, version_key
-from mjcompose.model.history import default_of, place, unread
-from mjcompose.model.parse import all_admitted, parse_file
-from mjcompose.model.unit import Unit
 from mjcompose.mujoco.arrays import with_trait
 from mjcompose.mujoco.messages import parse
 from mjcompose.sources.context import Context
@@ -42,6 +37,11 @@ from mjcompose.tools.migrate.editing import (
     release,
 )
 from mjcompose.tools.migrate.environments import Compiled, Other, OtherError, make, open_python, this_python
+from mjcompose.tree.files import file_attributes, join, written_path
+from mjcompose.tree.grammar import number_text, version_key
+from mjcompose.tree.history import default_of, place, unread
+from mjcompose.tree.parse import all_admitted, parse_file
+from mjcompose.tree.unit import Unit
 
 
 def _own() -> str | None:

@@ -17,14 +17,14 @@ from mjcompose.base.report import MjcomposeError, render, short_traceback
 from mjcompose.build.cache.inputs import Inputs
 from mjcompose.build.plan.read import Given
 from mjcompose.build.stages import Built, Request, build
-from mjcompose.model.files import NAMED_AFTER_FILE, stem
-from mjcompose.model.xml_text import write
 from mjcompose.mujoco.engine import Session
 from mjcompose.sources import blobs
 from mjcompose.sources.context import Context
 from mjcompose.sources.fetching import Fetching
 from mjcompose.sources.store import Store
 from mjcompose.text.load import load
+from mjcompose.tree.files import NAMED_AFTER_FILE, stem
+from mjcompose.tree.xml_text import write
 
 Spec: TypeAlias = Any
 """A `mujoco.MjSpec`, which has no type stubs."""

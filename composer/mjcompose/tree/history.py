@@ -1,0 +1,136 @@
+"""What each version of MuJoCo can read: elements, attributes, and words of attributes."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from mjcompose.base.dataclass import dataclass
+from mjcompose.tree.grammar import GRAMMAR, exists_in, to_text
+
+if TYPE_CHECKING:
+    from lxml.etree import _Element as Node
+
+Span = tuple[str | None, str | None]
+_BODIES = ("worldbody", "body", "frame", "replicate")
+_CONTENT = ("frame", "replicate")
+
+WORDS: dict[str, Span] = {
+    "option@integrator=discrete": ("3.13.0", None),
+    "body/flexcomp@dof=quadratic": ("3.4.0", None),
+    "body/flexcomp/edge@equality=vert": ("3.5.0", "3.17.0"),
+    "body/flexcomp/edge@equality=strain": ("3.6.0", None),
+    "visual/headlight@active=true": ("4.0.0", None),
+    "visual/headlight@active=false": ("4.0.0", None),
+    "visual/headlight@active=auto": ("4.0.0", None),
+    "visual/headlight@active=2": ("4.0.0", None),
+    "body/site@type=mesh": ("3.13.0", None),
+    "default/site@type=mesh": ("3.13.0", None),
+    **{f"{place}@input={word}": ("3.12.0", None) for place in ("actuator/dcmotor", "default/dcmotor")
+       for word in ("pos", "vel", "ff", "none")},
+    **{f"{place}@input={word}": (None, "3.11.0") for place in ("actuator/dcmotor", "default/dcmotor")
+       for word in ("position", "velocity")},
+    **{f"asset/mesh@builtin={word}": ("3.16.0", None)
+       for word in ("grid", "box", "cylinder", "ellipsoid", "square", "disc")},
+    **{f"sensor/contact@data={word}": ("3.16.0", None) for word in ("linvel", "angvel")},
+    **{f"{place}@{name}={word}": ("3.7.0", None) for place in ("actuator/general", "default/general")
+       for name in ("dyntype", "gaintype", "biastype") for word in ("dcmotor",)},
+    **{f"{place}@{name}=pid": ("3.12.0", None) for place in ("actuator/general", "default/general")
+       for name in ("dyntype", "gaintype")},
+    **{f"body/composite@type={word}": (None, "3.2.4") for word in ("box", "cylinder", "ellipsoid")},
+    **{f"body/composite@type={word}": (None, "3.2.5") for word in ("rope", "loop")},
+    **{f"body/composite@type={word}": (None, "3.2.7") for word in ("grid", "particle")},
+}  # fmt: skip
+"""Words that not all versions know, where they know the attribute."""
+
+LONGER: dict[str, str] = {
+    f"{place}@{name}": "3.7.0"
+    for place in ("body/joint", "default/joint", "tendon/spatial", "tendon/fixed", "default/tendon")
+    for name in ("stiffness", "damping")
+}
+"""Numbers of which there may be several since that version."""
+
+
+@dataclass(frozen=True, slots=True)
+class Unread:
+    """Something that a version does not read: an element (`attribute` None), an attribute, or its `value`."""
+
+    node: Node
+    attribute: str | None
+    value: str | None
+    since: str | None
+    until: str | None
+
+    @property
+    def called(self) -> str:
+        if self.attribute is None:
+            return f"`<{self.node.tag}>`"
+        written = f"`{self.attribute}`" if self.value is None else f'`{self.attribute}="{self.value}"`'
+        return f"{written} of `<{self.node.tag}>`"
+
+    def when(self) -> str:
+        """In which versions it is there."""
+        return f"MuJoCo has it since {self.since}" if self.since else f"MuJoCo had it up to {self.until}"
+
+
+@cache
+def spans() -> dict[str, Span]:
+    """First and last version of what is not in all of them; made by `tests/tools/migrate/survey.py`."""
+    text = (Path(__file__).parent / "history.json").read_text(encoding="utf-8")
+    return {name: (since, until) for name, (since, until) in json.loads(text)["spans"].items()}
+
+
+def place(node: Node) -> str:
+    """Return the place of an element as the tables say it: `body/geom`, `option/flag`, `default/geom`.
+
+    The contents of a frame or a replicate belong to the body around it.
+    """
+    above = [str(each.tag) for each in node.iterancestors() if each.tag != "mujoco"][::-1]
+    tags = [*("body" if tag in _BODIES else tag for tag in above), str(node.tag)]
+    if tags[0] == "worldbody":
+        tags[0] = "body"
+    while len(tags) > 1 and tags[0] == tags[1] and tags[0] in ("body", "default"):
+        del tags[0]
+    return tags[-1] if len(tags) > 1 and tags[-1] in _CONTENT else "/".join(tags)
+
+
+def unread(root: Node, version: str) -> Iterator[Unread]:
+    """All in a tree that this version of MuJoCo has not, the outermost of elements in one another."""
+    known, waiting = spans(), list(reversed(list(root.iterchildren("*"))))
+    while waiting:
+        node = waiting.pop()
+        path = place(node)
+        if path in known and not exists_in(version, *known[path]):
+            yield Unread(node, None, None, *known[path])
+            continue
+        yield from _attributes(node, path, version)
+        waiting.extend(reversed(list(node.iterchildren("*"))))
+
+
+def _attributes(node: Node, path: str, version: str) -> Iterator[Unread]:
+    known = spans()
+    for name, value in [(str(name), str(value)) for name, value in node.items()]:
+        span = known.get(f"{path}@{name}")
+        if span is not None and not exists_in(version, *span):
+            yield Unread(node, name, None, *span)
+            continue
+        for word in value.split():
+            span = WORDS.get(f"{path}@{name}={word}")
+            if span is not None and not exists_in(version, *span):
+                yield Unread(node, name, word, *span)
+        since = LONGER.get(f"{path}@{name}")
+        if since is not None and len(value.split()) > 1 and not exists_in(version, since, None):
+            yield Unread(node, name, value, since=since, until=None)
+
+
+def default_of(path: str, attribute: str) -> str | None:
+    """Return the grammar's default of an attribute as text."""
+    try:
+        kind = GRAMMAR.element(path.removeprefix("body/") if path != "body" else "body")
+    except KeyError:
+        return None
+    known = kind.attributes.get(attribute)
+    return None if known is None or known.default is None else to_text(known, known.default)

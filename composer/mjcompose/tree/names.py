@@ -1,0 +1,281 @@
+"""The names of a model by namespace, and the references to them."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import field
+from functools import cache
+from typing import Any
+
+from lxml import etree
+from lxml.etree import _Element as Node
+
+from mjcompose.base.dataclass import dataclass
+from mjcompose.tree.classes import MAIN
+from mjcompose.tree.files import NAMED_AFTER_FILE, stem
+from mjcompose.tree.grammar import GRAMMAR
+
+DECLARES, REFERS, REFERS_BY, LISTS, GENERATES = range(5)
+Action = tuple[int, str]
+
+# Elements whose expansion creates names that are not written in the model.
+GENERATORS = frozenset({"replicate", "flexcomp", "composite", "attach", "model"})
+WORLD = "world"
+
+_WITH = etree.XPath("descendant::*/@*[. = $name]")
+
+
+@dataclass(slots=True)
+class Names:
+    """The declared names by namespace, each with its element."""
+
+    declared: dict[str, dict[str, Node]] = field(default_factory=dict)
+
+    def find(self, namespace: str, name: str) -> Node | None:
+        names = self.declared.get(namespace)
+        return None if names is None else names.get(name)
+
+    def known(self, namespace: str) -> list[str]:
+        return list(self.declared.get(namespace, ()))
+
+    def kinds_of(self, name: str) -> list[str]:
+        """Return the namespaces in which the name exists."""
+        return [namespace for namespace, declared in self.declared.items() if name in declared]
+
+
+def word(namespace: str, article: bool = False) -> str:
+    """Return the noun in messages for a namespace.
+
+    >>> word("default"), word("actuator", article=True)
+    ('default class', 'an actuator')
+    """
+    noun = {"default": "default class", "instance": "plugin instance", "pair": "contact pair"}.get(namespace, namespace)
+    return f"{'an' if noun[0] in 'aeiou' else 'a'} {noun}" if article else noun
+
+
+@cache
+def naming_table(section: str) -> dict[str, dict[str, Action]]:
+    """Return for each tag inside a top-level section which attributes hold names, and what kind of name."""
+    table: dict[str, dict[str, Action]] = {}
+    for tag, element in GRAMMAR.within(section).items():
+        actions: dict[str, Action] = {}
+        for attribute in element.attributes.values():
+            if attribute.declares:
+                actions[attribute.name] = (DECLARES, attribute.declares)
+            elif attribute.refers_by:
+                actions[attribute.name] = (REFERS_BY, attribute.refers_by)
+            elif attribute.type == "references" and attribute.refers:
+                actions[attribute.name] = (LISTS, attribute.refers)
+            elif attribute.refers and not attribute.refers.startswith("attached:"):
+                actions[attribute.name] = (REFERS, attribute.refers)
+        if tag in ("attach", "composite"):
+            actions["prefix"] = (GENERATES, "")
+        if actions:
+            table[tag] = actions
+    return table
+
+
+@cache
+def declaring(section: str) -> dict[Any, tuple[tuple[str, str], ...]]:
+    """Return for each tag the attributes that declare names, with the namespace."""
+    return {
+        tag: tuple((name, namespace) for name, (kind, namespace) in actions.items() if kind == DECLARES)
+        for tag, actions in naming_table(section).items()
+    }
+
+
+def object_namespace(element: Node, type_attribute: str) -> str | None:
+    """Return the namespace that an `objtype`-like attribute names, or None if it is absent or unknown."""
+    return GRAMMAR.objtypes.get(str(element.get(type_attribute, "")))
+
+
+def users(section: Node, namespace: str, name: str) -> Iterator[tuple[Node, str]]:
+    """Yield each element in a section that refers to a name, with the attribute. Lists of names are left out.
+
+    >>> excluded = etree.fromstring('<contact><exclude name="world" body1="world" body2="b"/></contact>')
+    >>> [attribute for _, attribute in users(excluded, "body", "world")]
+    ['body1']
+    """
+    table = naming_table(str(section.tag))
+    found: Any = _WITH(section, name=name)  # libxml2 looks at all attributes in a quarter of Python's time
+    for node, attribute in [(each.getparent(), each.attrname) for each in found]:
+        kind, target = table.get(node.tag, {}).get(attribute, (DECLARES, ""))
+        if (kind, target) == (REFERS, namespace) or (kind == REFERS_BY and object_namespace(node, target) == namespace):
+            yield node, attribute
+
+
+def references(top: Node, section: str) -> Iterator[tuple[str, str]]:
+    """Yield namespace and name of all references of an element of a section, and of every element in it."""
+    for node in top.iter("*"):
+        for _, namespace, name, _ in own_references(node, section):
+            yield namespace, name
+
+
+def own_references(node: Node, section: str) -> list[tuple[str, str, str, str]]:
+    """Return attribute, namespace and name of each reference of one element of a section.
+
+    The fourth value is the attribute that selects the namespace, such as `objtype`; empty if the grammar determines
+    it.
+    """
+    found = []
+    for attribute, kind, namespace in _rows(section).get(node.tag, ()):
+        value = node.get(attribute)
+        if not value or kind == DECLARES:
+            continue
+        if kind == REFERS:
+            found.append((attribute, namespace, str(value), ""))
+        elif kind == LISTS:
+            found += [(attribute, namespace, each, "") for each in str(value).split()]
+        elif target := object_namespace(node, namespace):
+            found.append((attribute, target, str(value), namespace))
+    return found
+
+
+def declaration(node: Node, section: str) -> tuple[str, str] | None:
+    """Return namespace and name that an element of a section declares or gets from its file, if it has a name."""
+    for key, (kind, namespace) in naming_table(section).get(str(node.tag), {}).items():
+        if kind == DECLARES and (value := node.get(key)):
+            return namespace, str(value)
+    if node.tag in NAMED_AFTER_FILE and section in ("asset", "deformable") and (file := node.get("file")):
+        return str(node.tag), stem(str(file))
+    return None
+
+
+def may_be_generated(name: str, root: Node) -> bool:
+    """Return whether elements that MuJoCo expands (replicate, flexcomp, …) in that tree can create the name."""
+    for element in root.iter(*GENERATORS):
+        if element.tag == "replicate":
+            may = re.search(r"\d+$", name) is not None
+        else:
+            may = element.tag == "model" or name.startswith(str(element.get("name") or element.get("prefix") or ""))
+        if may:
+            return True
+    return False
+
+
+SEPARATOR = "/"
+UP = "../"
+"""Before the names of the model that a model of `mjcompose.mjcf` is attached to."""
+# MuJoCo allows two `<model>` assets with the same name.
+MAY_REPEAT = frozenset({"model"})
+ALWAYS = frozenset({("body", WORLD), ("default", MAIN)})
+"""Names that exist in every model, with their namespace."""
+LEADING_OUT: list[int] = []
+"""As long as the number of models of this process, so far, that refer to something outside of themselves."""
+_ALWAYS_NAMES = frozenset(name for _, name in ALWAYS)
+
+Use = tuple[Node, str]
+"""An element and its attribute that contains a reference."""
+
+
+@dataclass(slots=True)
+class NameIndex(Names):
+    """Names and references as written in one model, in both directions.
+
+    `declared` maps names to elements, `uses` maps names to their references; `world` and `main` are in neither,
+    because nothing may take these names. A node's names are forgotten before it changes and noted again afterwards.
+    `leads_out` is set once a reference begins with `UP`.
+    """
+
+    uses: dict[str, dict[str, dict[Use, None]]] = field(default_factory=dict)
+    leads_out: bool = False
+
+    @classmethod
+    def of(cls, root: Node) -> NameIndex:
+        """Return the names of a whole `<mujoco>` tree."""
+        index = cls()
+        declared, uses = index.declared, index.uses
+        for section in root.iterchildren("*"):
+            rows = _rows(str(section.tag))
+            for node in section.iterdescendants(*rows) if rows else ():  # as `note` does, in a third of the time
+                values: dict[str, str] = dict(node.items())  # type: ignore[arg-type]  # of a parsed tree
+                for attribute, kind, namespace in rows[node.tag] if values else ():
+                    value = values.get(attribute)
+                    if kind == DECLARES:
+                        own = value or (own_name(node, attribute) if node.tag in NAMED_AFTER_FILE else None)
+                        if own:
+                            declared.setdefault(namespace, {}).setdefault(own, node)
+                        continue
+                    if not value:
+                        continue
+                    target = namespace if kind != REFERS_BY else object_namespace(node, namespace)
+                    for name in value.split() if kind == LISTS else (value,):
+                        if target and (name not in _ALWAYS_NAMES or (target, name) not in ALWAYS):
+                            uses.setdefault(target, {}).setdefault(name, {})[node, attribute] = None
+        index.leads_out = any(name.startswith(UP) for names in uses.values() for name in names)
+        LEADING_OUT.extend([1] if index.leads_out else [])
+        return index
+
+    def note(self, node: Node, section: str, *, declares: bool = True) -> None:
+        """Add the names of one node, without the nodes below it; the first of two equal names keeps it."""
+        for attribute, namespace in declaring(section).get(node.tag, ()) if declares else ():
+            if (own := own_name(node, attribute)) is not None:
+                self.declared.setdefault(namespace, {}).setdefault(own, node)
+        for attribute, namespace, name, _ in own_references(node, section):
+            if name not in _ALWAYS_NAMES or (namespace, name) not in ALWAYS:
+                self.uses.setdefault(namespace, {}).setdefault(name, {})[node, attribute] = None
+                if not self.leads_out and name.startswith(UP):
+                    self.leads_out = True
+                    LEADING_OUT.append(1)
+
+    def forget(self, node: Node, section: str) -> None:
+        """Drop the names of one node, as they are written in it now."""
+        for attribute, namespace in declaring(section).get(node.tag, ()):
+            names, own = self.declared.get(namespace, {}), own_name(node, attribute)
+            if own is not None and names.get(own) is node:
+                del names[own]
+        for attribute, namespace, name, _ in own_references(node, section):
+            users = self.uses.get(namespace, {}).get(name, {})
+            users.pop((node, attribute), None)
+            if not users:
+                self.uses.get(namespace, {}).pop(name, None)
+
+    def users(self, namespace: str, name: str) -> list[Use]:
+        """Return the references to a name, in the order in which they were added."""
+        return list(self.uses.get(namespace, {}).get(name, ()))
+
+    def follow(self, namespace: str, names: Mapping[str, str]) -> None:
+        """Change all references to these names to the new ones, all at once, so that two names can swap."""
+        uses = self.uses.get(namespace, {})
+        moved = {old: users for old in names if (users := uses.pop(old, None))}
+        lists: dict[Use, None] = {}
+        for old, users in moved.items():
+            new = names[old]
+            for node, attribute in users:
+                if node.get(attribute) == old:
+                    node.set(attribute, new)
+                else:
+                    lists[node, attribute] = None
+        for node, attribute in lists:
+            node.set(attribute, " ".join(names.get(each, each) for each in str(node.get(attribute)).split()))
+        for old, users in moved.items():
+            uses.setdefault(names[old], {}).update(users)
+
+
+@cache
+def _rows(section: str) -> dict[Any, tuple[tuple[str, int, str], ...]]:
+    """Return for each tag the attributes that declare names, and then those that refer to names."""
+    kinds = (DECLARES,), (REFERS, LISTS, REFERS_BY)
+    return {
+        tag: tuple((name, *each) for of in kinds for name, each in actions.items() if each[0] in of)
+        for tag, actions in naming_table(section).items()
+    }
+
+
+def own_name(node: Node, attribute: str) -> str | None:
+    """Return the name that a node declares: the attribute, or MuJoCo's name for an asset from its file."""
+    value = node.get(attribute)
+    if value:
+        return str(value)
+    if attribute == "name" and node.tag in NAMED_AFTER_FILE:
+        file = node.get("file")
+        parent = node.getparent()
+        if file and parent is not None and parent.tag in ("asset", "deformable"):
+            return stem(str(file))
+    return None
+
+
+def is_list(node: Node, attribute: str, section: str) -> bool:
+    """Return whether a referring attribute holds several names."""
+    return naming_table(section)[str(node.tag)][attribute][0] == LISTS

@@ -1,0 +1,515 @@
+"""MJCF text becomes a unit, as leniently as in MuJoCo's own reader.
+
+XML that MuJoCo parses differently from an XML parser is refused. MuJoCo 4.0 reads bytes as UTF-8 whatever the
+declaration says, and ends a `<!DOCTYPE` at the first `>`: a comment in a DTD can be a model for MuJoCo.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import threading
+from collections.abc import Callable, Container, Iterator, Mapping
+from itertools import takewhile
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from lxml import etree
+from lxml.etree import _Comment as Comment
+from lxml.etree import _Element as Node
+
+from mjcompose.base.access import Door, own_door
+from mjcompose.base.diagnostic import Note, Span
+from mjcompose.base.files import SDF, Refused, TooLarge, files_among
+from mjcompose.base.limits import advice, in_force
+from mjcompose.base.sink import Sink
+from mjcompose.base.suggest import closest, did_you_mean, exists_note
+from mjcompose.tree import xml_faults
+from mjcompose.tree.cost import CODE, check_attributes, check_size, check_text
+from mjcompose.tree.files import file_attributes, is_absolute, join, written_path
+from mjcompose.tree.grammar import GRAMMAR
+from mjcompose.tree.mesh_cost import check_meshes
+from mjcompose.tree.unit import FileText, Unit
+from mjcompose.tree.xml_faults import note_unread
+from mjcompose.tree.xml_text import take_cdata_in
+
+
+def take_header_in(root: Node) -> tuple[Node, ...]:
+    """Move the comments before a root, such as a license, inside of it: they would be lost when the tree moves."""
+    found = [each for each in root.itersiblings(preceding=True) if isinstance(each, Comment)]
+    for comment in found:
+        comment.tail = None
+        root.insert(0, comment)
+    return tuple(reversed(found))
+
+
+def above(section: Node, header: Container[Node]) -> list[Node]:
+    """Return the comments directly above a section, except those of the header."""
+    before = section.itersiblings(preceding=True)
+    return list(takewhile(lambda each: isinstance(each, Comment) and each not in header, before))[::-1]
+
+
+_DECLARED = re.compile(rb"""\A(?:\xef\xbb\xbf)?\s*<\?xml\b[^>]*?\bencoding\s*=\s*["']([^"']*)["']""")
+_ASCII = re.compile(r"utf-?8|(us-)?ascii|iso-?8859-?\d+|latin-?\d|windows-125\d|cp125\d", re.IGNORECASE)
+"""Encodings with the same bytes as ASCII for tags."""
+_WIDE = (b"\xff\xfe", b"\xfe\xff", b"\x00\x00\xfe\xff", b"<\x00", b"\x00<")
+_PLAIN = re.compile(rb"<!DOCTYPE\s+[\w:.-]+\s*>")
+"""A doctype that ends at its first `>`, and neither declares anything nor names another file."""
+
+
+def refused(data: bytes, file: str, sink: Sink) -> bool:
+    """Return whether the text is refused, which is reported.
+
+    >>> refused(b'<!DOCTYPE mujoco [<!-- > <mujoco model="other"/> -->]><mujoco/>', "a.xml", Sink())
+    True
+    """
+    declared = _DECLARED.match(data)
+    named = declared[1].decode("ascii", "replace") if declared is not None else "UTF-8"
+    if data.startswith(_WIDE):
+        named = "UTF-16"
+    if not _ASCII.fullmatch(named):
+        message = f"`{file}` is in the encoding `{named}`, and MuJoCo reads UTF-8 alone"
+        sink.error("xml-syntax", message, Span(file, 1, 1), help="save it as UTF-8")
+        return True
+    at = data.find(b"<!DOCTYPE")
+    while at >= 0 and _PLAIN.match(data, at):
+        at = data.find(b"<!DOCTYPE", at + 1)
+    if at < 0:
+        return False
+    before = data[:at]
+    line = before.count(b"\n") + 1
+    column = len(before[before.rfind(b"\n") + 1 :].decode("utf-8", "replace")) + 1
+    message = f"`{file}` has a DTD, which MuJoCo does not read"
+    sink.error("xml-syntax", message, Span(file, line, column), help="remove the `<!DOCTYPE …>`")
+    return True
+
+
+_BESIDE_FIRST = ("flexcomp", "model")
+
+
+def find_beside(unit: Unit, included: Mapping[Node, Path]) -> None:
+    """Rewrite file names in included elements, each given with the folder of its file, if MuJoCo finds them there.
+
+    MuJoCo does so if the path of the main file is absolute; with a relative path it does not find them.
+    """
+    if unit.settings.strippath == "true":
+        return
+    directory = str(unit.directory)
+    models = [(each, "file", str(each.get("file") or "")) for each in unit.root.iterfind("asset/model")]
+    places: list[tuple[Node, str, str, str]] = []
+    for element, attribute, name in [*file_attributes(unit.root), *models]:
+        folder = included.get(element)
+        if folder is None or not name or is_absolute(name) or name in unit.contents:
+            continue
+        usual = name if element.tag == "model" else written_path(unit.settings, element, name)
+        there, beside = join(directory, usual), join(str(folder), name)
+        if there != beside and usual not in unit.contents:
+            places.append((element, attribute, there, beside))
+    found = {path for _, paths in files_among(there for _, _, there, _ in places) for path in paths}
+    for element, attribute, there, beside in places:
+        wins = element.tag in _BESIDE_FIRST or not (there in found or os.path.exists(there))
+        if wins and os.path.exists(beside):
+            element.set(attribute, _from(_folder(unit, element), beside))
+
+
+def _folder(unit: Unit, element: Node) -> str:
+    inner = {"model": "", "texture": unit.settings.texture_folder}
+    return join(str(unit.directory), inner.get(str(element.tag), unit.settings.mesh_folder) or ".")
+
+
+def _from(folder: str, path: str) -> str:
+    try:
+        return Path(os.path.relpath(path, folder)).as_posix()
+    except ValueError:  # on another drive
+        return path
+
+
+_COMMENT = re.compile(r"<!--(.*?)-->", re.DOTALL)
+_DECLARATION = re.compile(r"\A\s*<\?xml\b.*?\?>", re.DOTALL)
+_NOT_BREAK = re.compile(r"[^\n]")
+_TOUCHING = re.compile(r"""(<[^<>]*?=\s*(?:"[^"]*"|'[^']*'))(?=[\w:])""")
+_CDATA = b"<![CDATA["
+_DROPPED = ("body", "frame")
+_INCLUDED = "refer to the model that includes it"
+_NO_MODEL = {"mujocoinclude": _INCLUDED, "robot": "it looks like URDF: a recipe reads it if its name ends in `.urdf`"}
+
+
+def parse_file(
+    path: Path, sink: Sink, *, file: str | None = None, span: Span | None = None, door: Door | None = None
+) -> Unit | None:
+    """Return the unit of an MJCF file, or None after errors, which go to `sink`.
+
+    `file` is its name in messages, `span` where it is requested; `door` limits what it may read, by default its
+    project.
+    """
+    shown, door = file or str(path), door or own_door(path)
+    data = read_file(path, sink, door, file=shown, span=span)
+    if data is None:
+        return None
+    unit = parse_text(data, sink, file=shown, directory=path.parent, label=path.stem, door=door)
+    if unit is not None:
+        unit.origins.texts[shown] = FileText(path)
+    return unit
+
+
+def read_file(path: Path, sink: Sink, door: Door, *, file: str, span: Span | None = None) -> bytes | None:
+    """Return the bytes of a model file, or None if it is unreadable, which goes to `sink`."""
+    try:
+        return door.read(path, in_force().xml_size)
+    except Refused as refused:
+        refused.report(sink, span)
+        return None
+    except OSError as error:
+        message, help = _unreadable(f"the model `{file}`", Path(file), path, error=error)
+        sink.error(_code(error, "file-unreadable"), message, span, help=help)
+        return None
+
+
+def parse_text(
+    data: bytes | str, sink: Sink, *, file: str, directory: Path, label: str,
+    contents: Mapping[str, bytes | Path] | None = None, door: Door | None = None,
+) -> Unit | None:  # fmt: skip
+    """Return the unit of MJCF text whose files are relative to `directory`, or found in `contents` first.
+
+    `door` limits what it may read besides `contents`; by default as for a file in `directory`.
+    """
+    before = sink.error_count
+    root = parse_xml(data, file, sink)
+    if root is None:
+        return None
+    header = take_header_in(root)
+    door = door or own_door(directory / "model.xml")
+    unit = Unit(root, file, directory, label=label, contents=contents or {}, header=header, door=door)
+    unit.origins.texts[file] = FileText(contents=data)
+    unit.origins.size = len(data)
+    if root.tag != "mujoco":
+        help = SDF.help(file) if root.tag == "sdf" else _NO_MODEL.get(str(root.tag))
+        message = f"`{file}` is not an MJCF model: its root is `<{root.tag}>`, not `<mujoco>`"
+        sink.error("not-mjcf", message, unit.origins.span(root, file), help=help)
+        return None
+    if next(root.iter("include"), None) is not None:
+        includes = _Includes(unit, sink)
+        includes.expand(root, file, directory)
+        find_beside(unit, includes.folders)
+    for section in list(root.iterchildren("*")) if sink.error_count == before else ():
+        if section.tag not in GRAMMAR.root.children:
+            _unknown_section(section, unit, sink)
+    note_unread(unit)
+    if sink.error_count == before:
+        check_size(unit, sink, opens_files=False)
+    return None if sink.error_count > before else unit
+
+
+def _unknown_section(section: Node, unit: Unit, sink: Sink) -> None:
+    """Report an unknown section.
+
+    MuJoCo refuses it too, except bodies and frames, which it (3.2 to 4.0) drops silently. If nothing else were
+    left, the file is meant to be included, and that is an error.
+    """
+    tag, known = str(section.tag), list(GRAMMAR.root.children)
+    if tag in _DROPPED and any(len(world) for world in unit.root.iterchildren("worldbody")):
+        if _has_unknown(section, unit, sink):
+            return
+        message = f"MuJoCo ignores a `<{tag}>` in `<mujoco>`, which is not part of the model"
+        span = unit.origins.span(section, unit.file)
+        sink.warning("unknown-element", message, span, help="put it into `<worldbody>`, or remove it")
+        unit.root.remove(section)
+        return
+    help = did_you_mean(tag, known, "<{}>")
+    if tag in GRAMMAR.section("worldbody").children:
+        help = f"put it into `<worldbody>`; if other models include this file, {_INCLUDED}"
+    message, span = f"`<{tag}>` cannot be in `<mujoco>`", unit.origins.span(section, unit.file)
+    sink.error("unknown-element", message, span, notes=(exists_note("section", known, tag),), help=help)
+
+
+def _has_unknown(dropped: Node, unit: Unit, sink: Sink) -> bool:
+    """Return whether MuJoCo refuses something in a dropped element: it checks names there, but no values."""
+    waiting = [(dropped, GRAMMAR.section("worldbody").children[str(dropped.tag)])]
+    while waiting:
+        node, kind = waiting.pop()
+        for name in map(str, node.keys()):
+            if name not in kind.attributes and name not in kind.ignored:
+                message = f"`{name}` is not an attribute of `<{node.tag}>`"
+                span = unit.origins.span(node, unit.file, name)
+                sink.error("unknown-attribute", message, span, help=f"remove the `<{dropped.tag}>` it is in")
+                return True
+        for child in node.iterchildren("*"):
+            if child.tag not in kind.children:
+                message = f"`<{child.tag}>` cannot be in `<{node.tag}>`"
+                span = unit.origins.span(child, unit.file)
+                sink.error("unknown-element", message, span, help=f"remove the `<{dropped.tag}>` it is in")
+                return True
+            waiting.append((child, kind.children[str(child.tag)]))
+    return False
+
+
+class _Includes:
+    """Expands each `<include>` in place; MuJoCo reads each file at most once."""
+
+    def __init__(self, unit: Unit, sink: Sink) -> None:
+        self.unit, self.sink = unit, sink
+        self.seen: dict[str, tuple[Node, str]] = {}
+        self.folders: dict[Node, Path] = {}
+
+    def expand(self, tree: Node, file: str, folder: Path, depth: int = 0) -> None:
+        for element in list(tree.iter("include")):
+            self._replace(element, file, folder, depth=depth + 1)
+
+    def _replace(self, element: Node, file: str, folder: Path, depth: int) -> None:
+        origins = self.unit.origins
+
+        def refuse(
+            message: str, help: str | None = None, notes: tuple[Note, ...] = (), code: str = "xml-include"
+        ) -> None:
+            span = origins.span(element, file, "file")
+            self.sink.error(code, message, span, notes=notes, help=help)
+
+        if len(element) or (element.text or "").strip():  # MuJoCo does not even allow a comment
+            refuse("`<include>` is not empty, which MuJoCo refuses", 'write `<include file="…"/>`')
+            return
+        if depth > in_force().nesting:
+            allowed = f"{in_force().nesting} files in one another are allowed"
+            refuse(f"files include one another too deep; {allowed}", advice("nesting"), code=CODE)
+            return
+        name = str(element.get("file") or "")
+        if not name:
+            refuse("`<include>` does not say which `file`", 'write `<include file="…"/>`')
+            return
+        path = self._find(name, folder)
+        shown = self._shown(path)
+        if shown in (file, self.unit.file):
+            refuse(f"`{shown}` includes itself", "remove this `<include>`")
+            return
+        if shown in self.seen:
+            first = Note("it is included here first", origins.span(*self.seen[shown], "file"))
+            refuse(f"`{name}` is included twice, which MuJoCo refuses", "remove one of the two", (first,))
+            return
+        self.seen[shown] = element, file
+        try:
+            content = self.unit.contents.get(name)
+            data = content if isinstance(content, bytes) else self.unit.door.read(path, in_force().xml_size)
+            origins.count(len(data), in_force().xml_size)
+        except Refused as refused:
+            refused.report(self.sink, origins.span(element, file, "file"))
+            return
+        except OSError as error:
+            message, help = _unreadable(f"the included file `{name}`", Path(name), path, error=error)
+            refuse(message, help, code=CODE if isinstance(error, TooLarge) else "xml-include")
+            return
+        included = parse_xml(data, shown, self.sink)
+        if included is None:
+            return
+        origins.texts[shown] = FileText(None if isinstance(content, bytes) else path, data)
+        if included.tag not in ("mujoco", "mujocoinclude"):
+            refuse(f"`{name}` has the root `<{included.tag}>`, not `<mujocoinclude>` or `<mujoco>`")
+            return
+        take_header_in(included)
+        self.expand(included, shown, path.parent, depth=depth)
+        beside = path.parent
+        for each in included.iter("*"):
+            self.folders.setdefault(each, beside)
+        parent = element.getparent()
+        assert parent is not None
+        at = parent.index(element)
+        children = list(included)
+        parent[at : at + 1] = children
+        for child in children:
+            if isinstance(child.tag, str) and child not in origins.owners:
+                origins.own(child, shown)
+
+    def _find(self, name: str, folder: Path) -> Path:
+        """Look in the main file's folder, then in that of the including file."""
+        main = Path(join(str(self.unit.directory), name))
+        if name in self.unit.contents or os.path.lexists(main):
+            return main
+        beside = Path(join(str(folder), name))
+        return beside if os.path.lexists(beside) else main
+
+    def _shown(self, path: Path) -> str:
+        """Return the file's name in messages: relative to the model's own file."""
+        inside = os.path.relpath(path, self.unit.directory)
+        return os.path.normpath(os.path.join(os.path.dirname(self.unit.file), inside))
+
+
+def _code(error: OSError, other: str) -> str:
+    if isinstance(error, TooLarge):
+        return CODE
+    return "file-not-found" if isinstance(error, FileNotFoundError) else other
+
+
+def _unreadable(what: str, name: Path, path: Path, error: OSError) -> tuple[str, str | None]:
+    """Return message and help for an unreadable file at `path`, which is written as `name`."""
+    if isinstance(error, TooLarge):
+        return f"{what} is not read: {error}", advice("xml-size", error.size)
+    if not isinstance(error, FileNotFoundError):
+        return f"{what} cannot be read: {error.strerror.lower() if error.strerror else error}", None
+    try:
+        near = closest(path.name, sorted(os.listdir(path.parent)))
+    except OSError:
+        near = []
+    return f"{what} does not exist", f"did you mean `{(name.parent / near[0]).as_posix()}`?" if near else None
+
+
+_PARSERS = threading.local()
+
+
+class _NoFiles(etree.Resolver):
+    """Blocks DTDs and entities in other files, which libxml2 2.14 reads even with `load_dtd=False`."""
+
+    def resolve(self, url: Any, id: Any, context: Any) -> Any:  # type: ignore[override]  # the stubs lack `context`
+        return self.resolve_empty(context)  # type: ignore[attr-defined]
+
+
+def _parser() -> etree.XMLParser:
+    """Return the parser of this thread: creating one costs as much as parsing a small model."""
+    if not hasattr(_PARSERS, "parser"):
+        _PARSERS.parser = _new_parser()
+    parser: etree.XMLParser = _PARSERS.parser
+    return parser
+
+
+def _new_parser(*, recover: bool = False) -> etree.XMLParser:
+    parser = etree.XMLParser(
+        remove_blank_text=True, resolve_entities=False, no_network=True, load_dtd=False, huge_tree=True,
+        collect_ids=False, recover=recover,
+    )  # fmt: skip
+    parser.resolvers.add(_NoFiles())
+    return parser
+
+
+def parse_xml(data: bytes | str, file: str, sink: Sink) -> Node | None:
+    """Return the root of XML that may be as lax as MuJoCo's reader allows; errors go to `sink`."""
+    if isinstance(data, str):
+        data = data.encode(errors="surrogatepass")  # the parser reports invalid text
+    if refused(data, file, sink) or not check_text(data, file, sink):
+        return None
+    root = _parsed(data, file, sink)
+    if root is None or not check_attributes(root, data, file, sink=sink):
+        return None
+    if _CDATA in data:
+        take_cdata_in(root, data)
+    return root
+
+
+def _parsed(data: bytes, file: str, sink: Sink) -> Node | None:
+    try:
+        return etree.fromstring(data, _parser())
+    except etree.XMLSyntaxError as error:
+        fault = error
+    if (fault.msg or "").startswith("Namespace prefix"):
+        root = _with_undefined_prefixes(data)
+        if root is not None:
+            return root
+    try:
+        return etree.fromstring(_as_mujoco_reads(data), _parser())
+    except (etree.XMLSyntaxError, UnicodeDecodeError):
+        line, column = fault.position
+        text = data.decode("utf-8", "replace")
+        xml_faults.report(
+            fault.msg or "it cannot be read", file, max(line, 1), column=max(column, 1), text=text, sink=sink
+        )
+        return None
+
+
+def _with_undefined_prefixes(data: bytes) -> Node | None:
+    """Parse XML with undeclared prefixes, which MuJoCo ignores; return None for other errors."""
+    parser = _new_parser(recover=True)
+    root = etree.fromstring(data, parser)
+    return root if all(each.domain == etree.ErrorDomains.NAMESPACE for each in parser.error_log) else None
+
+
+def _as_mujoco_reads(data: bytes) -> bytes:
+    """Make strict what MuJoCo's reader tolerates: `--` in comments, and attributes without space between them."""
+    text = data.decode("utf-8-sig").replace("\r\n", "\n")
+    # Nothing may precede an XML declaration; without one, line numbers stay the same.
+    text = _DECLARATION.sub(lambda found: _NOT_BREAK.sub(" ", found.group()), text, count=1)
+    pieces: list[str] = []
+    end = 0
+    for comment in _COMMENT.finditer(text):
+        pieces.append(_part_attributes(text[end : comment.start()]))
+        body = re.sub(r"-(?=-)", "- ", comment.group(1))
+        pieces.append(f"<!--{body}{' ' if body.endswith('-') else ''}-->")
+        end = comment.end()
+    pieces.append(_part_attributes(text[end:]))
+    return "".join(pieces).encode()
+
+
+def _part_attributes(text: str) -> str:
+    while (parted := _TOUCHING.sub(r"\1 ", text)) != text:
+        text = parted
+    return text
+
+
+class _Use(NamedTuple):
+    """An attribute of a model, or of one that it attaches, and the file that it names."""
+
+    unit: Unit
+    element: Node
+    attribute: str
+    path: str
+
+
+def all_admitted(unit: Unit, sink: Sink, shown: Callable[[Path], str] | None = None) -> bool:
+    """Return whether the door of a model admits all files that it names; report the others at their places.
+
+    Meshes with more points than the limit are reported too. Included files were read with the model. Attached models
+    are read here, with all files that they name.
+    """
+    before = sink.error_count
+    check_meshes(unit, 0, sink)
+    for use in _named(unit, sink, shown or str, seen=set()):
+        try:
+            unit.door.admit(use.path)
+        except Refused as refused:
+            refused.report(sink, use.unit.origins.span(use.element, use.unit.file, use.attribute), shown=shown)
+    return sink.error_count == before
+
+
+def _named(unit: Unit, sink: Sink, shown: Callable[[Path], str], seen: set[str]) -> Iterator[_Use]:
+    directory = str(unit.directory)
+    for element, attribute, name in file_attributes(unit.root):
+        written = written_path(unit.settings, element, name)
+        if written not in unit.contents:
+            yield _Use(unit, element, attribute, path=join(directory, written))
+    for element in unit.root.iterfind("asset/model"):
+        name = str(element.get("file") or "")
+        path = join(directory, name)
+        if not name or name in unit.contents or path in seen:
+            continue
+        seen.add(path)
+        use = _Use(unit, element, "file", path=path)
+        yield use
+        if unit.door.exists(path):
+            aside = Sink()
+            inner = parse_file(Path(path), aside, file=shown(Path(path)), door=unit.door)
+            for each in aside.errors:
+                if each.code == "source-outside":
+                    sink.add(each)  # an include; other errors are reported when the model is linked
+            if inner is not None:
+                check_meshes(inner, 0, sink)
+                yield from _named(inner, sink, shown, seen=seen)
+
+
+def includes_admitted(urdf: Unit, sink: Sink, shown: Callable[[Path], str] | None = None) -> bool:
+    """Return whether a URDF includes only files that it may read; some versions of MuJoCo read its includes."""
+    before = sink.error_count
+    waiting = [(urdf.root, urdf.file, urdf.directory)]
+    seen: set[Path] = set()
+    while waiting:
+        root, file, folder = waiting.pop()
+        for element in root.iter("include"):
+            path = Path(join(str(folder), str(element.get("file") or "")))
+            try:
+                urdf.door.admit(path)
+                data = urdf.door.read(path) if os.path.isfile(path) and path not in seen else b""
+            except Refused as refused:
+                refused.report(sink, urdf.origins.span(element, file, "file"), shown=shown)
+                continue
+            except OSError:  # MuJoCo reports it if it reads the file
+                continue
+            seen.add(path)
+            inner = parse_xml(data, str(path), Sink()) if data else None
+            if inner is not None:
+                urdf.origins.texts[str(path)] = FileText(path, data)
+                waiting.append((inner, str(path), path.parent))
+    return sink.error_count == before

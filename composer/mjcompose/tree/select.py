@@ -1,0 +1,347 @@
+"""The elements that a selector matches."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import field
+from functools import cache
+from keyword import iskeyword
+from typing import Any
+
+from lxml import etree
+from lxml.etree import _Element as Node
+
+from mjcompose.base.dataclass import dataclass
+from mjcompose.tree.classes import MAIN, Classes, chain
+from mjcompose.tree.files import NAMED_AFTER_FILE
+from mjcompose.tree.grammar import GRAMMAR, Attribute, ElementType
+from mjcompose.tree.names import WORLD, own_name
+from mjcompose.tree.pattern import fitter, is_pattern, matcher
+from mjcompose.tree.selector import EVERYTHING, Selector, paths_of
+from mjcompose.tree.values import NOT_XML
+
+ROOT = "mujoco"
+WORLD_SECTION = "worldbody"
+# Elements whose children, one of each, are created on first access; empty ones are not written.
+HOLDS_ONE_OF_EACH = frozenset({"mujoco", "option", "visual", "compiler", "default"})
+# Python names for MJCF's: `class` is a keyword.
+_SPELLED, _SPOKEN = {"dclass": "class"}, {"class": "dclass"}
+
+
+def section_of(node: Node) -> str:
+    """Return the top-level section of a node; the frame of an attachment belongs to the world."""
+    above = node.getparent()
+    while above is not None:
+        over = above.getparent()
+        if over is None:
+            return str(node.tag) if above.tag == ROOT else WORLD_SECTION
+        node, above = above, over
+    return WORLD_SECTION
+
+
+def kind_of(node: Node) -> ElementType:
+    """Return the element type of a node in a valid tree."""
+    parent = node.getparent()
+    if parent is None:
+        return GRAMMAR.element(str(node.tag))
+    if parent.tag == ROOT:
+        return GRAMMAR.section(str(node.tag))
+    return _only_kind(parent.tag, node.tag) or child_kind(section_of(node), str(parent.tag), str(node.tag))
+
+
+@cache
+def _only_kind(parent: str, tag: str) -> ElementType | None:
+    """Return the element type of a tag below another one, if it is the same in every section."""
+    outer = [GRAMMAR.section(parent)] if parent in _sections() else []
+    outer += [GRAMMAR.within(section)[parent] for section in _sections() if parent in GRAMMAR.within(section)]
+    found = {kind.children[tag].path for kind in outer if tag in kind.children}
+    return GRAMMAR.element(found.pop()) if len(found) == 1 else None
+
+
+@cache
+def child_kind(section: str, parent: str, tag: str) -> ElementType:
+    """Return the element type of a tag below another one in a section."""
+    outer = GRAMMAR.section(section) if parent == section else GRAMMAR.within(section)[parent]
+    return outer.children[tag]
+
+
+def attribute_of(kind: ElementType, name: str) -> Attribute | None:
+    """Return the attribute for a Python name: `dclass` is `class`, and a final underscore is ignored."""
+    return kind.attributes.get(name) or kind.attributes.get(_SPELLED.get(name, name.rstrip("_")))
+
+
+def spoken(name: str) -> str:
+    """Return the Python name of an attribute or a child: `dclass`, `global_`."""
+    return _SPOKEN.get(name, f"{name}_" if iskeyword(name) else name)
+
+
+@cache
+def naming_attribute(kind: ElementType) -> Attribute | None:
+    """Return the attribute that declares an element's own name: `name`, or `class` for a default class."""
+    return next((each for each in kind.attributes.values() if each.declares), None)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Query:
+    """The elements that a tag selects: their paths in the grammar, tags, sections and namespaces."""
+
+    tag: str
+    paths: frozenset[str]
+    tags: tuple[str, ...]
+    sections: frozenset[str]
+    namespaces: tuple[str, ...]
+
+    def takes(self, section: str, parent: str, tag: str) -> bool:
+        """Return whether it selects an element of `tag` below one of `parent`; `tag` must be one of `tags`."""
+        if parent == ROOT:
+            return tag in self.paths
+        return child_kind(section, parent, tag).path in self.paths
+
+
+@cache
+def query(tag: str, section: str | None) -> Query:
+    """Return what `find(tag)` selects, from the root (`section` None) or inside a section.
+
+    A family selects all of its tags; any other tag selects itself. From the root, elements of default classes are
+    not selected, because they are not part of the model; inside a section, only the section's own elements of that
+    tag are (`joint` in `tendon` is the joint of a fixed tendon).
+    """
+    sections = _sections() if section is None else (section,)
+    reached = {each: _reachable(each) for each in sections}
+    if section is None:
+        reached["default"] = frozenset({"default"})
+    family = frozenset(GRAMMAR.families.get(tag, ()))
+    paths = family & frozenset[str]().union(*reached.values())
+    if not paths:
+        paths = frozenset(path for known in reached.values() for path in known if path.rpartition("/")[2] == tag)
+    namespaces = {GRAMMAR.element(path).family for path in paths}
+    return Query(
+        tag, paths, tuple(sorted({path.rpartition("/")[2] for path in paths})),
+        sections=frozenset(each for each, known in reached.items() if known & paths),
+        namespaces=tuple(sorted(name for name in namespaces if name)),
+    )  # fmt: skip
+
+
+@cache
+def _sections() -> tuple[str, ...]:
+    return tuple(GRAMMAR.root.children)
+
+
+@cache
+def _reachable(section: str) -> frozenset[str]:
+    found: dict[str, None] = {}
+    waiting = [GRAMMAR.section(section)]
+    while waiting:
+        kind = waiting.pop()
+        if kind.path not in found:
+            found[kind.path] = None
+            waiting.extend(kind.children.values())
+    return frozenset(found)
+
+
+def tags_of() -> list[str]:
+    """Return every tag and family that `find` knows, for suggestions."""
+    tags = {path.rpartition("/")[2] for section in _sections() for path in _reachable(section)}
+    return sorted(tags | GRAMMAR.families.keys())
+
+
+# They do not count as parents, because MuJoCo resolves them.
+_TRANSPARENT = ("frame", "replicate")
+_WITH_NAME: Any = etree.XPath("descendant::*[@name=$name]")
+BASE = "base"
+
+
+@cache
+def _is_written_as_name(paths: frozenset[str]) -> bool:
+    """Return whether the name of these elements is always their attribute `name`."""
+    kinds = [GRAMMAR.element(path) for path in paths]
+    namings = [naming_attribute(kind) for kind in kinds]
+    return all(each is not None and each.name == "name" for each in namings) and not any(
+        kind.tag in NAMED_AFTER_FILE for kind in kinds
+    )
+
+
+def name_of(node: Node) -> str | None:
+    """Return the name that a selector uses for an element; the top class is `main`."""
+    naming = naming_attribute(kind_of(node))
+    if node.tag == "default":
+        parent = node.getparent()
+        if parent is not None and parent.tag != "default":
+            return str(node.get("class") or MAIN)
+    return None if naming is None else own_name(node, naming.name)
+
+
+def parent_of(node: Node) -> Node | None:
+    """Return the parent as in MuJoCo, ignoring frames."""
+    parent = node.getparent()
+    while parent is not None and parent.tag in _TRANSPARENT:
+        parent = parent.getparent()
+    return parent
+
+
+def numbered(parent: Node, tag: str) -> dict[Node, int]:
+    """Return the elements of a tag without a name in a parent, ignoring frames, each with its number from 0.
+
+    >>> body = etree.fromstring('<body><geom name="a"/><frame><geom/></frame><body><geom/></body><geom/></body>')
+    >>> list(numbered(body, "geom").values())
+    [0, 1]
+    """
+    found: list[Node] = []
+    ahead = list(parent)[::-1]
+    while ahead:
+        node = ahead.pop()
+        if node.tag in _TRANSPARENT:
+            ahead += list(node)[::-1]
+        if node.tag == tag and not name_of(node):
+            found.append(node)
+    return {node: number for number, node in enumerate(found)}
+
+
+@dataclass
+class Selection:
+    """Finds elements in one model.
+
+    `parts` has the part of each element, with `/` for nested ones; other elements belong to the base. `holds`
+    evaluates `where`. `base_class` is the name of the base's top class here, if it is not `main`.
+    """
+
+    root: Node
+    classes: Classes
+    separator: str = "/"
+    parts: Mapping[Node, str] = field(default_factory=dict)
+    base_class: str | None = None
+    holds: Callable[[Node, Selector], bool] = lambda node, selector: True
+    _fits: dict[str, Callable[[str], bool]] = field(default_factory=dict)
+    _known: dict[int, dict[Node, bool]] = field(default_factory=dict)
+    _numbers: dict[tuple[Node, str], dict[Node, int]] = field(default_factory=dict)
+
+    def of(self, selector: Selector) -> list[Node]:
+        """Return every matching element, in the order of the tree. Raises `BadPattern`."""
+        self._known.clear()  # the model may have changed
+        self._numbers.clear()
+        return self._of(selector)
+
+    def _of(self, selector: Selector) -> list[Node]:
+        found = self._called(selector)
+        if found is None:
+            found = [node for node in self.of_kind(selector) if self._named(node, selector.pattern)]
+        return [node for node in found if self._narrowed(node, selector)]
+
+    def of_kind(self, selector: Selector) -> Iterator[Node]:
+        """Yield the elements of that tag, whatever their names."""
+        paths = paths_of(selector.tag)
+        tags = {path.rpartition("/")[2] for path in paths}
+        in_classes = any(path.startswith("default") for path in paths)
+        for section in self.root.iterchildren("*"):
+            if (section.tag == "default") != in_classes:
+                continue
+            if section.tag == "worldbody" and "body" in paths and selector.pattern == WORLD:
+                yield section
+            for node in section.iter(*tags):
+                if kind_of(node).path in paths:
+                    yield node
+
+    def _called(self, selector: Selector) -> list[Node] | None:
+        """Find elements by a single name without visiting all others; return None if that is not possible."""
+        name, paths = selector.pattern, paths_of(selector.tag)
+        if name == WORLD or is_pattern(name) or not _is_written_as_name(paths):
+            return None
+        if NOT_XML.search(name):
+            return []  # libxml2 refuses such text, and no element has such a name
+        return [
+            node
+            for section in self.root.iterchildren("*")
+            if section.tag != "default"
+            for node in _WITH_NAME(section, name=name)
+            if kind_of(node).path in paths
+        ]
+
+    def names(self, selector: Selector) -> list[str]:
+        """Return the names of elements with that tag."""
+        return [name for node in self.of_kind(selector) if (name := self.name(node))]
+
+    def name(self, node: Node) -> str | None:
+        """Return a selector's name for an element."""
+        if node.tag == "worldbody":
+            return WORLD
+        name = name_of(node)
+        return MAIN if node.tag == "default" and name == self.base_class else name
+
+    def number(self, node: Node) -> int:
+        """Return the number of an element among those of its tag without a name in its parent; -1 if it has a name."""
+        parent = parent_of(node)
+        if parent is None:
+            return -1
+        place = parent, str(node.tag)
+        if place not in self._numbers:
+            self._numbers[place] = numbered(*place)
+        return self._numbers[place].get(node, -1)
+
+    def _meant(self, node: Node, selector: Selector) -> bool:
+        """Return whether a selector matches this element, cached because all elements below ask for their ancestors."""
+        known = self._known.setdefault(id(selector), {})
+        if node not in known:
+            known[node] = self._is_meant(node, selector)
+        return known[node]
+
+    def _is_meant(self, node: Node, selector: Selector) -> bool:
+        path = "body" if node.tag == "worldbody" else kind_of(node).path
+        if path not in paths_of(selector.tag) or (node.tag == "worldbody" and selector.pattern != WORLD):
+            return False
+        return self._named(node, selector.pattern) and self._narrowed(node, selector)
+
+    def _named(self, node: Node, pattern: str) -> bool:
+        if pattern == EVERYTHING:
+            return True
+        name = self.name(node)
+        return bool(name) and self.fits(pattern)(str(name))
+
+    def fits(self, pattern: str) -> Callable[[str], bool]:
+        """Return a function that says whether a name matches a pattern. Raises `BadPattern`."""
+        known = self._fits.get(pattern)
+        if known is None:
+            known = self._fits[pattern] = fitter(pattern, self._all_names, self.separator)
+        return known
+
+    def _all_names(self) -> set[str]:
+        nodes = (node for section in self.root.iterchildren("*") for node in section.iter("*"))
+        return {name for node in nodes if (name := self.name(node))}
+
+    def _narrowed(self, node: Node, selector: Selector) -> bool:
+        return (
+            (selector.parent is None or self._is_child(node, selector.parent))
+            and (selector.inside is None or self._is_inside(node, selector.inside))
+            and (selector.part is None or self._is_of(node, selector.part))
+            and (selector.dclass is None or self._has_class(node, selector.dclass))
+            and (selector.where is None or self.holds(node, selector))
+        )
+
+    def _is_inside(self, node: Node, wanted: Selector) -> bool:
+        return any(self._meant(each, wanted) for each in node.iterancestors() if each is not self.root)
+
+    def _is_child(self, node: Node, wanted: Selector) -> bool:
+        direct = wanted.tag in _TRANSPARENT
+        parent = node.getparent() if direct else parent_of(node)
+        return parent is not None and parent is not self.root and self._meant(parent, wanted)
+
+    def _is_of(self, node: Node, pattern: str) -> bool:
+        part = self.parts.get(node)
+        if part is None:
+            return pattern == BASE
+        levels = part.split("/")
+        return any(
+            matcher(pattern, between)(between.join(levels[:depth]))
+            for between in {"/", self.separator}
+            for depth in range(1, len(levels) + 1)
+        )
+
+    def _has_class(self, node: Node, pattern: str) -> bool:
+        kind = kind_of(node)
+        if node.tag == "default":
+            above = [name_of(each) or MAIN for each in node.iterancestors("default")]
+        elif kind.takes_class and section_of(node) != "default":
+            above = [each.name for each in chain(node, self.classes)]
+        else:
+            return False
+        fits = self.fits(pattern)
+        return any(fits(MAIN if name == self.base_class else name) for name in above)

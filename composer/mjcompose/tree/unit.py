@@ -1,0 +1,442 @@
+"""One source as a tree, with the origin of each element and all that keeps its meaning when it moves."""
+
+from __future__ import annotations
+
+import copy as copy_module
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import field, replace
+from functools import cached_property
+from itertools import pairwise
+from pathlib import Path
+from typing import Any, Literal, NamedTuple, Protocol
+
+from lxml import etree
+from lxml.etree import _Element as Node
+
+from mjcompose.base.access import NOTHING, Door
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.diagnostic import Span
+from mjcompose.base.files import TooLarge, read_regular
+from mjcompose.tree.classes import Classes
+from mjcompose.tree.files import Settings, join, read_settings
+from mjcompose.tree.merged_settings import Adopted, ReadRow
+from mjcompose.tree.xml_text import SourceText
+
+_LAST_LINE = 65535
+
+
+def line_of(element: Node) -> int | None:
+    """Return the line on which the element's start tag ends in its file, or None if it was not read from a file."""
+    line: Any = element.sourceline
+    return line if isinstance(line, int) else None
+
+
+def set_line(element: Node, line: int | None) -> None:
+    """Set the line of a created element, as far as lxml allows."""
+    if line is not None and line <= _LAST_LINE:
+        element.sourceline = line  # type: ignore[assignment]  # the stubs know it as read alone
+
+
+def element_at(root: Node, text: bytes, line: int) -> Node | None:
+    """Return the element of `root` whose start tag is on that line of `text`, which was written from `root`."""
+    read = etree.fromstring(text, etree.XMLParser(remove_blank_text=True, huge_tree=True))
+    for written, element in zip(read.iter("*"), root.iter("*"), strict=False):
+        if written.sourceline == line:
+            return element
+    return None
+
+
+@dataclass(eq=False, slots=True)
+class FileText:
+    """A file's text, for the places of its elements. Copies of a model share it and split it into lines once.
+
+    `path` is None for text that is in no file. Without `contents`, the first use reads the file.
+    """
+
+    path: Path | None = None
+    contents: bytes | str | None = None
+    _split: SourceText | None = None
+
+    def split(self) -> SourceText:
+        """Return the text in lines, without any if the file cannot be read."""
+        if self._split is None:
+            contents = self.contents
+            if contents is None:
+                try:
+                    contents = b"" if self.path is None else read_regular(self.path)
+                except OSError:
+                    contents = b""
+            self._split = SourceText(contents)
+        return self._split
+
+
+Kind = Literal["key", "edited", "entry", "reference", "zero", "mujoco"]
+
+
+@dataclass(frozen=True, slots=True)
+class KeySource:
+    """The origin of numbers of a key.
+
+    - `key`: the attribute `vector` of the `<key>` element `key`, as it was read;
+    - `edited`: the same attribute, changed by an edit after the row was cut;
+    - `entry`: the entry at `span` of the recipe's section `keyframe`;
+    - `reference`: no key; the number is that of the reference configuration (`qpos`, `mpos`, `mquat`);
+    - `zero`: no key; the number is 0 (`qvel`, `act`, `ctrl`);
+    - `mujoco`: the row of `key` ends in the middle of a joint, and MuJoCo completes it.
+
+    `taken` are the `from` entries of recipes that passed the number on, `moved` the parts whose place changed it,
+    each with the place of its attachment, both in order. `lost` is the first number of a key that an edit has made
+    meaningless here.
+    """
+
+    kind: Kind
+    vector: str
+    key: Node | None = None
+    span: Span | None = None
+    taken: tuple[Span, ...] = ()
+    moved: tuple[tuple[str, Span | None], ...] = ()
+    lost: Number | None = None
+
+
+class Number(NamedTuple):
+    """A number as text. It is number `at`, counted from 0, of its `source`."""
+
+    text: str
+    source: KeySource
+    at: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class KeyRecord:
+    """The layout of a `<key>`: the elements that it replaces, and its numbers by attribute, including `time`.
+
+    `void` are the joints and actuators whose numbers in those elements mean nothing any more. The record is valid until
+    the attribute changes, which `numbers_of` checks.
+    """
+
+    keys: tuple[Node, ...] = ()
+    numbers: dict[str, list[Number]] = field(default_factory=dict)
+    void: frozenset[Node] = frozenset()
+
+
+def numbers_of(record: KeyRecord | None, key: Node, vector: str) -> list[Number]:
+    """Return the numbers of a `<key>` in an attribute, each with its origin."""
+    text = str(key.get(vector) or "").split()
+    known = None if record is None else record.numbers.get(vector)
+    if known is not None and texts(known) == text:
+        return known
+    source = KeySource("key" if known is None else "edited", vector, key)
+    return [Number(each, source, at) for at, each in enumerate(text)]
+
+
+def texts(numbers: Iterable[Number]) -> list[str]:
+    return [number.text for number in numbers]
+
+
+def moved(numbers: list[Number], now: Sequence[str], part: tuple[str, Span | None]) -> list[Number]:
+    """Return a pose or velocity changed by the place of a part."""
+    if texts(numbers) == list(now):
+        return numbers
+    changed = _with_sources(numbers, lambda source: replace(source, moved=(*source.moved, part)))
+    return [number._replace(text=text) for number, text in zip(changed, now, strict=True)]
+
+
+def taken(numbers: Iterable[Number], span: Span) -> list[Number]:
+    """Return the numbers passed on by a `from` entry of a recipe."""
+    return _with_sources(numbers, lambda source: replace(source, taken=(*source.taken, span)))
+
+
+def _with_sources(numbers: Iterable[Number], change: Callable[[KeySource], KeySource]) -> list[Number]:
+    """Return the numbers with changed sources; numbers that share a source still do."""
+    numbers = list(numbers)
+    sources = {id(number.source): number.source for number in numbers}
+    changed = {key: change(source) for key, source in sources.items()}
+    return [number._replace(source=changed[id(number.source)]) for number in numbers]
+
+
+Place = Callable[[str | None], Span]
+"""Returns the place of an element in a recipe, or with an attribute's name the place of its value."""
+
+
+@dataclass(slots=True)
+class Origins:
+    """The file of every subtree whose file is not its parent's, and the recipe place of what a recipe wrote.
+
+    Line numbers need no storage: lxml keeps the line of each element, and they survive moves and copies. `owners`
+    holds the elements themselves, so that their identity is stable. `texts` has the files that the model was read from,
+    by name in messages, also those without text, such as meshes. `settings` has the attributes that a program or
+    the linker has set, each with its place or a function that returns it. `renamed` has each old and new name of an
+    edit. `keys` has the layout of keys that differ from their file. `unread` is what MuJoCo ignores in the files
+    themselves, by file, line and attribute (None: the element). `size` is the bytes of all files.
+    """
+
+    owners: dict[Node, str | Span | Place] = field(default_factory=dict)
+    texts: dict[str, FileText] = field(default_factory=dict)
+    settings: dict[Node, dict[str, Span | Callable[[], Span]]] = field(default_factory=dict)
+    renamed: dict[Node, list[tuple[str, str]]] = field(default_factory=dict)
+    keys: dict[Node, KeyRecord] = field(default_factory=dict)
+    unread: set[tuple[str, int | None, str | None]] = field(default_factory=set)
+    size: int = 0
+
+    def own(self, element: Node, owner: str | Span | Place) -> None:
+        self.owners[element] = owner
+
+    def own_all(self, elements: Iterable[Node], owner: str | Span | Place) -> None:
+        """Set the owner of all elements that do not have one yet."""
+        for element in elements:
+            self.owners.setdefault(element, owner)
+
+    def owner(self, element: Node, default_file: str) -> str | Span | Place:
+        """Return the place in a recipe that wrote the element, or the file that contains it."""
+        node: Node | None = element
+        while node is not None:
+            owner = self.owners.get(node)
+            if owner is not None:
+                return owner
+            node = node.getparent()
+        return default_file
+
+    def span(self, element: Node, default_file: str, attribute: str | None = None, *, key: bool = False) -> Span:
+        """Return the place to show for `element`: its start tag.
+
+        With `attribute` it is the value of that attribute, or with `key` its name, if it is written there.
+        """
+        if attribute is not None and (found := self.set_at(element, attribute)) is not None:
+            return found
+        return self.span_by(self.owner(element, default_file), element, attribute, key=key)
+
+    def set_at(self, element: Node, attribute: str) -> Span | None:
+        """Return where a program, a recipe or the linker has set an attribute; None for an attribute from its file."""
+        found = self.settings.get(element, {}).get(attribute)
+        return found() if callable(found) else found
+
+    def span_by(
+        self, owner: str | Span | Place, element: Node, attribute: str | None = None, key: bool = False
+    ) -> Span:
+        """Return the place of `element` according to `owner`, which may be an earlier one."""
+        if isinstance(owner, Span):
+            return owner
+        if not isinstance(owner, str):
+            return owner(attribute)
+        written = {str(name): str(value) for name, value in element.items()}
+        return self.in_file(owner, line_of(element), str(element.tag), written=written, attribute=attribute, key=key)
+
+    def in_file(
+        self, file: str, line: int | None, tag: str, written: Mapping[str, str], attribute: str | None = None,
+        key: bool = False,
+    ) -> Span:  # fmt: skip
+        """Return the start tag of the element that ends on that line of a file, or the place of its attribute."""
+        if line is None:
+            return Span(file, 1, 1)
+        text = self.text(file)
+        found = None
+        if text is not None:
+            if attribute is not None:
+                found = text.attribute(tag, line, written, name=attribute, key=key)
+            found = found or text.element(tag, line, written)
+        if found is None:
+            return Span(file, line, 1)
+        return Span(file, found.line, found.column, end_line=found.line, end_column=found.end_column)
+
+    def adopt(self, other: Origins) -> None:
+        """Add the data of elements that have moved here from another tree."""
+        self.owners.update(other.owners)
+        self.texts.update(other.texts)
+        self.settings.update(other.settings)
+        self.renamed.update(other.renamed)
+        self.keys.update(other.keys)
+        self.unread |= other.unread
+
+    def carried(self, old: Node, new: Node) -> Origins:
+        """Return the same data for `new`, a deep copy of `old`."""
+        found = Origins(texts=dict(self.texts), unread=set(self.unread), size=self.size)
+        if not (self.owners or self.settings or self.renamed or self.keys):
+            return found
+        for node, copy in zip(old.iter(), new.iter(), strict=True):
+            if node in self.owners:
+                found.owners[copy] = self.owners[node]
+            if node in self.settings:
+                found.settings[copy] = dict(self.settings[node])
+            if node in self.renamed:
+                found.renamed[copy] = list(self.renamed[node])
+            if node in self.keys:
+                found.keys[copy] = self.keys[node]
+        return found
+
+    def count(self, more: int, most: int) -> None:
+        """Count the bytes of a file. Raises TooLarge if all files of the model have more than `most` together."""
+        self.size += more
+        if self.size > most:
+            raise TooLarge(self.size, most, "the files of this model are together")
+
+    def text(self, file: str) -> SourceText | None:
+        """Return the text of a file, read on first use, or None if the model was not read from it."""
+        known = self.texts.get(file)
+        return None if known is None else known.split()
+
+
+@dataclass(eq=False, slots=True)
+class Key:
+    """Numbers by vector (`qpos`, …) and by their owner; `element` is where it is written.
+
+    `others` are the elements of keys that were merged into it.
+    """
+
+    name: str
+    time: Number | None
+    element: Node
+    file: str
+    origins: Origins
+    values: dict[str, dict[Any, list[Number]]] = field(default_factory=dict)
+    others: tuple[Node, ...] = ()
+
+    def span(self, attribute: str | None = None) -> Span:
+        """Return where the key is written, or the value of its attribute."""
+        return self.origins.span(self.element, self.file, attribute)
+
+
+class PartKeys(NamedTuple):
+    """The keys of one part of a model; `depth` is the number of compositions around it."""
+
+    depth: int
+    keys: tuple[Key, ...]
+
+    def named(self, name: str) -> Key | None:
+        return next((key for key in self.keys if key.name == name), None)
+
+    def carried(self, copies: Mapping[Node, Node]) -> PartKeys:
+        """Return the same numbers for a copy of the model; `copies` has its elements."""
+
+        def holder(old: Any) -> Any:
+            if isinstance(old, tuple):  # a copy of an element that MuJoCo multiplies
+                return old._replace(element=holder(old.element))  # type: ignore[attr-defined]
+            return copies.get(old, old)
+
+        def values(key: Key) -> dict[str, dict[Any, list[Number]]]:
+            return {vector: {holder(old): [*kept] for old, kept in rows.items()} for vector, rows in key.values.items()}
+
+        return self._replace(keys=tuple(replace(key, values=values(key)) for key in self.keys))
+
+    @property
+    def names(self) -> list[str]:
+        return [key.name for key in self.keys if key.name]
+
+
+def counterpart(node: Node, root: Node, copied: Node) -> Node:
+    """Return the node of `copied`, a deep copy of `root`, at the position of `node` below `root`."""
+    path = [node, *node.iterancestors()]
+    path = path[: path.index(root) + 1]
+    for below, above in reversed(list(pairwise(path))):
+        copied = copied[above.index(below)]
+    return copied
+
+
+# The order of MuJoCo's XML reference. MuJoCo ignores it, but readers expect it.
+_SECTIONS = (
+    "compiler option size visual statistic default extension custom asset worldbody deformable contact tendon"
+    " equality actuator sensor keyframe"
+).split()
+_RANK = {tag: rank for rank, tag in enumerate(_SECTIONS)}
+
+
+def place_of(root: Node, tag: str) -> int:
+    """Return the index of a new section among the children of `root`: behind all that conventionally precede it."""
+    rank = _RANK.get(tag, len(_RANK))
+    at = 0
+    for index, child in enumerate(root):
+        if isinstance(child.tag, str) and _RANK.get(child.tag, 0) <= rank:
+            at = index + 1
+    return at
+
+
+@dataclass(eq=False)
+class Unit:
+    """One parsed `<mujoco>` tree, with includes expanded.
+
+    `directory` is the folder of the main file, against which MuJoCo resolves every file of the model; `label` names
+    the unit's folder in a bundle; `contents` has, by written path, files that are not found under this path on
+    disk: their bytes, or a path that passed a door; `door` limits what else the model may read; `part_keys` has the
+    keys of each part of a composition, by path (`left/gripper`); `header` are the comments in the root that
+    preceded it; `adopted` are the settings that the parts of a composition agree on; `table` says what was read of a
+    source that is not MJCF, and what was not. Edits change a unit in place
+    and the linker consumes it: call `copied()` first to keep it.
+    """
+
+    root: Node
+    file: str
+    directory: Path
+    label: str
+    contents: Mapping[str, bytes | Path] = field(default_factory=dict)
+    origins: Origins = field(default_factory=Origins)
+    part_keys: Mapping[str, PartKeys] = field(default_factory=dict)
+    header: tuple[Node, ...] = ()
+    adopted: tuple[Adopted, ...] = ()
+    door: Door = NOTHING
+    table: tuple[ReadRow, ...] = ()
+
+    @cached_property
+    def settings(self) -> Settings:
+        return read_settings(self.root)
+
+    @cached_property
+    def classes(self) -> Classes:
+        """The default classes. Their values are live; call `forget_classes` after classes are added or renamed."""
+        return Classes(self.root)
+
+    def forget_classes(self) -> None:
+        self.__dict__.pop("classes", None)
+
+    def forget_settings(self, *names: str) -> None:
+        """Remove compiler settings from the unit, so that MuJoCo's defaults apply, and read the rest again."""
+        for compiler in self.root.iterchildren("compiler"):
+            for name in names:
+                if name in compiler.attrib:
+                    del compiler.attrib[name]
+        self.__dict__.pop("settings", None)
+
+    @property
+    def model(self) -> str:
+        return str(self.root.get("model") or "")
+
+    def copied(self) -> Unit:
+        """Return a deep copy that shares only file contents."""
+        root = copy_module.deepcopy(self.root)
+        origins = self.origins.carried(self.root, root)
+        header = tuple(root[self.root.index(comment)] for comment in self.header)
+        unit = replace(self, root=root, origins=origins, header=header)
+        if self.part_keys:
+            copies = dict(zip(self.root.iter(), root.iter(), strict=True))
+            unit.part_keys = {path: keys.carried(copies) for path, keys in self.part_keys.items()}
+        return unit
+
+    def source_of(self, path: str) -> bytes | Path:
+        """Return the bytes of a file by its written path, or its path on disk."""
+        return self.contents.get(path, Path(join(str(self.directory), path)))
+
+    def section(self, tag: str) -> Node:
+        """Return the last section of that tag, where new elements go; create it if there is none."""
+        found = next(self.root.iterchildren(tag, reversed=True), None)
+        if found is None:
+            found = self.root.makeelement(tag)
+            self.insert(found)
+        return found
+
+    def insert(self, section: Node) -> None:
+        """Insert a new section in its conventional place, below the header."""
+        at = self.root.index(self.header[-1]) + 1 if self.header else 0
+        self.root.insert(max(at, place_of(self.root, str(section.tag))), section)
+
+
+class Watch(Protocol):
+    """An observer that is called after everything that may have changed a model. It changes nothing itself."""
+
+    def __call__(self, units: Iterable[Unit], done: object) -> None:
+        """Observe that `done` has changed some of the trees in `units`.
+
+        `done` is a source that was read, a plan that is started, a `Linking` whose parts now belong together, a
+        pass of the linker, a step of the plan, or another function that has run.
+        """
+
+
+def nobody(units: Iterable[Unit], done: object) -> None:
+    """Do nothing: the `Watch` of a build."""

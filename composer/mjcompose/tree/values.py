@@ -1,0 +1,351 @@
+"""Whether a value fits an attribute, from XML, Python or YAML: the answer is a `Refusal`, or None if it fits.
+
+In XML, numbers are what C's `strtod` accepts, as in MuJoCo. Integers are decimal digits only and fit in 32 bits. Items
+are separated by ASCII white space; a comma is never a separator. Names and sibling attributes are not considered.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterable, Sequence
+
+from mjcompose.base.dataclass import dataclass
+from mjcompose.tree.grammar import Attribute
+
+NOT_XML = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\ud800-\udfff\ufffe\uffff]")
+
+
+def code_point(character: str) -> str:
+    r"""Return a message's text for an unprintable character.
+
+    >>> code_point("\x00")
+    'U+0000'
+    """
+    return f"U+{ord(character):04X}"
+
+
+_NAMES = frozenset({"fovy", "azimuth", "elevation"})
+
+
+def is_in_degrees(tag: str, attribute: str) -> bool:
+    """Return whether an attribute is such an angle; all others are in radians, including the cutoff of a sensor.
+
+    >>> is_in_degrees("light", "cutoff"), is_in_degrees("camera", "fovy"), is_in_degrees("jointpos", "cutoff")
+    (True, True, False)
+    """
+    return attribute in _NAMES or (tag, attribute) == ("light", "cutoff")
+
+
+REAL = re.compile(
+    r"[+-]?(?:0x(?:[0-9a-f]+\.?[0-9a-f]*|\.[0-9a-f]+)(?:p[+-]?[0-9]+)?"
+    r"|(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:e[+-]?[0-9]+)?"
+    r"|inf(?:inity)?|nan(?:\([0-9a-z_]*\))?)",
+    re.IGNORECASE | re.ASCII,
+)
+INTEGER = re.compile(r"[+-]?[0-9]+", re.ASCII)
+SPACE = " \t\n\r\f\v"
+INT_MIN, INT_MAX = -(2**31), 2**31 - 1
+
+
+def items(text: str) -> list[str]:
+    """Split a list at ASCII white space only; a no-break space separates nothing."""
+    return re.split(f"[{SPACE}]+", text.strip(SPACE)) if text.strip(SPACE) else []
+
+
+def parse_real(text: str) -> float | None:
+    """Return the number for a single item, or `None` if MuJoCo would refuse it, also for overflow.
+
+    >>> parse_real("1e-3"), parse_real("0x1p3"), parse_real("1,5"), parse_real("1e400")
+    (0.001, 8.0, None, None)
+    """
+    if REAL.fullmatch(text) is None:
+        return None
+    lower = text.lower()
+    if "nan" in lower:
+        return math.nan
+    if "0x" in lower:
+        try:
+            return float.fromhex(text)
+        except OverflowError:
+            return None
+    value = float(text)
+    return None if math.isinf(value) and "inf" not in lower else value
+
+
+def parse_int(text: str) -> int | None:
+    """Return the integer for a single item, or `None` if MuJoCo would refuse it.
+
+    >>> parse_int("010"), parse_int("1.0"), parse_int("2147483648")
+    (10, None, None)
+    """
+    if INTEGER.fullmatch(text) is None:
+        return None
+    value = int(text)
+    return value if INT_MIN <= value <= INT_MAX else None
+
+
+@dataclass(frozen=True, slots=True)
+class Refusal:
+    """The reason why a value is not valid, and what to write instead.
+
+    `message` is a lowercase fragment that continues "`size`…": `expects 3 numbers, got 2`. `is_length` says that
+    only the number of items or characters is wrong. `unknown` is an unknown keyword; `lists_keywords` says that the
+    message lists the existing ones. `instead` is the value to write, in YAML; `hint` is any other advice.
+
+    >>> str(Refusal("expects numbers, got text", instead="[1, 2]"))
+    'expects numbers, got text; write [1, 2]'
+    """
+
+    message: str
+    is_length: bool = False
+    unknown: str | None = None
+    lists_keywords: bool = False
+    instead: str | None = None
+    hint: str | None = None
+
+    @property
+    def advice(self) -> str | None:
+        return self.hint if self.instead is None else f"write {self.instead}"
+
+    def __str__(self) -> str:
+        return self.message if self.advice is None else f"{self.message}; {self.advice}"
+
+
+SHOWN_KEYWORDS = 12
+_LETTERS = {"eulerseq": "xyzXYZ"}
+SHOWN_TEXT = 40
+
+
+def check_value(attribute: Attribute, text: str) -> Refusal | None:
+    """Check the text of an XML attribute, as MuJoCo reads it."""
+    kind = attribute.type
+    if kind == "bool":
+        return None if text in ("true", "false") else Refusal(f"expects `true` or `false`, got `{shorten(text)}`")
+    if kind == "keyword":
+        return None if text in attribute.keywords else unknown_keyword(attribute, text)
+    if kind == "chars":
+        return check_characters(attribute, text) if text else None
+    parts = items(text) if kind in ("real", "int", "keywords") else []
+    if not parts:
+        return None  # an empty value is the same as no attribute
+    if kind == "keywords":
+        return check_words(attribute, parts)
+    for part in parts:
+        number = parse_int(part) if kind == "int" else parse_real(part)
+        if number is None:
+            return refused_number(attribute, part)
+    return check_length(attribute, len(parts))
+
+
+def check_python(attribute: Attribute, value: object) -> Refusal | None:
+    """Check a Python or YAML value: a scalar, or a list of numbers, keywords or names.
+
+    `None` is never a value. For text in place of a list of numbers, the message says how to write the list.
+    """
+    kind = attribute.type
+    if value is None:
+        return Refusal(f"expects {expected(attribute)}, got nothing")
+    value = plain(value)
+    if kind in ("real", "int"):
+        return check_numbers(attribute, value)
+    if kind == "bool":
+        return None if isinstance(value, bool) else Refusal(f"expects `true` or `false`, got `{show(value)}`")
+    if kind == "keyword":
+        word = keyword_text(value)
+        if word is None:
+            return Refusal(f"expects {expected(attribute)}, got {article(value)}")
+        return None if word in attribute.keywords else unknown_keyword(attribute, word)
+    if kind in ("keywords", "references"):
+        return check_list(attribute, value)
+    if isinstance(value, bool | int | float):
+        text = show(value)
+        return Refusal(f"expects {expected(attribute)}, got {article(value)} `{text}`", hint=f"quote it: '{text}'")
+    if not isinstance(value, str):
+        return Refusal(f"expects {expected(attribute)}, got {article(value)}")
+    if attribute.required and not value and kind != "name":
+        return Refusal("must not be empty")
+    return check_characters(attribute, value) if kind == "chars" else None
+
+
+def check_numbers(attribute: Attribute, value: object) -> Refusal | None:
+    """Check a number, or a list of numbers."""
+    if isinstance(value, str):
+        parts = items(value.replace(",", " "))
+        if len(parts) > 1 and all(parse_real(part) is not None for part in parts):
+            return Refusal(f"expects {expected(attribute)}, got text", instead=f"[{', '.join(parts)}]")
+        return Refusal(f"expects {expected(attribute)}, got `{shorten(value)}`")
+    if isinstance(value, Sequence):
+        if attribute.max_length == 1:
+            return Refusal(f"expects {expected(attribute)}, got a list of {len(value)}")
+        faults = (check_number(attribute, plain(item)) for item in value)
+        return next(filter(None, faults), None) or check_length(attribute, len(value))
+    fault = check_number(attribute, value)
+    return fault or (check_length(attribute, 1) if (attribute.min_length or 1) > 1 else None)
+
+
+def check_number(attribute: Attribute, value: object) -> Refusal | None:
+    """Check one number, on its own or in a list."""
+    noun = "an integer" if attribute.type == "int" else "a number"
+    prefix = "expects" if attribute.max_length == 1 else "expects every item to be"
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return Refusal(f"{prefix} {noun}, got `{show(value)}`")
+    if attribute.type == "int":
+        if isinstance(value, float) and not value.is_integer():
+            return Refusal(f"{prefix} {noun}, got `{show(value)}`")
+        if not INT_MIN <= value <= INT_MAX:
+            return Refusal(f"{prefix} {noun} of 32 bits, got `{show(value)}`")
+    elif isinstance(value, int) and abs(value) > 2**1023:
+        return Refusal(f"{prefix} {noun}, got one that is too large")
+    return None
+
+
+def check_list(attribute: Attribute, value: object) -> Refusal | None:
+    """Check a list of keywords or names, or a single one."""
+    if isinstance(value, str):
+        parts = items(value)
+        if len(parts) > 1:
+            return Refusal(f"expects {expected(attribute)}, got text", instead=f"[{', '.join(parts)}]")
+        value = [value]
+    if not isinstance(value, Sequence):
+        return Refusal(f"expects {expected(attribute)}, got `{show(value)}`")
+    words: list[str] = []
+    for item in value:
+        word = keyword_text(plain(item)) if attribute.type == "keywords" else item
+        if not isinstance(word, str) or not word:
+            return Refusal(f"expects every item to be {'a keyword' if attribute.type == 'keywords' else 'a name'}")
+        if attribute.type == "references" and len(items(word)) != 1:
+            return Refusal(f"expects names without spaces, got `{shorten(word)}`")
+        words.append(word)
+    if not words:
+        return Refusal(f"expects {expected(attribute)}, got an empty list")
+    return None if attribute.type == "references" else check_words(attribute, words)
+
+
+def check_words(attribute: Attribute, words: Sequence[str]) -> Refusal | None:
+    """Check several keywords: whether they are unknown, repeated, or out of order."""
+    for word in words:
+        if word not in attribute.keywords:
+            return unknown_keyword(attribute, word)
+    for index, word in enumerate(words):
+        if word in words[:index]:
+            return Refusal(f"has `{word}` twice")
+    places = [attribute.keywords.index(word) for word in words]
+    if attribute.ordered and places != sorted(places):
+        right = ", ".join(sorted(words, key=attribute.keywords.index))
+        return Refusal(f"expects its keywords in the order [{right}]")
+    return check_length(attribute, len(words))
+
+
+def check_characters(attribute: Attribute, text: str) -> Refusal | None:
+    """Check a string with a limited number of characters."""
+    low, high = attribute.min_length, attribute.max_length
+    if (low is None or len(text) >= low) and (high is None or len(text) <= high):
+        letters = _LETTERS.get(attribute.name, text)
+        odd = next((each for each in text if each not in letters), None)
+        return None if odd is None else Refusal(f"expects letters of `{letters}`, got `{odd}`")
+    return Refusal(f"expects {counted(attribute, 'character')}, got {len(text)}", is_length=True)
+
+
+def check_length(attribute: Attribute, count: int) -> Refusal | None:
+    low, high = attribute.min_length, attribute.max_length
+    fits = (low is None or count >= low) and (high is None or count <= high)
+    if attribute.lengths is not None:
+        fits = count in attribute.lengths
+    return None if fits else Refusal(f"expects {expected(attribute)}, got {count}", is_length=True)
+
+
+def expected(attribute: Attribute) -> str:
+    """Return a noun phrase for the attribute's values: `3 numbers`, `a name`, `1 to 6 numbers`."""
+    kind = attribute.type
+    if kind in ("real", "int"):
+        return counted(attribute, "number" if kind == "real" else "integer")
+    return {
+        "bool": "`true` or `false`", "keyword": "a keyword", "keywords": "a list of keywords",
+        "chars": "text", "file": "a file name", "name": "a name", "reference": "a name",
+        "references": "a list of names",
+    }.get(kind, "text")  # fmt: skip
+
+
+def counted(attribute: Attribute, noun: str) -> str:
+    """Return a noun phrase with the number of values."""
+    low, high = attribute.min_length, attribute.max_length
+    if attribute.lengths is not None:
+        return f"{' or '.join(str(length) for length in attribute.lengths)} {noun}s"
+    if low == high and low is not None:
+        return f"{'an' if noun[0] in 'aeiou' else 'a'} {noun}" if low == 1 else f"{low} {noun}s"
+    if high is None:
+        return f"{noun}s" if (low or 1) <= 1 else f"at least {low} {noun}s"
+    if low == 1 and high == 2:
+        return f"1 or 2 {noun}s"
+    return f"{low} to {high} {noun}s"
+
+
+def unknown_keyword(attribute: Attribute, word: str) -> Refusal:
+    """Return the refusal of an unknown keyword, with the most similar one, or all of them if they are few."""
+    is_short = len(attribute.keywords) <= SHOWN_KEYWORDS
+    choices = either(attribute.keywords) if is_short else "a keyword"
+    if not word:
+        return Refusal(f"expects {choices}, got nothing", unknown=word, lists_keywords=is_short)
+    near = word.strip().lower()
+    for keyword in attribute.keywords:
+        if keyword.lower() == near:
+            return Refusal(f"has no keyword `{shorten(word)}`", unknown=word, hint=f"it is spelled `{keyword}`")
+    if is_short:
+        return Refusal(f"expects {choices}, got `{shorten(word)}`", unknown=word, lists_keywords=True)
+    return Refusal(f"has no keyword `{shorten(word)}`", unknown=word)
+
+
+def refused_number(attribute: Attribute, part: str) -> Refusal:
+    """Return the refusal of one item of a list of numbers."""
+    noun, instead = expected(attribute), None
+    if attribute.type == "int":
+        real = parse_real(part)
+        if part.lstrip("+-").isdigit():
+            noun = f"{noun} of 32 bits"
+        elif real is not None and real.is_integer():
+            instead = str(int(real))
+    elif "," in part:
+        noun = "numbers separated by spaces"
+    return Refusal(f"expects {noun}, got `{shorten(part)}`", instead=instead)
+
+
+def keyword_text(value: object) -> str | None:
+    """Return a keyword in XML spelling: YAML's `true` and `2` are keywords of some attributes."""
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, int):
+        return str(value)
+    return value if isinstance(value, str) else None
+
+
+def plain(value: object) -> object:
+    """Convert a value of an array library to Python's own by its `tolist`; return anything else unchanged."""
+    convert = getattr(value, "tolist", None)
+    return convert() if callable(convert) else value
+
+
+def either(words: Iterable[str]) -> str:
+    """Return `a`, `b` or `c`, each in backquotes."""
+    quoted = [f"`{word}`" for word in words]
+    return quoted[0] if len(quoted) == 1 else f"{', '.join(quoted[:-1])} or {quoted[-1]}"
+
+
+def article(value: object) -> str:
+    """Return the noun for a value's type, with its article."""
+    if isinstance(value, bool):
+        return "a boolean"
+    if isinstance(value, int | float):
+        return "a number"
+    if isinstance(value, str):
+        return "text"
+    return "a list" if isinstance(value, Sequence) else "a mapping"
+
+
+def show(value: object) -> str:
+    """Return a value in YAML spelling, shortened."""
+    return str(value).lower() if isinstance(value, bool) else shorten(str(value))
+
+
+def shorten(text: str) -> str:
+    return text if len(text) <= SHOWN_TEXT else f"{text[: SHOWN_TEXT - 1]}…"
