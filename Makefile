@@ -71,7 +71,7 @@ test-targets: $(STAMP)
 
 # Other projects' tests and models, with mjcompose. The packages come from PyPI, into build/foreign; what cannot be had is
 # skipped, with the reason.
-#   FOREIGN_ARGS=--write             the numbers into docs/fidelity.md
+#   FOREIGN_ARGS=--write             the numbers into docs/contributing/fidelity.md
 #   FOREIGN_ARGS="--sample 12"       at most twelve models of each suite
 foreign: $(STAMP)
 	@$(BIN)/python tests/foreign/run.py $(FOREIGN_ARGS)
@@ -110,7 +110,7 @@ format: $(STAMP)
 bench: $(STAMP)
 	@$(BIN)/python -m bench
 
-# Everything against MuJoCo, into docs/fidelity.md; models from MJCOMPOSE_CORPUS, dm_control where it is installed.
+# Everything against MuJoCo, into docs/contributing/fidelity.md; models from MJCOMPOSE_CORPUS, dm_control where it is installed.
 #   FIDELITY_ARGS="--sample 10"      every tenth of each set, nothing written
 FIDELITY_ARGS ?= --write
 fidelity: $(STAMP)
@@ -131,7 +131,7 @@ schemas: $(STAMP)
 	@for what in recipe manifest; do \
 	  $(BIN)/mjcompose schema $$what > build/$$what.schema.json && mv build/$$what.schema.json schemas/ || exit 1; \
 	done
-	@$(BIN)/python -m mjcompose.language.reference_page docs/reference
+	@$(BIN)/python -m mjcompose.language.reference_page docs/reference/keys
 	@$(BIN)/python -m mjcompose.mjcf.stub
 	@$(BIN)/python -m mjcompose.targets.table
 	@$(BIN)/python -m mjcompose.language.datasheets

@@ -1,6 +1,7 @@
 """What grows: worlds, parts, free bodies, equal arms. Processor time, against MuJoCo doing the same.
 
-The plots of `docs/performance.md` are drawn of it: `growth_parts.svg` and `growth_worlds.svg` in `docs/pictures`.
+`growth_parts.svg` and `growth_worlds.svg` in `docs/pictures`, which `docs/contributing/performance.md` shows, are its
+plots.
 """
 
 from __future__ import annotations

@@ -25,7 +25,7 @@ def test_no_module_is_ignored() -> None:
 def test_whatever_checks_recipes_for_a_team_checks_every_cell() -> None:
     hooks = (ROOT / ".pre-commit-hooks.yaml").read_text()
     assert "entry: mjcompose check\n  args: [--all]" in hooks
-    written = ("action.yml", "composer/mjcompose/tools/project/pre-commit-config.yaml", "docs/teams.md")
+    written = ("action.yml", "composer/mjcompose/tools/project/pre-commit-config.yaml", "docs/how-to/teams.md")
     for path in written:
         commands = re.findall(r"(?:run:|entry:) mjcompose check.*|^mjcompose check.*", (ROOT / path).read_text(), re.M)
         assert commands and all("--all" in each for each in commands), path

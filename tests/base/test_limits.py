@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from mjcompose.base.limits import NAMES, Limits, advice, allow, in_force, read, written
 
-PAGE = Path(__file__).parents[2] / "docs" / "limits.md"
+PAGE = Path(__file__).parents[2] / "docs" / "reference" / "limits.md"
 
 
 def test_limits_hold_inside_the_block_alone() -> None:

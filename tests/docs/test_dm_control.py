@@ -1,4 +1,4 @@
-"""docs/dm_control.md names every public name of dm_control.mjcf, and what it says is there is there."""
+"""docs/how-to/from_dm_control.md names every public name of dm_control.mjcf, and what it says is there is there."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from mjcompose import mjcf
 
 ROOT = Path(__file__).resolve().parents[2]
 LIST = ROOT / "tests" / "mjcf" / "dm_control_names.txt"
-PAGE = (ROOT / "docs" / "dm_control.md").read_text(encoding="utf-8")
+PAGE = (ROOT / "docs" / "how-to" / "from_dm_control.md").read_text(encoding="utf-8")
 ROW = re.compile(r"^\| (`.+) \| (.+) \|$", re.MULTILINE)
 CODE = re.compile(r"`([^`]+)`")
 CHANGES = re.compile(r"## The lines that change\n(.*?)\n## ", re.DOTALL)
@@ -86,7 +86,7 @@ def test_what_a_row_says_holds(name: str, says: str) -> None:
 
 def test_the_examples_of_the_page_are_files() -> None:
     assert {path.name for path in (ROOT / "docs" / "examples").glob("*.py")} == set(
-        re.findall(r"\(examples/(\w+\.py)\)", PAGE)
+        re.findall(r"\(\.\./examples/(\w+\.py)\)", PAGE)
     )
 
 

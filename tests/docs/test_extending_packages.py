@@ -1,4 +1,4 @@
-"""The package of docs/extending.md, built and installed, brings one of each; a fetched recipe loads none of it."""
+"""The package of docs/contributing/extending.md, built and installed, brings one of each; a fetched recipe loads none of it."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ import pytest
 pytestmark = pytest.mark.slow
 
 ROOT = Path(__file__).resolve().parents[2]
-PAGE = (ROOT / "docs" / "extending.md").read_text(encoding="utf-8")
+PAGE = (ROOT / "docs" / "contributing" / "extending.md").read_text(encoding="utf-8")
 MODEL = """<mujoco model="bot"><worldbody><body name="a"><joint name="j"/><geom name="g" size="1"/></body></worldbody>
 <actuator><position name="p" joint="j" kp="1"/></actuator></mujoco>
 """

@@ -1,4 +1,4 @@
-"""What `docs/extending.md` says of linker passes, carried out in a copy of the package."""
+"""What `docs/contributing/extending.md` says of linker passes, carried out in a copy of the package."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ import pytest
 pytestmark = pytest.mark.slow
 
 ROOT = Path(__file__).resolve().parents[2]
-PAGE = (ROOT / "docs/extending.md").read_text(encoding="utf-8").partition("## Add a linker pass")[2]
+PAGE = (ROOT / "docs/contributing/extending.md").read_text(encoding="utf-8").partition("## Add a linker pass")[2]
 BLOCKS = re.findall(r"^```(?:python|text)\n(.*?)^```", PAGE.partition("\n## ")[0], re.MULTILINE | re.DOTALL)
 ABOVE = "    Pass(\n        sections,\n"
 BELOW = "    Pass(\n        compiler,\n"

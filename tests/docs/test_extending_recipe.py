@@ -1,4 +1,4 @@
-"""The sections, verbs and checks of `docs/extending.md`, each added to a copy of the package and used."""
+"""The sections, verbs and checks of `docs/contributing/extending.md`, each added to a copy of the package and used."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ import pytest
 pytestmark = pytest.mark.slow
 
 ROOT = Path(__file__).resolve().parents[2]
-PAGE = (ROOT / "docs" / "extending.md").read_text(encoding="utf-8")
+PAGE = (ROOT / "docs" / "contributing" / "extending.md").read_text(encoding="utf-8")
 RECIPE = """recipe: 1
 note: made for the second bench
 edit:

@@ -1,4 +1,4 @@
-"""The source kind of docs/extending.md, added to a copy of the package as the page says, works in every command."""
+"""The source kind of docs/contributing/extending.md, added to a copy of the package as the page says, works in every command."""
 
 from __future__ import annotations
 
@@ -17,7 +17,9 @@ from mjcompose.sources.reference import SourceKind
 pytestmark = pytest.mark.slow
 
 ROOT = Path(__file__).resolve().parents[2]
-SECTION = (ROOT / "docs" / "extending.md").read_text(encoding="utf-8").partition("## Add a source kind")[2]
+SECTION = (
+    (ROOT / "docs" / "contributing" / "extending.md").read_text(encoding="utf-8").partition("## Add a source kind")[2]
+)
 BLOCKS = re.findall(r"^```(\w+)\n(.*?)^```", SECTION.partition("\n## ")[0], re.MULTILINE | re.DOTALL)
 (FILE,) = (text for language, text in BLOCKS if language == "python")
 CHANGES = [text.splitlines(keepends=True) for language, text in BLOCKS if language == "diff"]

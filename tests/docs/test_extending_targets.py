@@ -1,4 +1,4 @@
-"""The target of `docs/extending.md`, added to a copy of the package and used."""
+"""The target of `docs/contributing/extending.md`, added to a copy of the package and used."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""docs/from_mjspec.md: each program makes the model of its recipe, and has as many lines as the page says."""
+"""docs/how-to/from_mjspec.md: each program makes the model of its recipe, and has as many lines as the page says."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ from mjcompose.sources.context import Context
 from mjcompose.tools.importing.recover import recover
 
 ROOT = Path(__file__).resolve().parents[2]
-PAGE = (ROOT / "docs" / "from_mjspec.md").read_text(encoding="utf-8")
-ROW = re.compile(r"\| \[\w+\]\(\.\./(.+?)\) \| (\d+) \| \[.+?\]\((.+?)\) \| (\d+) \|")
+PAGE = (ROOT / "docs" / "how-to" / "from_mjspec.md").read_text(encoding="utf-8")
+ROW = re.compile(r"\| \[\w+\]\(\.\./\.\./(.+?)\) \| (\d+) \| \[.+?\]\(\.\./(.+?)\) \| (\d+) \|")
 JOBS = {
     Path(program).stem: (recipe, int(lines), program, int(more)) for recipe, lines, program, more in ROW.findall(PAGE)
 }

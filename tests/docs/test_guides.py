@@ -1,4 +1,4 @@
-"""What README.md, docs/recipes.md, docs/commands.md and docs/bundles.md show works as it stands."""
+"""What README.md, docs/reference/recipe.md, docs/reference/commands.md and docs/reference/outputs.md show works as it stands."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ def context(folder: Path, menagerie: Path) -> Context:
 def test_every_command_is_in_the_list() -> None:
     from mjcompose.cli.main import main
 
-    page = (ROOT / "docs" / "commands.md").read_text(encoding="utf-8")
+    page = (ROOT / "docs" / "reference" / "commands.md").read_text(encoding="utf-8")
     names = main.list_commands(click.Context(main))
     assert names
     assert [name for name in names if not re.search(rf"(mjcompose |`){name}\b", page)] == []
@@ -79,7 +79,9 @@ def test_links_lead_somewhere(guide: Path) -> None:
 
 
 RECIPES = [
-    (name, number, text) for name in ("README.md", "docs/recipes.md") for number, text in enumerate(recipes_of(name))
+    (name, number, text)
+    for name in ("README.md", "docs/reference/recipe.md")
+    for number, text in enumerate(recipes_of(name))
 ]
 
 
@@ -110,13 +112,13 @@ def test_the_fault_of_the_readme_is_told_as_it_shows(tmp_path: Path, menagerie_r
     (fault,) = told.sink.diagnostics
     shown = next(text for text in blocks("README.md", "text") if "error[" in text)
     assert render(fault, lambda file: FAULT) == shown.rstrip("\n")
-    assert shown in blocks("docs/commands.md", "text")
+    assert shown in blocks("docs/reference/commands.md", "text")
 
 
 @pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="the commands are of a POSIX shell")
 def test_the_list_of_commands_runs(tmp_path: Path) -> None:
-    commands = next(text for text in blocks("docs/commands.md", "sh") if "mjcompose new model.yaml" in text)
+    commands = next(text for text in blocks("docs/reference/commands.md", "sh") if "mjcompose new model.yaml" in text)
     commands = "".join(
         line for line in commands.splitlines(True) if not re.search(" (import|migrate|diff|view|lsp) ", line)
     )  # of files of one's own, or with an editor at the other end
@@ -138,9 +140,9 @@ def test_the_diff_of_the_demo_is_what_its_edits_give(tmp_path: Path) -> None:
     author = ["-c", "user.name=a", "-c", "user.email=a@example.org"]
     for words in (["init", "-q"], ["add", "."], [*author, "commit", "-q", "-m", "first"]):
         subprocess.run(["git", *words], cwd=tmp_path, check=True)
-    edits = next(text for text in blocks("docs/diff.md", "sh") if "perl" in text)
+    edits = next(text for text in blocks("docs/how-to/review.md", "sh") if "perl" in text)
     subprocess.run(["bash", "-e", "-c", edits], cwd=tmp_path, check=True)
-    shown = next(text for text in blocks("docs/diff.md", "text") if text.startswith("$ mjcompose diff"))
+    shown = next(text for text in blocks("docs/how-to/review.md", "text") if text.startswith("$ mjcompose diff"))
     command, expected = shown.split("\n", 1)
     with Session() as session:
         found = diff(*command.split()[3:], Context(folder=tmp_path), session)
@@ -154,7 +156,7 @@ def test_the_controller_holds_its_pose(tmp_path: Path) -> None:
     demo = build(Request(ROOT / "recipes" / "demo.yaml"), Context(folder=tmp_path))
     assert demo is not None
     write(demo.bundle, tmp_path / "build" / "demo.zip", environment={})
-    (program,) = (text for text in blocks("docs/bundles.md", "python") if "mj_jacSite" in text)
+    (program,) = (text for text in blocks("docs/reference/outputs.md", "python") if "mj_jacSite" in text)
     subprocess.run(
         [sys.executable, "-c", program],
         cwd=tmp_path, env={**os.environ, "PYTHONPATH": str(ROOT)}, check=True, timeout=120,

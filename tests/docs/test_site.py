@@ -38,8 +38,10 @@ def test_links_lead_somewhere_on_the_site() -> None:
     )
     assert made.returncode == 0, made.stderr
     assert (ROOT / "build" / "site_pages" / "live" / "demo.html").is_file()
-    assert "--set" in (ROOT / "build" / "site_pages" / "commands.md").read_text(encoding="utf-8")
-    assert "::: mjcompose.mjcf.from_path" in (ROOT / "build" / "site_pages" / "api.md").read_text(encoding="utf-8")
+    assert "--set" in (ROOT / "build" / "site_pages" / "reference" / "commands.md").read_text(encoding="utf-8")
+    assert "::: mjcompose.mjcf.from_path" in (ROOT / "build" / "site_pages" / "reference" / "api.md").read_text(
+        encoding="utf-8"
+    )
     assert "asset-missing" in (ROOT / "build" / "site_pages" / "errors" / "index.md").read_text(encoding="utf-8")
 
 

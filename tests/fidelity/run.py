@@ -29,7 +29,7 @@ from fidelity.roundtrip import Trip, travel  # noqa: E402
 from fidelity.settings import with_settings  # noqa: E402
 
 ROBOTS = 22
-PAGE = HERE.parent.parent / "docs" / "fidelity.md"
+PAGE = HERE.parent.parent / "docs" / "contributing" / "fidelity.md"
 Result = TypeVar("Result")
 
 

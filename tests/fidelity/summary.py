@@ -1,4 +1,4 @@
-"""The table of `docs/fidelity.md`: one row a set, one column for each who composes."""
+"""The table of `docs/contributing/fidelity.md`: one row a set, one column for each who composes."""
 
 from __future__ import annotations
 

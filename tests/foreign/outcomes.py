@@ -26,7 +26,7 @@ class Outcome:
 
 @dataclass(frozen=True, slots=True)
 class Group:
-    """Tests that fail for one reason; `page` is what docs/dm_control.md says of it."""
+    """Tests that fail for one reason; `page` is what docs/how-to/from_dm_control.md says of it."""
 
     reason: str
     page: str

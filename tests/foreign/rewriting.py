@@ -16,7 +16,7 @@ TABLE = Path(__file__).with_name("renames.toml")
 class Rename:
     """What is looked for, and what is put in its place.
 
-    `page` is the text of docs/dm_control.md that tells users the same; where there is none, `why` says what the
+    `page` is the text of docs/how-to/from_dm_control.md that tells users the same; where there is none, `why` says what the
     replacement is for.
     """
 

@@ -33,7 +33,7 @@ from foreign.strings import Source, Verdict  # noqa: E402
 
 T = TypeVar("T")
 
-PAGE = ROOT / "docs" / "fidelity.md"
+PAGE = ROOT / "docs" / "contributing" / "fidelity.md"
 MARKERS = ("<!-- foreign: begin -->", "<!-- foreign: end -->")
 # The folder of each package that has models, below what is fetched.
 MODELS = {
@@ -96,7 +96,7 @@ def _parser() -> argparse.ArgumentParser:
         help="of each suite at most N models, evenly spread; all where it is not given",
     )
     parser.add_argument("--fetch", action="store_true", help="fetch the packages, and no more")
-    parser.add_argument("--write", action="store_true", help="put the numbers into docs/fidelity.md")
+    parser.add_argument("--write", action="store_true", help="put the numbers into docs/contributing/fidelity.md")
     return parser
 
 

@@ -5,7 +5,9 @@ from pathlib import Path
 import pytest
 from foreign import outcomes, rewriting
 
-PAGE = " ".join((Path(__file__).resolve().parents[2] / "docs" / "dm_control.md").read_text(encoding="utf-8").split())
+PAGE = " ".join(
+    (Path(__file__).resolve().parents[2] / "docs" / "how-to" / "from_dm_control.md").read_text(encoding="utf-8").split()
+)
 
 
 def table(folder: Path, text: str) -> list[rewriting.Rename]:

@@ -57,6 +57,6 @@ def _differences(alone: mujoco.MjModel, composed: mujoco.MjModel) -> list[str]:
         hung_on = Mount.of(composed, pos=pos, quat=quat)
         other = [(each, alone) for each in PLACES if each != prefix]
         found = compare(alone, composed, prefix=prefix, hung_on=hung_on, keys=Keys.PREFIX, others=other)
-        # Where it knows that MuJoCo itself makes the difference, the comparison says why: docs/fidelity.md has these.
+        # Where it knows that MuJoCo itself makes the difference, the comparison says why: docs/contributing/fidelity.md has these.
         told += [str(each) for each in found if not each.why]
     return told[:_SHOWN] + ([f"and {len(told) - _SHOWN} more"] if len(told) > _SHOWN else [])

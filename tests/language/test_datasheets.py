@@ -1,4 +1,4 @@
-"""The table in `docs/datasheets.md` is that of the library."""
+"""The table in `docs/how-to/actuators.md` is that of the library."""
 
 from __future__ import annotations
 

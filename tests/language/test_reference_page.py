@@ -21,7 +21,7 @@ def test_each_path_is_found() -> None:
     assert key_order.FIRST["add", "*"] == ("id", "to")
 
 
-REFERENCE = Path(__file__).resolve().parents[2] / "docs" / "reference"
+REFERENCE = Path(__file__).resolve().parents[2] / "docs" / "reference" / "keys"
 OF_MJCF = re.compile(r"^## (?:Elements of MJCF|Sections of MJCF|Attributes of )", re.MULTILINE)
 ROW = re.compile(r"^\| \[?\**`([^`]+)`\**", re.MULTILINE)
 

@@ -102,7 +102,7 @@ def test_an_example_in_every_docstring(path: str) -> None:
 
 
 def test_the_page_names_everything(repository: Path) -> None:
-    page = (repository / "docs" / "mjcf.md").read_text(encoding="utf-8")
+    page = (repository / "docs" / "reference" / "mjcf.md").read_text(encoding="utf-8")
     words = set(re.findall(r"\w+", page))
     members = [path.rpartition(".")[2] for path in (*SIGNATURES, *documented())]
     properties = " ".join(PROPERTIES.values()).split()

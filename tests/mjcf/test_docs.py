@@ -1,4 +1,4 @@
-"""The examples of docs/mjcf.md, run as they stand, in their order."""
+"""The examples of docs/reference/mjcf.md, run as they stand, in their order."""
 
 from __future__ import annotations
 
@@ -22,11 +22,13 @@ def test_the_examples_of_the_page(
     mesh.parent.mkdir(parents=True)
     mesh.write_bytes((folder / "gripper" / "shell.stl").read_bytes())
     monkeypatch.chdir(folder)
-    examples = re.findall(r"```python\n(.*?)```", (repository / "docs" / "mjcf.md").read_text(), re.DOTALL)
+    examples = re.findall(
+        r"```python\n(.*?)```", (repository / "docs" / "reference" / "mjcf.md").read_text(), re.DOTALL
+    )
     assert len(examples) == 13
     names: dict[str, object] = {}
     for example in examples:
-        exec(compile(example, "docs/mjcf.md", "exec"), names)
+        exec(compile(example, "docs/reference/mjcf.md", "exec"), names)
 
     physics = names["physics"]
     assert isinstance(physics, Physics)

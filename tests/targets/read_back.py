@@ -1,6 +1,6 @@
 """Reads models back in other programs. `python tests/targets/read_back.py [NAME …]` writes `read_back.json` anew.
 
-The table in `docs/targets.md` is made of that file, and `test_consumers.py` compares it with what the programs read.
+The table in `docs/how-to/simulators.md` is made of that file, and `test_consumers.py` compares it with what the programs read.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The table in `docs/targets.md` is that of the targets."""
+"""The table in `docs/how-to/simulators.md` is that of the targets."""
 
 from __future__ import annotations
 

@@ -12,7 +12,7 @@ import mujoco
 import numpy as np
 import pytest
 from mjcompose.tree.grammar import GRAMMAR, Attribute, ElementType, to_text
-from model.keywords import keywords_in
+from tree.keywords import keywords_in
 
 VERSION = mujoco.__version__
 OLDER = VERSION.startswith("3.")

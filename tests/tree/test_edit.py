@@ -18,7 +18,7 @@ from mjcompose.tree.edit import (
     skins,
     unresolved,
 )
-from model.editing import Tree
+from tree.editing import Tree
 
 ARM = (
     '<mujoco><worldbody><body name="a"><geom name="g" size="1" euler="0 0 1" material="m"/></body></worldbody>'

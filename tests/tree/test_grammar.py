@@ -23,7 +23,7 @@ from mjcompose.tree.grammar import (
     to_text,
     version_key,
 )
-from model.keywords import keywords_in
+from tree.keywords import keywords_in
 
 
 @pytest.mark.parametrize(

@@ -13,7 +13,7 @@ from mjcompose.build.verify.compile import OutsideFilesError, verify
 from mjcompose.sources.context import Context
 from mjcompose.tree.mesh_cost import check_meshes, mesh_points
 from mjcompose.tree.parse import all_admitted, parse_file, parse_text
-from model.test_points import OBJ, OPEN
+from tree.test_points import OBJ, OPEN
 
 INLINE = '<mesh name="v" vertex="0 0 0  1 0 0  0 1 0  0 0 1"/>'
 

@@ -1,7 +1,7 @@
 """Every URDF of a folder as mjcompose reads it, beside MuJoCo's own reader and Pinocchio.
 
 `python tests/urdf/survey.py --write` measures the robots of the package `example-robot-data`, which `make test-targets`
-fetches, and writes the table of `docs/urdf.md`.
+fetches, and writes the table of `docs/how-to/urdf.md`.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ from mjcompose.urdf.read import UrdfReader  # noqa: E402
 from targets.environments import FOLDER, is_ready, python_of  # noqa: E402
 
 POSES = 50
-PAGE = ROOT / "docs" / "urdf.md"
+PAGE = ROOT / "docs" / "how-to" / "urdf.md"
 BEGIN, END = "<!-- robots -->\n", "<!-- end -->"
 SHOWN = tuple(
     f"/{name}.urdf"

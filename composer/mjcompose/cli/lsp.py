@@ -20,9 +20,9 @@ class Options:
 def lsp(options: Options, run: Run) -> None:
     """Run the language server, which gives an editor errors, completion and more while you write a recipe.
 
-    An editor starts it and uses the Language Server Protocol over standard input and output. docs/editors.md has the
-    settings for each editor. The server completes names in the models, shows the element and its origin, jumps to its
-    line, renames parts, and reports the same errors as `check`. It fetches nothing and writes nothing.
+    An editor starts it and uses the Language Server Protocol over standard input and output. docs/how-to/editors.md
+    has the settings for each editor. The server completes names in the models, shows the element and its origin, jumps
+    to its line, renames parts, and reports the same errors as `check`. It fetches nothing and writes nothing.
 
     It needs the extra `lsp`: pip install "mjcompose[lsp]".
     """

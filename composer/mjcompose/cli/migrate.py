@@ -101,7 +101,7 @@ def _check_usage(options: Options) -> None:
         raise click.UsageError(f"{out} exists already: choose another name with -o")
     for name in options.adopt:
         if name not in changes:
-            hint = did_you_mean(name, changes, " `docs/migrate.md` lists them.")
+            hint = did_you_mean(name, changes, " `docs/how-to/upgrade_mujoco.md` lists them.")
             raise click.UsageError(f"There is no change `{name}` to adopt.{hint}")
 
 

@@ -1,6 +1,6 @@
 """One pipeline for all commands: options as one frozen object, and one place that reports and exits.
 
-A command is a class of options and a function of them and a `Run`; docs/extending.md shows one.
+A command is a class of options and a function of them and a `Run`; docs/contributing/extending.md shows one.
 """
 
 from __future__ import annotations

@@ -104,7 +104,7 @@ def library() -> Mapping[str, Sheet]:
     return sheets
 
 
-PAGE = File(os.path.realpath(__file__)).parents[3] / "docs" / "datasheets.md"
+PAGE = File(os.path.realpath(__file__)).parents[3] / "docs" / "how-to" / "actuators.md"
 _TABLE = re.compile(r"(?<=<!-- datasheets -->\n).*?(?=<!-- end of datasheets -->)", re.DOTALL)
 _ADDRESS = re.compile(r"https?://[^\s,]+[^\s,:]")
 

@@ -1,13 +1,13 @@
-"""The pages in docs/reference, and the order of a recipe's keys.
+"""The pages in docs/reference/keys, and the order of a recipe's keys.
 
 The order in which `fmt` writes the keys of a recipe: that of the fields and rows of the language.
 
 `python -m mjcompose.language.reference_page > composer/mjcompose/text/key_order.json` writes it to a file.
 `fmt` runs at every save and reads that file, because importing the models takes longer than formatting.
 
-The pages in docs/reference: all keys of a recipe from the JSON Schema, and MJCF's elements from the grammar.
+The pages in docs/reference/keys: all keys of a recipe from the JSON Schema, and MJCF's elements from the grammar.
 
-`python -m mjcompose.language.reference_page docs/reference` writes them.
+`python -m mjcompose.language.reference_page docs/reference/keys` writes them.
 """
 
 from __future__ import annotations
@@ -53,10 +53,10 @@ def text() -> str:
 MANUAL = "https://mujoco.readthedocs.io/en/stable/XMLreference.html"
 _HEAD = f"""# Recipe reference
 
-Every key of a recipe, a page for each section. [Recipes](../recipes.md), [variation](../variation.md),
-[randomization](../randomization.md) and [checks](../checks.md) explain how to use them together. Each page begins with
-examples that use all of its keys; the tests build them. Elements and attributes are those of MJCF and mean the same as
-in MuJoCo's [XML reference]({MANUAL}).
+Every key of a recipe, a page for each section. [Recipes](../recipe.md), [variants](../variants.md),
+[randomization](../../how-to/randomize.md) and [checks](../checks.md) explain how to use them together. Each page begins
+with examples that use all of its keys; the tests build them. Elements and attributes are those of MJCF, with the same
+meaning as in MuJoCo's [XML reference]({MANUAL}).
 
 You choose the words that `PREFIX`, `NAME` and the like stand for. `[]` stands for each item of a list. Keys in **bold**
 are required unless `extends` or a variant gives them. Any value can be a `${{…}}`, and any number can have the unit
@@ -358,7 +358,7 @@ class _Keys:
         if pointer == "Drop":
             return self._named("selector")
         if pointer == "code":
-            return "[codes](../errors)"
+            return "[codes](../../errors)"
         if pointer in _CHAPTERS:
             return f"[{pointer}]({_CHAPTERS[pointer][1]})"
         if pointer.startswith(_ELEMENTS):

@@ -1,4 +1,4 @@
-"""All targets and features, and the tables in docs/targets.md."""
+"""All targets and features, and the tables in docs/how-to/simulators.md."""
 
 from __future__ import annotations
 
@@ -87,7 +87,7 @@ check_rows(
 
 
 _ROOT = Path(__file__).resolve().parents[3]
-PAGE = _ROOT / "docs" / "targets.md"
+PAGE = _ROOT / "docs" / "how-to" / "simulators.md"
 READ_BACK = _ROOT / "tests" / "targets" / "read_back.json"
 """What the programs have read, by `tests/targets/read_back.py`."""
 

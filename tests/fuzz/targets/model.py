@@ -9,7 +9,7 @@ from mjcompose.build.stages import Request, build
 from mjcompose.mujoco import engine
 from mjcompose.sources.context import Context
 
-# Where mjcompose is stricter than MuJoCo, on purpose: docs/security.md says why.
+# Where mjcompose is stricter than MuJoCo, on purpose: docs/contributing/security_tests.md says why.
 STRICTER = frozenset({
     "unknown-element", "name-clash", "class-clash", "xml-syntax", "xml-include", "not-supported", "not-mjcf",
     "asset-missing", "file-unreadable", "bad-name", "unknown-name", "not-urdf", "limit-exceeded", "xacro",

@@ -59,7 +59,7 @@ def test_the_history_knows_the_releases() -> None:
 
 
 def test_the_page_describes_every_change() -> None:
-    text = (Path(__file__).parents[3] / "docs" / "migrate.md").read_text(encoding="utf-8")
+    text = (Path(__file__).parents[3] / "docs" / "how-to" / "upgrade_mujoco.md").read_text(encoding="utf-8")
     rows = re.findall(r"^\| ([\d.]+) \| `([a-z0-9-]+)` \|.*\| (yes|–) \|$", text, re.MULTILINE)
     expected = [(each.version.removesuffix(".0"), each.name, "yes" if each.acts[1] else "–") for each in ORDERED]
     assert rows == expected

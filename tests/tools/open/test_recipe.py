@@ -69,7 +69,7 @@ def test_is_the_model_that_a_build_writes(cell: Path, tmp_path: Path) -> None:
 
     built = build(Request(cell), Context())
     assert built is not None
-    write(built.bundle, tmp_path / "out")
+    write(built.bundle, tmp_path / "out", environment={})
     written = mujoco.MjModel.from_xml_path(str(tmp_path / "out" / "model.xml"))
     for model in (mjcompose.model(cell), mjcompose.spec(cell).compile(), mjcompose.model(cell, verified=True)):
         assert [model.geom(i).name for i in range(model.ngeom)] == [written.geom(i).name for i in range(written.ngeom)]
@@ -87,7 +87,7 @@ def test_a_wrong_value_is_an_error_with_all_diagnostics(cell: Path) -> None:
     with pytest.raises(mjcompose.BuildError, match=r"size=:1:1: error\[.*") as caught:
         mjcompose.spec(cell, size=7)
     assert len(caught.value.diagnostics) == 1
-    assert caught.traceback[-1].path == Path(__file__)
+    assert len(caught.traceback) == 2, "the line of the program, and the function that it calls"
     with pytest.raises(TypeError, match="no values such as"):
         mjcompose.spec(cell, size=object())
     with pytest.raises(mjcompose.BuildError, match="unknown"):

@@ -1,6 +1,6 @@
 """Everything that changed in MJCF from MuJoCo 3.0 to 4.0, with the edits that keep the meaning of a model.
 
-`docs/migrate.md` describes each change in a row. The facts come from MuJoCo's changelog and from its wheels.
+`docs/how-to/upgrade_mujoco.md` describes each change in a row. The facts come from MuJoCo's changelog and its wheels.
 """
 
 from __future__ import annotations

@@ -229,8 +229,9 @@ def _decoder(library: Any) -> _Decoder:
             _write(place, size, reason)
 
     return _Decoder(
-        CONTENT_TYPE, EXTENSIONS, _OPEN(_Safe(lambda resource: 1, 1)), _DECODE(_Safe(decode, None, explain))
-    )
+        content_type=CONTENT_TYPE, extension=EXTENSIONS, can_decode=_OPEN(_Safe(lambda resource: 1, 1)),
+        decode=_DECODE(_Safe(decode, None, explain)),
+    )  # fmt: skip
 
 
 def _write(place: int, size: int, reason: str) -> None:
@@ -279,8 +280,8 @@ def _provider(scheme: str) -> _Provider:
         return int(state(path_of(os.fsdecode(resource.contents.name))) != timestamp)
 
     return _Provider(
-        scheme.encode(), _OPEN(_Safe(open_, 0)), _READ(_Safe(read, -1)), _CLOSE(_Safe(close, None)), _OPEN(), _OPEN(),
-        _MODIFIED(_Safe(modified, 1)),
+        prefix=scheme.encode(), open=_OPEN(_Safe(open_, 0)), read=_READ(_Safe(read, -1)),
+        close=_CLOSE(_Safe(close, None)), modified=_MODIFIED(_Safe(modified, 1)),
     )  # fmt: skip
 
 

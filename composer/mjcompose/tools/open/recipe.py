@@ -138,7 +138,7 @@ def _open(recipe: Path, written: Mapping[str, str], cell: str | None, *, sample:
     given = _nodes(written, context)
     built = None
     if not context.sink.has_errors:
-        request = Request(recipe, given, cell, sample, verified=verified)
+        request = Request(recipe, given, name=cell, sample=sample, verified=verified)
         with Session() as session:
             built = build(request, context, session=session)
     if built is None:
