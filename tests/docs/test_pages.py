@@ -15,11 +15,16 @@ from docs.replay import NotHere, Replay
 from PIL import Image
 
 ROOT = Path(__file__).resolve().parents[2]
+HOW_TO = (
+    "combine", "xacro", "merged_by_hand", "keyframes", "torque_control", "force_torque", "option_conflicts", "unstable",
+    "friction", "train", "mjx", "export", "ci", "from_robosuite",
+)  # fmt: skip
 PAGES = [
-    ROOT / "docs" / "tutorials" / "first_cell.md",
-    *sorted((ROOT / "docs" / "guides").glob("*.md")),
-    *sorted((ROOT / "docs" / "explanations").glob("*.md")),
-]
+    *sorted((ROOT / "docs" / "tutorials").glob("*.md")),
+    *(ROOT / "docs" / "how-to" / f"{name}.md" for name in HOW_TO),
+    *(ROOT / "docs" / "explanation" / f"{name}.md" for name in
+      ("composition", "names", "classes", "units", "keyframes", "verification", "reproducibility")),
+]  # fmt: skip
 DIFFERENT = 1.0
 """How much a picture may differ from that of the page, on average, of 255: drivers draw edges and shadows in their own ways."""
 
