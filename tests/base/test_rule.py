@@ -42,17 +42,17 @@ READS_ITSELF = {
         tools/worlds/worlds.py:read""",
     "files of this package or project": """
         build/cache/cache_key.py:tool_version tools/cluster/probe.py:versions base/codes.py:page
-        text/key_order.py:_read model/grammar.py:read_data model/history.py:spans
+        text/key_order.py:<module> tree/grammar.py:read_data tree/history.py:spans
         language/datasheets.py:<module> language/datasheets.py:library
         language/reference_page.py:examples tools/new.py:_action tools/new.py:_read tools/new.py:examples
-        tools/new.py:_template targets/table.py:<module> targets/table.py:read_back tools/view/page.py:_engine
-        tools/view/page.py:_built tools/view/page.py:described
+        tools/new.py:_template targets/table.py:<module> targets/table.py:read_back
+        tools/view/page.py:alone tools/view/page.py:_built tools/view/page.py:described
         tools/view/server.py:Server.__init__""",
     "what MuJoCo's process, or another program, has just written into a folder of ours": """
         build/bundle/staging.py:write_mjb build/bundle/write.py:write_usd tools/diff/diff.py:render_views
         mujoco/child.py mujoco/engine.py:_last_words mujoco/engine.py:_load_arrays
         tools/migrate/compare.py:_Side.of tools/migrate/dump.py:main tools/migrate/migrate.py:measured
-        mujoco/pictures.py:sheet targets/export.py:_files targets/read_back.py:placed targets/export.py:export
+        mujoco/pictures.py:sheet targets/export.py:aimed targets/read_back.py:placed targets/export.py:export
         targets/plain.py:keep_files targets/plain.py:plain targets/read_back.py:read_back
         build/verify/draws.py:with_worlds build/verify/draws.py:compute_worlds build/verify/draws.py:compare_world""",
     "what was checked, in a folder of ours, as MuJoCo's process opens it": "mujoco/convert.py:_read tools/worlds/load.py:_compiled",
@@ -68,10 +68,10 @@ reason: it may be a pipe, a device or 10 GB."""
 WRITES_ITSELF = {
     "the writer": "build/bundle/staging.py",
     "its argument is a stage of the writer": """
-        build/cache/run_table.py:RunTable._write_parquet tools/migrate/migrate.py:lay_out mjcf/parse.py:_write
-        mujoco/pictures.py:draw mujoco/pictures.py:_write_gif mujoco/pictures.py:sheet mujoco/film.py:write_mp4
+        build/cache/run_table.py:RunTable._write_parquet tools/migrate/migrate.py:lay_out mjcf/parse.py:export_with_assets
+        mujoco/pictures.py:draw mujoco/pictures.py:sheet mujoco/film.py:write_mp4
         tools/worlds/worlds.py:write_parquet tools/worlds/worlds.py:write""",
-    "into memory": "urdf/converting.py:_look build/verify/draws.py:_described",
+    "into memory": "urdf/converting.py:_look",
     "into a folder of ours": """
         cli/doctor.py:_mujoco build/compose/mesh_jobs.py:MeshWorkshop._make tools/diff/sides.py:_recipe_of
         tools/diff/sides.py:from_lfs tools/diff/sides.py:_beside_the_same mujoco/child.py

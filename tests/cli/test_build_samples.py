@@ -152,7 +152,7 @@ def test_worlds_are_one_model(folder: Path) -> None:
     result = run("build", "r.yaml", "--as", "worlds", "-o", "ball.xml")
     assert result.exit_code == 1 and "`ball.xml` has no room for the worlds" in result.stderr
     result = run("build", "r.yaml", "--as", "worlds", "-o", "other/", "--no-compile")
-    assert result.exit_code == 1 and "only MuJoCo knows" in result.stderr
+    assert result.exit_code == 1 and "the model that MuJoCo compiles" in result.stderr
 
 
 def test_a_second_run_builds_nothing_and_has_the_same_table(folder: Path) -> None:

@@ -100,7 +100,7 @@ def test_the_line_for_the_start_file() -> None:
         ("mjcompose build study.yaml --set speed=f", ["fast"]),
         ("mjcompose build study.yaml --set spe", ["speed=slow", "speed=fast"]),
         ("mjcompose build study.yaml --set m", ["mass="]),
-        ("mjcompose pl", ["plan"]),
+        ("mjcompose pla", ["plan"]),
     ],
 )
 def test_bash_takes_an_equals_sign_for_the_end_of_a_word(study: Path, line: str, told: list[str]) -> None:

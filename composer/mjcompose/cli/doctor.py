@@ -90,7 +90,7 @@ def _plugin() -> Finding:
         place = library_in(mujoco_folder())
     except PluginError as error:
         return Finding(what, str(error), None)
-    if not place.is_file():
+    if not os.path.isfile(place):
         return Finding(what, "is not installed; it lets C++ programs open recipes: `mjcompose plugin install`", None)
     return Finding(what, f"{place}: MuJoCo opens recipes")
 

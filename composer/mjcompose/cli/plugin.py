@@ -55,10 +55,10 @@ def remove(options: Options, run: Run) -> Answer:
 
 
 def _done(run: Run, work: Callable[[], Result]) -> Result:
-    from mjcompose.tools.open.shim import PluginError
+    from mjcompose.base.diagnostic import DiagnosticError
 
     try:
         return work()
-    except PluginError as error:
+    except DiagnosticError as error:
         run.context.sink.add(error.diagnostic)
         raise Stop(USAGE) from None

@@ -18,7 +18,7 @@ from mjcompose.build.bundle.write import write
 from mjcompose.build.plan.plan import IN_PLACE, PartRecord
 from mjcompose.build.stages import Request, build
 from mjcompose.link import bodies
-from mjcompose.link.linking import Linking, Part
+from mjcompose.link.linking import Part
 from mjcompose.sources.context import Context
 from sampling import without_meshes
 
@@ -228,13 +228,13 @@ def test_each_part_is_looked_at_as_often_as_what_it_waits_for_comes(
 ) -> None:
     looked = 0
 
-    def mount(linking: Linking, part: Part) -> bool:
+    def counted(order: bodies._AttachmentOrder, part: Part) -> None:
         nonlocal looked
         looked += 1
-        return found(linking, part)
+        look(order, part)
 
-    found = bodies._find_mount
-    monkeypatch.setattr(bodies, "_find_mount", mount)
+    look = bodies._AttachmentOrder._look
+    monkeypatch.setattr(bodies._AttachmentOrder, "_look", counted)
     count = 60
     parts = [f"  p{n}: {{model: ./p.xml, frame: f{n}}}" for n in reversed(range(count))]
     entries = [f"  - {{to: {f'p{n - 1}/b' if n % 2 else 'world'}, frame: {{name: f{n}}}}}" for n in range(count)]
@@ -301,8 +301,8 @@ def test_sense_has_its_cutoff_its_own_axes_and_a_separator(tmp_path: Path) -> No
 @pytest.mark.parametrize(
     ("hung", "code", "words"),
     [
-        (f"p: {{model: ./part.xml, site: flange, joint: free, {SENSE}}}", "attach-place", "nothing carries it"),
-        (f"p: {{model: ./part.xml, joint: mocap, {SENSE}}}", "attach-place", "nothing carries it"),
+        (f"p: {{model: ./part.xml, site: flange, joint: free, {SENSE}}}", "attach-place", "no body carries it"),
+        (f"p: {{model: ./part.xml, joint: mocap, {SENSE}}}", "attach-place", "no body carries it"),
         (f"p: {{model: {{add: [{{to: world, body: {{freejoint: {{}}, geom: {{size: [1]}}}}}}]}}, {SENSE}}}",
          "freejoint-on-body", "the body that `sense` gives it"),
         (f"a: {{model: ./part.xml, body: arm, prefix: '', {SENSE}}}\n  p: {{model: ./base.xml, site: flange, prefix: '', {SENSE}}}",

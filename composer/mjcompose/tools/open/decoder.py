@@ -20,6 +20,7 @@ from types import FrameType
 from typing import Any
 
 from mjcompose.base.diagnostic import Diagnostic, DiagnosticError
+from mjcompose.base.files import read_regular
 from mjcompose.base.report import MjcomposeError, render
 from mjcompose.sources import package
 from mjcompose.sources.lock import resolve
@@ -265,7 +266,7 @@ def _provider(scheme: str) -> _Provider:
     def open_(resource: Any) -> int:
         path = path_of(os.fsdecode(resource.contents.name))
         resource.contents.timestamp = state(path)
-        contents[ctypes.addressof(resource.contents)] = path.read_bytes()
+        contents[ctypes.addressof(resource.contents)] = read_regular(path)
         return 1
 
     def read(resource: Any, out: Any) -> int:

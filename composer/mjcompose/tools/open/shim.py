@@ -10,7 +10,10 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from mjcompose.base.diagnostic import DiagnosticError
+from mjcompose.base.files import read_regular
 from mjcompose.base.scratch import scratch
+from mjcompose.build.bundle.bundle import unwritable_error
+from mjcompose.build.bundle.staging import staged_file
 
 SOURCE = Path(__file__).with_name("decoder.c")
 NAME = "libmjcompose_decoder.so"
@@ -27,7 +30,7 @@ def mujoco_folder(named: Path | None = None) -> Path:
         if spec is None or not spec.submodule_search_locations:
             raise PluginError("mujoco-missing", "the package `mujoco` is not installed", "use `--mujoco`")
         named = Path(spec.submodule_search_locations[0])
-    if not (named / "include" / "mujoco" / "mjplugin.h").is_file():
+    if not os.path.isfile(named / "include" / "mujoco" / "mjplugin.h"):
         raise PluginError(
             "mujoco-missing", f"`{named}` has no `include/mujoco/mjplugin.h`",
             "name the folder of a MuJoCo release, or of the package `mujoco`",
@@ -38,17 +41,17 @@ def mujoco_folder(named: Path | None = None) -> Path:
 def library_in(folder: Path) -> Path:
     """Return the place of the library for a MuJoCo: `plugin` in the package, `bin/mujoco_plugin` in a release."""
     release = folder / "bin" / "mujoco_plugin"
-    return (release if release.is_dir() else folder / "plugin") / NAME
+    return (release if os.path.isdir(release) else folder / "plugin") / NAME
 
 
 def install(folder: Path) -> Path:
-    """Compile the decoder for the MuJoCo in a folder and put it in its place. Raises PluginError."""
+    """Compile the decoder for the MuJoCo in a folder and put it in its place. Raises PluginError and OutputError."""
     if sys.platform != "linux":
         raise PluginError(
             "not-supported", "the plugin for programs without Python exists for Linux only",
             "in Python, use `mjcompose.mujoco_plugin.register()`",
         )  # fmt: skip
-    header = (folder / "include" / "mujoco" / "mujoco.h").read_text(encoding="utf-8", errors="replace")
+    header = read_regular(folder / "include" / "mujoco" / "mujoco.h").decode(errors="replace")
     version = next((line.split()[-1] for line in header.splitlines() if "#define mjVERSION_HEADER" in line), "0")
     if int(version) < 4_000_000:
         raise PluginError("mujoco-missing", f"the MuJoCo in `{folder}` is older than 4.0, which opens recipes first")
@@ -65,13 +68,8 @@ def install(folder: Path) -> Path:
         if done.returncode:
             lines = done.stderr.strip().splitlines() or ["no reason given"]
             raise PluginError("not-supported", f"`{compiler}` cannot compile the plugin: {lines[0]}")
-        try:
-            place.parent.mkdir(parents=True, exist_ok=True)
-            staged = place.with_name(f".{NAME}.{os.getpid()}")
-            shutil.copyfile(made, staged)
-            os.replace(staged, place)
-        except OSError as error:
-            raise _unwritable(place, error) from None
+        with staged_file(place) as stage:  # raises OutputError
+            stage.write_bytes(read_regular(made))
     return place
 
 
@@ -83,10 +81,5 @@ def remove(folder: Path) -> Path | None:
     except FileNotFoundError:
         return None
     except OSError as error:
-        raise _unwritable(place, error) from None
+        raise unwritable_error(place, error) from None
     return place
-
-
-def _unwritable(place: Path, error: OSError) -> PluginError:
-    reason = (error.strerror or str(error)).lower()
-    return PluginError("output-unwritable", f"cannot write `{place}`: {reason}")
