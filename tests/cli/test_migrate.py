@@ -223,7 +223,7 @@ def test_json_has_each_step(folder: Path) -> None:
     answer = json.loads(result.stdout.splitlines()[0])
     assert (answer["from"], answer["to"], answer["output"], answer["proof"]) == ("3.2.2", installed(), None, None)
     step = next(each for each in answer["steps"] if each["change"] == "ccd-names")
-    assert step["words"] == '`mpr_iterations="20"` is `ccd_iterations="20"` at `<option>`'
+    assert step["words"] == 'replaced `mpr_iterations="20"` with `ccd_iterations="20"` at `<option>`'
     assert "ccd_iterations" in answer["diff"]["old.xml"]
 
 

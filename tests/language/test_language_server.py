@@ -33,7 +33,7 @@ WRONG = [
     ("prefixes", 3, "not `base`"),
     ("joint_word", 3, '"free"'),
     ("tendon_path", 3, 'Missing property "path"'),
-    ("list_for_names", 7, "Incorrect type"),
+    ("list_for_names", 9, "Incorrect type"),
     ("globs", 4, "a choice is `{a,b}`"),
 ]
 

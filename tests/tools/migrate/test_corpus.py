@@ -37,5 +37,5 @@ def test_it_is_the_same_robot(model: str, before: str | None, after: str | None,
     python = mujoco(str(before or after)).python
     result = run(Wish(str(path), before, after, pythons=(python,)), context, lambda words: None)
     assert result is not None, context.sink.diagnostics
-    assert result.is_proved, result.unexplained
+    assert result.proof.outcome is not None and result.proof.outcome.same, result.unexplained
     assert not result.proof.outcome or not result.proof.outcome.apart
