@@ -128,7 +128,7 @@ wheel: $(STAMP)
 	@rm -rf dist && build/wheel/bin/python -m build --outdir dist
 
 schemas: $(STAMP)
-	@for what in recipe manifest; do \
+	@for what in recipe manifest diagnostics; do \
 	  $(BIN)/mjcompose schema $$what > build/$$what.schema.json && mv build/$$what.schema.json schemas/ || exit 1; \
 	done
 	@$(BIN)/python -m mjcompose.language.reference_page docs/reference/keys

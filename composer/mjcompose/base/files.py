@@ -11,6 +11,7 @@ import errno
 import os
 import re
 import stat
+import sys
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
@@ -434,6 +435,8 @@ def _text(path: str) -> bytes:
 _TEXTS: ContextVar[Mapping[str, bytes] | None] = ContextVar("mjcompose.base.files", default=None)
 
 
+STDIN = "<stdin>"
+"""The name of standard input in messages: a recipe in the current folder that is in no file."""
 _piped: dict[str, bytes] = {}
 
 
@@ -442,6 +445,18 @@ def keep_piped(path: str, text: bytes) -> bytes:
     if text or path not in _piped:
         _piped[path] = text
     return _piped[path]
+
+
+def keep_stdin() -> str:
+    """Read a recipe from standard input, to be read as a file in the current folder, and return its name."""
+    stream = None if sys.stdin is None else sys.stdin.buffer
+    _piped[os.path.join(os.getcwd(), STDIN)] = b"" if stream is None else stream.read(in_force().recipe_size + 1)
+    return STDIN
+
+
+def own_name(path: PurePath) -> str:
+    """Return the name of a recipe's model if the recipe gives it none. No I/O."""
+    return "model" if path.name == STDIN else path.stem
 
 
 @contextmanager

@@ -14,10 +14,10 @@ import click
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import hide
 from mjcompose.build.bundle.bundle import is_address
-from mjcompose.cli.cells import BuildingOptions, check_several
-from mjcompose.cli.options import RECIPE, caching, did_you_mean, output
+from mjcompose.cli.cells import BuildingOptions, check_readers, check_several
+from mjcompose.cli.options import RECIPE_OR_STDIN, caching, did_you_mean, output
 from mjcompose.cli.output import OutputSpec, Picturing, Task, kind_of_output
-from mjcompose.cli.reporting import USAGE
+from mjcompose.cli.reporting import FINDINGS, USAGE, noted_files, noted_outputs
 from mjcompose.cli.run import PATH, Run, Stop, command, flag, option
 from mjcompose.targets.names import MUJOCO
 from mjcompose.targets.names import NAMES as TARGETS_NAMES
@@ -40,7 +40,7 @@ class _Target(click.Choice):  # type: ignore[type-arg]  # before click 8.2 it is
 
 @dataclass(frozen=True, slots=True)
 class Options(BuildingOptions):
-    recipe: Path = RECIPE
+    recipe: Path = RECIPE_OR_STDIN
     out: str | None = output(
         "Where to write the model: DIR/, FILE.zip, FILE.mjz, FILE.xml (text without assets; '-' is standard output),"
         " FILE.mjb or FILE.usdz (also .usd, .usda, .usdc). {name} is replaced by the name of the model, {hash} by two"
@@ -77,6 +77,8 @@ class Options(BuildingOptions):
         "--target", type=_Target(TARGETS_NAMES), callback=lambda _context, _, name: None if name == MUJOCO else name,
         help="The program to write the model for. Features that it lacks are reported. Default: mujoco.",
     )  # fmt: skip
+    depfile: Path | None = option("--depfile", type=PATH, metavar="FILE", help="Also write the paths of all inputs to"
+                                  " this file, in the syntax of Make and Ninja.")  # fmt: skip
     licenses: bool = flag("--licenses", help="Print the license of every part.")
     why: bool = flag("--why", help="Print why a model was built, or why it was taken from the cache.")
 
@@ -88,6 +90,19 @@ class Options(BuildingOptions):
 @command(Options)
 def build(options: Options, run: Run) -> int:
     """Build the model of RECIPE: one MJCF file and its assets, compiled in MuJoCo before it is written."""
+    code = _build(options, run)
+    if code == 0 and options.depfile is not None:
+        from mjcompose.cli.depfile import write
+
+        context = run.new_context()
+        inputs = [*noted_files(), *options.choices.set_files]
+        write(options.depfile, noted_outputs(), inputs, context=context)
+        run.report(context)
+        code = FINDINGS if context.sink.has_errors else 0
+    return code
+
+
+def _build(options: Options, run: Run) -> int:
     from mjcompose.build.cache.builder import Maker
     from mjcompose.build.cache.cache_key import BuildOptions
 
@@ -127,6 +142,7 @@ def build(options: Options, run: Run) -> int:
 
 
 def _check_usage(options: Options) -> None:
+    check_readers(options.recipe, options.workers.cluster)
     workers, table, samples = options.workers, options.table, options.samples
     check_several(options.one, jobs=workers.jobs, shard=workers.shard, cluster=workers.cluster)
     if table is not None and (left := next((name for name, given in {
@@ -141,6 +157,8 @@ def _check_usage(options: Options) -> None:
     if samples is not None and not samples.lower().endswith((".csv", ".parquet")):
         help = "`--sample NUMBER` builds one, and `randomize: {samples: NUMBER}` in the recipe sets their number"
         raise click.UsageError(f"--sample-table names a table, FILE.csv or FILE.parquet, not `{samples}`: {help}.")
+    if options.depfile is not None and (options.out == "-" or workers.shard is not None):
+        raise click.UsageError("--depfile names the outputs of a whole build: remove -o - and --shard.")
     if samples is not None and options.one:
         raise click.UsageError("--sample-table is for --all, --pick and --sample: here is one model.")
 

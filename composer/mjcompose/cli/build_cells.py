@@ -15,6 +15,7 @@ import click
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import hide
+from mjcompose.base.files import own_name
 from mjcompose.base.report import counted
 from mjcompose.base.runtime import deferring
 from mjcompose.base.scratch import scratch
@@ -27,7 +28,7 @@ from mjcompose.build.cache.cell_run import CellMaker, CellResult, CellRun
 from mjcompose.build.cache.run_table import RunTable, index_row
 from mjcompose.cli.cells import FullError, Shard, Tally, counting, found_no_room, stopped
 from mjcompose.cli.output import OutputSpec, Task, add_picture, kind_of_output, put, report_of
-from mjcompose.cli.reporting import FINDINGS, INTERRUPTED, USAGE, arguments, note_files, say, say_details
+from mjcompose.cli.reporting import FINDINGS, INTERRUPTED, USAGE, arguments, note_files, note_output, say, say_details
 from mjcompose.cli.run import Stop
 from mjcompose.tools.worlds import worlds
 from mjcompose.tools.worlds.join import Joined, Joining, Shelf
@@ -148,6 +149,7 @@ class _Results:
         failed = each.failed or pictured.sink.has_errors
         self.tally.take(each.cell.label, (*each.diagnostics, *pictured.sink.diagnostics), sink, failed=failed)
         if each.result is not None and not failed:
+            note_output(spec.target(each.result.name, each.result.mujoco))
             say(report_of(each.result, spec), form=spec.form)
             self.new += each.result.is_new
             if each.result.draws is not None:
@@ -284,7 +286,7 @@ class _Worlds:
         from mjcompose.tools.worlds.union import unite
 
         self.last = None
-        return unite(joining, f"{maker.recipe.stem}-union", self.context, session=session)
+        return unite(joining, f"{own_name(maker.recipe)}-union", self.context, session=session)
 
     def _taken(self, each: CellResult, shelf: Shelf) -> Joined:
         note_files(each.files)
@@ -304,6 +306,7 @@ class _Worlds:
             return
         except _Failed:
             return
+        note_output(str(self.table))
         say(words, form=self.task.spec.form)
         numbers = sum(varying.index.size for varying in study.arrays.values())
         if self.task.spec.form == "text":
@@ -317,10 +320,12 @@ class _Worlds:
             for each in again.diagnostics:
                 self.context.sink.add(each)
             raise _Failed
+        note_output(self.task.spec.target(again.result.name, again.result.mujoco))
         return report_of(again.result, self.task.spec)
 
     def _put(self, bundle: Bundle, study: Worlds) -> str:
         target = self.task.spec.target(study.manifest.name, study.manifest.mujoco)
         write_bundle(bundle, self.context.folder / target, environment=self.context.environment)
+        note_output(target)
         parts = ", ".join(study.table.parts)
         return f"wrote {target}\n  {study.manifest.name}: one model with the parts {parts}"

@@ -16,6 +16,7 @@ from click.core import ParameterSource
 from mjcompose.base import report as text
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import CellName, Diagnostic, DiagnosticError, listed
+from mjcompose.base.files import STDIN
 from mjcompose.base.sink import Sink
 from mjcompose.cli import completion
 from mjcompose.cli.options import (
@@ -224,6 +225,12 @@ def check_several(one: bool, *, jobs: int | None, shard: Shard | None = None, cl
             raise click.UsageError(f"{name} needs --all, --pick or --sample: this is one model.")
     if cluster is not None and cluster != "local" and _is_written("--jobs"):
         raise click.UsageError("--jobs needs --cluster local: another cluster has its own workers.")
+
+
+def check_readers(recipe: Path, cluster: str | None) -> None:
+    """Raise a usage error if other machines would have to read standard input."""
+    if cluster is not None and recipe.name == STDIN:
+        raise click.UsageError("--cluster needs a file: its workers cannot read standard input.")
 
 
 def _is_written(option: str) -> bool:

@@ -13,12 +13,13 @@ import click
 from mjcompose.base import report as github
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import CellName, Diagnostic, Severity, Span
+from mjcompose.base.files import STDIN
 from mjcompose.base.report import Case, Suite, counted
 from mjcompose.base.sink import Sink
-from mjcompose.cli.cells import BuildingOptions, Tally, check_several, counting, stopped
+from mjcompose.cli.cells import BuildingOptions, Tally, check_readers, check_several, counting, stopped
 from mjcompose.cli.options import caching
 from mjcompose.cli.reporting import FINDINGS, exit_code, note_files, progress, say, say_details
-from mjcompose.cli.run import PATH, Run, argument, command, flag, option
+from mjcompose.cli.run import RECIPE_PATH, Run, argument, command, flag, option
 
 if TYPE_CHECKING:
     from mjcompose.build.cache.builder import Maker
@@ -29,7 +30,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Options(BuildingOptions):
-    recipes: tuple[Path, ...] = argument(type=PATH, nargs=-1, required=True)
+    recipes: tuple[Path, ...] = argument(type=RECIPE_PATH, nargs=-1, required=True)
     no_compile: bool = flag("--no-compile", help="Do not compile the models in MuJoCo, and do not run their checks.")
     junit: str | None = option("--junit", metavar="FILE", help="Write the result of each check as JUnit XML ('-' is"
                                " standard output).")  # fmt: skip
@@ -45,6 +46,9 @@ def check(options: Options, run: Run) -> int:
     recipes, one, workers = list(dict.fromkeys(options.recipes)), options.cells.one, options.workers
     jobs = workers.jobs if len(options.recipes) == 1 else None
     check_several(one, jobs=jobs, shard=workers.shard, cluster=workers.cluster)
+    if len(recipes) > 1 and Path(STDIN) in recipes:
+        raise click.UsageError("Standard input, `-`, is checked alone.")
+    check_readers(recipes[0], workers.cluster)
     checking = _Checking(options, run)
     run.to_stderr = options.junit == "-"
     if len(recipes) == 1:

@@ -14,13 +14,13 @@ from mjcompose.cli import completion
 from mjcompose.cli.cells import ModelOptions
 from mjcompose.cli.options import did_you_mean
 from mjcompose.cli.reporting import USAGE, source_reader, use_color
-from mjcompose.cli.run import PATH, Answer, Run, Stop, argument, command, flag
+from mjcompose.cli.run import RECIPE_PATH, Answer, Run, Stop, argument, command, flag
 
 
 @dataclass(frozen=True, slots=True)
 class Options(ModelOptions):
     model: Path | None = argument(
-        metavar="MODEL|CODE", type=PATH, required=False, shell_complete=completion.models_and_codes
+        metavar="MODEL|CODE", type=RECIPE_PATH, required=False, shell_complete=completion.models_and_codes
     )
     query: str | None = argument(required=False, shell_complete=completion.elements)
     attribute: str | None = argument(required=False, shell_complete=completion.attributes)

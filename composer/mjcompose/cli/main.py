@@ -46,7 +46,7 @@ _GROUPS = {
         "doctor": "Check this installation, and show what it can do.",
         "plugin": "Let MuJoCo open recipes in C++ programs, Studio and ROS 2 control.",
         "lsp": "Run the language server for editors, with completion, errors and origins.",
-        "schema": "Print the JSON Schema of recipes, for editors.",
+        "schema": "Print the JSON Schema of recipes, manifests or JSON messages.",
         "completion": "Print the line that enables completion in a shell.",
         "help": "Print the help of a command.",
         "version": "Print the version.",

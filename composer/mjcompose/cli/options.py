@@ -15,7 +15,7 @@ from mjcompose.base.dataclass import dataclass
 from mjcompose.base.limits import NAMES, allow, read
 from mjcompose.cli import completion
 from mjcompose.cli.entry import LEAST, bound
-from mjcompose.cli.run import PATH, Run, argument, flag, group, option
+from mjcompose.cli.run import PATH, RECIPE_PATH, Run, argument, flag, group, option
 
 if TYPE_CHECKING:
     from mjcompose.build.cache.cache import Cache
@@ -59,6 +59,7 @@ STRICT = flag("--strict", help="Treat warnings as errors, except those that the 
 NO_CACHE = flag("--no-cache", help="Do not read models from the build cache or store them in it.")
 WATCH = flag("--watch", help="Run again whenever a file that was read changes. Stop with Ctrl-C.")
 RECIPE = argument(type=PATH)
+RECIPE_OR_STDIN = argument(type=RECIPE_PATH)
 
 
 FORMATS = ("text", "json", "github", "junit", "sarif", "markdown")

@@ -15,7 +15,7 @@ from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Severity, hide
 from mjcompose.base.report import counted
 from mjcompose.build.bundle.bundle import Location, file_name, hash_of, is_address, location, picture_of
-from mjcompose.cli.reporting import clear_progress, note_files, progress, say, say_details
+from mjcompose.cli.reporting import clear_progress, note_files, note_output, progress, say, say_details
 from mjcompose.text.expression_values import shown
 from mjcompose.tree.merged_settings import in_words
 
@@ -245,6 +245,7 @@ class Task:
         say_details(context, files)
         if result is None or context.sink.has_errors:
             return run.code_of_failure(self.maker.recipe)
+        note_output(spec.target(result.name, result.mujoco))
         if run.to_stderr:
             for line in remarks(result, spec):
                 say(line, err=True)

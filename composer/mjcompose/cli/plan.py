@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.cli.cells import ModelOptions
-from mjcompose.cli.options import RECIPE
+from mjcompose.cli.options import RECIPE_OR_STDIN
 from mjcompose.cli.run import Answer, Run, command, flag
 
 if TYPE_CHECKING:
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Options(ModelOptions):
-    recipe: Path = RECIPE
+    recipe: Path = RECIPE_OR_STDIN
     expanded: bool = flag("--expanded", help="Print the concrete recipe, with the file and line of every value.")
     licenses: bool = flag("--licenses", help="Print only the license of every part.")
 

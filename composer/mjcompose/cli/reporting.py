@@ -14,11 +14,12 @@ import click
 
 from mjcompose.base import report as text
 from mjcompose.base.diagnostic import Diagnostic, Severity
+from mjcompose.base.files import STDIN
 from mjcompose.base.report import Case, Suite, printable
 from mjcompose.base.report import report as junit_text
 from mjcompose.sources.context import Context
 
-_READ = "mjcompose.read"
+_READ, _WRITTEN = "mjcompose.read", "mjcompose.written"
 
 
 def note_files(files: Iterable[str | Path]) -> None:
@@ -29,6 +30,16 @@ def note_files(files: Iterable[str | Path]) -> None:
 
 def noted_files() -> set[Path]:
     return set(click.get_current_context().meta.get(_READ, ()))
+
+
+def note_output(target: str) -> None:
+    """Record an output of the current command."""
+    if (context := click.get_current_context(silent=True)) is not None:
+        context.meta.setdefault(_WRITTEN, {})[target] = None
+
+
+def noted_outputs() -> tuple[str, ...]:
+    return tuple(click.get_current_context().meta.get(_WRITTEN, ()))
 
 
 FINDINGS, USAGE, INTERRUPTED = 1, 2, 130
@@ -53,7 +64,7 @@ def say_details(context: Context, files: Iterable[str] = ()) -> None:
 
 def exit_code(folder: Path, named: Iterable[Path]) -> int:
     """Return the exit code of a failed command: a usage error if one of its files does not exist."""
-    return FINDINGS if all(os.path.exists(folder / each) for each in named) else USAGE
+    return FINDINGS if all(str(each) == STDIN or os.path.exists(folder / each) for each in named) else USAGE
 
 
 def say(words: str, *, err: bool = False, form: str = "text") -> None:

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import click
 
 from mjcompose.base.dataclass import dataclass
+from mjcompose.base.files import keep_stdin
 from mjcompose.base.report import printable
 from mjcompose.cli.reporting import (
     DOCUMENTS,
@@ -46,6 +47,16 @@ if TYPE_CHECKING:
 Options = TypeVar("Options")
 Value = TypeVar("Value")
 PATH = click.Path(path_type=Path)
+
+
+class _RecipePath(click.Path):
+    """A path; `-` is standard input, which is read at once."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        return super().convert(keep_stdin() if value == "-" else value, param, ctx)
+
+
+RECIPE_PATH = _RecipePath(path_type=Path)
 _PATIENCE = 0.5
 
 

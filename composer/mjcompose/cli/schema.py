@@ -10,14 +10,19 @@ from mjcompose.cli.run import Answer, Run, argument, command
 
 @dataclass(frozen=True, slots=True)
 class Options:
-    what: str = argument(type=click.Choice(["recipe", "manifest", "reference"]), default="recipe")
+    what: str = argument(type=click.Choice(["recipe", "manifest", "diagnostics", "reference"]), default="recipe")
 
 
 @command(Options)
 def schema(options: Options, run: Run) -> Answer:
-    """Print the JSON Schema of recipes or manifests for editors and other tools, or the reference page of all keys."""
+    """Print a JSON Schema for editors and other tools, or the reference page of all keys.
+
+    The schema is that of recipes, of the manifests in bundles, or of the lines of --output-format json.
+    """
     if options.what == "manifest":
         from mjcompose.build.bundle.manifest import schema as text
+    elif options.what == "diagnostics":
+        from mjcompose.base.report_schema import text
     elif options.what == "reference":
         from mjcompose.language.reference_page import page as text
     else:

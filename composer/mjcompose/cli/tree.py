@@ -7,15 +7,16 @@ from pathlib import Path
 import click
 
 from mjcompose.base.dataclass import dataclass
+from mjcompose.base.files import STDIN
 from mjcompose.cli import completion
 from mjcompose.cli.cells import ModelOptions
 from mjcompose.cli.reporting import use_color
-from mjcompose.cli.run import Answer, Run, argument, command, flag, option
+from mjcompose.cli.run import RECIPE_PATH, Answer, Run, argument, command, flag, option
 
 
 @dataclass(frozen=True, slots=True)
 class Options(ModelOptions):
-    model: str = argument(shell_complete=completion.files)
+    model: str = argument(type=type(RECIPE_PATH)(path_type=str), shell_complete=completion.files)
     places: bool = flag("--places", help="List the places where a part can be attached, as written in a recipe.")
     depth: int | None = option("--depth", type=click.IntRange(min=1), metavar="N", help="Show only N levels of bodies.")
 
@@ -29,7 +30,7 @@ def tree(options: Options, run: Run) -> Answer:
     from mjcompose.tools.outline import as_data, outline, render, render_places
 
     model = Path(options.model)
-    is_recipe = model.suffix.lower() in (".yaml", ".yml")
+    is_recipe = options.model == STDIN or model.suffix.lower() in (".yaml", ".yml")
     given = options.choices.given(run)
     options.cell.check(model, is_recipe=is_recipe)
     given, sample = options.cell.values(model, given, run=run, verb="show")

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from mjcompose.base.dataclass import dataclass
+from mjcompose.base.files import STDIN
 from mjcompose.base.report import Paint, counted
 from mjcompose.base.rotation import Pose
 from mjcompose.build.bundle.bundle import MANIFEST
@@ -308,6 +309,8 @@ def outline(text: str, context: Context, given: Given | None = None, sample: int
     variants, `sample` selects its draws.
     """
     path = context.folder / text
+    if text == STDIN:
+        return _of_recipe(path, text, context, given=given, sample=sample)
     if os.path.isdir(path) or (path.suffix.lower() in _ARCHIVES and "#" not in text):
         return _of_bundle(path, text, context)
     # An existing file is a path, whatever colons it has.

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Severity
+from mjcompose.base.files import STDIN
 from mjcompose.base.log import log
 from mjcompose.build.cache.cache import LOST, Facts, KeptFile, KeptRecipe, Record
 from mjcompose.build.cache.cache_key import BuildOptions, CacheKey, now
@@ -85,7 +86,7 @@ def result_from_cache(record: Record, inputs: tuple[str, ...]) -> BuildResult:
 
 def shown_input_files(result: BuildResult | None, context: Context) -> set[str]:
     """Return the input files of a model, as messages name them."""
-    read = () if result is None else set(input_files(result))
+    read = () if result is None else set(result.inputs or input_files(result))
     return {context.shown(path) for path in read if os.path.isfile(context.folder / path)}
 
 
@@ -167,7 +168,9 @@ class Maker:
         form: str | None = None,
         place: OutputLocator = no_output,
     ) -> None:
-        self.recipe, self.options, self.cache, self.context = recipe, options, cache, context
+        is_piped = recipe.name == STDIN  # the cache compares files
+        self.recipe, self.options, self.context = recipe, options, context
+        self.cache = None if is_piped else cache
         self.form, self.place = form, place
         self.library: Library = {}
         self._inputs: Inputs | None = None
@@ -244,6 +247,8 @@ class Maker:
         from mjcompose.build.bundle.licenses import license_rows
 
         made = result_of_build(built, license_rows(plan, context), why, key=key)
+        names = self._names()
+        made = replace(made, inputs=(*names.recipes(plan), *names.others(built, context)))
         if self.options.text_beside is None:
             self._keep(made, outcomes, context, cell=choice.name)
         return made

@@ -259,7 +259,8 @@ class CellRun:
     """
 
     def __init__(self, making: CellMaker, jobs: int | None = None, crew: RemoteWorkers | None = None) -> None:
-        self.making, self.jobs, self.crew = making, jobs, crew
+        self.making, self.crew = making, crew
+        self.jobs = 1 if making.maker.recipe.name == files.STDIN else jobs  # only this process has read it
         self._pool: Pool[Cell, CellResult] | None = None
         self._held = ExitStack()
 

@@ -44,6 +44,8 @@ def use_lock(recipe: Path, context: Context, disputes: Disputed | None = None) -
         return None
     if fetching.lock is None and fetching.locked:
         help = f"run `mjcompose lock {fetching.recipe}` and commit the lock"
+        if fetching.recipe == files.STDIN:
+            help = "write the recipe to a file: standard input has no lock"
         context.sink.error("lock-stale", f"the lock `{context.shown(path)}` does not exist", help=help)
         return None
     fetching.lock_file = path

@@ -11,6 +11,7 @@ from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Diagnostic, Note
 from mjcompose.base.distribution import CHOICE
 from mjcompose.base.draw_stream import bits
+from mjcompose.base.files import own_name
 from mjcompose.base.sink import Sink
 from mjcompose.base.suggest import unknown_name
 from mjcompose.build.plan.plan import Drawn, Plan
@@ -167,7 +168,7 @@ def read_matrix(recipe: Path, context: Context, given: Map[str, Node] | None = N
     if not isinstance(document, Mapping):
         return None
     named = find(document, ("name",))
-    name = named.text if isinstance(named, Scalar) else as_text(path.stem)
+    name = named.text if isinstance(named, Scalar) else as_text(own_name(path))
     own = settled_name(name, scope_of(document, given or {})) if is_template(name) else name
     matrix = Matrix(document, own, cells(document, name, context.sink, given=given))
     if _draws_parameters(document):

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Note, Span
 from mjcompose.base.diagnostic import Path as KeyPath
+from mjcompose.base.files import own_name
 from mjcompose.base.limits import advice, in_force
 from mjcompose.build.plan.locked import use_lock
 from mjcompose.build.plan.matrix import draw_parameters, read_matrix
@@ -160,7 +161,7 @@ class _Planner:
             angle_context = angle_context_of(concrete, document, whole, files=files, sink=self.sink)
             check_bare_angles(angle_context, self.sink)
         loaded = _LoadedRecipe(
-            name or recipe.name or as_text(path.stem), path, recipe, document=document, concrete=concrete,
+            name or recipe.name or as_text(own_name(path)), path, recipe, document=document, concrete=concrete,
             angle_context=angle_context, source=source, extended=self.context.recipes[path].extended,
             randomize=randomize, sample=sample, drawn=drawn,
         )  # fmt: skip
