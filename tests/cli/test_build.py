@@ -361,7 +361,8 @@ def test_an_interruption_while_mujoco_works(folder: Path, tmp_path: Path, sent: 
     temporary = tmp_path / "temporary"
     temporary.mkdir()
     started = subprocess.Popen(
-        [sys.executable, "-m", "mjcompose", "build", "slow.yaml", "-o", "out.zip", "--limit", "expansion=1000000"],
+        [sys.executable, "-m", "mjcompose", "build", "slow.yaml", "-o", "out.zip", "--limit", "expansion=1000000", "--limit",
+         "bodies=100000"],
         env=environment(TMPDIR=str(temporary)), stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True,
         # tests that were started in the background of a shell ignore it, and so would what they start
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),

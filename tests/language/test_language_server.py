@@ -138,7 +138,7 @@ HOVERED = [
     ("asset: {tex|ture: {}}", "an image on surfaces"),
     ("default: {pad: {ge|om: {}}}", "defaults of every geom in this class"),
     ("default: {pad: {geom: {fric|tion: [1]}}}", "sliding"),
-    ("contact: {ex|clude: []}", GRAMMAR.element("contact/exclude").doc),
+    ("contact: {ex|clude: []}", "Pairs of bodies that do not touch"),
     ("tendon: {r: {type: spatial, pa|th: [{site: s}]}}", "what it goes over, in order"),
     ("option: {time|step: 0.001}", "timestep, s (default: 0.002)"),
     ("option: {fl|ag: {}}", "switched on or off"),
