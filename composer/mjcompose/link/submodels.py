@@ -16,6 +16,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 
+from lxml import etree
 from lxml.etree import _Element as Node
 
 from mjcompose.base.access import Door, held
@@ -228,14 +229,17 @@ class _Bundler:
         taken = {use.path: use.content if use.content is not None else Path(use.source) for use in self.linking.files}
         folder = file.rsplit("/", 1)[0]
         start = file.removesuffix(".xml") + "/"
-        files = {path: content for path, content in unit.contents.items() if path.startswith(start)}
+        files: dict[str, bytes | Path] = {path: each for path, each in unit.contents.items() if path.startswith(start)}
         files = {path.removeprefix(folder): content for path, content in {file: model, **files}.items()}
+        if not self.keyed:
+            files = {path: _without_keys(path, content) for path, content in files.items()}
         number, free = 1, folder
         while any(not _same_bytes(taken.get(free + path, content), content) for path, content in files.items()):
             number += 1
             free = f"{folder}-{number}"
         element.set("file", free + file.removeprefix(folder))
-        if (again := parse_held(unit, file, model, sink=Sink())) is not None:
+        kept = files[file.removeprefix(folder)]
+        if isinstance(kept, bytes) and (again := parse_held(unit, file, kept, sink=Sink())) is not None:
             self.linking.notes.attached[element] = again.root
         for path, content in files.items():
             data = content if isinstance(content, bytes) else None
@@ -283,6 +287,16 @@ class _Bundler:
         for compiler in sub.root.iterchildren("compiler"):
             for name in FOLDERS:
                 compiler.attrib.pop(name, "")
+
+
+def _without_keys(path: str, content: bytes | Path) -> bytes | Path:
+    """Return a file without the keys that it has as a model. It was written here."""
+    if not isinstance(content, bytes) or not path.endswith(".xml"):
+        return content
+    root = etree.fromstring(content)
+    for section in list(root.iterchildren("keyframe")):
+        root.remove(section)
+    return write(root)
 
 
 def parse_held(unit: Unit, file: str, data: bytes, sink: Sink) -> Unit | None:

@@ -57,6 +57,19 @@ def read_settings(root: Node) -> Settings:
     return Settings(**written)
 
 
+RECIPES = (".yaml", ".yml")
+"""The ends of the names of recipes."""
+
+
+def is_recipe(file: str) -> bool:
+    """Return whether a `<model>` with this file attaches a recipe.
+
+    >>> is_recipe("tools/gripper.yaml")
+    True
+    """
+    return file.lower().endswith(RECIPES)
+
+
 CUBE = ("fileright", "fileleft", "fileup", "filedown", "filefront", "fileback")
 NAMED_AFTER_FILE = ("mesh", "hfield", "skin", "texture")
 

@@ -231,8 +231,9 @@ def add_manifest(bundle: Bundle, making: ManifestInput, context: Context) -> Bun
         for label, source in named
     )
     by_license: dict[str, list[str]] = {}
-    for each, member in zip(inputs, making.members, strict=True):
-        by_license.setdefault(each.license or UNKNOWN, []).append(member.part)
+    parts = [place.part for place in plan.places() if isinstance(place.model, Source)]
+    for each, part in zip(inputs, parts, strict=True):
+        by_license.setdefault(each.license or UNKNOWN, []).append(part)
     renamed = renamed_in(model, making.members)
     index = None
     if compiled is not None and compiled.index is not None:
@@ -310,7 +311,7 @@ def _read(bundle: Bundle, making: ManifestInput, portable: Portable) -> list[tup
 
 def sources(plan: Plan) -> Iterator[tuple[str, Source]]:
     """Yield every source file of a plan and its nested recipes, with the prefix of its part (or the base's name)."""
-    for place in plan.walk():
+    for place in plan.places():
         if isinstance(place.model, Source):
             yield place.prefix.strip(plan.separator) or place.model.path.stem, place.model
 

@@ -57,6 +57,9 @@ class UnplacedRecord:
         self.update(changed=tuple(sorted({*self.member.changed, *arrays})))
 
 
+_OF_RECIPES = "it attaches recipes, which MuJoCo does not read"
+
+
 def unplaced_records(
     plan: Plan, wanted: Iterable[PartRequest], parts: Iterable[Part], inner: Sequence[list[UnplacedRecord]]
 ) -> list[UnplacedRecord]:
@@ -75,7 +78,8 @@ def unplaced_records(
             keys = {"merge": "", "prefix": part.prefix, "none": None}[part.keyframes]
             member = PartRecord(
                 name, part.prefix, model, keys=keys, welded=part.weld, is_fixed_in_world=request.is_fixed_in_world,
-                obscure=cut if model.format == "urdf" else None, subtree=request.body,
+                obscure=cut if model.format == "urdf" else _OF_RECIPES if request.attaches_recipes else None,
+                subtree=request.body,
             )  # fmt: skip
             own = [UnplacedRecord(member, part.content)]
         dropped = {entry.section for entry in request.drop if not entry.leaves_keys}

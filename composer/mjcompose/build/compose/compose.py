@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import field, replace
@@ -36,6 +37,7 @@ from mjcompose.build.compose.checks import (
 from mjcompose.build.compose.collisions import set_collisions
 from mjcompose.build.compose.editing import EditCost
 from mjcompose.build.compose.elements import ElementBuilder, append_element, set_default, set_singleton, settle_joints
+from mjcompose.build.compose.inner import InnerModels
 from mjcompose.build.compose.keyframe import write_keyframes
 from mjcompose.build.compose.keys import hold_poses
 from mjcompose.build.compose.load import Key, Library, Loader, PartRequest, part_requests, source_key
@@ -153,6 +155,7 @@ class Composer:
         self.unplaced: dict[Node, list[UnplacedRecord]] = {}
         self.parts: dict[Node, str] = {}
         self.keys = KeyNotes()
+        self.inner: list[Composed] = []
 
     def compose(self, plan: Plan) -> Composed | None:
         """Return the model of a plan, or None if there were errors, including those of earlier stages."""
@@ -161,10 +164,13 @@ class Composer:
         composed = self._compose(plan, True)
         if composed is None or self.context.sink.has_errors:
             return None
-        shapes = () if self.workshop is None else self.workshop.shapes_in(composed.model.root)
+        shapes = () if self.workshop is None else tuple(self.workshop.shapes_in(composed.model.root))
+        shapes += tuple(shape for each in self.inner for shape in each.shapes)
         members = placed_records(self.unplaced[composed.model.root], composed.model.root)
         excluded = tuple(Excluded(str(node.get("body1")), str(node.get("body2")), why) for node, why in self.needless)
-        tables = self.loader.tables()
+        tables = dict(self.loader.tables())
+        for each in self.inner:
+            tables.update(each.tables)
         return replace(composed, members=members, shapes=shapes, excluded=excluded, keys=self.keys, tables=tables)
 
     def unit_of(self, plan: Plan, wanted: PartRequest) -> Unit | None:
@@ -188,6 +194,23 @@ class Composer:
         for place in plan.walk(is_fixed):
             if isinstance(place.model, Source):
                 self.loader.expect(place.model, place.is_fixed_in_world)
+        inner = {os.path.realpath(each.path): each for outer in plan.plans() for step in outer.members
+                 for each in step.inner}  # fmt: skip
+        if inner:
+            self.loader.embed = InnerModels(
+                inner, self._composed_alone, self.context.sink, shown=self.context.shown
+            ).embed
+
+    def _composed_alone(self, plan: Plan) -> Unit | None:
+        """Return the model of a recipe that MJCF attaches."""
+        composer = Composer(
+            self.context, self.measure, self.loader.session, library=self.loader.library, options=self.options
+        )
+        composed = composer.compose(plan)
+        if composed is None:
+            return None
+        self.inner.append(composed)
+        return replace(composed.model, label=plan.path.stem)
 
     def _compose(self, plan: Plan, is_fixed: bool) -> Composed | None:
         """Return the model of a plan. With `is_fixed`, it is fixed in the world of the final model."""
@@ -351,7 +374,7 @@ class Composer:
             if isinstance(place.model, Source) and place.model.format == "mjcf":
                 path = place.model.path
                 unit = parse_file(path, Sink(), file=self.context.shown(path), door=place.model.door)
-                if unit is not None:
+                if unit is not None and (self.loader.embed is None or self.loader.embed(unit)):
                     yield source_key(place.model, place.is_fixed_in_world), unit
 
     def _unit(self, plan: Plan, wanted: PartRequest) -> Unit | None:

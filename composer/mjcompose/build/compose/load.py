@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import field
 from pathlib import Path as PathlibPath
 from typing import TYPE_CHECKING
@@ -63,7 +63,8 @@ class Loader:
     """Loads the units of source files.
 
     `expect` announces how often each is needed, so the last use needs no copy. Units that are in the `library` are
-    not read again, and new ones are added to it. With `checks`, every file must be valid MJCF as a whole.
+    not read again, and new ones are added to it. With `checks`, every file must be valid MJCF as a whole. `embed`
+    puts the models of recipes into a unit that attaches them.
     """
 
     context: Context
@@ -71,6 +72,7 @@ class Loader:
     watch: Watch = nobody
     library: Library | None = None
     checks: bool = False
+    embed: Callable[[Unit], bool] | None = None
     parsed: dict[Key, Unit | None] = field(default_factory=dict)
     uses: Counter[Key] = field(default_factory=Counter)
 
@@ -97,7 +99,7 @@ class Loader:
         return {key[:3]: unit.table for key, unit in self.parsed.items() if unit is not None and unit.table}
 
     def _known_or_read(self, key: Key, model: Source, span: Span | None, is_fixed: bool) -> Unit | None:
-        if self.library is None:
+        if self.library is None or self.embed is not None:
             return self._read(model, span, is_fixed)
         if (known := self.library.get(key)) is not None:
             return known.copied()
@@ -113,7 +115,7 @@ class Loader:
             return urdf_unit(model, self.context, self.session, span=span, is_fixed=is_fixed)
         sink, shown = self.context.sink, self.context.shown
         unit = parse_file(model.path, sink, file=shown(model.path), span=span, door=model.door)
-        if unit is None or not all_admitted(unit, sink, shown):
+        if unit is None or (self.embed is not None and not self.embed(unit)) or not all_admitted(unit, sink, shown):
             return None
         if self.checks and not check_source(unit, sink):
             return None
@@ -141,6 +143,7 @@ class PartRequest:
     is_fixed_in_world: bool
     drop: tuple[Drop, ...] = ()
     edit: tuple[Edit, ...] = ()
+    attaches_recipes: bool = False
 
     @property
     def drops_elements(self) -> bool:
@@ -192,5 +195,5 @@ def part_requests(plan: Plan, is_fixed: bool) -> Iterator[PartRequest]:
         yield PartRequest(
             step.model, part.subtree, step.at, keyframes="merge" if is_read else part.key_policy,
             span=locate(document, (*step.at, "subtree")), is_fixed_in_world=is_fixed and is_fixed_in_world(part),
-            drop=part.drop, edit=part.edit,
+            drop=part.drop, edit=part.edit, attaches_recipes=bool(step.inner),
         )  # fmt: skip

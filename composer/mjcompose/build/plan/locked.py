@@ -252,7 +252,7 @@ class _FileGatherer:
     uses: dict[str, _SourceUse] = field(default_factory=dict)
 
     def of(self, plans: Iterable[Plan]) -> dict[str, _SourceUse]:
-        for place in (place for plan in plans for place in plan.walk()):
+        for place in (place for plan in plans for place in plan.places()):
             model, read = place.model, self.fetching.files
             if isinstance(model, Plan):
                 self._recipe(model, place)

@@ -258,7 +258,8 @@ BASE = "base"
 class AttachPart:
     """Attach a model to a place, with its names under `prefix` (separator included).
 
-    The base has no prefix, and is at the world. `copy` has the number on each axis of `replicate`, from 0.
+    The base has no prefix, and is at the world. `copy` has the number on each axis of `replicate`, from 0. `inner` are
+    the recipes that the MJCF of the model attaches itself.
     """
 
     prefix: str
@@ -267,6 +268,7 @@ class AttachPart:
     at: tuple[str | int, ...]
     span: Span
     copy: tuple[int, ...] = ()
+    inner: tuple[Plan, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -384,13 +386,23 @@ class Plan:
         """
         yield from _walk(PlacedModel(self, is_fixed_in_world=is_fixed))
 
+    def places(self) -> Iterator[PlacedModel]:
+        """Yield the same as `walk`, then the recipes that MJCF attaches, which have the names of the parts with it."""
+        placed = list(self.walk())
+        yield from placed
+        for place in placed:
+            for plan in () if place.step is None else place.step.inner:
+                for each in plan.places():
+                    part = place.part + plan.separator + each.part if each.part else place.part
+                    yield replace(each, part=part, span=place.span)
+
     def plans(self) -> Iterator[Plan]:
         """Yield the plan, and those of its nested recipes."""
-        yield from (place.model for place in self.walk() if isinstance(place.model, Plan))
+        yield from (place.model for place in self.places() if isinstance(place.model, Plan))
 
     def sources(self) -> Iterator[Source]:
         """Yield the model files of the plan and of its nested recipes."""
-        yield from (place.model for place in self.walk() if isinstance(place.model, Source))
+        yield from (place.model for place in self.places() if isinstance(place.model, Source))
 
     @property
     def part_names(self) -> tuple[str, ...]:
@@ -406,7 +418,7 @@ class Plan:
     @property
     def all_edits(self) -> list[Edit]:
         """The entries of `edit`, here, at parts and in nested recipes."""
-        of_parts = [edit for place in self.walk() if place.request is not None for edit in place.request.edit]
+        of_parts = [edit for place in self.places() if place.request is not None for edit in place.request.edit]
         return [step.edit for plan in self.plans() for step in plan.edits] + of_parts
 
     @property

@@ -9,16 +9,18 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from mjcompose.base.access import Door
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Note, Span
 from mjcompose.base.diagnostic import Path as KeyPath
 from mjcompose.base.files import own_name
 from mjcompose.base.limits import advice, in_force
+from mjcompose.build.plan.inner import inner_recipes
 from mjcompose.build.plan.locked import use_lock
 from mjcompose.build.plan.matrix import draw_parameters, read_matrix
 from mjcompose.build.plan.parts import check_part_names, check_pieces, copies, without_rings
 from mjcompose.build.plan.plan import BASE, AttachPart, Drawn, Plan
-from mjcompose.build.plan.read import Given, ValidRecipe, folder_of, validated_recipe
+from mjcompose.build.plan.read import Given, ValidRecipe, files_of_recipe, folder_of, validated_recipe
 from mjcompose.build.plan.step_table import steps_of
 from mjcompose.build.plan.steps import (
     AngleContext,
@@ -36,8 +38,9 @@ from mjcompose.language.recipe import Recipe
 from mjcompose.language.validate import validate_what_remains
 from mjcompose.sources import ros
 from mjcompose.sources.context import Context, as_text
+from mjcompose.sources.kinds import parse
 from mjcompose.sources.lock import resolve
-from mjcompose.sources.reference import Source, SourceError
+from mjcompose.sources.reference import Origin, Source, SourceError
 from mjcompose.sources.ros import UrdfChoices
 from mjcompose.text.node import Mapping, find, locate
 
@@ -121,6 +124,9 @@ class _Planner:
         self.sink = context.sink
         self.nested = 0
         self.sources: dict[tuple[str, Path], Source] = {}
+        self.inner: dict[Source, tuple[Plan, ...]] = {}
+        self.attaching = False
+        """Whether MJCF attaches the recipe: it may do no more than the MJCF may."""
         self.sizes: dict[int, tuple[Plan, int]] = {}
         """Each plan with its number of parts, including parts of nested recipes, by the identity of the plan."""
 
@@ -172,7 +178,8 @@ class _Planner:
         recipe, document, concrete = loaded.recipe, loaded.document, loaded.concrete
         base: AttachPart | None = None
         if recipe.base is not None and (model := self._model(recipe.base, (BASE,), loaded, inside=inside)) is not None:
-            base = AttachPart("", model, recipe.base, at=(BASE,), span=locate(document, (BASE, "model")))
+            span = locate(document, (BASE, "model"))
+            base = AttachPart("", model, recipe.base, at=(BASE,), span=span, inner=self._inner(model))
         members = tuple(self._parts(loaded, inside))
         if recipe.base is not None and base is None:
             return None
@@ -207,8 +214,8 @@ class _Planner:
 
     def _may_have(self, plan: Plan) -> bool:
         """Return whether a plan is within the limit of parts, including copies and parts of nested recipes."""
-        inner = [1 + self._size_of(part.model) for part in plan.parts]
-        size = sum(inner) + (self._size_of(plan.base.model) if plan.base else 0)
+        inner = [1 + self._size_of(part) for part in plan.parts]
+        size = sum(inner) + (self._size_of(plan.base) if plan.base else 0)
         self.sizes[id(plan)] = plan, size
         most = in_force().parts
         if size <= most:
@@ -218,8 +225,8 @@ class _Planner:
         self.sink.error("limit-exceeded", message, at, help=advice("parts", size))
         return False
 
-    def _size_of(self, model: Source | Plan | None) -> int:
-        return self.sizes[id(model)][1] if isinstance(model, Plan) else 0
+    def _size_of(self, part: AttachPart) -> int:
+        return sum(self.sizes[id(each)][1] for each in (part.model, *part.inner) if isinstance(each, Plan))
 
     def _check_worlds(self, path: Path, recipe: Recipe, document: Mapping) -> None:
         """Report a recipe whose samples cannot be worlds: it draws nothing, or parameters."""
@@ -261,7 +268,7 @@ class _Planner:
                 self.sink.suppress_about(own for own, _ in numbered)
             else:
                 for prefix, copy in prefixes.items():
-                    yield AttachPart(prefix, model, attachment, at=at, span=span, copy=copy)
+                    yield AttachPart(prefix, model, attachment, at=at, span=span, copy=copy, inner=self._inner(model))
 
     def _model(self, attachment: Attachment, at: KeyPath, around: _LoadedRecipe, inside: Outer) -> Source | Plan | None:
         """Return the model for the mapping at `at`: a source, or the plan of a nested recipe."""
@@ -273,6 +280,9 @@ class _Planner:
         span, environment, fetching = locate(document, (*at, "model")), self.context.environment, self.context.fetching
         folder = folder_of(span, self.context)
         try:
+            if self.attaching and parse(reference).kind.runs_code:
+                message = f"`{reference}` runs code, which a recipe that MJCF attaches may not do"
+                raise SourceError("source-outside", message, "name the model in your own recipe")
             source = self.sources.get((reference, folder))
             source = source or resolve(reference, relative_to=folder, environment=environment, fetching=fetching)
         except SourceError as error:
@@ -292,7 +302,7 @@ class _Planner:
             for key, what in (("with", "recipes and xacro templates"), ("urdf", "URDF")):
                 if find(document, (*at, key)) is not None:
                     self._only_for(key, what, f"`{reference}`", document=document, at=at)
-            return source
+            return source if self._plan_inner(source, inside) else None
         packages = tuple(self._packages(attachment.packages, document, at))
         door = source.door.wider(tuple(folder for _, folder in packages)) if packages else source.door
         arguments = []
@@ -307,6 +317,44 @@ class _Planner:
             tuple(arguments), keys.visuals, keys.fixed, actuators=keys.actuators, inertia=keys.inertia
         )
         return replace(source, packages=packages, door=door, urdf=choices)
+
+    def _plan_inner(self, source: Source, inside: Outer) -> bool:
+        """Plan the recipes that MJCF attaches itself. Return whether none has errors."""
+        before, context, plans = self.sink.error_count, self.context, []
+        for path, folder, span in inner_recipes(source, context):
+            try:
+                relative = os.path.relpath(path, folder)
+                found = resolve(
+                    f"./{relative}", relative_to=folder, environment=context.environment, fetching=context.fetching
+                )
+            except SourceError as error:
+                self.sink.add(error.at(span))
+                continue
+            outer, self.attaching = self.attaching, True
+            plan = self.plan(found.path, inside, span, given={}, source=found)
+            self.attaching = outer
+            if plan is not None and self._may_read(plan, source.door, span):
+                plans.append(plan)
+        self.inner[source] = tuple(plans)
+        return self.sink.error_count == before
+
+    def _may_read(self, plan: Plan, door: Door, span: Span) -> bool:
+        """Return whether all local files of a recipe may be read by the MJCF that attaches it."""
+        files = [file for each in plan.plans() for file in (each.path, *files_of_recipe(each, self.context))]
+        extended = (source for each in plan.plans() for source, _ in each.extended)
+        for source in (*plan.sources(), *extended):
+            if source.origin is None:
+                files += (source.path, *(folder for _, folder in source.packages))
+        outside = next((file for file in files if self._around(file) is None and not door.sees(file)), None)
+        if outside is not None:
+            door.outside(str(outside)).report(self.sink, span, shown=self.context.shown)
+        return outside is None
+
+    def _around(self, file: Path) -> Origin | None:
+        return None if self.context.fetching is None else self.context.fetching.around(file)
+
+    def _inner(self, model: Source | Plan) -> tuple[Plan, ...]:
+        return self.inner.get(model, ()) if isinstance(model, Source) else ()
 
     def _in_place(self, at: KeyPath, model: Mapping, around: _LoadedRecipe, inside: Outer) -> Plan | None:
         """Return the plan of a recipe that is written in place of a model reference."""

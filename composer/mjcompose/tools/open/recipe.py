@@ -11,12 +11,13 @@ from pathlib import Path
 from threading import Lock, RLock
 from typing import Any, NamedTuple, TypeAlias
 
-from mjcompose.base.files import Mark, mark_of
+from mjcompose.base.files import Mark, mark_of, read_regular
 from mjcompose.base.log import warn
 from mjcompose.base.report import MjcomposeError, render, short_traceback
 from mjcompose.build.cache.inputs import Inputs
 from mjcompose.build.plan.read import Given
 from mjcompose.build.stages import Built, Request, build
+from mjcompose.link.linking import FileUse
 from mjcompose.mujoco.engine import Session
 from mjcompose.sources import blobs
 from mjcompose.sources.context import Context
@@ -160,8 +161,13 @@ def _text(built: Built, context: Context) -> tuple[str, list[str]]:
     Generated ones go to the store, by their hash.
     """
     folder = Store.of(context.environment).folder / "opened"
-    generated = []
+    root = built.composed.model.root
+    inner = [each for each in built.composed.files
+             if each.element.tag == "model" or each.element.getroottree().getroot() is not root]  # fmt: skip
+    generated = _write_models(root, inner, folder) if inner else []
     for use in built.composed.files:
+        if use in inner:
+            continue
         if use.content is None:
             path = os.path.abspath(context.folder / use.source)
         else:
@@ -172,7 +178,20 @@ def _text(built: Built, context: Context) -> tuple[str, list[str]]:
         if use.element.tag in NAMED_AFTER_FILE and not use.element.get("name"):
             use.element.set("name", stem(use.path))
         use.element.set(use.attribute, path)
-    return write(built.composed.model.root).decode(), generated
+    return write(root).decode(), generated
+
+
+def _write_models(root: Any, uses: list[FileUse], folder: Path) -> list[str]:
+    """Write the models that MuJoCo attaches, which name their files by relative paths; return all their files."""
+    contents = {use.path: read_regular(use.source) if use.content is None else use.content for use in uses}
+    key = json.dumps([[path, blobs.digest(content)] for path, content in sorted(contents.items())])
+    place = folder / blobs.digest(key.encode())
+    for path, content in contents.items():
+        if not os.path.exists(place / path):
+            blobs.write_whole(folder.parent, place / path, content)
+    for element in root.iterfind("asset/model"):
+        element.set("file", str(place / str(element.get("file"))))
+    return [str(place / path) for path in contents]
 
 
 def _as_json(values: Mapping[str, Any]) -> dict[str, str]:
