@@ -1,18 +1,26 @@
-"""The site of the docs: all pages are on it, and all links lead somewhere."""
+"""The site of the docs: all pages are on it, all links lead somewhere, and its search finds the words that people type."""
 
 from __future__ import annotations
 
 import json
+import re
 import shutil
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
 import yaml
 
 ROOT = Path(__file__).resolve().parents[2]
 BESIDE = {"errors", "examples", "pictures", "live"}
+TYPED = (
+    "domain randomization", "combine robots", "quickstart", "headless", "namespace", "end effector", "Isaac Lab",
+    "sim-to-real", "macOS", "troubleshooting",
+)  # fmt: skip
+FIRST_WORDS = 60
+"""A page counts as found if the words are in its path of headings or near the beginning of a section."""
 
 
 def _pages(nav: object) -> list[str]:
@@ -32,7 +40,7 @@ def test_every_page_is_in_the_menu() -> None:
 
 
 @pytest.mark.slow
-def test_links_lead_somewhere_on_the_site() -> None:
+def test_links_lead_somewhere_and_search_finds_the_words_that_people_type() -> None:
     made = subprocess.run(
         [sys.executable, ".ci/site", "--pages"], cwd=ROOT, capture_output=True, text=True, timeout=120, check=False
     )
@@ -42,7 +50,35 @@ def test_links_lead_somewhere_on_the_site() -> None:
     assert "::: mjcompose.mjcf.from_path" in (ROOT / "build" / "site_pages" / "reference" / "api.md").read_text(
         encoding="utf-8"
     )
-    assert "asset-missing" in (ROOT / "build" / "site_pages" / "errors" / "index.md").read_text(encoding="utf-8")
+    errors = (ROOT / "build" / "site_pages" / "errors" / "index.md").read_text(encoding="utf-8")
+    assert "## Sources and lock" in errors and "asset-missing" in errors
+    index = json.loads(_search_index().read_text(encoding="utf-8"))
+    entries = {entry["location"]: _words(entry) for entry in index["items"]}
+    assert len(entries) > 300
+    lost = [text for text in TYPED if not any(set(text.lower().split()) <= words for words in entries.values())]
+    assert not lost, f"no page has these words in a heading or at the beginning of a section: {lost}"
+
+
+def _search_index() -> Path:
+    """The index that the site's own search reads, in `build/site`; skips if the generator cannot be installed."""
+    environment = ROOT / "build" / "docs"
+    program = environment / ("Scripts" if sys.platform == "win32" else "bin") / "zensical"
+    if not program.exists() and not program.with_suffix(".exe").exists():
+        if not (environment / "pyvenv.cfg").exists():
+            subprocess.run([sys.executable, "-m", "venv", environment], check=True, timeout=120)
+        pip = [program.with_name("python"), "-m", "pip", "install", "--quiet", "zensical", "mkdocstrings-python"]
+        made = subprocess.run(pip, capture_output=True, text=True, timeout=300, check=False)
+        if made.returncode:
+            pytest.skip(f"the pages are laid out, and zensical cannot be installed: {made.stderr[-200:]}")
+    made = subprocess.run([program, "build"], cwd=ROOT, capture_output=True, text=True, timeout=300, check=False)
+    assert made.returncode == 0, made.stdout + made.stderr
+    return ROOT / "build" / "site" / "search.json"
+
+
+def _words(entry: dict[str, Any]) -> set[str]:
+    """The words of an entry's headings and of the beginning of its text."""
+    text = re.sub(r"<[^>]+>", " ", entry["text"]).split()[:FIRST_WORDS]
+    return set(re.findall(r"[\w-]+", " ".join([*entry["path"], entry["title"], *text]).lower()))
 
 
 def test_each_release_has_its_pages_beside_the_latest(tmp_path: Path) -> None:
