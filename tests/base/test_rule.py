@@ -74,7 +74,7 @@ WRITES_ITSELF = {
     "into memory": "urdf/converting.py:_look",
     "into a folder of ours": """
         cli/doctor.py:_mujoco build/compose/mesh_jobs.py:MeshWorkshop._make tools/diff/sides.py:_recipe_of
-        tools/diff/sides.py:from_lfs tools/diff/sides.py:_beside_the_same mujoco/child.py
+        tools/diff/sides.py:_beside_the_same mujoco/child.py
         mujoco/engine.py:Session._spawn link/measure.py:folder_of mujoco/pictures.py:pictures base/scratch.py
         mujoco/scene.py:Blobs.put mujoco/scene.py:describe targets/read_back.py:placed targets/export.py:_put
         targets/read_back.py:read_back urdf/read.py:UrdfReader._written build/verify/compile.py:_written
@@ -89,7 +89,8 @@ WRITES_ITSELF = {
     "the store": """
         sources/blobs.py:held sources/blobs.py:complete sources/blobs.py:gate sources/blobs.py:hold
         sources/blobs.py:is_left sources/blobs.py:write_whole sources/download.py:_Download._write
-        sources/git_command.py:write_tree sources/store.py sources/web_archive.py:_write""",
+        sources/git_command.py:write_tree sources/git_lfs.py:replace_by_local
+        sources/git_lfs.py:_Server.fill sources/store.py sources/web_archive.py:_write""",
     "the standard output of a process, and trials of what it may": """
         mujoco/child.py:main base/sandbox.py:main base/sandbox.py:probe base/worker.py:main""",
     "pages of this project, for `make schemas`": """

@@ -90,6 +90,15 @@ class Web:
     pages: dict[str, bytes | Answer] = field(default_factory=dict)
     asked: list[tuple[str, dict[str, str]]] = field(default_factory=list)
 
+    def serve(self, repository: Repository, name: str) -> None:
+        """Serve a repository as plain files, which git can fetch."""
+        repository.git("update-server-info")
+        root = repository.folder / ".git"
+        self.pages |= {
+            f"/{name}/{path.relative_to(root)}": path.read_bytes() for path in root.rglob("*") if path.is_file()
+        }
+        self.pages[f"/{name}/info/refs?service=git-upload-pack"] = self.pages[f"/{name}/info/refs"]
+
 
 @pytest.fixture
 def web() -> Iterator[Web]:
@@ -103,6 +112,8 @@ def web() -> Iterator[Web]:
                 send(self, page, ETag=f'"{len(page)}"')
             else:
                 page(self)
+
+        do_POST = do_GET  # noqa: N815
 
         def log_message(self, format: str, *arguments: Any) -> None:
             pass

@@ -6,6 +6,7 @@ import json
 import re
 import time
 from collections.abc import Callable, Mapping
+from dataclasses import field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from urllib.parse import urlsplit
@@ -22,12 +23,15 @@ from mjcompose.sources.trust import is_private
 if TYPE_CHECKING:
     from urllib3 import BaseHTTPResponse, PoolManager
 
+    from mjcompose.sources.fetching import Lookup
+
 _TRIES = 5
 _PAUSE = 0.25
 _PATIENCE = 60.0
 """The longest wait in seconds that a server may ask for; a longer one is reported at once."""
 _HOPS = 10
 _CHUNK = 256 * 1024
+_MOST_JSON = 16 * 1024**2
 _LEAST = 1024
 """A server that sends fewer bytes than this within the timeout counts as silent."""
 _BUSY = (429, 500, 502, 503, 504)
@@ -67,6 +71,24 @@ def download(
     return _Download(url, partial, environment, progress, known, silence, is_confined).run()
 
 
+def download_object(url: str, partial: Path, headers: Mapping[str, str], lookup: Lookup) -> None:
+    """Download as `download` does, with headers that only the server of `url` gets. Raises SourceError and OSError."""
+    _for_lookup(url, partial, lookup, headers=headers).run()
+
+
+def post_json(url: str, question: object, media: str, lookup: Lookup) -> tuple[int, Any]:
+    """Send JSON, and return the status and the JSON of the answer, or None if it has none. Raises SourceError."""
+    return _for_lookup(url, Path(), lookup, headers={"Accept": media, "Content-Type": media}).post(question)
+
+
+def _for_lookup(url: str, partial: Path, lookup: Lookup, headers: Mapping[str, str]) -> _Download:
+    silence = Silence(patience(lookup.environment))
+    return _Download(
+        url, partial, environment=lookup.environment, progress=lookup.fetching.progress, known=Version(),
+        silence=silence, is_confined=lookup.is_confined, headers=headers,
+    )  # fmt: skip
+
+
 @dataclass(frozen=True, slots=True)
 class _Download:
     url: str
@@ -76,6 +98,12 @@ class _Download:
     known: Version
     silence: Silence
     is_confined: bool = False
+    headers: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def shown(self) -> str:
+        """The address without secrets, which LFS and registries put into theirs."""
+        return hide(self.url)
 
     def run(self) -> Version | None:
         from urllib3.exceptions import (
@@ -100,13 +128,13 @@ class _Download:
             except _Broken as broken:
                 last, pause = str(broken), broken.pause
             except LocationValueError as error:
-                raise SourceError("source-fetch", f"`{self.url}` cannot be fetched: {_in_short(error)}") from None
+                raise SourceError("source-fetch", f"`{self.shown}` cannot be fetched: {_in_short(error)}") from None
             except HTTPError as error:
                 last, pause = _in_short(error), 0.0
                 # urllib3 also reports a refused connection as a timeout.
                 if isinstance(error, TimeoutError) and not isinstance(error, NewConnectionError):
                     last = f"the server said nothing for {patience(self.environment):g} s"
-                message = f"`{self.url}` cannot be fetched: "
+                message = f"`{self.shown}` cannot be fetched: "
                 if isinstance(getattr(error, "original_error", error), NameResolutionError):  # as in a second, too
                     message += "the name of its server cannot be resolved"
                     help = "check the network and the address; with `--offline` what is in the store is used"
@@ -118,7 +146,7 @@ class _Download:
         notes = (f"after {counted(attempt, 'try', 'tries')}: {last}",)
         help = "try again later, which goes on from where it broke off; a slow server gets more time with"
         help += " `MJCOMPOSE_TIMEOUT=120`; with `--offline` what is in the store is used"
-        raise SourceError("source-fetch", f"`{self.url}` cannot be fetched", notes=notes, help=help)
+        raise SourceError("source-fetch", f"`{self.shown}` cannot be fetched", notes=notes, help=help)
 
     def _pool(self, url: str) -> PoolManager:
         import urllib.request
@@ -154,8 +182,9 @@ class _Download:
             with self._pool(at) as pool:
                 # Retries happen here, where the received bytes are known.
                 with waiting(self.progress, f"for {urlsplit(at).hostname}"):
+                    own = self.headers if self._is_same_server(at) else {}
                     response = pool.request(
-                        "GET", at, headers=headers, preload_content=False, decode_content=False,
+                        "GET", at, headers={**own, **headers}, preload_content=False, decode_content=False,
                         redirect=False, retries=False,
                     )  # fmt: skip
                 self.silence.broken()
@@ -166,25 +195,53 @@ class _Download:
                 finally:
                     response.close()
             at = self._next(at, leads_to)
-        message = f"`{self.url}` leads on more than {_HOPS} times"
+        message = f"`{self.shown}` leads on more than {_HOPS} times"
         raise SourceError("source-fetch", message, notes=(f"last to `{hide(at)}`",))
+
+    def _is_same_server(self, at: str) -> bool:
+        return urlsplit(at)[:2] == urlsplit(self.url)[:2]
+
+    def post(self, question: object) -> tuple[int, Any]:
+        """Send JSON once, follow no redirect, and return the status and the JSON of the answer or None."""
+        from urllib3.exceptions import HTTPError
+
+        self._check_reach(self.url)
+        body, headers = json.dumps(question).encode(), {"User-Agent": "mjcompose", **self.headers}
+        try:
+            with self._pool(self.url) as pool, waiting(self.progress, f"for {urlsplit(self.url).hostname}"):
+                response = pool.request(
+                    "POST", self.url, body=body, headers=headers, preload_content=False, redirect=False, retries=False
+                )
+                try:
+                    answer = response.read(_MOST_JSON + 1)
+                finally:
+                    response.close()
+        except HTTPError as error:
+            raise SourceError("source-fetch", f"`{self.shown}` cannot be fetched: {_in_short(error)}") from None
+        if response.status in _BUSY or len(answer) > _MOST_JSON:
+            why = f"the server answered {response.status}" if response.status in _BUSY else "its answer is too large"
+            raise SourceError("source-fetch", f"`{self.shown}` cannot be fetched: {why}")
+        try:
+            return response.status, json.loads(answer)
+        except (ValueError, RecursionError):
+            return response.status, None
 
     def _next(self, at: str, leads_to: str) -> str:
         """Return the target of a redirect. Unencrypted addresses are refused, except on this machine."""
         way = take_apart(leads_to, at)
         if way is None or way.scheme not in ("http", "https"):
-            raise SourceError("source-fetch", f"`{self.url}` leads to `{hide(leads_to)}`, which is no web address")
+            raise SourceError("source-fetch", f"`{self.shown}` leads to `{hide(leads_to)}`, which is no web address")
         leads_to = way.geturl()
         was_open = self.url.startswith("http:")
         if way.scheme == "http" and not (was_open and is_this_machine(way.netloc)):
-            raise SourceError("source-fetch", f"`{self.url}` leads to `{hide(leads_to)}`, which is not encrypted")
+            raise SourceError("source-fetch", f"`{self.shown}` leads to `{hide(leads_to)}`, which is not encrypted")
         return leads_to
 
     def _check_reach(self, at: str) -> None:
         """Refuse a server of this machine or its network, also for a name that had no address before."""
         if self.is_confined and is_private(urlsplit(at).netloc):
             leads = "" if at == self.url else f" leads to `{hide(at)}`, which"
-            message = f"`{self.url}`, which a fetched recipe names,{leads} is on this machine or in its network"
+            message = f"`{self.shown}`, which a fetched recipe names,{leads} is on this machine or in its network"
             raise SourceError("source-outside", message)
 
     def _taken(self, response: BaseHTTPResponse, headers: Mapping[str, str], have: int) -> Version | None:
@@ -197,10 +254,10 @@ class _Download:
             forget(self.partial)
             raise _Broken("the server has another file now")
         if status in (404, 410):
-            raise SourceError("source-not-found", f"`{self.url}` does not exist: the server answered {status}")
+            raise SourceError("source-not-found", f"`{self.shown}` does not exist: the server answered {status}")
         if status not in (200, 206):
             why = " (it wants a login, which is not supported)" if status in (401, 403, 407) else ""
-            raise SourceError("source-fetch", f"`{self.url}` cannot be fetched: the server answered {status}{why}")
+            raise SourceError("source-fetch", f"`{self.shown}` cannot be fetched: the server answered {status}{why}")
         version = Version(response.headers.get("ETag", ""), response.headers.get("Last-Modified", ""))
         resumed = status == 206
         if resumed and not response.headers.get("Content-Range", "").startswith(f"bytes {have}-"):
@@ -223,7 +280,7 @@ class _Download:
             return _Broken(answered, pause)
         notes = (f"it says `Retry-After: {response.headers.get('Retry-After', '')}`",)
         help = "try again later; with `--offline` what is in the store is used"
-        return SourceError("source-fetch", f"`{self.url}` cannot be fetched now: {answered}", notes=notes, help=help)
+        return SourceError("source-fetch", f"`{self.shown}` cannot be fetched now: {answered}", notes=notes, help=help)
 
     def _write(self, response: BaseHTTPResponse, version: Version, size: int) -> None:
         from urllib3.exceptions import HTTPError, TimeoutError
@@ -241,7 +298,7 @@ class _Download:
                     size += len(chunk)
                     if max(size, total) > (most := in_force().source_size):
                         forget(self.partial)
-                        message = f"`{self.url}` is larger than {written('source-size', most)}"
+                        message = f"`{self.shown}` is larger than {written('source-size', most)}"
                         raise SourceError("archive-refused", message, help=advice("source-size", total or None))
                     file.write(chunk)
                     self.silence.broken()

@@ -13,6 +13,7 @@ from mjcompose.base.scratch import scratch
 from mjcompose.base.suggest import closest, exists_note
 from mjcompose.sources.fetching import Fetching, Lookup, not_at_hand, source_in, unlocked
 from mjcompose.sources.git_command import Git, GitFailure, bounded, words_of, write_tree
+from mjcompose.sources.git_lfs import replace_pointers
 from mjcompose.sources.reference import Origin, Reference, Source, SourceError, is_commit
 from mjcompose.sources.store import Entry, Store
 
@@ -29,7 +30,7 @@ def resolve(reference: Reference, lookup: Lookup) -> Source:
     id, known = reference.id, lookup.fetching.origins
     if id not in known:
         store = Store.of(lookup.environment)
-        known[id] = _Repository(reference, id, store, environment=lookup.environment, fetching=lookup.fetching).origin()
+        known[id] = _Repository(reference, id, store, lookup=lookup).origin()
     return source_in(known[id], reference)
 
 
@@ -38,8 +39,11 @@ class _Repository:
     reference: Reference
     id: str
     store: Store
-    environment: Mapping[str, str]
-    fetching: Fetching
+    lookup: Lookup
+
+    @property
+    def fetching(self) -> Fetching:
+        return self.lookup.fetching
 
     def origin(self) -> Origin:
         pinned = self.fetching.pin(self.id)
@@ -68,7 +72,7 @@ class _Repository:
 
     @property
     def _git(self) -> Git:
-        return Git(self.environment, self.fetching.progress)
+        return Git(self.lookup.environment, self.fetching.progress)
 
     def _asked(self) -> str:
         url, revision = self.reference.name, self.reference.revision
@@ -116,6 +120,7 @@ class _Repository:
                 left_out = write_tree(self._git, repository, commit, target=target)
             except GitFailure as failure:
                 raise self._unreachable(failure) from None
+            replace_pointers(target, self.reference.name, self.store.folder / "partial", lookup=self.lookup)
             about |= {f"{_WITHOUT}{name}": why for name, why in left_out.items()}
 
     def _get(self, commit: str, repository: Path, pinned: bool) -> None:

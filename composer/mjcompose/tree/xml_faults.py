@@ -26,8 +26,8 @@ if TYPE_CHECKING:
 _POINTER = "version https://git-lfs"
 
 HELP = (
-    "run `git lfs pull` in its repository; of a `git+` reference such files are not fetched:"
-    " name the file of a clone by its path"
+    "run `git lfs pull` in its repository; for a `git+` reference, run `mjcompose cache prune --all` and build again,"
+    " or name the file of a clone by its path"
 )
 
 

@@ -7,7 +7,6 @@ import itertools
 import json
 import os
 import re
-import shutil
 from collections.abc import Mapping
 from contextlib import ExitStack, suppress
 from dataclasses import field, replace
@@ -38,16 +37,15 @@ from mjcompose.language.expand import Cell
 from mjcompose.link.measure import measure_with
 from mjcompose.mujoco import engine
 from mjcompose.mujoco.messages import CRASHES, Fault, parse
-from mjcompose.sources.blobs import files_below, sha256_of
 from mjcompose.sources.context import Context
 from mjcompose.sources.fetching import Fetching, quiet
 from mjcompose.sources.git_command import Git, GitFailure, write_tree
+from mjcompose.sources.git_lfs import replace_by_local
 from mjcompose.sources.reference import SourceError
 from mjcompose.sources.trust import Trust
 from mjcompose.tools.diff.changes import End
 from mjcompose.tools.explain.explain import Traced
 from mjcompose.tools.explain.trace import Trace
-from mjcompose.tree import xml_faults
 from mjcompose.tree.cost import CODE as TOO_MUCH
 from mjcompose.tree.files import file_attributes, join, written_path
 from mjcompose.tree.parse import all_admitted, parse_file, parse_text
@@ -57,11 +55,8 @@ if TYPE_CHECKING:
     from mjcompose.build.compose.load import Library
     from mjcompose.mujoco.engine import Session
 
-_POINTER = 1024
-"""Pointers of Git LFS are smaller, in bytes."""
 _LINKS = 5000
 """The most entries that are linked, the nearest first."""
-_OID = re.compile(rb"^oid sha256:([0-9a-f]{64})$", re.MULTILINE)
 
 
 class RevisionError(DiagnosticError):
@@ -117,7 +112,7 @@ def check_out(revision: str, path: Path, into: Path, environment: Mapping[str, s
     try:  # byte for byte: runs no filters and hooks, which may come from anyone
         root = _beside_the_same(top, into)
         write_tree(git, repository, commit, target=root)
-        from_lfs(root, near / asked(outside, "--git-common-dir") / "lfs" / "objects")  # of all work trees
+        replace_by_local(root, near / asked(outside, "--git-common-dir") / "lfs" / "objects")  # of all work trees
     except (GitFailure, SourceError, OSError) as error:
         fault = f"the files of revision `{revision}` cannot be checked out"
         raise RevisionError("git-revision", f"{fault}: {error}") from error
@@ -137,21 +132,6 @@ def _beside_the_same(top: Path, into: Path) -> Path:
                         link.symlink_to(entry.path, target_is_directory=os.path.isdir(entry.path))
                 left -= 1
     return into.joinpath(*top.parts[1:])
-
-
-def from_lfs(folder: Path, objects: Path) -> None:
-    """Replace pointers of Git LFS by their files, if LFS has them on this machine."""
-    for _, path in files_below(folder):
-        if path.stat().st_size > _POINTER:
-            continue
-        named = _OID.search(content) if xml_faults.is_pointer(content := read_regular(path)) else None
-        if named is None:
-            continue
-        digest = named[1].decode()
-        stored = objects / digest[:2] / digest[2:4] / digest
-        if os.path.isfile(stored) and not stored.is_symlink() and sha256_of(stored) == digest:
-            path.unlink()
-            shutil.copyfile(stored, path)
 
 
 _URDF = (".urdf", ".xacro")
