@@ -68,7 +68,9 @@ def test_the_guide_shows_what_is_printed(monkeypatch: pytest.MonkeyPatch) -> Non
     root = Path(__file__).resolve().parents[2]
     monkeypatch.chdir(root)
     blocks = re.findall(
-        r"^\$ mjcompose (.*)\n((?:.*\n)*?)```", (root / "docs" / "how-to" / "tree.md").read_text("utf-8"), re.MULTILINE
+        r"^\$ mjcompose (tree .*)\n((?:.*\n)*?)```",
+        (root / "docs" / "how-to" / "explain.md").read_text("utf-8"),
+        re.MULTILINE,
     )
     assert len(blocks) == 2
     for command, shown in blocks:
