@@ -88,7 +88,8 @@ lint-style: $(STAMP)
 	$(BIN)/ruff format --check
 	$(BIN)/lint-imports --no-logo
 	$(BIN)/bandit --quiet --configfile pyproject.toml --recursive composer
-	@$(BIN)/python .ci/prose
+	$(BIN)/codespell
+	@$(BIN)/python .ci/english
 
 lint-types: $(STAMP)
 	$(BIN)/mypy

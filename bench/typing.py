@@ -78,7 +78,7 @@ def _of_parts() -> Row:
             path.write_text(text)
             gc.collect()
             started = time.process_time()
-            analysis = workspace.analyse(path, text, {}, analysis)
+            analysis = workspace.analyze(path, text, {}, analysis)
             took = time.process_time() - started
             assert analysis.is_composed, analysis.found
             best[count] = min(best.get(count, took), took)

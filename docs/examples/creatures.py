@@ -14,7 +14,7 @@ import numpy as np
 from mjcompose import mjcf
 from mjcompose.mujoco.film import png
 
-RADIUS = 0.1  # of a creature's trunk, in metres
+RADIUS = 0.1  # of a creature's trunk, in meters
 LEGS = 3, 4, 4, 5, 6, 6
 
 

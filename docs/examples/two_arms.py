@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from mjcompose import mjcf
 
-LENGTH = 0.3  # of each half of an arm, in metres
+LENGTH = 0.3  # of each half of an arm, in meters
 
 
 def make_arm(name: str) -> mjcf.RootElement:

@@ -1,6 +1,6 @@
 """Makes the meshes and the texture of the demo models: `python recipes/models/make_meshes.py`.
 
-Every solid is a loft: outlines in a plane, joined along an axis, closed at both ends. Lengths are metres.
+Every solid is a loft: outlines in a plane, joined along an axis, closed at both ends. Lengths are meters.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ def squircle(a: float, b: float, exponent: float = 4, count: int = 28) -> Array:
 
 
 def stadium(radius: float, length: float, count: int = 28) -> Array:
-    """A strip with round ends, from the first end's centre at 0 to the other's at `length`."""
+    """A strip with round ends, from the first end's center at 0 to the other's at `length`."""
     outline = circle(radius, count)
     outline[outline[:, 0] > 1e-9, 0] += length
     return outline
@@ -66,9 +66,9 @@ def loft(sections: list[tuple[float, Array]], axis: str = "z") -> Solid:
 
 def bevelled(outline: Array, low: float, high: float, bevel: float, axis: str = "z") -> Solid:
     """An outline pushed from `low` to `high`, its edges taken off by `bevel`."""
-    centre = (outline.max(axis=0) + outline.min(axis=0)) / 2
+    center = (outline.max(axis=0) + outline.min(axis=0)) / 2
     size = (outline.max(axis=0) - outline.min(axis=0)) / 2
-    small = centre + (outline - centre) * (1 - bevel / size)
+    small = center + (outline - center) * (1 - bevel / size)
     return loft([(low, small), (low + bevel, outline), (high - bevel, outline), (high, small)], axis)
 
 
@@ -79,8 +79,8 @@ def rod(radius: float, low: float, high: float, bevel: float = 0.004, axis: str 
 def box(x: tuple[float, float], y: tuple[float, float], z: tuple[float, float], bevel: float = 0.002) -> Solid:
     a, b = (x[1] - x[0]) / 2, (y[1] - y[0]) / 2
     corners = np.array([[a, -b], [a, b], [-a, b], [-a, -b]])
-    centre = np.array([x[0] + x[1], y[0] + y[1]]) / 2
-    return bevelled(centre + corners, z[0], z[1], bevel)
+    center = np.array([x[0] + x[1], y[0] + y[1]]) / 2
+    return bevelled(center + corners, z[0], z[1], bevel)
 
 
 def moved(solid: Solid, offset: tuple[float, float, float]) -> Solid:

@@ -101,13 +101,13 @@ def test_every_way_of_reading_a_matrix(axes: tuple[float, ...]) -> None:
 @given(st.lists(QUATS, min_size=1, max_size=20))
 def test_a_quaternion_is_brought_to_unit_length_as_in_mujoco(quats: list[Quat]) -> None:
     found = compiled([f'quat="{text(quat)}"' for quat in quats])
-    assert found == [rotation.normalise(quat) for quat in quats]
+    assert found == [rotation.normalize(quat) for quat in quats]
 
 
 def test_what_is_nearly_of_unit_length_is_left_alone() -> None:
     nearly = (math.sqrt(0.5), math.sqrt(0.5) + 1e-16, 0.0, 0.0)
-    assert rotation.normalise(nearly) == nearly
-    assert rotation.normalise((0, 0, 0, 0)) == rotation.IDENTITY_QUAT
+    assert rotation.normalize(nearly) == nearly
+    assert rotation.normalize((0, 0, 0, 0)) == rotation.IDENTITY_QUAT
 
 
 @STEADY
@@ -118,7 +118,7 @@ def test_frames_in_frames_are_multiplied_as_mujoco_does(steps: list[tuple[Vec3, 
     model = mujoco.MjModel.from_xml_string(xml)
     found = Pose()
     for pos, quat in reversed(steps):
-        found = Pose(pos, rotation.normalise(quat)) @ found
+        found = Pose(pos, rotation.normalize(quat)) @ found
     assert found.pos == pytest.approx(model.site_pos[0], rel=1e-14, abs=1e-13)
     assert found.quat == pytest.approx(model.site_quat[0], abs=1e-14)
 
@@ -126,7 +126,7 @@ def test_frames_in_frames_are_multiplied_as_mujoco_does(steps: list[tuple[Vec3, 
 @STEADY
 @given(VECTORS, QUATS, VECTORS, QUATS)
 def test_an_inverse_undoes(pos: Vec3, quat: Quat, other: Vec3, turned: Quat) -> None:
-    outer, inner = Pose(pos, rotation.normalise(quat)), Pose(other, rotation.normalise(turned))
+    outer, inner = Pose(pos, rotation.normalize(quat)), Pose(other, rotation.normalize(turned))
     back = outer.inverse() @ (outer @ inner)
     assert back.pos == pytest.approx(inner.pos, abs=1e-12)
     assert back.quat == pytest.approx(inner.quat, abs=1e-12)
@@ -146,7 +146,7 @@ def test_the_identity_moves_no_bit(pos: Vec3, quat: Quat) -> None:
 @STEADY
 @given(QUATS, VECTORS)
 def test_a_rotation_is_that_of_its_matrix(quat: Quat, vector: Vec3) -> None:
-    quat = rotation.normalise(quat)
+    quat = rotation.normalize(quat)
     matrix = np.zeros(9)
     mujoco.mju_quat2Mat(matrix, np.array(quat))
     assert rotation.rotate(quat, vector) == pytest.approx(matrix.reshape(3, 3) @ vector, abs=1e-13)
@@ -167,7 +167,7 @@ def test_angles_without_end_lead_nowhere(angle: float) -> None:
 @given(QUATS, VECTORS, QUATS, VECTORS)
 @pytest.mark.mujoco4("another order of operations")
 def test_a_frame_in_a_frame_is_where_mujoco_puts_it(quat: Quat, pos: Vec3, turned: Quat, other: Vec3) -> None:
-    outer, inner = Pose(pos, rotation.normalise(quat)), Pose(other, rotation.normalise(turned))
+    outer, inner = Pose(pos, rotation.normalize(quat)), Pose(other, rotation.normalize(turned))
     frame, site = (f'pos="{_text(each.pos)}" quat="{_text(each.quat)}"' for each in (outer, inner))
     xml = f"<mujoco><worldbody><frame {frame}><site {site}/></frame></worldbody></mujoco>"
     model = mujoco.MjModel.from_xml_string(xml)

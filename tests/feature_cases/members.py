@@ -11,7 +11,7 @@ import mujoco
 import numpy as np
 import yaml
 from lxml import etree
-from mjcompose.base.rotation import Pose, normalise
+from mjcompose.base.rotation import Pose, normalize
 from mjcompose.mujoco.match import AT_ORIGIN, Mount
 
 PLACES = ("site", "body", "frame")
@@ -140,7 +140,7 @@ def _quat(part: Mapping[str, Any], given: Mapping[str, Any]) -> tuple[float, flo
     quat = np.array([1.0, 0, 0, 0])
     if "quat" in part:
         w, x, y, z = map(float, part["quat"])
-        return normalise((w, x, y, z))
+        return normalize((w, x, y, z))
     if "euler" in part:
         mujoco.mju_euler2Quat(quat, _radians(part["euler"], given), given.get("eulerseq", "xyz"))
     elif "axisangle" in part:

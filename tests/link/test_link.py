@@ -24,7 +24,7 @@ from mjcompose.link.names import names
 from mjcompose.tree.xml_text import write
 
 ALL = (*PASSES, *FINISHING)
-# The neighbours whose order changes a model or a fault: measured by swapping them, on all models of the tests.
+# The neighbors whose order changes a model or a fault: measured by swapping them, on all models of the tests.
 NOT_TO_BE_SWAPPED = {
     ("note_flexes", "flex_turns"),
     ("replicates", "layouts"),

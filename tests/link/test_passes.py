@@ -145,7 +145,7 @@ A flex takes the joint defaults of the body around it, which are those of the ba
 error: the flex of `p/` takes the joint defaults `armature="2"` alone, and here of MuJoCo
 """,
     flex_turns.__name__: """
-A `quat` that a frame would normalise is reported:
+A `quat` that a frame would normalize is reported:
 
 >>> part = (
 ...     '<worldbody><flexcomp name="f" type="grid" count="2 2 1" dim="2" quat="0 2 0 0"/></worldbody>'

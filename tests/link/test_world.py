@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 import pytest
 from link.workshop import BASE, Piece, Workshop, hinge, placed
-from mjcompose.base.rotation import Pose, normalise, rotate
+from mjcompose.base.rotation import Pose, normalize, rotate
 from mjcompose.link import world
 from mjcompose.link.linking import AttachmentPlace, Joint
 from mjcompose.mujoco.match import Mount
@@ -247,7 +247,7 @@ EQUALITIES = [
     '<connect site1="of_a" site2="here"/>',
     '<weld site1="here" site2="of_a"/>',
 ]
-POSE = Pose((3.0, -1.0, 0.5), normalise((0.8, 0.3, -0.2, 0.4)))
+POSE = Pose((3.0, -1.0, 0.5), normalize((0.8, 0.3, -0.2, 0.4)))
 SECTIONS_FREE, HINGE = "<freejoint/>", '<joint axis="0 1 0" damping=".02"/>'
 CART = """<mujoco><worldbody><body name="cart" pos="0 1 0" euler="0 0 40"><joint type="slide" axis="1 0 0"/>
   <joint type="hinge" axis="0 1 1"/><geom size=".1" mass="5"/>
@@ -429,7 +429,7 @@ SLACK = """<mujoco><worldbody><site name="w" pos="{away} .3 0"/>
   <body pos="0 .3 0"><joint axis="0 1 0"/><geom size=".2" pos="1 0 0"/><site name="s" pos="1 0 0"/></body></worldbody>
   <tendon><spatial name="t" damping="5"><site site="s"/><site site="w"/></spatial></tendon>
   <actuator><motor name="m" tendon="t"/></actuator></mujoco>"""
-TILTED = normalise((0.9, 0.2, 0.1, -0.3))
+TILTED = normalize((0.9, 0.2, 0.1, -0.3))
 
 
 def test_a_tendon_without_a_direction_is_unchanged(workshop: Workshop) -> None:

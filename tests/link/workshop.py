@@ -10,7 +10,7 @@ from typing import Any
 import mujoco
 import pytest
 from mjcompose.base.diagnostic import Diagnostic, Span
-from mjcompose.base.rotation import IDENTITY_QUAT, ORIGIN, Pose, Quat, Vec3, normalise
+from mjcompose.base.rotation import IDENTITY_QUAT, ORIGIN, Pose, Quat, Vec3, normalize
 from mjcompose.base.sink import Sink
 from mjcompose.build.bundle.collect import collect
 from mjcompose.link.link import finish, link
@@ -244,7 +244,7 @@ def mount(part: Part, composed: mujoco.MjModel) -> Mount:
         assert part.mount is not None
         body = next((each for each in part.mount.iterancestors("body")), None)
         return Mount(None if body is None else str(body.get("name")), None)
-    return Mount(place.name if place.kind == "body" else None, Pose((x, y, z), normalise((w, a, b, c))))
+    return Mount(place.name if place.kind == "body" else None, Pose((x, y, z), normalize((w, a, b, c))))
 
 
 def told(sink: Sink) -> str:

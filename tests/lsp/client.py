@@ -158,7 +158,7 @@ class Editor:
         return self.wait(uri, lambda found: True, timeout)
 
     def wait(self, uri: str, holds: Any, timeout: float = 60) -> list[Any]:
-        """What is published for a file, as soon as that fulfils a condition."""
+        """What is published for a file, as soon as that fulfills a condition."""
         latest = time.monotonic() + timeout
         while uri not in self.published or not holds(self.published[uri]):
             left = latest - time.monotonic()

@@ -101,8 +101,8 @@ def workspace(tmp_path: Path) -> Iterator[Workspace]:
     workspace.close()
 
 
-def analysed(workspace: Workspace, before: Analysis | None = None, text: str = RECIPE) -> Analysis:
-    return workspace.analyse(workspace.folder / "whole.yaml", text, {}, before)
+def analyzed(workspace: Workspace, before: Analysis | None = None, text: str = RECIPE) -> Analysis:
+    return workspace.analyze(workspace.folder / "whole.yaml", text, {}, before)
 
 
 def text_of(analysis: Analysis) -> str:
@@ -136,16 +136,16 @@ def test_an_edit_elsewhere_is_seen_in_the_model_and_in_its_trace(
     if change is _environment:
         monkeypatch.setenv("MENAGERIE_ROOT", str(_robots(workspace.folder / "robots", 1)))
         (workspace.folder / "base.yaml").write_text(BASE.replace("arm.xml", f"menagerie:{ROBOT}/spot"))
-    before = workspace.traced(analysed(workspace))
+    before = workspace.traced(analyzed(workspace))
     assert "25" not in text_of(before)
     change(workspace.folder, monkeypatch)
-    after = analysed(workspace, before)
+    after = analyzed(workspace, before)
     assert "25" in text_of(after)
     assert "25" in text_of(workspace.traced(after))
 
 
 def test_a_trace_is_that_of_the_analyzed_sources_though_a_file_has_changed_since(workspace: Workspace) -> None:
-    analysis = analysed(workspace)
+    analysis = analyzed(workspace)
     (workspace.folder / "arm.xml").write_text(ARM.format(size=25))
     traced = workspace.traced(analysis)
     assert text_of(traced) == text_of(analysis)
@@ -155,10 +155,10 @@ def test_a_trace_is_that_of_the_analyzed_sources_though_a_file_has_changed_since
 
 
 def test_a_trace_is_made_once_and_dropped_with_its_model(workspace: Workspace) -> None:
-    first = analysed(workspace)
+    first = analyzed(workspace)
     traced = workspace.traced(first)
     assert first.traced is None and traced.traced is not None
     assert workspace.traced(first) is traced and workspace.traced(traced) is traced
-    assert analysed(workspace, traced).traced is None
-    half = analysed(workspace, traced, RECIPE + "attach: {arm")
+    assert analyzed(workspace, traced).traced is None
+    half = analyzed(workspace, traced, RECIPE + "attach: {arm")
     assert not half.is_composed and half.traced is traced.traced and half.model is traced.model

@@ -32,10 +32,10 @@ class Typist:
     asked: int = 0
     lines: list[str] = field(default_factory=list)
 
-    def types(self, text: str, at: int, *, analysed: bool = True, all_of_it: bool = True) -> None:
+    def types(self, text: str, at: int, *, analyzed: bool = True, all_of_it: bool = True) -> None:
         """The text as it is now, with the cursor behind `at` characters."""
-        if analysed or self.analysis is None:
-            self.analysis = self.workspace.analyse(self.recipe, text, {}, self.analysis)
+        if analyzed or self.analysis is None:
+            self.analysis = self.workspace.analyze(self.recipe, text, {}, self.analysis)
             self.lines = lines_of(text)
             for each in self.analysis.found:
                 self.check([each.span, *(note.span for note in each.notes)])
@@ -49,7 +49,7 @@ class Typist:
             assert units(line, found.span.column - 1) <= units(line, len(line))
         for fold in folds(question.lines):
             assert 0 <= fold.first < fold.last < len(question.lines)
-        if analysed and all_of_it:
+        if analyzed and all_of_it:
             traced = self.workspace.traced(self.analysis)
             self.asks(replace(question, analysis=traced), traced)
         self.asked += 1
@@ -110,7 +110,7 @@ def deletions(text: str, count: int, seed: int) -> Iterator[tuple[str, int]]:
 def test_some_prefixes_and_deletions(typist: Typist) -> None:
     text = typist.recipe.read_text(encoding="utf-8")
     for at in range(0, len(text), 7):
-        typist.types(text[:at], at, analysed=at % 98 == 0)
+        typist.types(text[:at], at, analyzed=at % 98 == 0)
     for shorter, at in deletions(text, 12, 1):
         typist.types(shorter, at)
     assert typist.asked > 50
@@ -137,6 +137,6 @@ def test_many_prefixes_and_deletions(typist: Typist) -> None:
         if at % 8 == 0 or not (text[at - 1 : at].isalnum() and text[at : at + 1].isalnum())
     )  # fmt: skip
     for number, at in enumerate(ends):
-        typist.types(text[:at], at, analysed=number % 20 == 0)
+        typist.types(text[:at], at, analyzed=number % 20 == 0)
     for shorter, at in deletions(text, 30, 2):
         typist.types(shorter, at)

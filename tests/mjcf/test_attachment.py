@@ -65,10 +65,10 @@ def test_the_parent_refers_into_the_child_and_follows_its_names(
     sensor = arm.sensor.add("framepos", name="s", objtype="site", objname="gripper/pinch")
     by_element = arm.sensor.add("jointpos", name="j", joint=gripper.find("joint", "right"))
     assert sensor.objname is gripper.find("site", "pinch") and by_element.joint.root is gripper
-    gripper.find("site", "pinch").name = "centre"  # type: ignore[union-attr]
-    assert 'objname="gripper/centre"' in repr(sensor)
+    gripper.find("site", "pinch").name = "center"  # type: ignore[union-attr]
+    assert 'objname="gripper/center"' in repr(sensor)
     gripper.model = "hand"
-    assert 'objname="hand/centre"' in repr(sensor) and by_element.joint is gripper.find("joint", "right")
+    assert 'objname="hand/center"' in repr(sensor) and by_element.joint is gripper.find("joint", "right")
     model = compiled(arm)
     assert model.sensor("j").objid == model.joint("hand/right").id
 

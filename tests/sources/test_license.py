@@ -82,7 +82,7 @@ def test_a_model_below_a_folder_called_licenses_is_no_license(tmp_path: Path) ->
 
 
 @pytest.mark.parametrize(
-    "name", ["LICENSE", "licence.md", "LICENSE-MIT", "COPYING.LESSER", "NOTICE.txt", "Licenses.txt"]
+    "name", ["LICENSE", "license.md", "LICENSE-MIT", "COPYING.LESSER", "NOTICE.txt", "Licenses.txt"]
 )
 def test_names_of_licenses(name: str) -> None:
     assert is_license(name)

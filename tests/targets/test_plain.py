@@ -87,7 +87,7 @@ def test_every_feature(path: Path, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("target", [name for name in NAMES if name != MUJOCO])
 def test_an_empty_body_in_a_frame(target: str, tmp_path: Path) -> None:
-    """MuJoCo takes the place of such a body, in its frame or without it, for its centre of mass."""
+    """MuJoCo takes the place of such a body, in its frame or without it, for its center of mass."""
     text = """<mujoco><worldbody><frame pos="0 1 1" euler="30 0 0"><body name="mount" pos=".1 0 0"><body name="hinge" pos=".2 0 0">
       <body name="door"><joint name="j"/><geom size=".1"/></body></body></body></frame></worldbody></mujoco>"""
     bundle, context = written(text, target, tmp_path)

@@ -1,4 +1,4 @@
-"""Every reference of the grammar against behaviour.
+"""Every reference of the grammar against behavior.
 
 A name declared and referred to is renamed in both places: MuJoCo compiles the same model. Renamed only where
 it is declared: MuJoCo refuses.

@@ -52,7 +52,7 @@ def told(read: UrdfReader) -> list[str]:
         (obj(faces=3), INERTIAL, []),
         (obj(faces=3), "", ["mesh-shape"]),
     ],
-    ids=["plausible", "in millimetres", "scaled twice", "open beside an inertial", "open"],
+    ids=["plausible", "in millimeters", "scaled twice", "open beside an inertial", "open"],
 )
 def test_what_is_plausible(reader: Reader, tmp_path: Path, mesh: str, inertial: str, codes: list[str]) -> None:
     (tmp_path / "m.obj").write_text(mesh)
@@ -83,7 +83,7 @@ def test_the_help_for_millimetres_is_right(reader: Reader, tmp_path: Path) -> No
     read = reader("r.urdf", robot(ARM[0], link("upper", INERTIAL + shape("m.obj")), *ARM[2:]))
     read.unit()
     (warning,) = (each for each in read.sink.sorted() if each.code == "mesh-size")
-    assert warning.help == 'if its file is in millimetres, write `scale="0.001 0.001 0.001"`'
+    assert warning.help == 'if its file is in millimeters, write `scale="0.001 0.001 0.001"`'
     assert warning.span and warning.span.line == 3
 
 

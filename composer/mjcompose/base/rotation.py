@@ -1,6 +1,6 @@
 """Rotations and poses as MuJoCo computes them, in plain floats.
 
-Quaternions are ``(w, x, y, z)``, positions are in metres, angles in radians. The arithmetic follows MuJoCo's own
+Quaternions are ``(w, x, y, z)``, positions are in meters, angles in radians. The arithmetic follows MuJoCo's own
 order of operations, so that a quaternion written in place of Euler angles compiles to the same bits.
 
 No numpy: its import does not pay off for a few floats.
@@ -46,7 +46,7 @@ class Pose:
             return inner
         x, y, z = rotate(self.quat, inner.pos)
         pos = (self.pos[0] + x, self.pos[1] + y, self.pos[2] + z)
-        return Pose(pos, normalise(multiply(self.quat, inner.quat)))
+        return Pose(pos, normalize(multiply(self.quat, inner.quat)))
 
     def inverse(self) -> Pose:
         w, x, y, z = self.quat
@@ -65,7 +65,7 @@ def multiply(a: Quat, b: Quat) -> Quat:
     )
 
 
-def normalise(quat: Sequence[float]) -> Quat:
+def normalize(quat: Sequence[float]) -> Quat:
     """Return ``quat`` at unit length; unchanged if it has that already, as in MuJoCo, so that no bit changes."""
     w, x, y, z = quat
     norm = math.sqrt(w * w + x * x + y * y + z * z)
@@ -101,7 +101,7 @@ def quat_from_euler(euler: Sequence[float], sequence: str) -> Quat:
         turn[_AXES[letter.lower()]] = math.sin(angle / 2)
         step: Quat = (turn[0], turn[1], turn[2], turn[3])
         quat = multiply(quat, step) if letter.islower() else multiply(step, quat)
-    return normalise(quat)
+    return normalize(quat)
 
 
 def quat_from_axisangle(axis: Sequence[float], angle: float) -> Quat:
@@ -147,12 +147,12 @@ def cross(a: Sequence[float], b: Sequence[float]) -> Vec3:
 def _quat_from_columns(x: Vec3, y: Vec3, z: Vec3) -> Quat:
     if x[0] + y[1] + z[2] > 0:
         w = 0.5 * math.sqrt(1 + x[0] + y[1] + z[2])
-        return normalise((w, (y[2] - z[1]) / (4 * w), (z[0] - x[2]) / (4 * w), (x[1] - y[0]) / (4 * w)))
+        return normalize((w, (y[2] - z[1]) / (4 * w), (z[0] - x[2]) / (4 * w), (x[1] - y[0]) / (4 * w)))
     if x[0] > y[1] and x[0] > z[2]:
         a = 0.5 * math.sqrt(1 + x[0] - y[1] - z[2])
-        return normalise(((y[2] - z[1]) / (4 * a), a, (y[0] + x[1]) / (4 * a), (z[0] + x[2]) / (4 * a)))
+        return normalize(((y[2] - z[1]) / (4 * a), a, (y[0] + x[1]) / (4 * a), (z[0] + x[2]) / (4 * a)))
     if y[1] > z[2]:
         b = 0.5 * math.sqrt(1 - x[0] + y[1] - z[2])
-        return normalise(((z[0] - x[2]) / (4 * b), (y[0] + x[1]) / (4 * b), b, (z[1] + y[2]) / (4 * b)))
+        return normalize(((z[0] - x[2]) / (4 * b), (y[0] + x[1]) / (4 * b), b, (z[1] + y[2]) / (4 * b)))
     c = 0.5 * math.sqrt(1 - x[0] - y[1] + z[2])
-    return normalise(((x[1] - y[0]) / (4 * c), (z[0] + x[2]) / (4 * c), (z[1] + y[2]) / (4 * c), c))
+    return normalize(((x[1] - y[0]) / (4 * c), (z[0] + x[2]) / (4 * c), (z[1] + y[2]) / (4 * c), c))

@@ -24,7 +24,7 @@ def closest(name: str, candidates: Iterable[str], n: int = 1) -> list[str]:
     ['gripper/left_pad']
     >>> closest("Sensors", ["sensor", "section"])
     ['sensor']
-    >>> closest("colours", ["material", "rgba"])
+    >>> closest("colors", ["material", "rgba"])
     ['rgba']
     """
     return [candidate for _, _, candidate in _ranked(name, tuple(dict.fromkeys(candidates)))[:n]]
@@ -160,7 +160,7 @@ def _tolerance(word: str) -> int:
 
 
 def _distance(a: str, b: str, limit: int) -> int | None:
-    """Return the number of edits from `a` to `b`, with swapped neighbours as one; None if more than `limit`."""
+    """Return the number of edits from `a` to `b`, with swapped neighbors as one; None if more than `limit`."""
     if abs(len(a) - len(b)) > limit:
         return None
     # Common prefixes and suffixes cost nothing, and names of one model have long ones.
@@ -187,7 +187,7 @@ def _distance(a: str, b: str, limit: int) -> int | None:
 
 _BY_NAME: dict[str, str] = {
     # attributes of MJCF
-    "rgba": "color colour rgb diffuse_color tint alpha opacity transparency",
+    "rgba": "color color rgb diffuse_color tint alpha opacity transparency",
     "pos": "position translation xyz location origin offset coordinate",
     "quat": "rotation orientation quaternion rot",
     "euler": "rpy rotation orientation euler_angle rotate",
@@ -233,7 +233,7 @@ _BY_NAME: dict[str, str] = {
     "matrix": "sweep grid",
     "check": "test assert assertion verify expect",
     "keyframe": "key pose home",
-    "randomize": "randomise randomization randomisation domain_randomization",
+    "randomize": "randomize randomization randomisation domain_randomization",
     "recipe": "version",
     "angle": "unit angle_unit",
     "replicate": "repeat copy",

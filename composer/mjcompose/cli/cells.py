@@ -132,7 +132,7 @@ class Shard:
     count: int
 
     def of(self, items: Sequence[Item]) -> list[Item]:
-        """Return every `count`-th item, because neighbours often take equally long."""
+        """Return every `count`-th item, because neighbors often take equally long."""
         return list(items[self.number - 1 :: self.count])
 
     def file(self, name: str) -> str:

@@ -117,9 +117,9 @@ _TEMPLATE = re.compile(r"\$?[{(]{1,2}\s*([A-Za-z_][^{}()]*)[})]{1,2}|\$(\w+)")
 _PI = re.compile(rf"([-+])?(?:({_NUMBER})\s*\*\s*)?(?:np\.|math\.)?pi(?:\s*/\s*({_NUMBER}))?", re.IGNORECASE)
 # The divisor of a number in that unit, and the unit that MJCF expects.
 _UNITS = {
-    "mm": (1e3, "metres"), "cm": (1e2, "metres"), "m": (1, "metres"),
+    "mm": (1e3, "meters"), "cm": (1e2, "meters"), "m": (1, "meters"),
     "us": (1e6, "seconds"), "µs": (1e6, "seconds"), "ms": (1e3, "seconds"), "s": (1, "seconds"),
-    "g": (1e3, "kilograms"), "kg": (1, "kilograms"), "N": (1, "newtons"), "Nm": (1, "newton metres"),
+    "g": (1e3, "kilograms"), "kg": (1, "kilograms"), "N": (1, "newtons"), "Nm": (1, "newton meters"),
 }  # fmt: skip
 _FORMS = {
     "pos": "[x, y, z]", "axis": "[x, y, z]", "zaxis": "[x, y, z]", "dir": "[x, y, z]", "anchor": "[x, y, z]",

@@ -8,7 +8,7 @@ and no class of its own can change that. So the joint settings for a flex in the
 every other class reverts them. A flex that would get other defaults than it has alone is an error.
 
 Directly below a body or the world, MuJoCo takes a `quat` as it is, even if its length is not 1; this stretches the
-flex. Below a frame, such as the frame around a part, MuJoCo normalises it. The difference is reported, and is an
+flex. Below a frame, such as the frame around a part, MuJoCo normalizes it. The difference is reported, and is an
 error from 0.1 % on.
 """
 
@@ -22,7 +22,7 @@ from lxml import etree
 from lxml.etree import _Element as Node
 
 from mjcompose.base.diagnostic import Note
-from mjcompose.base.rotation import normalise, quat_from_euler
+from mjcompose.base.rotation import normalize, quat_from_euler
 from mjcompose.link import numbers
 from mjcompose.link.linking import Flex, Linking
 from mjcompose.tree.classes import MAIN, NESTED, Classes, childclass_of, through_frames, written
@@ -330,5 +330,5 @@ def flex_turns(linking: Linking) -> None:
             f"the flex of `{flex.part.called}` is turned by a `quat` of length {length:.6g}: MuJoCo stretches it "
             "alone, and not below a frame",
             linking.span(flex.unit, flex.element, "quat"),
-            help=f'write `quat="{numbers.text(normalise((w, x, y, z)))}"`, which only turns',
+            help=f'write `quat="{numbers.text(normalize((w, x, y, z)))}"`, which only turns',
         )

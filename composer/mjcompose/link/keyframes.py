@@ -11,7 +11,7 @@ from dataclasses import replace
 from lxml.etree import _Element as Node
 
 from mjcompose.base.diagnostic import Cause, Note
-from mjcompose.base.rotation import Pose, normalise, rotate
+from mjcompose.base.rotation import Pose, normalize, rotate
 from mjcompose.link import numbers
 from mjcompose.link.key_layout import BLOCK, Copy, Holder, Layout, Slot
 from mjcompose.link.linking import Linking, Part, detach, shown_name
@@ -191,7 +191,7 @@ def _place_vector(pose: Pose, vector: str, values: Sequence[float]) -> list[floa
         rows = zip(*[iter(values)] * 3, strict=True)
         return [each for x, y, z in rows for each in (pose @ Pose((x, y, z))).pos]
     quats = zip(*[iter(values)] * 4, strict=True)
-    return [each for quat in quats for each in (pose @ Pose(quat=normalise(quat))).quat]
+    return [each for quat in quats for each in (pose @ Pose(quat=normalize(quat))).quat]
 
 
 def _carry_slot(place: Pose, slot: Slot, vector: str, values: list[str]) -> list[str]:
@@ -204,7 +204,7 @@ def _carry_slot(place: Pose, slot: Slot, vector: str, values: list[str]) -> list
         else:
             x, y, z, w, a, b, c = numbers.read(" ".join(values[at_qpos : at_qpos + 7]))
             # MuJoCo compiles `qpos="0 0 0 2 0 0 0"` to a unit quaternion, so a key may have any length here.
-            pose = place @ Pose((x, y, z), normalise((w, a, b, c)))
+            pose = place @ Pose((x, y, z), normalize((w, a, b, c)))
             values[at_qpos : at_qpos + 7] = numbers.text([*pose.pos, *pose.quat]).split()
     return values
 

@@ -117,7 +117,7 @@ def _pass(
     return Pass(run, words, needs=needed, leaves=left, ends=ended, **flags)
 
 
-# The order. 10 of the 26 neighbouring pairs of these passes give another model or other faults when they are swapped
+# The order. 10 of the 26 neighboring pairs of these passes give another model or other faults when they are swapped
 # (measured on 1,043 models of the tests):
 #
 #     note_flexes, flex_turns        replicates, layouts           body_reduction, choose_classes
@@ -125,7 +125,7 @@ def _pass(
 #     submodels, names               names, defaults               defaults, bodies
 #     bodies, check_replicates
 #
-# The other neighbours commute, but not with passes further away: `files` and `layouts`, `note_flexes` and `defaults`,
+# The other neighbors commute, but not with passes further away: `files` and `layouts`, `note_flexes` and `defaults`,
 # `submodels` and `inertia` do not. A few named stages would therefore allow orders that are wrong. The needs say what
 # is true; they come from the experiment and from the code. 17 random orders that they allow gave the same bytes and
 # the same faults for each of 311 models:

@@ -51,7 +51,7 @@ class Request:
 class AttachmentPlace:
     """The place where a part is attached: an element of the model, by its final name, and an offset in its frame.
 
-    `offset` holds the attributes of a `<frame>`: `pos` in metres, `quat`. `written` has the places of these in the
+    `offset` holds the attributes of a `<frame>`: `pos` in meters, `quat`. `written` has the places of these in the
     recipe. If `computed` is set, the value was computed for the key `mate` or `replicate`, and the place is that of
     this key.
     """

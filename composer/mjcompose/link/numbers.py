@@ -10,7 +10,7 @@ from lxml.etree import _Element as Node
 from mjcompose.base.rotation import (
     ORIGIN,
     Pose,
-    normalise,
+    normalize,
     quat_from_axisangle,
     quat_from_euler,
     quat_from_xyaxes,
@@ -79,7 +79,7 @@ def read_pose(attributes: Node | Mapping[str, str], degrees: bool, sequence: str
     quat = (1.0, 0.0, 0.0, 0.0)
     if get("quat"):
         w, x, y, z = read(str(get("quat")))
-        quat = normalise((w, x, y, z))
+        quat = normalize((w, x, y, z))
     if get("axisangle"):
         *axis, angle = read(str(get("axisangle")))
         quat = quat_from_axisangle(axis, orientation_radians(angle) if degrees else angle)

@@ -9,7 +9,7 @@ from typing import NamedTuple
 from lxml.etree import _Element as Node
 
 from mjcompose.base.diagnostic import Note
-from mjcompose.base.rotation import Pose, Quat, multiply, normalise, rotate
+from mjcompose.base.rotation import Pose, Quat, multiply, normalize, rotate
 from mjcompose.link import numbers
 from mjcompose.link.key_layout import joint_type
 from mjcompose.link.linking import Floating, Linking, Part, detach
@@ -245,7 +245,7 @@ def _carry_constraint(element: Node, side: str, hung: _MovedWorld) -> None:
     # MuJoCo 4.0 takes the pose at the reference where the quaternion of `relpose` is 0. Otherwise it holds the point of
     # the second body that `anchor` gives at the point of the first that `relpose` gives.
     if any(turn):
-        quat: Quat = normalise(turn)
+        quat: Quat = normalize(turn)
         point, quat = (
             ((pose @ Pose(point)).pos, multiply(pose.quat, quat))
             if side == "body1"

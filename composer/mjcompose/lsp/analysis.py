@@ -388,7 +388,7 @@ class Model:
 
 @dataclass(frozen=True)
 class Analysis:
-    """The result of analysing a recipe. It never changes.
+    """The result of analyzing a recipe. It never changes.
 
     `tree`, `plan` and `model` are those of the current text, or of the last text that had one; `is_current` and
     `is_composed` say which. `tree_of`, `plan_of` and `model_of` are the texts in which they were found. `found` has

@@ -1,4 +1,4 @@
-"""Open documents, when they are analysed, and what is reported of them."""
+"""Open documents, when they are analyzed, and what is reported of them."""
 
 from __future__ import annotations
 
@@ -138,7 +138,7 @@ class Workspace:
     def context(self) -> Context:
         return Context(folder=self.folder, fetching=Fetching(offline=True))
 
-    def analyse(self, path: Path, text: str, texts: Mapping[str, bytes], before: Analysis | None = None) -> Analysis:
+    def analyze(self, path: Path, text: str, texts: Mapping[str, bytes], before: Analysis | None = None) -> Analysis:
         """Return the analysis of a recipe with the texts of the editor. What it lacks now is taken from `before`."""
         if len(text) > _MOST_TEXT:
             size = f"{len(text) / 1e6:.1f} MB, and the editor shows no errors above {_MOST_TEXT / 1e6:g} MB"
@@ -225,7 +225,7 @@ class Workspace:
             except (OSError, UnicodeDecodeError):
                 continue
             if path.name in text and is_recipe(other, text):
-                found.append(self.analyse(other, text, texts))
+                found.append(self.analyze(other, text, texts))
         return found
 
     def check_model(self, path: Path, text: str) -> tuple[Diagnostic, ...]:
@@ -246,8 +246,8 @@ _MODEL = re.compile(r"<mujoco[\s>]")  # the mark of a complete model; other file
 class Document:
     """An open file. `kind` is `recipe`, `model`, or empty as long as it is neither.
 
-    The texts of a document are numbered: `count` is the newest one, and `done` the one that was analysed. `version`
-    is the editor's own number of the newest text, `seen` that of the analysed one.
+    The texts of a document are numbered: `count` is the newest one, and `done` the one that was analyzed. `version`
+    is the editor's own number of the newest text, `seen` that of the analyzed one.
     """
 
     path: Path
@@ -328,7 +328,7 @@ class Desk:
             if each.path != but
         }
 
-    async def analysed(self, path: Path, newest: bool = False, *, traced: bool = False) -> Analysis | None:
+    async def analyzed(self, path: Path, newest: bool = False, *, traced: bool = False) -> Analysis | None:
         """Return the latest analysis of an open recipe, with `newest` of the current text, and `traced` on request."""
         document = self.documents.get(path)
         if document is None or document.kind != "recipe":
@@ -351,9 +351,9 @@ class Desk:
     async def using(self, path: Path) -> list[Analysis]:
         found = []
         for document in list(self.documents.values()):
-            analysis = await self.analysed(document.path, newest=True)
+            analysis = await self.analyzed(document.path, newest=True)
             if analysis is not None and path in analysis.files:
-                found.append(await self.analysed(document.path, newest=True, traced=True) or analysis)
+                found.append(await self.analyzed(document.path, newest=True, traced=True) or analysis)
         return found
 
     def is_model(self, path: Path) -> bool:
@@ -372,7 +372,7 @@ class Desk:
             try:
                 if document.kind == "recipe":
                     document.analysis = await loop.run_in_executor(
-                        self._analysing, self.workspace.analyse, document.path, text, self.texts(document.path),
+                        self._analysing, self.workspace.analyze, document.path, text, self.texts(document.path),
                         document.analysis,
                     )  # fmt: skip
                 elif document.kind == "model":

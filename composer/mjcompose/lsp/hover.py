@@ -73,7 +73,7 @@ def _facts(known: Known, traced: Traced | None) -> Iterator[str]:
 
 
 def _pose(known: Known, traced: Traced) -> Iterator[str]:
-    """Yield the pose of an element in metres: in its body, and in the world at the reference configuration."""
+    """Yield the pose of an element in meters: in its body, and in the world at the reference configuration."""
     for body in world_of(traced.model, lambda node: None).walk():
         for place in body.places:
             if (place.kind, place.name) == (known.tag, known.name):

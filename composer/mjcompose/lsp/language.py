@@ -159,7 +159,7 @@ def _is_type(types: str | list[str], data: Any) -> bool:
 
 
 def _holds(condition: Schema, data: Any) -> bool:
-    """Return whether the data fulfils the condition of an `if`. The schema has three kinds of conditions."""
+    """Return whether the data fulfills the condition of an `if`. The schema has three kinds of conditions."""
     if "type" in condition and not _is_type(condition["type"], data):
         return False
     if data != condition.get("const", data) or data not in condition.get("enum", (data,)):

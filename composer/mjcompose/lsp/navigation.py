@@ -108,8 +108,8 @@ def elements_at(path: File, line: int, analysis: Analysis) -> list[Known]:
     return [known for known in every if known.node in nodes]
 
 
-def hover_in_model(path: File, line: int, analyses: Iterable[Analysis]) -> Hover | None:
-    found = [(known, each) for each in analyses for known in elements_at(path, line, each)]
+def hover_in_model(path: File, line: int, analyzes: Iterable[Analysis]) -> Hover | None:
+    found = [(known, each) for each in analyzes for known in elements_at(path, line, each)]
     if not found:
         return None
     texts = [f"in `{each.file}`: {describe(known, each)}" for known, each in found[:_FROM_MODEL_MOST]]
@@ -118,8 +118,8 @@ def hover_in_model(path: File, line: int, analyses: Iterable[Analysis]) -> Hover
     return Hover("\n\n---\n\n".join(texts))
 
 
-def references_in_recipes(path: File, line: int, analyses: Iterable[Analysis]) -> list[Span]:
-    found = [span for each in analyses for known in elements_at(path, line, each) for span in uses_of(known, each)]
+def references_in_recipes(path: File, line: int, analyzes: Iterable[Analysis]) -> list[Span]:
+    found = [span for each in analyzes for known in elements_at(path, line, each) for span in uses_of(known, each)]
     return list(dict.fromkeys(found))
 
 

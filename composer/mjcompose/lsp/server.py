@@ -95,7 +95,7 @@ class Server(LanguageServer):
 
     async def analysis(self, params: Any, newest: bool = True, *, traced: bool = False) -> Analysis:
         """Return the analysis of the recipe that `params` names. Raises NotOpen."""
-        analysis = await self.desk.analysed(self.path(params.text_document.uri), newest, traced=traced)
+        analysis = await self.desk.analyzed(self.path(params.text_document.uri), newest, traced=traced)
         if analysis is None:
             raise NotOpen
         return analysis

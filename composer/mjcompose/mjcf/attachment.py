@@ -26,7 +26,7 @@ _JOINTS = ("joint", "freejoint")
 class AttachmentFrame(Element):
     """The body called `PREFIX/` between a model and the model it is attached to.
 
-    It belongs to the parent. Its `pos` and orientation are the offset from the place of attachment (metres,
+    It belongs to the parent. Its `pos` and orientation are the offset from the place of attachment (meters,
     and the parent's unit of angle). `add('joint', …)` lets the child move. A joint called `name` is
     `PREFIX/name` in the output, one without a name is `PREFIX/`. With a free joint, or as a `mocap` body,
     the child stands in the world at the pose that the place has in the reference configuration. Without any

@@ -220,7 +220,7 @@ class Binding:
     their count as its length, even if it is one: `qpos` of a hinge is `(1,)`, of a free joint `(7,)`, `sensordata`
     of a force `(3,)`. For an actuator with one control, `ctrl` is a number; for one without state, `act` is empty.
     For a sequence of n elements, in its order: `(n,)`, `(n, 3)`, and the sum of the lengths. Units are MuJoCo's:
-    radians, metres, kilograms, seconds.
+    radians, meters, kilograms, seconds.
 
     If the rows of a sequence are not evenly spaced in MuJoCo's array, a field is a copy made when it is read;
     assignments to items and slices, and `+=`, are still written to MuJoCo.

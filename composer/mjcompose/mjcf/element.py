@@ -152,7 +152,7 @@ class Element(NodeView):
         """Attach a model to this site, body, frame or worldbody, and return the attachment frame.
 
         The child keeps its own names and can still be edited; in this model its names have its prefix
-        (`gripper/left_pad`). The frame has an offset (`frame.pos` in metres, `frame.quat`, …) and accepts joints.
+        (`gripper/left_pad`). The frame has an offset (`frame.pos` in meters, `frame.quat`, …) and accepts joints.
         Without a joint the child is fixed and no body is added. Raises `MjcfError` if the child is already attached,
         contains this model, or has the same prefix as another child.
 

@@ -1,6 +1,6 @@
 """All that is known of each array of `mjModel`: one table, which every comparison reads.
 
-A new array of MuJoCo is one row of it. MuJoCo uses radians and metres; a quaternion has no unit, and its numbers have
+A new array of MuJoCo is one row of it. MuJoCo uses radians and meters; a quaternion has no unit, and its numbers have
 the word for one.
 """
 
@@ -131,7 +131,7 @@ _BEHAVIOURS: Mapping[str, tuple[str, ...]] = {
     "data address": ("skipped", "the address of the element's data; the data is compared"),
     "state address": ("skipped", "an address in the state or the sensor data of the whole model"),
     "signature": ("skipped", "the body ids of a pair once more; its geoms are compared"),
-    "neighbours": ("skipped", "the neighbours of a flex's vertices (in MuJoCo 3); its edges are compared"),
+    "neighbors": ("skipped", "the neighbors of a flex's vertices (in MuJoCo 3); its edges are compared"),
     "flex volumes": ("skipped", "the bounding volumes of a flex, built from its vertices in the world's frame"),
     "key time": ("skipped", "one time for a whole key, which may be of several parts"),
     "by joint": ("elsewhere", "compared by joint"),
@@ -205,7 +205,7 @@ _TURN = "quat euler axisangle xyaxes zaxis fromto pos"
 _TABLE = f"""
 body_mass | body sum | mass | kg | mass
 body_inertia | body sum | principal inertia | kg·m² | diaginertia fullinertia
-body_ipos | body sum | centre of mass | m | pos
+body_ipos | body sum | center of mass | m | pos
 body_iquat | body sum | principal axes of inertia | | quat
 body_pos | root pose | position | m | {_POSE}
 body_quat | root pose | orientation | | {_TURN}
@@ -303,7 +303,7 @@ mesh_scale | triangles
 oct_child | by mesh, order
 mesh_vertnum | order | number of vertices | | file vertex builtin params
 mesh_facenum | order | number of faces | | file face builtin params
-mesh_pos | triangles | centre in its file | m | file refpos
+mesh_pos | triangles | center in its file | m | file refpos
 mesh_quat | triangles | orientation in its file | | file refquat
 tex_data | rows ntexdata | pixels | | file builtin rgb1 rgb2 mark markrgb random
 tex_colorspace | 0 1
@@ -341,11 +341,11 @@ flex_texcoord | rows flex_texcoordadr
 flex_bandwidth flex_cellnum flex_edgenum flex_elemnum flex_evpairnum flex_nodenum flex_shellnum | order
 flex_vertnum | order
 flex_bvhnum | flex volumes, order
-flex_evpairadr flex_vertedgeadr flex_vertedgenum | neighbours, order
+flex_evpairadr flex_vertedgeadr flex_vertedgenum | neighbors, order
 flex_interp flex_xvert0 | vertices
 flex_nodebodyid | id, vertices
 flex_size | global length, vertices
-flex_vertedge | neighbours, vertices
+flex_vertedge | neighbors, vertices
 flexedge_invweight0 | inertia
 tendon_range | | range | m | range
 tendon_limited | switch | limited | | limited range

@@ -4,7 +4,7 @@ MuJoCo computes force = gainprm[0] * input + biasprm[0] + biasprm[1] * length + 
 fixed and the bias affine. The tags `motor`, `position` and `velocity` are special cases of that. The controls of servos
 that hold a pose produce no force there; those that balance gravity and contacts come from `mj_inverse`.
 
-As in MuJoCo, angles are in radians and lengths in metres. The unit of a quaternion is the word itself; `1` is a plain
+As in MuJoCo, angles are in radians and lengths in meters. The unit of a quaternion is the word itself; `1` is a plain
 number; None means that the unit depends on the model's author.
 """
 

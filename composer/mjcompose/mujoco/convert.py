@@ -125,7 +125,7 @@ def _read(mujoco: Any, argument: dict[str, Any]) -> Any:
     path, text, made = Path(argument["path"]), argument["text"], argument["made"]
     if path.suffix == ".urdf" and text is None:
         spec = mujoco.MjSpec.from_file(argument["path"])
-    else:  # MuJoCo only recognises that suffix
+    else:  # MuJoCo only recognizes that suffix
         spec = mujoco.MjSpec.from_string(path.read_text(encoding="utf-8") if text is None else text)
         spec.modelfiledir = str(path.parent)
     if made and spec.strippath:  # which would take the folders of the made ones off as well

@@ -419,7 +419,7 @@ def measure(
 ) -> Measured:  # fmt: skip
     """Compile `folder/model` and return arrays of mjModel (or `data.NAME` of mjData) with all names.
 
-    Units and shapes are MuJoCo's own: radians, metres, one row per object.
+    Units and shapes are MuJoCo's own: radians, meters, one row per object.
     """
     request = Request(folder, model, wants=("names",), arrays=arrays, text=text)
     return _run(request, limits, session)

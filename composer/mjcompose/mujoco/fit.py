@@ -39,17 +39,17 @@ def spheres(mesh: Mesh, wanted: Mapping[str, Any]) -> list[Primitive]:
     from trimesh.nsphere import minimum_nsphere
 
     points = numpy.vstack((mesh.vertices, on_surface(mesh.solid, _POINTS, wanted["seed"])))
-    centres = _apart(points, wanted["count"])
+    centers = _apart(points, wanted["count"])
     nearest = numpy.zeros(len(points), dtype=int)
     for _ in range(_ROUNDS):
-        nearest = numpy.asarray(cKDTree(centres).query(points)[1])
-        centres = numpy.array([points[nearest == each].mean(axis=0) for each in numpy.unique(nearest)])
+        nearest = numpy.asarray(cKDTree(centers).query(points)[1])
+        centers = numpy.array([points[nearest == each].mean(axis=0) for each in numpy.unique(nearest)])
     found = []
     for each in numpy.unique(nearest):
         own = points[nearest == each]
-        centre = numpy.asarray(minimum_nsphere(own)[0]) if len(own) > 4 else own.mean(axis=0)
-        radius = float(numpy.linalg.norm(own - centre, axis=1).max())
-        found.append(Primitive("sphere", (radius,), centre, turn=numpy.eye(3)))
+        center = numpy.asarray(minimum_nsphere(own)[0]) if len(own) > 4 else own.mean(axis=0)
+        radius = float(numpy.linalg.norm(own - center, axis=1).max())
+        found.append(Primitive("sphere", (radius,), center, turn=numpy.eye(3)))
     return found
 
 
@@ -78,8 +78,8 @@ def fit(mesh: Mesh, wanted: str) -> Primitive:
 
 def _fitted(type: str, points: numpy.ndarray) -> Primitive:
     if type == "sphere":
-        centre, radius = _ball(points)
-        return Primitive("sphere", (radius,), centre, turn=numpy.eye(3))
+        center, radius = _ball(points)
+        return Primitive("sphere", (radius,), center, turn=numpy.eye(3))
     turn, low, high = _box(points)
     if type == "box":
         return Primitive("box", tuple((high - low) / 2), turn @ ((low + high) / 2), turn=turn)
@@ -87,8 +87,8 @@ def _fitted(type: str, points: numpy.ndarray) -> Primitive:
     for axes in ((1, 2, 0), (2, 0, 1), (0, 1, 2)):
         turned = turn[:, axes]
         inner = points @ turned
-        centre, radius = _ball(inner[:, :2])
-        apart = numpy.linalg.norm(inner[:, :2] - centre, axis=1)
+        center, radius = _ball(inner[:, :2])
+        apart = numpy.linalg.norm(inner[:, :2] - center, axis=1)
         along = inner[:, 2]
         if type == "capsule":
             spare = numpy.sqrt(numpy.maximum(radius**2 - apart**2, 0))
@@ -99,7 +99,7 @@ def _fitted(type: str, points: numpy.ndarray) -> Primitive:
         else:
             bottom, top = along.min(), along.max()
             half = (top - bottom) / 2
-        pos = turned @ numpy.array([*centre, (bottom + top) / 2])
+        pos = turned @ numpy.array([*center, (bottom + top) / 2])
         found.append(Primitive(type, (float(radius), float(half)), pos, turn=turned))
     return min(found, key=lambda each: each.volume)
 
@@ -119,8 +119,8 @@ def _box(points: numpy.ndarray) -> tuple[numpy.ndarray, numpy.ndarray, numpy.nda
 def _ball(points: numpy.ndarray) -> tuple[numpy.ndarray, float]:
     from trimesh.nsphere import minimum_nsphere
 
-    centre: numpy.ndarray = numpy.array(minimum_nsphere(points)[0], numpy.float64)
-    return centre, float(numpy.linalg.norm(points - centre, axis=1).max())
+    center: numpy.ndarray = numpy.array(minimum_nsphere(points)[0], numpy.float64)
+    return center, float(numpy.linalg.norm(points - center, axis=1).max())
 
 
 def decompose(mesh: Mesh, wanted: Mapping[str, Any]) -> list[Hull]:
@@ -139,7 +139,7 @@ def decompose(mesh: Mesh, wanted: Mapping[str, Any]) -> list[Hull]:
         try:
             pieces.append(hull_of(vertices))
         except QhullError:
-            continue  # a sliver without volume, which touches nothing that its neighbours do not
+            continue  # a sliver without volume, which touches nothing that its neighbors do not
     if not pieces:
         raise UnusableError("CoACD finds no piece of it")
     return pieces
@@ -192,7 +192,7 @@ _AT_ONCE = 64
 
 
 def measured(mesh: Mesh, shapes: Sequence[Shape]) -> dict[str, Any]:
-    """The errors of shapes, in metres and shares; `volume` is None for a mesh that is open."""
+    """The errors of shapes, in meters and shares; `volume` is None for a mesh that is open."""
     surface = on_surface(mesh.solid, _POINTS)
     corners = _some(mesh.vertices)
     away = _outside(shapes, numpy.vstack((surface, corners)))

@@ -19,7 +19,7 @@ Range: TypeAlias = tuple[float, float]
 
 @dataclass(frozen=True, slots=True)
 class Joint:
-    """A joint. `range` is in MuJoCo's units (radians, metres) and only valid if `limited`."""
+    """A joint. `range` is in MuJoCo's units (radians, meters) and only valid if `limited`."""
 
     name: str
     type: str
@@ -68,7 +68,7 @@ class Sensor:
 class Camera:
     """The field of view and the resolution of a camera.
 
-    `fovy` is in degrees, or in metres for an orthographic camera, as `unit` says; `resolution` is width and height.
+    `fovy` is in degrees, or in meters for an orthographic camera, as `unit` says; `resolution` is width and height.
     """
 
     name: str

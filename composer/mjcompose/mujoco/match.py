@@ -14,7 +14,7 @@ from dataclasses import replace
 from typing import TypeAlias
 
 from mjcompose.base.dataclass import dataclass
-from mjcompose.base.rotation import IDENTITY_QUAT, ORIGIN, Pose, Quat, Vec3, normalise
+from mjcompose.base.rotation import IDENTITY_QUAT, ORIGIN, Pose, Quat, Vec3, normalize
 from mjcompose.mujoco.addresses import runs
 from mjcompose.mujoco.attributes import HOLDERS, KINDS, ON_BODIES, Model, NameTable, holder
 from mjcompose.mujoco.references import UNORDERED, Link, World, links, row_key
@@ -125,9 +125,9 @@ class Mount:
     ) -> Mount:  # fmt: skip
         """Return the mount for a place in a recipe: a site, a body or the world, with an offset.
 
-        ``pos`` is in metres, in the frame of the place. Raises KeyError for an unknown site.
+        ``pos`` is in meters, in the frame of the place. Raises KeyError for an unknown site.
         """
-        offset = Pose(pos, normalise(quat))
+        offset = Pose(pos, normalize(quat))
         if site is None:
             return cls(body, offset)
         index = NameTable(composed).ids["site"][site]
@@ -156,7 +156,7 @@ _GLOBAL = (
 ABSENT = -1
 
 _SAME_PLACE = 1e-6
-"""Metres; elements that are closer are distinguished by their order."""
+"""Meters; elements that are closer are distinguished by their order."""
 
 
 class Correspondence:
@@ -347,7 +347,7 @@ class Correspondence:
             theirs = [j for j in theirs if j not in self.taken[kind]]
 
     def _apart(self, kind: str, index: int, target: int) -> float:
-        """Return the distance of ``target`` from the expected position of ``index`` in metres; 0 if unknown."""
+        """Return the distance of ``target`` from the expected position of ``index`` in meters; 0 if unknown."""
         if kind not in HOLDERS or kind == "joint":
             return 0.0
         positions = f"{KINDS[kind].arrays}_pos"

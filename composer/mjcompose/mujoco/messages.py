@@ -370,7 +370,7 @@ def _not_positive(said: Sentence, element: Node) -> str | None:
     if (index := said.size_index) is None:
         return None
     sizes = str(element.get("size") or "").split()
-    return f"`{sizes[index]}` is not above 0: sizes are lengths in metres" if index < len(sizes) else None
+    return f"`{sizes[index]}` is not above 0: sizes are lengths in meters" if index < len(sizes) else None
 
 
 _MASSES = {"inertial": ("mass", "diaginertia", "fullinertia"), "geom": ("mass", "density")}

@@ -90,12 +90,12 @@ def corners(mujoco: Any, model: Any, data: Any) -> Any:
     solid = [each for each in drawn if int(model.geom_type[each]) not in (plane, terrain)]
     found = [np.zeros((0, 3))]
     for geom in solid or drawn:
-        centre, half = model.geom_aabb[geom][:3], model.geom_aabb[geom][3:]
+        center, half = model.geom_aabb[geom][:3], model.geom_aabb[geom][3:]
         if model.geom_type[geom] == plane:
             half = model.geom_size[geom][:2]  # 0 for infinite, which counts as 1
-            centre, half = np.zeros(3), np.array([*np.where(half > 0, half, 1.0), 0.0])
+            center, half = np.zeros(3), np.array([*np.where(half > 0, half, 1.0), 0.0])
         rotation = data.geom_xmat[geom].reshape(3, 3)
-        found.append((centre + _CORNERS * half) @ rotation.T + data.geom_xpos[geom])
+        found.append((center + _CORNERS * half) @ rotation.T + data.geom_xpos[geom])
     if model.nflexvert:
         found.append(data.flexvert_xpos.reshape(-1, 3))
     if model.nskin:

@@ -365,7 +365,7 @@ FILE = "scene.json"
 def describe(mujoco: Any, model: Any, asked: Mapping[str, Any]) -> dict[str, Any]:
     """Write `scene.json` and its blobs into ``folder``; runs under `mjcompose.mujoco.engine.call`.
 
-    The answer's `blobs` are all that it refers to; those in ``known`` are not written again. Lengths are in metres,
+    The answer's `blobs` are all that it refers to; those in ``known`` are not written again. Lengths are in meters,
     angles in radians, quaternions are w x y z, and elements on a body are in its frame, as in `mjModel`. Equal
     models give equal bytes.
     """

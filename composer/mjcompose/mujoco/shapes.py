@@ -1,4 +1,4 @@
-"""Meshes and convex shapes, points on them, and whether a mesh is plausible: enormous, in millimetres, flat or open.
+"""Meshes and convex shapes, points on them, and whether a mesh is plausible: enormous, in millimeters, flat or open.
 
 `measures` and `is_flat` run in the child process, where the vertices are; `doubts` judges their answer here.
 """
@@ -26,7 +26,7 @@ class UnusableError(Exception):
 
 @dataclass(frozen=True)
 class Mesh:
-    """Vertices in metres and triangles by their numbers. `solid` is the same as trimesh has it.
+    """Vertices in meters and triangles by their numbers. `solid` is the same as trimesh has it.
 
     `is_mapped` says whether it says where a texture goes.
     """
@@ -245,20 +245,20 @@ def hull_of(vertices: numpy.ndarray, most: int | None = None) -> Hull:
 SIZE, SHAPE = "mesh-size", "mesh-shape"
 """The codes of the warnings."""
 _LARGE, _SMALL = 20.0, 1e-3
-"""In metres: halls and screws. Beyond these a mesh is doubtful, but not in a model that is as large itself."""
+"""In meters: halls and screws. Beyond these a mesh is doubtful, but not in a model that is as large itself."""
 _TIMES = 50.0
-"""By the distance of neighbouring bodies."""
+"""By the distance of neighboring bodies."""
 _LEAST_REACH = 0.1
 _THIN = 1e-6
 """Relative: MuJoCo keeps coordinates with seven digits, so that what is thinner than this is flat."""
 _MOST = 1e9
-_FACTORS = {"large": (0.001, "its file is in millimetres"), "small": (1000, "it is scaled twice")}
+_FACTORS = {"large": (0.001, "its file is in millimeters"), "small": (1000, "it is scaled twice")}
 """What the scale of a mesh would be multiplied with, and why."""
 
 
 @dataclass(frozen=True, slots=True)
 class Measured:
-    """The measurements of a mesh: `size` is the diagonal of the box around it, in metres, in the model.
+    """The measurements of a mesh: `size` is the diagonal of the box around it, in meters, in the model.
 
     It is closed if every edge has two faces. `open_edges` of `edges` have not; None if they are not known.
     """
@@ -285,20 +285,20 @@ class Doubt:
         """Return the help for a wrong size; `write` is what sets the scale of the mesh, with `{}` for the numbers.
 
         >>> Doubt("large", "").advice((1, 1, 2), 'scale="{}"')
-        'if its file is in millimetres, write `scale="0.001 0.001 0.002"`'
+        'if its file is in millimeters, write `scale="0.001 0.001 0.002"`'
         """
         factor, why = _FACTORS[self.kind]
         return f"if {why}, write `{write.format(between.join(f'{each * factor:g}' for each in scale))}`"
 
 
 def doubts(mesh: Measured, reach: float, *, touches: bool = True, inside: str | None = None) -> Iterator[Doubt]:
-    """Yield the doubts about a mesh. `reach` is the greatest distance of neighbouring bodies, in metres.
+    """Yield the doubts about a mesh. `reach` is the greatest distance of neighboring bodies, in meters.
 
     A mesh that nothing touches (`touches` is false) may be flat. `inside` is a clause about its use that needs an
     inside; without it a mesh may be open, because MuJoCo lets its convex hull collide.
 
     >>> [each.what for each in doubts(Measured(300.0), 0.4)]
-    ['is 300 m from corner to corner, and neighbouring bodies are at most 0.4 m apart']
+    ['is 300 m from corner to corner, and neighboring bodies are at most 0.4 m apart']
     >>> [each.code for each in doubts(Measured(0.2, is_closed=False), 0.4, inside="its mass is computed from it")]
     ['mesh-shape']
     """
@@ -318,11 +318,11 @@ def doubts(mesh: Measured, reach: float, *, touches: bool = True, inside: str | 
 
 def _far(mesh: Measured, reach: float) -> str:
     size = f"{mesh.size:.3g} m" if mesh.size >= 1 else f"{1000 * mesh.size:.3g} mm"
-    return f"is {size} from corner to corner, and neighbouring bodies are at most {reach:.2g} m apart"
+    return f"is {size} from corner to corner, and neighboring bodies are at most {reach:.2g} m apart"
 
 
 def measures(vertices: Any, faces: Any) -> dict[str, Any]:
-    """Return the extents in metres, the volume, whether it is flat, and how many edges have not exactly two faces."""
+    """Return the extents in meters, the volume, whether it is flat, and how many edges have not exactly two faces."""
     extents = vertices.max(axis=0) - vertices.min(axis=0)
     _, same = numpy.unique(vertices, axis=0, return_inverse=True)
     corners = same.ravel()[faces]
@@ -345,9 +345,9 @@ def measured(facts: dict[str, Any], scale: Sequence[float]) -> Measured:
 
 def is_flat(vertices: Any) -> bool:
     """Whether vertices, shape (n, 3), are a point, a line or in a plane, however that is turned."""
-    centred = vertices - vertices.mean(axis=0)
-    _, lengths, axes = numpy.linalg.svd(centred, full_matrices=False)
-    thick = numpy.ptp(centred @ axes.T, axis=0)
+    centered = vertices - vertices.mean(axis=0)
+    _, lengths, axes = numpy.linalg.svd(centered, full_matrices=False)
+    thick = numpy.ptp(centered @ axes.T, axis=0)
     return len(lengths) < 3 or bool(thick.min() <= _THIN * thick.max())
 
 

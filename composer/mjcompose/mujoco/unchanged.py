@@ -48,7 +48,7 @@ _POSED = ("body", "geom", "site", "camera")
 
 
 class Placing:
-    """The rigid transform from the part's world to the frame of the mount's body: metres, and w x y z.
+    """The rigid transform from the part's world to the frame of the mount's body: meters, and w x y z.
 
     ``transform`` is the mount's pose or, if that is unknown, the movement of the first root; None for a part with
     nothing at its root.
@@ -141,7 +141,7 @@ def _near(a: tuple[float, ...], b: tuple[float, ...], bound: float) -> bool:
 
 _WELD = 1  # mjEQ_WELD
 _ONE_POINT = 1e-9
-"""Metres; at this distance the direction between two points is made of rounding errors."""
+"""Meters; at this distance the direction between two points is made of rounding errors."""
 _SHOWN = 12
 """Longer rows are shown by their first differing entry."""
 
@@ -242,7 +242,7 @@ class InComposition(Rules):
         return there >= 0 and int(self.alone.body_simple[body]) != int(self.composed.body_simple[there])
 
     def _has_no_direction(self, tendon: int) -> bool:
-        """Return whether two neighbouring sites of a tendon lie in one point in the reference configuration.
+        """Return whether two neighboring sites of a tendon lie in one point in the reference configuration.
 
         MuJoCo 4.0 then takes the x axis of the world for the direction between them, or that of a rounding error: what
         follows from it depends on how the part is turned.

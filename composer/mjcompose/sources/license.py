@@ -64,7 +64,7 @@ def identify(text: str) -> str | None:
     declared = _DECLARED.search(text)
     if declared is not None:
         return declared[1]
-    plain = " ".join(re.sub(r"[\s#*/;]+", " ", text.casefold().replace("licence", "license")).split())
+    plain = " ".join(re.sub(r"[\s#*/;]+", " ", text.casefold().replace("license", "license")).split())
     matches = ((re.search(phrase, plain), name) for name, phrase in _PHRASES)
     found = [(match.start(), name) for match, name in matches if match is not None]
     if (match := re.search(_BSD, plain)) is not None:

@@ -68,7 +68,7 @@ _OF_THE_DISK = frozenset({errno.EIO, errno.ENOSPC, errno.EDQUOT, errno.ENXIO, er
 
 
 def unpack(archive: Path, target: Path) -> None:
-    """Unpack a zip or a tar (plain, gz, bz2 or xz), recognised by its bytes, into `target`, an empty folder.
+    """Unpack a zip or a tar (plain, gz, bz2 or xz), recognized by its bytes, into `target`, an empty folder.
 
     Raises Unsafe for an archive that is broken, encrypted or larger than the limits, that leads out of the folder,
     or that has links, devices or duplicate names; OSError for errors of the disk.

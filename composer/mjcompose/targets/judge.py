@@ -247,14 +247,14 @@ def _composite(mujoco: Any, model: Any, body: int, parts: list[int]) -> tuple[fl
     mass = float(masses.sum())
     if mass == 0:
         return 0.0, np.zeros(3), np.zeros((3, 3))
-    centre = (masses[:, None] * data.xipos[parts]).sum(axis=0) / mass
+    center = (masses[:, None] * data.xipos[parts]).sum(axis=0) / mass
     inertia = np.zeros((3, 3))
     for part in parts:
         axes = data.ximat[part].reshape(3, 3)
-        off = data.xipos[part] - centre
+        off = data.xipos[part] - center
         inertia += axes @ np.diag(model.body_inertia[part]) @ axes.T
         inertia += model.body_mass[part] * (off @ off * np.eye(3) - np.outer(off, off))
-    return mass, frame.T @ (centre - origin), frame.T @ inertia @ frame
+    return mass, frame.T @ (center - origin), frame.T @ inertia @ frame
 
 
 def _poses(mine: Sequence[Facts], read: Sequence[Facts], composite: bool, tolerance: float) -> Iterator[Difference]:

@@ -308,7 +308,7 @@ def _place(element: Node, pos: Any, quat: Any) -> None:
 def _inertia(model: Any, number: int, body: Node) -> None:
     for old in list(body.iterchildren("inertial")):
         body.remove(old)
-    # MuJoCo 4.0 gives a body without one the `pos` of the body as its centre of mass.
+    # MuJoCo 4.0 gives a body without one the `pos` of the body as its center of mass.
     inertial = etree.Element("inertial", mass=text(model.body_mass[number]))
     _place(inertial, model.body_ipos[number], model.body_iquat[number])
     inertial.set("diaginertia", text(model.body_inertia[number]))

@@ -21,7 +21,7 @@ Pose = tuple[Any, Any]
 
 
 def pose(pos: Any, quat: Any = (1.0, 0.0, 0.0, 0.0)) -> Pose:
-    """Return the pose with a position (m) and a quaternion (w, x, y, z), which is normalised."""
+    """Return the pose with a position (m) and a quaternion (w, x, y, z), which is normalized."""
     w, x, y, z = (float(each) for each in np.asarray(quat) / np.linalg.norm(quat))
     rows = [
         [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],

@@ -156,7 +156,7 @@ export class App {
     const show = (number: number) => h("button", { className: number === contrast.at ? "chip on" : "chip", onclick: () => void this.show(this.models, number) }, number ? "after" : "before");
     this.choices.replaceChildren(show(0), show(1));
     this.choices.hidden = false;
-    this.world.recolour(contrast.colour);
+    this.world.recolour(contrast.color);
     this.panels.Changes.replaceChildren(contrast.panel((element) => this.select(element, true)));
   }
 

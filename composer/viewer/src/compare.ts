@@ -1,4 +1,4 @@
-// Two models in one page: what differs, in colour and in words.
+// Two models in one page: what differs, in color and in words.
 import { Color } from "three";
 import type { Element, Difference, Model, Scene } from "./data";
 import { h } from "./dom";
@@ -6,7 +6,7 @@ import { nameOf } from "./tree";
 
 export const WHATS = ["added", "removed", "changed", "moved"] as const;
 export type What = (typeof WHATS)[number];
-const COLOURS: Record<What, number> = { added: 0x2fbf5b, removed: 0xe5484d, changed: 0xf5a524, moved: 0x8b5cf6 };
+const COLORS: Record<What, number> = { added: 0x2fbf5b, removed: 0xe5484d, changed: 0xf5a524, moved: 0x8b5cf6 };
 
 /** What is different about the elements of one of the two models. */
 export class Contrast {
@@ -32,12 +32,12 @@ export class Contrast {
     return (["added", "removed", "moved"] as const).find((what) => has(what, above)) ?? (has("changed", made) ? "changed" : null);
   }
 
-  readonly colour = (kind: string, index: number): Color | null => {
+  readonly color = (kind: string, index: number): Color | null => {
     const what = this.of({ kind, index });
-    return what && new Color(COLOURS[what]);
+    return what && new Color(COLORS[what]);
   };
 
-  /** The text of the comparison, below what each colour means. */
+  /** The text of the comparison, below what each color means. */
   panel(choose: (element: Element) => void): HTMLElement {
     const legend = WHATS.filter((what) => this.names[what].size).map((what) => {
       const rows = [...this.names[what]].flatMap((each) => this.link(each, choose));

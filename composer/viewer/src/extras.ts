@@ -35,24 +35,24 @@ export class Extras {
     for (const { update } of this.shown.values()) update();
   }
 
-  private lines(count: number): { group: Group; corners: Float32Array; colours: Float32Array; done: () => void } {
-    const geometry = new BufferGeometry(), corners = new Float32Array(3 * count), colours = new Float32Array(3 * count);
+  private lines(count: number): { group: Group; corners: Float32Array; colors: Float32Array; done: () => void } {
+    const geometry = new BufferGeometry(), corners = new Float32Array(3 * count), colors = new Float32Array(3 * count);
     geometry.setAttribute("position", new BufferAttribute(corners, 3));
-    geometry.setAttribute("color", new BufferAttribute(colours, 3));
+    geometry.setAttribute("color", new BufferAttribute(colors, 3));
     const lines = new LineSegments(geometry, new LineBasicMaterial({ vertexColors: true, depthTest: false, transparent: true }));
     lines.frustumCulled = false;
     lines.renderOrder = 4;
     const group = new Group();
     group.add(lines);
-    return { group, corners, colours, done: () => { geometry.getAttribute("position").needsUpdate = true; } };
+    return { group, corners, colors, done: () => { geometry.getAttribute("position").needsUpdate = true; } };
   }
 
   private frames() {
     const { pose } = this.world, bodies = this.world.model.scene.body.name.length;
-    const { group, corners, colours, done } = this.lines(6 * bodies);
+    const { group, corners, colors, done } = this.lines(6 * bodies);
     const axes = [[1, 0, 0], [0, 1, 0], [0, 0, 1]], tints = ["#ff5a5f", "#3ecf6b", "#4f8cff"];
     for (let b = 0; b < bodies; b++) axes.forEach((_, a) => {
-      for (const k of [0, 1]) new Color(tints[a]).toArray(colours, 3 * (6 * b + 2 * a + k));
+      for (const k of [0, 1]) new Color(tints[a]).toArray(colors, 3 * (6 * b + 2 * a + k));
     });
     const update = () => {
       for (let b = 0; b < bodies; b++) axes.forEach((axis, a) => {
@@ -74,9 +74,9 @@ export class Extras {
     const rod = new InstancedMesh(new CylinderGeometry(width, width, length, 10).rotateX(Math.PI / 2), overlay(0xffffff), some.length);
     const tip = new InstancedMesh(new ConeGeometry(2.4 * width, 6 * width, 14).rotateX(Math.PI / 2), overlay(0xffffff), some.length);
     some.forEach((j, at) => {
-      const colour = new Color(joint.type[j] === SLIDE ? "#3ecf6b" : "#ff9f2e");
-      rod.setColorAt(at, colour);
-      tip.setColorAt(at, colour);
+      const color = new Color(joint.type[j] === SLIDE ? "#3ecf6b" : "#ff9f2e");
+      rod.setColorAt(at, color);
+      tip.setColorAt(at, color);
     });
     for (const each of [rod, tip]) { each.frustumCulled = false; each.renderOrder = 4; group.add(each); }
     const update = () => {
@@ -135,8 +135,8 @@ export class Extras {
 
   private cameras() {
     const { camera } = this.world.model.scene, { pose } = this.world, count = camera.name.length;
-    const { group, corners, colours, done } = this.lines(16 * count);
-    colours.fill(0.75);
+    const { group, corners, colors, done } = this.lines(16 * count);
+    colors.fill(0.75);
     const eyes = new InstancedMesh(new SphereGeometry(this.unit * 0.12, 12, 8), overlay(0xbfc7d5), Math.max(1, count));
     eyes.frustumCulled = false;
     eyes.count = count;

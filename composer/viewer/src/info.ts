@@ -74,7 +74,7 @@ export class Info {
       if (index > 0) yield ["parent", this.link({ kind: "body", index: body.parent[index] })];
       yield ["mass", `${neat(body.mass[index])} kg`];
       yield ["inertia", list(row(body.inertia, index, 3), " kg·m²")];
-      yield ["centre of mass", list(row(body.ipos, index, 3), " m")];
+      yield ["center of mass", list(row(body.ipos, index, 3), " m")];
       yield ["position", list(row(body.pos, index, 3), " m")];
       if (body.mocap[index] >= 0) yield ["mocap", "moved by the program"];
     }
@@ -92,7 +92,7 @@ export class Info {
       if (data < 0) yield ["size", list(row(columns.size, index, 3), " m")];
       yield ["group", String(columns.group[index])];
       const material = columns.material[index], rgba = colourOf(this.model, row(columns.rgba, index, 4), material);
-      yield ["colour", h("span", {}, h("i", { className: "swatch", style: `background:rgba(${rgba.slice(0, 3).map((each) => Math.round(255 * each))},${rgba[3]})` }), material >= 0 ? scene.material.name[material] || `material#${material}` : list(rgba))];
+      yield ["color", h("span", {}, h("i", { className: "swatch", style: `background:rgba(${rgba.slice(0, 3).map((each) => Math.round(255 * each))},${rgba[3]})` }), material >= 0 ? scene.material.name[material] || `material#${material}` : list(rgba))];
       if (kind === "geom") {
         yield ["collides", columns.contype[index] || columns.conaffinity[index] ? `contype ${columns.contype[index]}, conaffinity ${columns.conaffinity[index]}` : "no"];
         yield ["body's mass", `${neat(scene.body.mass[columns.body[index]])} kg`];

@@ -1,4 +1,4 @@
-// Colours, materials and textures. Colours are as MuJoCo has them: numbers that go to the screen unchanged.
+// Colors, materials and textures. Colors are as MuJoCo has them: numbers that go to the screen unchanged.
 import {
   CanvasTexture, Color, CubeTexture, FrontSide, LinearFilter, LinearMipmapLinearFilter, MeshPhongMaterial,
   RepeatWrapping, Vector2, Vector3, type Texture,
@@ -7,7 +7,7 @@ import { row, type Model } from "./data";
 
 export interface Paint { rgba: number[]; material: number }
 
-/** A geom's own colour where it says one, otherwise that of its material. */
+/** A geom's own color where it says one, otherwise that of its material. */
 export function colourOf(model: Model, rgba: number[], material: number): number[] {
   const unsaid = rgba.every((each) => each === 0.5 || each === 1) && rgba[0] === 0.5 && rgba[3] === 1;
   return material >= 0 && unsaid ? row(model.scene.material.rgba, material, 4) : rgba;

@@ -15,7 +15,7 @@ export function places(model: Model, choose: (element: Element) => void, hover: 
     scene[kind].name.flatMap((name, index) => (name && !(kind === "body" && index === 0) ? [entry(kind, index, name)] : []));
   const sites = named("site"), bodies = named("body");
   return h("div", { className: "places" },
-    h("p", { className: "hint" }, "A part hangs on a site or a body by its name; without one it stands in the world."),
+    h("p", { className: "hint" }, "Attach a part by the name of a site or a body. Without one, the part is in the world."),
     h("h3", {}, `Sites (${sites.length})`), ...sites,
     h("h3", {}, `Bodies (${bodies.length})`), ...bodies);
 }

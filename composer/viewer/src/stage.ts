@@ -5,7 +5,7 @@ import { type Element, row } from "./data";
 import { rotated } from "./kinematics";
 import type { World } from "./world";
 
-// Colours go to the screen as MuJoCo has them.
+// Colors go to the screen as MuJoCo has them.
 ColorManagement.enabled = false;
 
 export class Stage {
@@ -135,8 +135,8 @@ export class Stage {
     return this.world?.pick(ray) ?? null;
   }
 
-  background(colour: string | null): void {
-    this.scene.background = colour === null ? this.world?.painter.sky() ?? null : new Color(colour);
+  background(color: string | null): void {
+    this.scene.background = color === null ? this.world?.painter.sky() ?? null : new Color(color);
     this.draw();
   }
 

@@ -57,7 +57,7 @@ export class World {
   private batch(kind: Drawn, columns: Columns): void {
     const { scene } = this.model, fine = columns.name.length < MANY;
     const found = new Map<string, { members: number[]; make: () => InstancedMesh; batch: Omit<Batch, "mesh" | "members"> }>();
-    const colours: Color[] = [];
+    const colors: Color[] = [];
     columns.type.forEach((type: number, index: number) => {
       const size = row(columns.size, index, 3), material = columns.material[index];
       const data = kind === "geom" ? columns.data[index] : -1;
@@ -67,7 +67,7 @@ export class World {
       this.local[kind].push(new Matrix4().compose(
         new Vector3(...(row(columns.pos, index, 3) as [number, number, number])), new Quaternion(x, y, z, w),
         new Vector3(...shape.scale)));
-      colours.push(new Color().setRGB(rgba[0], rgba[1], rgba[2]));
+      colors.push(new Color().setRGB(rgba[0], rgba[1], rgba[2]));
       const textured = material >= 0 && scene.material.texture[material] >= 0;
       const endless = shape.key === "endless";
       const mapped = data >= 0 && textured && this.form(shape).hasAttribute("uv");
@@ -93,7 +93,7 @@ export class World {
       const mesh = make();
       mesh.instanceMatrix.setUsage(DynamicDrawUsage);
       mesh.frustumCulled = false;
-      members.forEach((index, at) => mesh.setColorAt(at, colours[index]));
+      members.forEach((index, at) => mesh.setColorAt(at, colors[index]));
       this.batches.push({ mesh, members, ...batch });
       this.root.add(mesh);
     }
@@ -121,13 +121,13 @@ export class World {
       if (!light.active[index]) return;
       const three = (name: string) => row(light[name], index, 3) as [number, number, number];
       ambient.add(new Color().setRGB(...three("ambient")));
-      const colour = new Color().setRGB(...three("diffuse"));
-      if (colour.r + colour.g + colour.b === 0) return;
+      const color = new Color().setRGB(...three("diffuse"));
+      if (color.r + color.g + color.b === 0) return;
       lit = true;
-      const made = type === 1 ? new DirectionalLight(colour, Math.PI)
+      const made = type === 1 ? new DirectionalLight(color, Math.PI)
         : type === 0 && light.cutoff[index] < 90
-          ? new SpotLight(colour, Math.PI, 0, light.cutoff[index] * Math.PI / 180, Math.min(1, light.exponent[index] / 20 + 0.15), 0)
-          : new PointLight(colour, Math.PI, 0, 0);
+          ? new SpotLight(color, Math.PI, 0, light.cutoff[index] * Math.PI / 180, Math.min(1, light.exponent[index] / 20 + 0.15), 0)
+          : new PointLight(color, Math.PI, 0, 0);
       if (light.shadow[index] && shadows < 2 && !(made instanceof PointLight)) {
         shadows++;
         made.castShadow = true;
@@ -148,16 +148,16 @@ export class World {
       if (!(made instanceof PointLight)) this.root.add(made.target);
     });
     const { headlight } = look;
-    const colour = new Color().setRGB(...(headlight.diffuse as [number, number, number]));
+    const color = new Color().setRGB(...(headlight.diffuse as [number, number, number]));
     const around = new Color().setRGB(...(headlight.ambient as [number, number, number]));
     if (headlight.active) ambient.add(around);
     this.headlight.intensity = headlight.active ? Math.PI : 0;
     if (!lit) {
-      colour.setRGB(Math.max(colour.r, 0.6), Math.max(colour.g, 0.6), Math.max(colour.b, 0.6));
+      color.setRGB(Math.max(color.r, 0.6), Math.max(color.g, 0.6), Math.max(color.b, 0.6));
       ambient.setRGB(Math.max(ambient.r, 0.3), Math.max(ambient.g, 0.3), Math.max(ambient.b, 0.3));
       this.headlight.intensity = Math.PI;
     }
-    this.headlight.color.copy(colour);
+    this.headlight.color.copy(color);
     this.root.add(new AmbientLight(ambient, Math.PI));
   }
 
@@ -246,20 +246,20 @@ export class World {
     return this.softs.element(hit.object, hit.instanceId);
   }
 
-  /** Colour elements in another way than the model does. What has a texture gets the colour on top of it. */
-  recolour(colours: (kind: string, index: number) => Color | null): void {
+  /** Color elements in another way than the model does. What has a texture gets the color on top of it. */
+  recolour(colors: (kind: string, index: number) => Color | null): void {
     this.uncover(this.tinted);
     const { scene } = this.model, paints = new Map<number, MeshBasicMaterial>();
     for (const { mesh, members, kind } of this.batches) {
       const columns = scene[kind];
       members.forEach((index, at) => {
-        const colour = colours(kind, index);
-        if (!colour) return;
-        mesh.setColorAt(at, colour);
+        const color = colors(kind, index);
+        if (!color) return;
+        mesh.setColorAt(at, color);
         const material = columns.material[index];
         if (material < 0 || scene.material.texture[material] < 0) return;
-        const paint = paints.get(colour.getHex()) ?? overlay(colour.getHex(), 0.6);
-        paints.set(colour.getHex(), paint);
+        const paint = paints.get(color.getHex()) ?? overlay(color.getHex(), 0.6);
+        paints.set(color.getHex(), paint);
         this.cover(this.tinted, kind, index, paint);
       });
       if (mesh.instanceColor) mesh.instanceColor.needsUpdate = true;
@@ -267,10 +267,10 @@ export class World {
   }
 
   /** Mark what is selected. */
-  mark(element: Element | null, colour: number): void {
+  mark(element: Element | null, color: number): void {
     this.uncover(this.marked);
     if (!element) return;
-    const paint = overlay(colour, 0.42);
+    const paint = overlay(color, 0.42);
     for (const { kind, index } of this.drawnOf(element)) this.cover(this.marked, kind, index, paint);
   }
 

@@ -90,7 +90,7 @@ class Panel {
       service = await Service.start(line, folder, (said) => this.end(said || "`mjcompose view` has ended."), (stop) => { this.stop = stop; });
       if (this.ended) return service.close();
       const [program, style, bridge] = await Promise.all([service.get("page.js"), service.get("page.css"), readFile(this.bridge, "utf8")]);
-      if (!program.includes(HOST)) throw new Error("This mjcompose is older than the extension: its page cannot stand in an editor.");
+      if (!program.includes(HOST)) throw new Error("This mjcompose is older than the extension: an editor cannot show its page.");
       this.service = service;
       this.panel.webview.html = page(program.toString(), style.toString(), bridge, theme(), randomBytes(16).toString("hex"));
     } catch (error) {

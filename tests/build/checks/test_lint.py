@@ -44,7 +44,7 @@ def test_holds(ask, model: str, asked: str) -> None:
 @pytest.mark.parametrize(
     ("model", "asked", "told"),
     [
-        (box(pos="0.2 0 0"), "", "its centre of mass is 0.1 m outside the box around its geoms"),
+        (box(pos="0.2 0 0"), "", "its center of mass is 0.1 m outside the box around its geoms"),
         (box(inertia=".9 .9 .9"), "", "its radius of gyration is 0.3354 m, and nothing of its geoms is farther"),
         (box(mass=800), "density: [100, 9000]", "1e+05 kg/m³ of the volume of its geoms, above 9000"),
         (box(mass=0.08, inertia="1e-4 1e-4 1e-4"), "density: [100, 9000]", "10 kg/m³ of the volume"),

@@ -144,7 +144,7 @@ def test_the_file_says_what_its_columns_are(table: Path) -> None:
 
 @pytest.mark.parametrize(("angle", "unit"), [("degree", np.pi / 180), ("radian", 1.0)])
 def test_bounds_are_in_the_unit_of_the_draws(tmp_path: Path, angle: str, unit: float) -> None:
-    """Bare angles are in the unit of the recipe; MuJoCo has radians, but degrees for `fovy`, and a slide has metres."""
+    """Bare angles are in the unit of the recipe; MuJoCo has radians, but degrees for `fovy`, and a slide has meters."""
     fields = [
         "range: {select: {joint: hinge}, attr: range, uniform: [[-90, 10], [-80, 20]]}",
         "ref: {select: {joint: hinge}, attr: 'range[1]', offset: {choice: [30, 60]}}",

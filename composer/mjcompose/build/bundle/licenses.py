@@ -23,7 +23,7 @@ class Row:
 
     @property
     def has_none(self) -> bool:
-        """Whether nothing states the license; an unrecognised license text counts as a statement."""
+        """Whether nothing states the license; an unrecognized license text counts as a statement."""
         return self.license is None and not self.files
 
 

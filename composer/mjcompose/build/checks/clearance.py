@@ -31,7 +31,7 @@ class Clearance(Check):
     key: Annotated[tuple[Annotated[str, Name("key", glob=True)], ...], Items(1, single=True)] = ()
     """in which keyframes; without it, in the reference configuration"""
     min: Annotated[float, Scaled(LENGTHS)] = -1e-3
-    """the least distance, in metres; below 0 it is how deep they may be in each other"""
+    """the least distance, in meters; below 0 it is how deep they may be in each other"""
     excepted: Annotated[
         tuple[
             Annotated[tuple[_GLOB, ...], Items(2, 2), Expects("pairs of globs, each a list of its own", "[[a, b]]")],

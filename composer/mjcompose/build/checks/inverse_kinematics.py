@@ -19,9 +19,9 @@ STARTS = 32
 _STEPS = 150
 _FIRST_DAMPING, _LEAST_DAMPING, _MOST_DAMPING = 1e-3, 1e-9, 1e6
 _LONGEST_STEP = 0.5
-"""The greatest change of a joint in one step, in radians or metres; the linearization does not hold beyond it."""
+"""The greatest change of a joint in one step, in radians or meters; the linearization does not hold beyond it."""
 _LOOSE = 1e-3
-"""How far equality constraints, which are soft in MuJoCo, may be violated in a solution, in metres or radians."""
+"""How far equality constraints, which are soft in MuJoCo, may be violated in a solution, in meters or radians."""
 _CLOSED = 100.0
 """The weight of constraint violations relative to the distance of the site."""
 _NEAR = 1e-6
@@ -31,7 +31,7 @@ class Solver:
     """Searches for positions of the joints between the world and the site. Deterministic.
 
     Free joints above the site stay where they are, or every point would be in reach. Equality constraints
-    stay closed, and the joints that they move follow. `tolerance` is in metres.
+    stay closed, and the joints that they move follow. `tolerance` is in meters.
     """
 
     def __init__(self, mujoco: Any, model: Model, data: Any, site: int, target: Any, tolerance: float) -> None:
@@ -48,7 +48,7 @@ class Solver:
         self.distance = float(np.linalg.norm(self._look()[0][:3]))
 
     def solve(self) -> float:
-        """Return the least distance found, in metres, and leave the data at these positions."""
+        """Return the least distance found, in meters, and leave the data at these positions."""
         random = np.random.default_rng(0)
         best, best_qpos = np.inf, self.start
         for number in range(STARTS):

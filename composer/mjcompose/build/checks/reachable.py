@@ -22,9 +22,9 @@ class Reachable(Check):
     site: Annotated[str, Name("site")] = Field(examples=["NAME"])
     """the site that is brought there"""
     target: Annotated[tuple[float, ...], Items(3, 3), Expects("a list of 3 numbers", "[0.5, 0, 0.8]")]
-    """the point, in metres, in the world of this recipe"""
+    """the point, in meters, in the world of this recipe"""
     tolerance: Annotated[float, Scaled(LENGTHS, gt=0)] = 1e-3
-    """how near it must come, in metres"""
+    """how near it must come, in meters"""
     key: Annotated[str, Name("key", what="the name of a keyframe")] | None = None
     """where everything else is, and the search starts; without it, the reference configuration"""
 

@@ -49,7 +49,7 @@ def add_element(step: AddElement, linking: Linking, making: ElementBuilder) -> N
 
 
 def _check_scale(step: AddElement, holder: Node, linking: Linking, making: ElementBuilder) -> None:
-    """Report an element that a frame of a source would scale: the recipe writes metres and kilograms."""
+    """Report an element that a frame of a source would scale: the recipe writes meters and kilograms."""
     base = linking.base
     for frame in all_scaled_above(holder):
         if isinstance(base.origins.owner(frame, base.file), str):

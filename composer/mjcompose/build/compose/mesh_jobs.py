@@ -186,7 +186,7 @@ class MeshWorkshop:
 
     def _doubt(self, editing: Editing, jobs: Sequence[MeshJob], results: dict[str, dict[str, Any]]) -> None:
         """Warn of meshes that are probably wrong. A flat mesh is an error before: it gives no shape."""
-        # The greatest distance of a body from its parent, in metres.
+        # The greatest distance of a body from its parent, in meters.
         places = [numbers.read(body.get("pos") or "0 0 0") for body in editing.root.iter("body")]
         lengths = [math.dist((0, 0, 0), place) for place in places if len(place) == 3]
         reach = max((length for length in lengths if math.isfinite(length)), default=0.0)

@@ -104,7 +104,7 @@ def arrays_of_draw(step: DrawValues) -> AbstractSet[str]:
 class GeneratedShapes:
     """`shapes` are the geoms that were generated for the geom `of`; there are none for a simplified mesh.
 
-    `error` has the distances in metres and the shares that `mjcompose.mujoco.fit` measures, `faces` is the number of
+    `error` has the distances in meters and the shares that `mjcompose.mujoco.fit` measures, `faces` is the number of
     faces of the mesh, `made_with` has the versions of the tools. `key` is the hash of the input.
     """
 

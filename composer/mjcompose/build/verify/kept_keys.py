@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Note, Span
-from mjcompose.base.rotation import Pose, normalise, rotate
+from mjcompose.base.rotation import Pose, normalize, rotate
 from mjcompose.base.sink import Sink
 from mjcompose.build.verify.compile import WHOLE
 from mjcompose.link.linking import WrittenKey
@@ -228,7 +228,7 @@ def _moved(numbers: Sequence[float], vector: str, poses: Sequence[Pose]) -> Sequ
             continue
         if vector == "qpos" and len(numbers) == 7:
             x, y, z, *quat = numbers
-            there = pose @ Pose((x, y, z), normalise(tuple(quat)))
+            there = pose @ Pose((x, y, z), normalize(tuple(quat)))
             numbers = [*there.pos, *there.quat]
         elif vector == "qvel" and len(numbers) == 6:
             numbers = [*rotate(pose.quat, tuple(numbers[:3])), *numbers[3:]]
@@ -236,7 +236,7 @@ def _moved(numbers: Sequence[float], vector: str, poses: Sequence[Pose]) -> Sequ
             x, y, z = numbers
             numbers = (pose @ Pose((x, y, z))).pos
         elif vector == "mquat":
-            numbers = (pose @ Pose(quat=normalise(tuple(numbers)))).quat
+            numbers = (pose @ Pose(quat=normalize(tuple(numbers)))).quat
     return numbers
 
 

@@ -1,4 +1,4 @@
-"""Target: PyBullet. It reads bodies, joints and geoms, and places a body in the world by its centre of mass."""
+"""Target: PyBullet. It reads bodies, joints and geoms, and places a body in the world by its center of mass."""
 
 from __future__ import annotations
 

@@ -110,7 +110,7 @@ def limits(model: mujoco.MjModel, name: str) -> list[list[float] | None]:
     ]
 
 
-def behaviour(model: mujoco.MjModel, seed: int) -> list[float]:
+def behavior(model: mujoco.MjModel, seed: int) -> list[float]:
     rng = np.random.default_rng(seed)
     data = mujoco.MjData(model)
     data.qpos[:], data.qvel[:] = rng.normal(size=model.nq), rng.normal(size=model.nv)
@@ -142,7 +142,7 @@ def test_what_is_kept_is_kept(tmp_path: Path, to: str, by_class: bool) -> None:
         assert limits(after, name) == limits(before, name), name
     assert np.array_equal(after.key_ctrl, before.key_ctrl) and np.array_equal(after.key_act, before.key_act)
     for seed in range(3):
-        assert behaviour(after, seed) == pytest.approx(behaviour(before, seed), abs=1e-9)
+        assert behavior(after, seed) == pytest.approx(behavior(before, seed), abs=1e-9)
     is_law_kept(before, after)
 
 

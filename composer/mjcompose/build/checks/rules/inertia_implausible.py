@@ -25,9 +25,9 @@ class InertiaImplausible(Rule):
     density: Annotated[Range, Expects("a list of 2 numbers", "[100, 9000]"), Unit("kg/m³")] | None = None
     """the least and the most, in kg/m³; without it, any"""
     gyration: Positive = 1.0
-    """the largest radius of gyration, relative to the distance of the farthest point from the centre of mass"""
+    """the largest radius of gyration, relative to the distance of the farthest point from the center of mass"""
     outside: NotNegative = 0.02
-    """how far the centre of mass may be outside the box around the geoms, relative to the diagonal of the box"""
+    """how far the center of mass may be outside the box around the geoms, relative to the diagonal of the box"""
 
 
 RULE = InertiaImplausible
@@ -105,21 +105,21 @@ def _faults(scope: Scope, shapes: _Shapes, body: int, geoms: list[int], settings
     if moments[0] + moments[1] < moments[2] * (1 - _ROUNDING):
         shown = ", ".join(f"{each:.4g}" for each in moments)
         yield f"of its principal moments {shown} kg·m² the two smaller ones do not add up to the largest"
-    corners, centre = shapes.corners(geoms), shapes.data.xipos[body]
+    corners, center = shapes.corners(geoms), shapes.data.xipos[body]
     low, high = corners.min(axis=0), corners.max(axis=0)
     diagonal = float(np.linalg.norm(high - low))
     # The distance to a box; inside of it all of these are negative.
-    outside = float(np.linalg.norm(np.maximum(np.maximum(low - centre, centre - high), 0.0)))
+    outside = float(np.linalg.norm(np.maximum(np.maximum(low - center, center - high), 0.0)))
     if outside > settings["outside"] * diagonal + _ROUNDING:
         yield (
-            f"its centre of mass is {outside:.4g} m outside the box around its geoms, which is {diagonal:.4g} m across"
+            f"its center of mass is {outside:.4g} m outside the box around its geoms, which is {diagonal:.4g} m across"
         )
-    farthest = float(np.linalg.norm(corners - centre, axis=1).max())
+    farthest = float(np.linalg.norm(corners - center, axis=1).max())
     gyration = float(np.sqrt(moments[2] / mass))
     if gyration > settings["gyration"] * farthest * (1 + _ROUNDING):
         yield (
             f"its radius of gyration is {gyration:.4g} m, and nothing of its geoms is farther than {farthest:.4g} m"
-            " from its centre of mass"
+            " from its center of mass"
         )
     if settings["density"] is not None and (own := shapes.own(body)):
         yield from _density(scope, mass, own, bounds=settings["density"])

@@ -27,17 +27,17 @@ class ShapeOffMesh(Rule):
     example: ClassVar = "{hausdorff: 0.002}"
     instead: ClassVar = {"meshes": "mesh"}
     rules: ClassVar = (
-        AnyOf(*_LIMITS, lacks="does not say how near", advice="write for instance `hausdorff: 0.002`, in metres"),
+        AnyOf(*_LIMITS, lacks="does not say how near", advice="write for instance `hausdorff: 0.002`, in meters"),
     )
 
     mesh: Annotated[tuple[Annotated[str, Name("mesh", glob=True)], ...], Items(1, single=True)] = ()
     """which meshes; without it, all"""
     hausdorff: _Length | None = None
-    """the greatest distance of the two from one another, in metres"""
+    """the greatest distance of the two from one another, in meters"""
     beyond: _Length | None = None
-    """how far the shapes reach out of the mesh at most, in metres"""
+    """how far the shapes reach out of the mesh at most, in meters"""
     shortfall: _Length | None = Field(None, alias="short")
-    """how far the mesh reaches out of the shapes at most, in metres"""
+    """how far the mesh reaches out of the shapes at most, in meters"""
     uncovered: NotNegative | None = None
     """the greatest share of the surface outside of the shapes"""
     volume: Annotated[Range, Expects("a list of 2 numbers", "[0.9, 1.2]")] | None = None
