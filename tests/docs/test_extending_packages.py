@@ -120,8 +120,13 @@ def test_a_check_of_a_package_finds_what_is_wrong(run: Run, tmp_path: Path) -> N
 @pytest.mark.skipif(shutil.which("git") is None, reason="no git")
 @pytest.mark.parametrize(
     "piece",
-    ["check: {all: {named: {}}}", "base: {model: m.xml, edit: [{select: {geom: g}, hide: true}]}"],
-    ids=["check", "verb"],
+    [
+        "check: {all: {named: {}}}",
+        "base: {model: m.xml, edit: [{select: {geom: g}, hide: true}]}",
+        "base: 'shared:bot/m.xml'",
+        "attach: {a: {model: 'shared:bot/m.xml'}}",
+    ],
+    ids=["check", "verb", "source", "source of a part"],
 )
 def test_a_fetched_recipe_loads_nothing(run: Run, tmp_path: Path, piece: str) -> None:
     there = tmp_path / "there"

@@ -19,6 +19,8 @@ from mjcompose.sources.reference import Reference, SourceError, take_apart
         ("menagerie:robotiq_2f85", ("menagerie", "robotiq_2f85", "", "")),
         ("menagerie:robotiq_2f85/2f85", ("menagerie", "robotiq_2f85", "2f85", "")),
         ("descriptions:ur5e_mj_description", ("descriptions", "ur5e_mj_description", "", "")),
+        ("hf:lab/robots.v2@main#m/x.xml", ("hf", "lab/robots.v2", "m/x.xml", "main")),
+        ("hf:datasets/lab/robots@a%40b#x.xml", ("hf", "datasets/lab/robots", "x.xml", "a@b")),
         ("git+https://host/a/repo@v1#m/x.xml", ("git", "https://host/a/repo", "m/x.xml", "v1")),
         ("git+https://me@host/repo@fix/one#x.xml", ("git", "https://me@host/repo", "x.xml", "fix/one")),
         ("git+ssh://git@host/repo@v1#x.xml", ("git", "ssh://git@host/repo", "x.xml", "v1")),

@@ -44,15 +44,20 @@ def _parse(text: str) -> Reference:
         raise malformed(text, form, "does not say the repository")
     if host and take_apart(f"https://{host}/") is None:
         raise malformed(text, form, "names a host that cannot be one")
-    if "%" in revision:
-        from urllib.parse import unquote  # most builds fetch nothing
-
-        revision = unquote(revision)
-    if not revision or revision.startswith("-") or CONTROL.search(revision):
+    if not (revision := revision_in(revision)):
         raise malformed(text, form, "does not say the revision")
     if not path:
         raise malformed(text, form, "does not say the file inside the repository")
     return Reference(text, KIND, f"{scheme.removeprefix('git+')}://{host}/{repository}", path=path, revision=revision)
+
+
+def revision_in(text: str) -> str:
+    """Return the name of a revision from its escaped form; empty if it cannot be a revision. No I/O."""
+    if "%" in text:
+        from urllib.parse import unquote  # most builds fetch nothing
+
+        text = unquote(text)
+    return "" if text.startswith("-") or CONTROL.search(text) else text
 
 
 def _resolve(reference: Reference, lookup: Lookup) -> Source:

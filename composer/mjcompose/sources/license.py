@@ -130,6 +130,18 @@ def of_package(expression: str | None, written: str | None, classifiers: Iterabl
     return None
 
 
+_CARD = re.compile(r"\A---\r?\n(.*?)^---\s*$", re.DOTALL | re.MULTILINE)
+_IN_CARD = re.compile(r"^license:\s*(?:-\s*)?[\"']?([\w.-]+)[\"']?\s*$", re.MULTILINE)
+
+
+def of_card(card: Path) -> str | None:
+    """Return the license in the metadata of a model card of Hugging Face; None if it says none that is known."""
+    head = _CARD.match(_texts.ask(os.fspath(card)))
+    written = None if head is None else _IN_CARD.search(head[1])
+    known = {name.casefold(): name for _, name in _PHRASES} | _WRITTEN
+    return None if written is None else known.get(written[1].casefold())
+
+
 LEVELS = 3
 """How many folders above its own a model's license may be."""
 _NAME = re.compile(r"(licen[sc]e|copying|notice)s?([-_. ].*)?", re.IGNORECASE)
