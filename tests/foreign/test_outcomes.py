@@ -54,4 +54,4 @@ def test_no_test_is_listed_twice() -> None:
 def test_the_page_says_how_many_fail() -> None:
     page = (Path(__file__).resolve().parents[2] / "docs" / "how-to" / "from_dm_control.md").read_text(encoding="utf-8")
     number = sum(len(group.tests) for group in intended())
-    assert f"of 124 tests {124 - number} pass, and {number} fail because something is meant to be different" in page
+    assert f"of 124 tests {124 - number} pass, and {number} fail on purpose" in page
