@@ -528,3 +528,16 @@ def test_what_is_written_in_place_is_no_source(tmp_path: Path, monkeypatch: pyte
     assert run("check", "cell.yaml", "--locked").exit_code == 0
     (tmp_path / "tool.xml").write_text(TOOL + "<!-- new -->")
     assert "error[source-changed]" in run("check", "cell.yaml", "--locked").stderr
+
+
+def test_a_lock_through_a_link_has_the_names_of_its_own_folder(folder: Path) -> None:
+    """As in the sandbox of a build system, which has a link in place of each file."""
+    assert run("lock", "cell.yaml").exit_code == 0
+    sandbox = folder.parent / "sandbox"
+    for path in [*folder.glob("cell.*"), *folder.glob("models/**/*")]:
+        if path.is_file():
+            (link := sandbox / path.relative_to(folder)).parent.mkdir(parents=True, exist_ok=True)
+            link.symlink_to(path)
+    assert run("check", str(sandbox / "cell.yaml"), "--locked").exit_code == 0
+    (folder / "models" / "tool.xml").write_text(TOOL.replace("0.03", "0.04"))
+    assert "error[source-changed]" in run("check", str(sandbox / "cell.yaml"), "--locked").stderr

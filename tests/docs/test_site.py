@@ -50,6 +50,14 @@ def test_links_lead_somewhere_and_search_finds_the_words_that_people_type() -> N
     assert "::: mjcompose.mjcf.from_path" in (ROOT / "build" / "site_pages" / "reference" / "api.md").read_text(
         encoding="utf-8"
     )
+    llms = (ROOT / "build" / "site_pages" / "llms.txt").read_text(encoding="utf-8")
+    assert llms.startswith("# mjcompose\n\n> ") and "\n## How to\n" in llms
+    line = next(each for each in llms.splitlines() if "(how-to/agents.html)" in each)
+    assert line.startswith(
+        "- [Let an agent write recipes](how-to/agents.html): `mjcompose mcp` gives an AI agent tools"
+    )
+    menu = _pages(yaml.safe_load((ROOT / "mkdocs.yml").read_text(encoding="utf-8"))["nav"])
+    assert llms.count("\n- [") == len(menu)
     errors = (ROOT / "build" / "site_pages" / "errors" / "index.md").read_text(encoding="utf-8")
     assert "## Sources and lock" in errors and "asset-missing" in errors
     index = json.loads(_search_index().read_text(encoding="utf-8"))

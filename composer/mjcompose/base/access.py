@@ -170,6 +170,15 @@ def _mode(path: str) -> int:
 
 ALL = Door(sees_all=True)
 """For text from the user: a local recipe, or an argument of the command."""
+SERVED = os.environ.get("MJCOMPOSE_SERVED")
+"""The only folder of the user's that this process may see, for those who ask `mjcompose mcp`; None for any folder."""
+
+
+def door_of_user() -> Door:
+    """Return what the user's own recipes may name."""
+    return ALL if SERVED is None else Door.of([SERVED], f"`{SERVED}`, the only folder that `mjcompose mcp` reads")
+
+
 NOTHING = Door()
 """For readers whose files are all in memory."""
 
@@ -226,6 +235,10 @@ def own_door(
     model: str | os.PathLike[str], also: Iterable[str | os.PathLike[str]] = (), recipe: str | None = None
 ) -> Door:
     """Return the door of the user's own model; `also` are more folders, `recipe` that of the recipe that names it."""
+    if SERVED is not None:
+        also = ()
+        if (served := door_of_user()).sees(model):
+            return served
     folders = folders_of_model(model)
     whose, help = f"`{folders[0]}`, the only folder that this model may read", None if recipe is None else _HELP
     return Door.of((*folders, *also), whose, help, start=recipe)

@@ -144,6 +144,7 @@ def _extras() -> Iterator[Finding]:
     uses[Library("xacro", "xacro")] = "templates for xacro"
     uses[Library("trimesh", "mesh")] = "Collada, glTF and the materials of OBJ in URDF"
     uses[Library("pygls", "lsp")] = "editors, which start `mjcompose lsp`"
+    uses[Library("mcp", "mcp")] = "AI agents, which start `mjcompose mcp`"
     for library, use in uses.items():
         version = _version(library.name)
         package = library.name if library.extra is None else f'"mjcompose[{library.extra}]"'

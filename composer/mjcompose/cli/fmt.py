@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 import click
 
 from mjcompose.base import report as github
+from mjcompose.base.access import door_of_user
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.files import read_regular
 from mjcompose.base.limits import in_force
@@ -105,6 +106,9 @@ def rewrite(recipe: Path, result: bytes, context: Context, option: str | None = 
     from mjcompose.build.bundle.bundle import OutputError
     from mjcompose.build.bundle.staging import staged_file
 
+    if not (door := door_of_user()).sees(context.folder / recipe):
+        door.outside(str(recipe)).report(context.sink, None, shown=context.shown)
+        return False
     try:
         with staged_file(recipe, option, rewrites=option is None) as stage:
             stage.write_bytes(result)

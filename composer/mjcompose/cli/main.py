@@ -46,6 +46,7 @@ _GROUPS = {
         "doctor": "Check this installation, and show what it can do.",
         "plugin": "Let MuJoCo open recipes in C++ programs, Studio and ROS 2 control.",
         "lsp": "Run the language server for editors, with completion, errors and origins.",
+        "mcp": "Serve tools to AI agents, over the Model Context Protocol.",
         "schema": "Print the JSON Schema of recipes, manifests or JSON messages.",
         "completion": "Print the line that enables completion in a shell.",
         "help": "Print the help of a command.",

@@ -10,7 +10,7 @@ from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
-from mjcompose.base.access import ALL, Door
+from mjcompose.base.access import Door, door_of_user
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.log import log
 from mjcompose.base.sink import Sink
@@ -67,7 +67,7 @@ class Context:
 
     def door_of_text(self, folder: Path) -> Door:
         """Return what a recipe in a folder may name by a path."""
-        return ALL if self.fetching is None else self.fetching.door_of_text(folder)
+        return door_of_user() if self.fetching is None else self.fetching.door_of_text(folder)
 
     def shown(self, path: Path) -> str:
         """Return a path as messages name it: relative to the user's folder if it is below that."""

@@ -11,7 +11,7 @@ from dataclasses import field
 from pathlib import Path, PurePath, PurePosixPath, PureWindowsPath
 from typing import TYPE_CHECKING
 
-from mjcompose.base.access import ALL, Door, folder_of_recipe, own_door
+from mjcompose.base.access import SERVED, Door, door_of_user, folder_of_recipe, own_door
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.files import foreign_format, real_path
 from mjcompose.base.suggest import closest, exists_note
@@ -148,13 +148,13 @@ class Fetching:
     def door_of_text(self, folder: Path) -> Door:
         """Return what a recipe in a folder may name by path: anything, or the files of its origin."""
         origin = self.around(folder)
-        return ALL if origin is None else self.door_of_origin(origin)
+        return door_of_user() if origin is None else self.door_of_origin(origin)
 
     def door_of_origin(self, origin: Origin) -> Door:
         """Return what files of an origin may read: all files of the origin."""
         verb = "fetched" if origin.is_fetched else "installed"
         return Door.of(
-            (origin.root, *self.trust.folders),
+            (origin.root, *(self.trust.folders if SERVED is None else ())),
             f"`{origin.id}`, which may read only what was {verb} with it",
             "what is fetched must hold all that it names; if you trust it with that, write in your own recipe"
             ' `trust: {references: ["{absolute}"]}`',

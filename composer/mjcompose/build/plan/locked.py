@@ -48,10 +48,11 @@ def use_lock(recipe: Path, context: Context, disputes: Disputed | None = None) -
             help = "write the recipe to a file: standard input has no lock"
         context.sink.error("lock-stale", f"the lock `{context.shown(path)}` does not exist", help=help)
         return None
-    fetching.lock_file = path
+    # Its names are relative to its own folder: build systems such as Bazel show it through a link.
+    fetching.lock_file = Path(os.path.realpath(path)) if path.is_symlink() else path
     if fetching.lock is not None:  # pinned files are sources, even for variants that are not chosen
         local = (each.files for each in fetching.lock.sources.values() if kind_of(each).is_local)
-        files.current().note(os.path.join(path.parent, name) for files in local for name in files)
+        files.current().note(os.path.join(fetching.lock_file.parent, name) for files in local for name in files)
     if fetching.lock is not None and fetching.locked:
         _report_versions(fetching.lock, context.shown(path), fetching.recipe, context=context)
     return fetching

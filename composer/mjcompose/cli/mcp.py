@@ -1,0 +1,188 @@
+"""`mjcompose mcp`: the commands that read and check recipes, as tools for agents.
+
+Each call is a process of the command in the folder of the server, which may see no other folder of the user's.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import sys
+from base64 import b64encode
+from collections.abc import Mapping
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.scratch import scratch
+from mjcompose.base.version import __version__
+from mjcompose.cli.run import Run, command
+
+if TYPE_CHECKING:
+    from mcp_types import CallToolResult
+
+_MOST = 40_000
+_INSTRUCTIONS = (
+    "Compose MuJoCo models from YAML recipes. Write recipes with your own file tools. `reference` has the keys, `check`"
+    " the errors with exact fixes, `tree` the names to attach to, `explain` the origin of a value or the page of an"
+    " error code, and `render` shows the model."
+)
+_TEXT = {"type": "string"}
+_RECIPE = {"type": "string", "description": "The path of a recipe or model, from the folder of the server."}
+_MODEL = {"type": "string", "description": "A path as in `check`, or a reference such as menagerie:ur5e."}
+_SET = {
+    "type": "object", "additionalProperties": {"type": ["string", "number", "boolean"]},
+    "description": "Values of parameters and variants, by name.",
+}  # fmt: skip
+_TOOLS: dict[str, tuple[str, dict[str, dict[str, Any]]]] = {
+    "tree": (
+        "Show parts, bodies, joints and places of a recipe or model: the names for `attach`, `edit` and `explain`.",
+        {"recipe": _MODEL, "set": _SET, "depth": {"type": "integer", "minimum": 1, "description": "Levels of bodies."}},
+    ),
+    "plan": ("Show the steps of a build, without building.", {"recipe": _RECIPE, "set": _SET}),
+    "check": (
+        "Build a recipe in memory, compile it in MuJoCo and run its checks. Returns JSON lines, one for each error.",
+        {"recipe": _RECIPE, "set": _SET},
+    ),
+    "fix": (
+        "Show the exact fixes of a recipe's errors, or write them.",
+        {"recipe": _RECIPE, "write": {"type": "boolean", "description": "Whether to write. Default: show."}},
+    ),
+    "explain": (
+        "Show where an element or attribute comes from. Without a query, `recipe` is an error code to explain.",
+        {"recipe": _MODEL, "query": {**_TEXT, "description": "Such as `geom gripper/pad friction`."}, "set": _SET},
+    ),
+    "render": ("Draw a picture of a recipe or model.", {"recipe": _RECIPE, "set": _SET, "camera": _TEXT, "key": _TEXT}),
+    "reference": (
+        "Return the keys of one section of a recipe.",
+        {"key": {**_TEXT, "description": "For example attach."}},
+    ),
+}
+_CLOSED = {"type": "object", "additionalProperties": False}
+_KINDS = {"string": str, "boolean": bool, "integer": int, "object": dict}
+
+
+@dataclass(frozen=True, slots=True)
+class Options:
+    pass
+
+
+@command(Options)
+def mcp(options: Options, run: Run) -> None:
+    """Serve tools to AI agents: tree, plan, check, fix, explain, render and reference, over standard input and output.
+
+    An agent starts it, in the folder of the recipes. Tools read no other folder, except installed packages and sources
+    that were fetched before. They fetch nothing, and only `fix` with `write` changes files.
+
+    It needs the extra `mcp`: pip install "mjcompose[mcp]".
+    """
+    try:
+        import anyio
+        from mcp.server.lowlevel import Server
+        from mcp.server.stdio import stdio_server
+        from mcp_types import ListToolsResult, Tool, ToolAnnotations
+    except ImportError as error:
+        raise click.UsageError(
+            "The tools for agents need `mjcompose[mcp]`, which is not installed: there is no Python package"
+            f' `{error.name}`. Run `pip install "mjcompose[mcp]"`.'
+        ) from None
+
+    async def tools(*_: Any) -> ListToolsResult:
+        return ListToolsResult(tools=[
+            Tool(
+                name=name, description=about,
+                input_schema={**_CLOSED, "properties": takes, "required": list(takes)[:1]},
+                annotations=ToolAnnotations(read_only_hint=name != "fix", open_world_hint=False),
+            )
+            for name, (about, takes) in _TOOLS.items()
+        ])  # fmt: skip
+
+    async def serve() -> None:
+        calls = partial(_call, Path.cwd())
+        server = Server("mjcompose", version=__version__, instructions=_INSTRUCTIONS, on_list_tools=tools,
+                        on_call_tool=lambda _, asked: calls(asked.name, asked.arguments or {}))  # fmt: skip
+        async with stdio_server() as (reading, writing):
+            await server.run(reading, writing, server.create_initialization_options())
+
+    anyio.run(serve)
+
+
+async def _call(root: Path, name: str, given: Mapping[str, Any]) -> CallToolResult:
+    """Return the answer of a tool; what is wrong with the call is the text of an error."""
+    from mcp_types import CallToolResult, ImageContent, TextContent
+
+    if (wrong := _wrong(root, name, given)) is not None:
+        return CallToolResult(content=[TextContent(text=wrong)], is_error=True)
+    if name == "reference":
+        is_error, text = _reference(given["key"])
+        return CallToolResult(content=[TextContent(text=text)], is_error=is_error)
+    words = [f"--{each}={given[each]}" for each in ("depth", "camera", "key") if each in given]
+    words += [f"--set={key}={_written(value)}" for key, value in given.get("set", {}).items()]
+    if name == "fix":
+        words.append("--write" if given.get("write") else "--diff")
+    if name in ("check", "fix"):
+        words.append("--output-format=json")
+    is_code = name == "explain" and "query" not in given
+    if not is_code:
+        words.append("--offline")
+    rest = ["--", given["recipe"], *([given["query"]] if "query" in given else [])]
+    if name != "render":
+        code, text = await _run(root, [name, *words, *rest])
+        return CallToolResult(content=[TextContent(text=text)], is_error=code > (name in ("check", "fix")))
+    with scratch("picture") as folder:
+        out = folder / "model.png"
+        code, text = await _run(root, [name, *words, "-o", str(out), *rest])
+        if code:
+            return CallToolResult(content=[TextContent(text=text)], is_error=True)
+        picture = ImageContent(data=b64encode(out.read_bytes()).decode(), mime_type="image/png")
+    return CallToolResult(content=[picture])
+
+
+def _wrong(root: Path, name: str, given: Mapping[str, Any]) -> str | None:
+    """Return what is wrong with a call, in words; a path must lead into the folder of the server."""
+    if name not in _TOOLS:
+        return f"the tool `{name}` does not exist; tools: {', '.join(_TOOLS)}"
+    takes = _TOOLS[name][1]
+    needed = next(iter(takes))
+    if needed not in given:
+        return f"`{name}` needs `{needed}`"
+    for key, value in given.items():
+        if key not in takes:
+            return f"`{name}` takes no `{key}`; it takes {', '.join(takes)}"
+        kind = takes[key]["type"]
+        if not isinstance(value, _KINDS[kind]) or (kind == "integer" and isinstance(value, bool)):
+            return f"`{key}` is of type {kind}"
+    recipe = str(given.get("recipe", ""))
+    is_reference = re.match(r"[A-Za-z][\w+.-]+:", recipe) is not None and not os.path.exists(root / recipe)
+    real = os.path.realpath(root / recipe)
+    if not is_reference and real != os.path.realpath(root) and Path(os.path.realpath(root)) not in Path(real).parents:
+        return f"`{recipe}` is outside `{root}`, the folder of the server"
+    return "standard input is the agent's" if recipe == "-" else None
+
+
+def _written(value: str | float | bool) -> str:
+    return str(value).lower() if isinstance(value, bool) else str(value)
+
+
+def _reference(key: str) -> tuple[bool, str]:
+    from mjcompose.language.reference_page import pages
+
+    found = {file.removesuffix(".md"): text for file, text in pages().items()}
+    page = found.get(re.split(r"[.\[]", key)[0])
+    return (False, page) if page is not None else (True, f"`{key}` has no page; pages: {', '.join(found)}")
+
+
+async def _run(root: Path, words: list[str]) -> tuple[int, str]:
+    """Return the exit code and the output of the command; a call that the agent cancels ends it."""
+    from anyio import run_process
+
+    environment = {**os.environ, "MJCOMPOSE_SERVED": os.path.realpath(root), "NO_COLOR": "1"}
+    done = await run_process(
+        [sys.executable, "-P", "-m", "mjcompose", *words], input=b"", cwd=root, check=False, env=environment
+    )
+    text = (done.stdout + done.stderr).decode(errors="replace").strip() or "no errors"
+    more = len(text) - _MOST
+    return done.returncode, text if more <= 0 else f"{text[:_MOST]}\n… {more} more characters: ask for less"
