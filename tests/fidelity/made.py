@@ -160,9 +160,9 @@ def judge(made: Made | Composition) -> Verdict:
 def sets(folder: Path) -> Iterator[tuple[str, list[Composition] | list[Made]]]:
     """Each with its title in the table; files that compositions need are written into the folder."""
     yield "parts with an equality with their world, moved, turned and on a cart", list(equalities(folder))
-    yield "keys of rods, cloths, replicates and plugins beside each other", list(keyed(folder))
+    yield "keys of rods, cloths, replicates and plugins next to each other", list(keyed(folder))
     yield "parts with such an equality move as they do alone, 0.5 s", list(_moving())
-    yield "merged keys of what is attached inside of replicates and beside rods", list(_inside())
+    yield "merged keys of tools inside replicates and next to rods", list(_inside())
     yield "motors through gears, converted: the joint feels the gains of the recipe", list(_geared())
     yield "`sense` at a flange reads the weight below it, and its lever", list(_sensing())
 

@@ -67,7 +67,7 @@ def text(rows: Sequence[Row]) -> str:
     versions = f"MuJoCo {mujoco.__version__}" + (f", dm_control {dm_control}" if dm_control else "")
     return "\n".join(
         [
-            f"{versions}; how many stay what they are:",
+            f"{versions}; models that stay the same:",
             "",
             "| set | size | mjcompose | `MjSpec` | `dm_control.mjcf` |",
             "|---|---|---|---|---|",

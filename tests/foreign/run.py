@@ -139,7 +139,7 @@ def _models(options: argparse.Namespace) -> Iterator[tuple[str, list[str]]]:
             verdicts = _judged(turned.judge, chosen)
             loaded, same = _counted(verdicts)
             told += strings.surprises(verdicts, _of(name, strings.intended("turned"), verdicts, sources))
-            row += f", {same} of {loaded} are unchanged where they stand twice, turned and tilted"
+            row += f", {same} of {loaded} are unchanged when composed twice, turned and tilted"
         yield row, told
 
 
