@@ -92,6 +92,12 @@ READ_BACK = _ROOT / "tests" / "targets" / "read_back.json"
 """What the programs have read, by `tests/targets/read_back.py`."""
 
 
+_CELLS: Mapping[Outcome, str] = {
+    Outcome.KEPT: "", Outcome.WRITTEN: "rewritten", Outcome.PARTLY: "partly", Outcome.LEFT_OUT: "no",
+    Outcome.SOME_REFUSED: "some", Outcome.REFUSED: "error",
+}  # fmt: skip
+
+
 def features() -> str:
     """Return the table with a row for each feature that some target does not support. Other cells are empty."""
     lines = [f"| feature | {' | '.join(TARGETS)} |", f"|---|{'---|' * len(TARGETS)}"]
@@ -99,7 +105,7 @@ def features() -> str:
     for feature, words in FEATURES.items():
         cells = [outcomes[name].get(feature, Outcome.KEPT) for name in TARGETS]
         if set(cells) != {Outcome.KEPT}:
-            lines.append(f"| {words} | {' | '.join('' if each == Outcome.KEPT else each for each in cells)} |")
+            lines.append(f"| {words} | {' | '.join(_CELLS[each] for each in cells)} |")
     return "\n".join(lines) + "\n"
 
 
