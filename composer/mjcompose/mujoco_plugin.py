@@ -12,8 +12,9 @@ Needs MuJoCo 4.0. Without it, `mjcompose.spec` and `mjcompose.tree` build a reci
 from __future__ import annotations
 
 from mjcompose.tools.open.decoder import is_registered, register
+from mjcompose.tools.open.recipe import files_of
 
-__all__ = ["is_registered", "register"]
+__all__ = ["files_of", "is_registered", "register"]
 
 
 def __dir__() -> list[str]:

@@ -136,7 +136,7 @@ BY_TOPIC: dict[str, dict[str, str]] = {
     },
     "Targets": {
         "consumer-missing": "a program that should read the model is not installed",
-        "not-installed": "a package that a simulator needs is not installed, or is too old",
+        "not-installed": "a package or a compiler that this task needs is not installed, or is too old",
         "target-cannot": "a target cannot express the model",
         "target-failed": "a model could not be written for a target",
         "target-loss": "a target cannot express all of the model",

@@ -92,7 +92,7 @@ def _plugin() -> Finding:
         return Finding(what, str(error), None)
     if not os.path.isfile(place):
         return Finding(what, "is not installed; it lets C++ programs open recipes: `mjcompose plugin install`", None)
-    return Finding(what, f"{place}: MuJoCo opens recipes")
+    return Finding(what, f"{place}: MuJoCo {_version('mujoco')} opens recipes, in Python and C++ programs")
 
 
 def _git() -> Finding:

@@ -92,11 +92,14 @@ with ThreadPoolExecutor(8) as pool:
     assert run(folder, program) == "{2}"
 
 
-def test_an_interrupt_is_a_keyboard_interrupt_and_no_crash(folder: Path) -> None:
-    program = """
+@pytest.mark.parametrize("count", [20, pytest.param(200, marks=pytest.mark.slow)])
+def test_an_interrupt_is_a_keyboard_interrupt_and_no_crash(folder: Path, count: int) -> None:
+    program = (
+        f"count = {count}"
+        """
 import random, signal
 draw, interrupts = random.Random(1), 0
-for number in range(40):
+for number in range(count):
     try:
         delay = draw.uniform(0, 0.02)
         threading.Thread(target=lambda: (time.sleep(delay), os.kill(os.getpid(), signal.SIGINT))).start()
@@ -111,7 +114,25 @@ for number in range(40):
         interrupts += 1
 print(interrupts)
 """
-    assert run(folder, program) == "40"
+    )
+    assert run(folder, program) == str(count)
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="needs the memory of a process")
+def test_a_thousand_rebuilds_need_no_more_memory(folder: Path) -> None:
+    """Python and MuJoCo fill their pools first."""
+    program = """
+def resident():
+    return next(int(line.split()[1]) for line in open("/proc/self/status") if line.startswith("VmRSS")) / 1024
+for number in range(1400):
+    if number == 400:
+        before = resident()
+    os.utime("cell.yaml")
+    mujoco.MjSpec.from_file("cell.yaml")
+print(resident() - before)
+"""
+    assert float(run(folder, program)) < 2
 
 
 def test_a_file_of_a_robot_is_found_by_the_resolver_and_nothing_outside_of_it(

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import re
 import shutil
 import subprocess
 import sys
@@ -14,21 +16,11 @@ from mjcompose.tools.open import shim
 pytestmark = [
     pytest.mark.slow,
     pytest.mark.skipif(mujoco.mj_version() < 4000000, reason="decoders of MuJoCo 3 have other arguments"),
-    pytest.mark.skipif(sys.platform != "linux" or shutil.which("cc") is None, reason="needs Linux and a C compiler"),
+    pytest.mark.skipif(
+        sys.platform != "linux" or None in (shutil.which("cc"), shutil.which("c++")), reason="needs Linux and compilers"
+    ),
 ]
-PROGRAM = r"""
-#include <mujoco/mujoco.h>
-#include <stdio.h>
-int main(int count, char** words) {
-  char error[1024] = "";
-  mj_loadAllPluginLibraries(words[2], 0);
-  mjSpec* spec = mj_parse(words[1], 0, 0, error, sizeof error);
-  if (!spec) return printf("%s", error), 1;
-  mjModel* model = mj_compile(spec, 0);
-  printf("%d", (int)model->nbody);
-  return 0;
-}
-"""
+PAGE = Path(__file__).resolve().parents[3] / "docs" / "how-to" / "open_in_mujoco.md"
 
 
 @pytest.fixture
@@ -40,20 +32,23 @@ def release(tmp_path: Path) -> Path:
     return tmp_path / "release"
 
 
-def test_a_program_in_c_opens_a_recipe(release: Path, tmp_path: Path) -> None:
+def test_the_program_of_the_page_opens_a_recipe(release: Path, tmp_path: Path) -> None:
     place = shim.install(shim.mujoco_folder(release))
     assert place.parent.name == "mujoco_plugin"
-    (tmp_path / "main.c").write_text(PROGRAM)
+    [program_text] = re.findall(r"^```cpp\n(.*?)^```", PAGE.read_text("utf-8"), re.MULTILINE | re.DOTALL)
+    (tmp_path / "main.cpp").write_text(program_text)
     package = Path(mujoco.__file__).parent
     [library] = package.glob("libmujoco.so.*")
     program = tmp_path / "program"
     subprocess.run(
-        ["cc", f"-I{package / 'include'}", tmp_path / "main.c", library, f"-Wl,-rpath,{package}", "-o", program],
+        ["c++", f"-I{package / 'include'}", tmp_path / "main.cpp", library, f"-Wl,-rpath,{package}", "-o", program],
         check=True,
     )
-    (tmp_path / "base.xml").write_text("<mujoco><worldbody><body><geom size='1'/></body></worldbody></mujoco>")
+    (tmp_path / "base.xml").write_text(
+        "<mujoco><worldbody><body><freejoint/><geom size='1'/></body></worldbody></mujoco>"
+    )
     for text, code, shown in (
-        ("recipe: 1\nbase: ./base.xml\n", 0, "2"),
+        ("recipe: 1\nbase: ./base.xml\n", 0, "7"),
         ("recipe: 1\nbas: ./base.xml\n", 1, "error[unknown-key]: the recipe has no key `bas`"),
     ):
         (tmp_path / "cell.yaml").write_text(text)
@@ -62,6 +57,26 @@ def test_a_program_in_c_opens_a_recipe(release: Path, tmp_path: Path) -> None:
         )
         assert done.returncode == code and shown in done.stdout
     assert shim.remove(release) == place and not place.exists() and shim.remove(release) is None
+
+
+def test_import_mujoco_alone_opens_a_recipe(tmp_path: Path) -> None:
+    """In a package like the installed one, which other tests use at the same time."""
+    package, copy = Path(mujoco.__file__).parent, tmp_path / "site" / "mujoco"
+    copy.mkdir(parents=True)
+    for each in package.iterdir():
+        if each.name == "plugin":
+            shutil.copytree(each, copy / "plugin")
+        else:
+            (copy / each.name).symlink_to(each)
+    shim.install(shim.mujoco_folder(copy))
+    (tmp_path / "base.xml").write_text("<mujoco><worldbody><body name='b'/></worldbody></mujoco>")
+    (tmp_path / "cell.yaml").write_text("recipe: 1\nbase: ./base.xml\n")
+    program = "import mujoco; print(mujoco.__file__, mujoco.MjSpec.from_file('cell.yaml').body('b').name)"
+    done = subprocess.run(
+        [sys.executable, "-c", program], cwd=tmp_path, capture_output=True, text=True, check=False,
+        env={**os.environ, "PYTHONPATH": str(copy.parent)},
+    )  # fmt: skip
+    assert done.stdout.split() == [str(copy / "__init__.py"), "b"], done.stderr
 
 
 def test_a_folder_without_mujoco_is_refused(tmp_path: Path) -> None:

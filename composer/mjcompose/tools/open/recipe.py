@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from os import PathLike
 from pathlib import Path
 from threading import Lock, RLock
@@ -125,12 +125,14 @@ def text_of(
     return opened.text
 
 
-def files_of(recipe: str | PathLike[str]) -> Iterator[str]:
-    """Yield the files that the remembered texts of a recipe depend on; nothing if it was not built."""
+def files_of(recipe: str | PathLike[str]) -> tuple[str, ...]:
+    """Return the files that a recipe depends on, to watch them: all that its models in this process were built from.
+
+    It has no files before `mjcompose.spec`, `mjcompose.model` or MuJoCo has built it.
+    """
     path = os.path.abspath(recipe)
-    for key, opened in list(_opened.items()):
-        if json.loads(key)[0] == path:
-            yield from opened.marks
+    known = [opened.marks for key, opened in list(_opened.items()) if json.loads(key)[0] == path]
+    return tuple(dict.fromkeys(file for marks in known for file in marks))
 
 
 def _open(recipe: Path, written: Mapping[str, str], cell: str | None, *, sample: int, verified: bool) -> _Opened:

@@ -54,7 +54,8 @@ def install(folder: Path) -> Path:
     header = read_regular(folder / "include" / "mujoco" / "mujoco.h").decode(errors="replace")
     version = next((line.split()[-1] for line in header.splitlines() if "#define mjVERSION_HEADER" in line), "0")
     if int(version) < 4_000_000:
-        raise PluginError("mujoco-missing", f"the MuJoCo in `{folder}` is older than 4.0, which opens recipes first")
+        raise PluginError("not-supported", f"the MuJoCo in `{folder}` is older than 4.0, the first that opens recipes",
+                          "install `mujoco>=4`, or build a bundle with `mjcompose build`")  # fmt: skip
     compiler = shutil.which(os.environ.get("CC", "cc"))
     if compiler is None:
         raise PluginError("not-installed", "there is no C compiler", "install one, such as `gcc`, or set `CC`")
