@@ -38,7 +38,7 @@ READS_ITSELF = {
         build/bundle/listing.py:_rows_at build/bundle/read.py:_read_archive build/bundle/remote.py:manifest_at
         build/bundle/write.py:_manifest build/bundle/bundle.py:with_moment build/cache/cache_key.py:_sha256
         sources/blobs.py:sha256_of sources/git_command.py:Git.run sources/git_command.py:_listed
-        sources/git_command.py:_contents sources/web_archive.py:unpack sources/web_archive.py:_zip_members
+        sources/git_command.py:_contents sources/bucket.py:_download sources/web_archive.py:unpack sources/web_archive.py:_zip_members
         tools/worlds/worlds.py:read""",
     "files of this package or project": """
         build/cache/cache_key.py:tool_version tools/cluster/probe.py:versions base/codes.py:page
@@ -88,7 +88,7 @@ WRITES_ITSELF = {
         tools/cluster/client.py:_token tools/cluster/uploads.py:lay_out tools/cluster/worker.py:_keep""",
     "the store": """
         sources/blobs.py:held sources/blobs.py:complete sources/blobs.py:gate sources/blobs.py:hold
-        sources/blobs.py:is_left sources/blobs.py:write_whole sources/download.py:_Download._write
+        sources/blobs.py:is_left sources/bucket.py:_write sources/blobs.py:write_whole sources/download.py:_Download._write
         sources/git_command.py:write_tree sources/git_lfs.py:replace_by_local
         sources/git_lfs.py:_Server.fill sources/store.py sources/web_archive.py:_write""",
     "the standard output of a process, and trials of what it may": """

@@ -130,6 +130,7 @@ class Reference:
     | descriptions | the description | empty |
     | git | the URL of the repository | the file inside of it, at `revision` |
     | archive | the URL of the archive | the file inside of it; `revision` is its sha256 if it is written |
+    | bucket | the same in an object store | likewise |
     | hf | the repository | the file inside of it, at `revision` |
     """
 

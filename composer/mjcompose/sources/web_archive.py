@@ -15,7 +15,7 @@ import zipfile
 import zlib
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import IO, Any
+from typing import IO, TYPE_CHECKING, Any, Protocol
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.files import open_regular
@@ -24,6 +24,9 @@ from mjcompose.sources.blobs import differences, sha256_of
 from mjcompose.sources.fetching import Fetching, Lookup, not_at_hand, source_in, unlocked
 from mjcompose.sources.reference import Origin, Reference, Source, SourceError
 from mjcompose.sources.store import Entry, Store, name_of
+
+if TYPE_CHECKING:
+    from mjcompose.sources.download import Version
 
 SMALL = 64 * MIB
 """An archive that unpacks to at most this size is not a bomb, whatever its ratio."""
@@ -196,7 +199,22 @@ class _Bounded:
         return self._stream.read(size)
 
 
-def resolve(reference: Reference, lookup: Lookup) -> Source:
+class Download(Protocol):
+    """Writes the archive at `url` to `partial`, or returns None if it still has the version `known`."""
+
+    def __call__(self, url: str, partial: Path, known: Version, *, lookup: Lookup) -> Version | None: ...
+
+
+def _over_http(url: str, partial: Path, known: Version, *, lookup: Lookup) -> Version | None:
+    from mjcompose.sources.download import download  # slow to import, and only needed for downloads
+
+    environment, progress = lookup.environment, lookup.fetching.progress
+    return download(
+        url, partial, environment=environment, progress=progress, known=known, is_confined=lookup.is_confined
+    )
+
+
+def resolve(reference: Reference, lookup: Lookup, download: Download = _over_http) -> Source:
     """Return the file in an archive. Raises SourceError.
 
     Archives that the lock or the reference pins come from the store, or else are fetched. For unpinned ones the
@@ -205,7 +223,7 @@ def resolve(reference: Reference, lookup: Lookup) -> Source:
     id, known = reference.id, lookup.fetching.origins
     if id not in known:
         store = Store.of(lookup.environment)
-        entry = _Archive(reference, id, store, lookup=lookup).entry()
+        entry = _Archive(reference, id, store, lookup=lookup, download=download).entry()
         known[id] = Origin(id, reference.kind, entry.content, sha256=entry.key, stored=entry.files)
     return source_in(known[id], reference)
 
@@ -216,6 +234,7 @@ class _Archive:
     id: str
     store: Store
     lookup: Lookup
+    download: Download
 
     @property
     def fetching(self) -> Fetching:
@@ -246,17 +265,14 @@ class _Archive:
 
     def _fetched(self, wanted: str | None, had: Entry | None, seen: Mapping[str, str]) -> Entry:
         # Slow to import, and only needed for downloads.
-        from mjcompose.sources.download import Version, download, forget
+        from mjcompose.sources.download import Version, forget
 
         partial = self.store.folder / "partial" / f"{name_of(self.id)}.part"
         partial.parent.mkdir(parents=True, exist_ok=True)
         url = self.reference.name
         self.fetching.progress(f"fetching {url}")
         known = Version(seen.get("etag", ""), seen.get("modified", "")) if had is not None else Version()
-        environment, progress, is_confined = self.lookup.environment, self.fetching.progress, self.lookup.is_confined
-        version = download(
-            url, partial, environment=environment, progress=progress, known=known, is_confined=is_confined
-        )
+        version = self.download(url, partial, known, lookup=self.lookup)
         if version is None:
             assert had is not None, "only a known version can be unchanged"
             return had
