@@ -46,6 +46,8 @@ def test_cells_and_worlds_are_outputs_together(folder: Path) -> None:
         assert run("build", "cell.yaml", "--all", "-j", jobs, "-o", "o/{name}.zip", "--depfile", "o.d").exit_code == 0
         outputs, inputs = needed(Path("o.d").read_text(), folder)
         assert len(outputs.split()) == 2 and inputs == INPUTS
+    assert run("build", "cell.yaml", "--worlds", "w.npz", "-o", "w.zip", "--depfile", "w.d").exit_code == 0
+    assert needed(Path("w.d").read_text(), folder) == ("w.zip w.npz", INPUTS)
 
 
 def test_a_failed_build_writes_none(folder: Path) -> None:

@@ -243,3 +243,9 @@ def test_too_little_memory_is_reported_where_the_process_begins(folder: Path, mo
     monkeypatch.setattr("mjcompose.build.plan.read._text", none)
     result = run("plan", "cell.yaml")
     assert isinstance(result.exception, MemoryError) and not result.stderr
+
+
+def test_mcp_without_its_extra_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "mcp", None)
+    result = run("mcp")
+    assert result.exit_code == 2 and 'pip install "mjcompose[mcp]"' in result.stderr

@@ -120,7 +120,12 @@ def test_it_sees_nothing_outside_of_its_folder(agent: Agent, folder: Path) -> No
     secret, model = folder.parent / "secret.yaml", folder.parent / "secret.xml"
     secret.write_text("hunter2: [\n")
     model.write_text('<mujoco><worldbody><body name="hunter2"/></worldbody></mujoco>')
-    (folder.parent / ".git").mkdir()  # a project may read all of itself, and the folder is a part of it
+    for words in (
+        ["init", "-q"],
+        ["add", "secret.yaml"],
+        ["-c", "user.name=a", "-c", "user.email=a@b", "commit", "-qm", "a"],
+    ):
+        subprocess.run(["git", *words], cwd=folder.parent, check=True)  # a project may read all of itself
     (folder / "link.yaml").symlink_to(secret)
     (folder / "link.xml").symlink_to(model)
     recipes = {
@@ -137,6 +142,15 @@ def test_it_sees_nothing_outside_of_its_folder(agent: Agent, folder: Path) -> No
     for name, text in recipes.items():
         (folder / f"{name}.yaml").write_text(f"recipe: 1\n{text}\n")
     paths = ["../secret.yaml", str(secret), "link.yaml", "models/../../secret.xml", "link.xml"]
+    for path in (
+        "HEAD:secret.yaml",
+        "HEAD:../secret.yaml",
+        "HEAD:./../secret.yaml",
+        f"git+file://{folder.parent}@HEAD#secret.yaml",
+    ):
+        for tool in ("tree", "check", "render"):
+            ok, text = agent.call(tool, recipe=path)
+            assert "hunter2" not in text and (not ok or tool == "check"), (tool, path, text)
     for tool in ("tree", "plan", "check", "fix", "render", "explain"):
         for path in [*paths, *(f"{name}.yaml" for name in recipes)]:
             more = {"query": "body hunter2"} if tool == "explain" else {}

@@ -53,7 +53,7 @@ _TOOLS: dict[str, tuple[str, dict[str, dict[str, Any]]]] = {
     ),
     "explain": (
         "Show where an element or attribute comes from. Without a query, `recipe` is an error code to explain.",
-        {"recipe": _MODEL, "query": {**_TEXT, "description": "Such as `geom gripper/pad friction`."}, "set": _SET},
+        {"recipe": _RECIPE, "query": {**_TEXT, "description": "Such as `geom gripper/pad friction`."}, "set": _SET},
     ),
     "render": ("Draw a picture of a recipe or model.", {"recipe": _RECIPE, "set": _SET, "camera": _TEXT, "key": _TEXT}),
     "reference": (
@@ -111,7 +111,7 @@ def mcp(options: Options, run: Run) -> None:
 
 
 async def _call(root: Path, name: str, given: Mapping[str, Any]) -> CallToolResult:
-    """Return the answer of a tool; what is wrong with the call is the text of an error."""
+    """Return the answer of a tool; an invalid call has a text that says why."""
     from mcp_types import CallToolResult, ImageContent, TextContent
 
     if (wrong := _wrong(root, name, given)) is not None:
@@ -142,7 +142,7 @@ async def _call(root: Path, name: str, given: Mapping[str, Any]) -> CallToolResu
 
 
 def _wrong(root: Path, name: str, given: Mapping[str, Any]) -> str | None:
-    """Return what is wrong with a call, in words; a path must lead into the folder of the server."""
+    """Return why a call is invalid, or None; a path must lead into the folder of the server."""
     if name not in _TOOLS:
         return f"the tool `{name}` does not exist; tools: {', '.join(_TOOLS)}"
     takes = _TOOLS[name][1]
@@ -156,7 +156,10 @@ def _wrong(root: Path, name: str, given: Mapping[str, Any]) -> str | None:
         if not isinstance(value, _KINDS[kind]) or (kind == "integer" and isinstance(value, bool)):
             return f"`{key}` is of type {kind}"
     recipe = str(given.get("recipe", ""))
-    is_reference = re.match(r"[A-Za-z][\w+.-]+:", recipe) is not None and not os.path.exists(root / recipe)
+    exists = os.path.exists(root / recipe)
+    if name == "render" and not exists:  # the command would look for it in the history of git
+        return f"`{recipe}` does not exist"
+    is_reference = name == "tree" and not exists and re.match(r"[A-Za-z][\w+.-]+:", recipe) is not None
     real = os.path.realpath(root / recipe)
     if not is_reference and real != os.path.realpath(root) and Path(os.path.realpath(root)) not in Path(real).parents:
         return f"`{recipe}` is outside `{root}`, the folder of the server"

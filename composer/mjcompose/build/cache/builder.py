@@ -86,7 +86,7 @@ def result_from_cache(record: Record, inputs: tuple[str, ...]) -> BuildResult:
 
 def shown_input_files(result: BuildResult | None, context: Context) -> set[str]:
     """Return the input files of a model, as messages name them."""
-    read = () if result is None else set(result.inputs or input_files(result))
+    read = set() if result is None else set(map(Path, result.inputs)) or set(input_files(result))
     return {context.shown(path) for path in read if os.path.isfile(context.folder / path)}
 
 
