@@ -145,7 +145,7 @@ def test_an_entry_that_nothing_can_be_read_of_is_found_and_removed(
         (entry.folder / "entry.json").write_text(text)
     result = run("cache", "verify")
     assert result.exit_code == 1
-    assert f"`{entry.folder}` is damaged: nothing says what it is" in result.stderr
+    assert f"`{entry.folder}` is damaged, and its origin is unknown" in result.stderr
     assert run("cache", *command).exit_code == 0
     assert not entry.folder.exists()
     assert run("cache", "verify").exit_code == 0

@@ -80,7 +80,7 @@ def test_a_huge_source(folder: Path, name: str, size: int) -> None:
     fault = told(folder)
     assert (place_of(fault), fault.code) == (PLACES[name][0], "limit-exceeded")
     assert fault.message.endswith("is not read: it is larger than 64M")
-    assert fault.help == "if that is meant, raise the limit: `--limit xml-size=65M`"
+    assert fault.help == "to allow it, raise the limit: `--limit xml-size=65M`"
 
 
 def test_a_huge_recipe(folder: Path) -> None:

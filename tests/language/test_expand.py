@@ -181,7 +181,7 @@ def test_what_is_called_like_a_key_of_the_language_is_an_item_like_others(sectio
         ("variants: {v: {a: {}}}", "{v: b}", "unknown-name: variant `v` has no value `b`"),
         ("variants: {v: {}}", "{}", "wrong-type: variant `v` is a mapping from its values to pieces of recipe"),
         ("variants: {v: {a: 1}}", "{}", "wrong-type: `a` of variant `v` is a piece of recipe, a mapping"),
-        ("variants: {v: {a: {recipe: 1}}}", "{}", "unknown-key: `recipe` cannot stand in a variant"),
+        ("variants: {v: {a: {recipe: 1}}}", "{}", "unknown-key: `recipe` is not allowed in a variant"),
         ("variants: {v: {a: {}}}\nparams: {v: 1}", "{}", "name-clash: `v` is a variant and a parameter"),
         ("add: [{when: {y: 1}}]", "{}", "unknown-name: the variant or parameter `y` does not exist"),
         ("variants: {v: {a: {}}}\nadd: [{when: {v: b}}]", "{}", "unknown-name: variant `v` has no value `b`"),

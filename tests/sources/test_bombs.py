@@ -81,7 +81,7 @@ def test_a_pack_that_is_larger_than_it_may_be(robots: Any, refused: Callable[...
     with allow(source_size=MIB):
         error = refused(robots.reference("main"))
     assert error.code == "archive-refused" and "is larger than 1M" in error.message
-    assert error.help == "if that is meant, raise the limit: `--limit source-size=2M`"
+    assert error.help == "to allow it, raise the limit: `--limit source-size=2M`"
 
 
 def test_a_tree_that_holds_itself_many_times(robots: Any, refused: Callable[..., SourceError]) -> None:
@@ -215,7 +215,7 @@ def test_git_has_the_memory_that_it_is_given(robots: Any, refused: Callable[...,
     with allow(git_memory=32 * MIB):
         error = refused(reference)
     assert (error.code, error.help) == (
-        "archive-refused", "if that is meant, raise the limit: `--limit git-memory=64M`"
+        "archive-refused", "to allow it, raise the limit: `--limit git-memory=64M`"
     )  # fmt: skip
     assert "needs more memory than 32M" in error.message
 

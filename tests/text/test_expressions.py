@@ -77,7 +77,7 @@ def test_values(text: str, expected: Value) -> None:
         ("${n && n}", "&&", "`&&` is not an operator"),
         ("${90deg}", "90deg", "`90deg` is not a number"),
         ("${(1 + 2}", "(", "`(` is never closed"),
-        ("${1 2}", "2", "`2` is in the place of an operator"),
+        ("${1 2}", "2", "expected an operator, got `2`"),
         ("${1 +}", "+", "the expression ends without a value"),
         ("${}", "", "the expression is empty"),
         ("a ${1", "${1", "`${` is never closed"),

@@ -75,7 +75,7 @@ def test_the_largest_is_shown_and_the_limit_is_named(folder: Path) -> None:
     meshes = f'{INLINE}\n<mesh file="m.stl"/>'
     ((message, place, help),) = told(folder, meshes, 100)
     assert message == "the meshes of the model have 154 points; 100 are allowed"
-    assert (place, help) == ("3:13", "if that is meant, raise the limit: `--limit mesh-points=154`")
+    assert (place, help) == ("3:13", "to allow it, raise the limit: `--limit mesh-points=154`")
 
 
 def test_a_file_is_read_only_where_its_size_leaves_it_open(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -199,7 +199,7 @@ def _relative(folder: str, start: str) -> str:
 MARKERS = (".git", ".hg", "pyproject.toml", "package.xml", "mjcompose.lock")
 """Entries that mark the top folder of a project."""
 _is_top = memory_of(MARKERS)
-_HELP = "if it is meant, write in the recipe `trust: {files: [{folder}]}`"
+_HELP = "to allow it, write in the recipe `trust: {files: [{folder}]}`"
 
 
 def project_of(folder: str | os.PathLike[str]) -> str | None:

@@ -28,7 +28,7 @@ GROUPS = {
     "sources": "source kind", "checks": "check", "verbs": "verb", "targets": "target",
     "commands": "command", "datasheets": "data sheet",
 }  # fmt: skip
-"""By the end of its name, what the entry points of a group are: `mjcompose.checks` are checks."""
+"""The kind of a group's entry points, by the end of its name: `mjcompose.checks` are checks."""
 
 CLASH, BROKEN, REFUSED = "extension-clash", "extension-broken", "extension-refused"
 
@@ -43,7 +43,7 @@ class Extension:
 
 
 LOADED: dict[tuple[str, str], Extension] = {}
-"""What this process has loaded, by group and word."""
+"""The extensions that this process has loaded, by group and word."""
 
 
 def names(group: str) -> dict[str, str]:

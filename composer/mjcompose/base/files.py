@@ -78,7 +78,7 @@ def mark_of(path: str | os.PathLike[str]) -> Mark:
 
 
 _FEW, _LISTED = 4, 16
-"""The least number of files for which a folder is listed, and how many entries are looked at for each of them."""
+"""The least number of files for which a folder is listed, and how many entries are read for each of them."""
 _real = Memory(os.path.realpath, os.path.realpath)
 
 
@@ -267,7 +267,7 @@ def _bound(size: int, most: int, path: str | os.PathLike[str]) -> None:
 
 
 _NAMES = re.compile(rb"""[^\s\0"'<>|{}\[\],;:#]+\.\w{2,5}|"[^"\n\0]+"|'[^'\n\0]+'|(?<=[:-] )[^\s"'{\[][^\n\0#]*""")
-"""What may name a file in a recipe: a word with a suffix, a quoted text, the rest of a line."""
+"""Texts that may name a file in a recipe: a word with a suffix, a quoted text, the rest of a line."""
 _FOLDERS = re.compile(rb"""(?:mesh|texture|asset)dir\s*=\s*["']([^"'\n\0]+)["']""")
 _COMMENT = re.compile(rb"(?m)(?:^|(?<=[ \t]))#[^\n]*")
 _FILES = re.compile(rb"""\bfile\w*\s*=\s*["']([^"'\n\0]+)["']""")

@@ -62,7 +62,7 @@ class Limits:
     xml_size: int = _limit(64 * MIB, "bytes", "the XML files of one model together")
     text_size: int = _limit(16 * MIB, "bytes", "one attribute, comment or text in XML")
     recipe_size: int = _limit(16 * MIB, "bytes", "one recipe file")
-    edits: int = _limit(200_000, "", "the values that edits write, and what selecting and drawing cost")
+    edits: int = _limit(200_000, "", "the values that edits write, and the cost of selecting and drawing")
     yaml_values: int = _limit(500_000, "", "the values in one YAML file, with those of aliases")
     yaml_depth: int = _limit(100, "", "how deep lists and mappings nest in one YAML file")
     string: int = _limit(10_000, "", "the characters of a text that an expression gives")
@@ -125,16 +125,14 @@ def advice(name: str, needed: float | None = None) -> Advice:
     """Return the help of an error about a limit: how to raise it, to `needed` if that is known.
 
     >>> advice("copies", 12000)
-    'if that is meant, raise the limit: `--limit copies=12000`'
+    'to allow it, raise the limit: `--limit copies=12000`'
     >>> advice("copies", 12000).in_python
-    'if that is meant, raise the limit: `with mjcompose.base.limits.allow(copies=12000):`'
+    'to allow it, raise the limit: `with mjcompose.base.limits.allow(copies=12000):`'
     """
     attribute = name.replace("-", "_")
     value = 2 * getattr(in_force(), attribute) if needed is None else needed
-    given = Advice(f"if that is meant, raise the limit: `--limit {name}={written(name, value)}`")
-    given.in_python = (
-        f"if that is meant, raise the limit: `with mjcompose.base.limits.allow({attribute}={value:.12g}):`"
-    )
+    given = Advice(f"to allow it, raise the limit: `--limit {name}={written(name, value)}`")
+    given.in_python = f"to allow it, raise the limit: `with mjcompose.base.limits.allow({attribute}={value:.12g}):`"
     return given
 
 

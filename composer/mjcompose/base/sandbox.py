@@ -277,11 +277,11 @@ _CALLS: dict[str, tuple[int | None, int | None]] = {
     "dup3": (292, 24), "getrandom": (318, 278), "membarrier": (324, 283), "statx": (332, 291), "rseq": (334, 293),
     "faccessat2": (439, 439),
 }  # fmt: skip
-"""What a process may ask of Linux that reads and calculates, on both kinds of machines."""
+"""The system calls of a process that reads and calculates, on both kinds of machines."""
 _OPEN, _OPENAT, _IOCTL = (2, None), (257, 56), (16, 29)
 _WRITES = os.O_WRONLY | os.O_RDWR | os.O_CREAT | os.O_TRUNC | 0o20000000  # O_TMPFILE without O_DIRECTORY
 _TERMINAL, _CLOSES = 0x5401, 0x5451
-"""What Python asks with `ioctl`: whether a file is a terminal, and that it is closed for other programs."""
+"""The requests of Python with `ioctl`: whether a file is a terminal, and that it is closed for other programs."""
 _ALLOW, _KILL, _REFUSE = 0x7FFF0000, 0x80000000, 0x00050000
 
 

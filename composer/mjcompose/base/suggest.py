@@ -239,7 +239,7 @@ _BY_NAME: dict[str, str] = {
     "replicate": "repeat copy",
     "freejoint": "free floating",
 }
-"""By the name that exists here, what is written for it, in singular and with `_`. Several names may share a word."""
+"""Other words for a name that exists here, in singular and with `_`. Several names may share a word."""
 
 SYNONYMS: dict[str, list[str]] = {}
 """The names that a word may mean, in the order of the table."""

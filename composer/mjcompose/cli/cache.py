@@ -133,7 +133,7 @@ def verify(options: VerifyOptions, run: Run) -> Answer | None:
             store.remove_headless(folder)
             _say_removed(folder, run.form)
         else:
-            sink.error("store-unusable", f"`{folder}` is damaged: nothing says what it is", help=_FIX)
+            sink.error("store-unusable", f"`{folder}` is damaged, and its origin is unknown", help=_FIX)
     for entry in entries:
         if not (damage := store.damage(entry)):
             continue

@@ -37,7 +37,7 @@ class Options:
 
 @command(Options)
 def doctor(options: Options, run: Run) -> Answer:
-    """Check this installation, and show what it can do.
+    """Check this installation, and show its features.
 
     The exit code is 1 if something that every build needs is missing.
     """

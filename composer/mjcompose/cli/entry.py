@@ -16,7 +16,7 @@ from typing import Any
 
 from mjcompose.base.runtime import rarely_collecting, with_deferring
 
-NO_MEMORY = "not enough memory; `--limit memory=16G` allows more than 8 GiB, where the machine has it"
+NO_MEMORY = "not enough memory; `--limit memory=16G` allows more than 8 GiB, if the machine has it"
 LEAST = 160 << 20
 """The least bytes of data for a build: OpenBLAS, a part of numpy, ends the process with less."""
 

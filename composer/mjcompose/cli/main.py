@@ -43,7 +43,7 @@ _GROUPS = {
         "cache": "Inspect, prune or verify the store of fetched sources and built models.",
     },
     "Set up": {
-        "doctor": "Check this installation, and show what it can do.",
+        "doctor": "Check this installation, and show its features.",
         "plugin": "Let MuJoCo open recipes in C++ programs, Studio and ROS 2 control.",
         "lsp": "Run the language server for editors, with completion, errors and origins.",
         "mcp": "Serve tools to AI agents, over the Model Context Protocol.",

@@ -144,7 +144,7 @@ def _more_about(found: Sequence[Diagnostic]) -> str:
     codes = list(dict.fromkeys(each.code for each in found))
     code = codes[0] if len(codes) == 1 else "CODE"
     fixable = sum(each.fix is not None for each in found)
-    fixes = f"; `mjcompose fix` can mend {fixable} of them" if fixable else ""
+    fixes = f"; `mjcompose fix` can fix {fixable} of them" if fixable else ""
     return f"more about {'it' if len(codes) == 1 else 'each'}: mjcompose explain {code}{fixes}\n"
 
 

@@ -29,9 +29,7 @@ class Options:
     target: str = argument()
     html: Path | None = option("--html", type=click.Path(path_type=Path, dir_okay=False), metavar="FILE",
                                help="Write a page that needs no server and no network, and exit.")  # fmt: skip
-    physics: bool = flag(
-        "--physics", help="With --html: include MuJoCo (3.5 MB) in the page, so that it can run the simulation."
-    )
+    physics: bool = flag("--physics", help="With --html: include MuJoCo (3.5 MB) in the page, to run the simulation.")
     key: str | None = option("--key", metavar="KEY", help="The keyframe at the start. Default: the first one.",
                              shell_complete=completion.keys)  # fmt: skip
     host: str = option("--host", default="127.0.0.1", show_default=True, metavar="ADDRESS", help="The address to listen"

@@ -79,7 +79,7 @@ class Checker:
             help = "write `rename: …` for another name"
             self.faults.append(Fault("unknown-key", "`set` cannot take a name away", at, key=True, help=help))
         elif attribute_and_index(name)[1] is not None:
-            message = f"one number of `{attribute_and_index(name)[0]}` cannot be taken out"
+            message = f"one number of `{attribute_and_index(name)[0]}` cannot be removed"
             help = "write the numbers that stay"
             self.faults.append(Fault("wrong-type", message, at, help=help))
         elif kinds and not fitting:
@@ -238,7 +238,7 @@ TAGS = (
 def _definition_of_classes(kind: str) -> Schema:
     """Return the condition on the values that are given to default classes; `kind` is the definition for one tag."""
     rows = {
-        tag: {**reference(f"{kind}:{tag}"), "description": f"what the class has for `{tag}`"}
+        tag: {**reference(f"{kind}:{tag}"), "description": f"the class's value of `{tag}`"}
         for tag in GRAMMAR.section(_CLASSES).children
         if tag != _CLASSES
     }

@@ -38,7 +38,7 @@ from mjcompose.tree.key_policy import KeyPolicy
 
 RESERVED = "base"
 PATH_LIKE = ("/", ":")
-"""Separators that make levels of a name; `_` and the like may stand in a prefix as well."""
+"""Separators that make levels of a name; a prefix may contain `_` and the like."""
 PLACES = ("site", "body", "frame")
 
 Vector = tuple[Single, ...]
@@ -152,20 +152,20 @@ class Attachment(Model):
     example: ClassVar = "{model: …}"
     instead: ClassVar = {
         "keyframes": "write `keys: prefix` to keep them apart, or `drop: [key]` to leave them out",
-        **dict.fromkeys(("before", "after"), "put the part there in the file: its order is that of the parts"),
+        **dict.fromkeys(("before", "after"), "move the part there in the file, which has the order of the parts"),
     }
 
     model: ModelReference = Field(examples=["./FILE.xml"])
     """A model reference (a file relative to the recipe, `package:…`, `menagerie:…`), or a recipe written in place."""
     packages: dict[str, Text] = Field(default_factory=dict)
     """The folders of `package://NAME` in URDF: a mapping from NAME to a path relative to the recipe; `"*"`
-    is a ROS workspace, all of whose packages are meant."""
+    is a ROS workspace with all of its packages."""
     urdf: UrdfKeys = Field(default_factory=UrdfKeys)
     """How a URDF is read: visuals, fixed links, actuators."""
     given: Given = Field(default_factory=dict, alias="with")
     """Values of the parameters and variants of a nested recipe, or of the arguments of a xacro template, by name."""
     subtree: Annotated[str, Name("body", inside="model")] | None = None
-    """The one body of the model to take, with exactly what it needs; without it, the whole model."""
+    """The body of the model to take, with everything it needs. Without it, the whole model."""
     drop: Drops = ()
     """What to leave out, with all that refers to it: sections, tags and selectors, in the part's own names."""
     edit: Edits = ()
@@ -191,12 +191,12 @@ class Attachment(Model):
     zaxis: Annotated[Vector | None, Offset("zaxis")] = None
     """Rotation in the frame of that place, as the z axis of the part, turned the shortest way."""
     joint: Annotated[JointWord | Element | tuple[Element, ...] | None, JointField()] = None
-    """What stands between the place and the part. Without it nothing is added, and a free joint of the part's
+    """The joint between the place and the part. Without it nothing is added, and a free joint of the part's
     root is kept where it may be; `none` removes it."""
     sense: _Sense | None = None
-    """What the place carries is measured there: force and torque between the place and the part, by sensors."""
+    """Sensors at the place: force and torque between the place and the part."""
     prefix: Annotated[str, WithJsonSchema({"type": "string", **_pattern("*")})] | None = None
-    """What stands before the part's names in place of the key; empty for no prefix and no separator."""
+    """The prefix of the part's names, instead of the key. Empty for no prefix and no separator."""
     replicate: Annotated[
         tuple[Axis, ...], Items(1), Checked(_too_many), Expects("a list of axes", "[{count: 3, offset: [0.1, 0, 0]}]")
     ] = ()
@@ -205,7 +205,7 @@ class Attachment(Model):
     """How the part's keyframes are called: merged by name, or kept apart as `PREFIX/NAME`. `drop: [key]` leaves them
     out."""
     allow: Codes = ()
-    """The codes of warnings about this part that are meant to be there."""
+    """The codes of warnings about this part that you accept."""
     when: When = None
 
     @property

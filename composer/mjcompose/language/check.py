@@ -26,7 +26,7 @@ MODULES = {
     "targets": "mjcompose.targets.check",
     "lint": "mjcompose.build.checks.lint",
 }
-"""The module of each check: what it accepts and how it is carried out. A recipe imports those that it writes."""
+"""The module of each check: its form and its executor. A recipe imports those that it writes."""
 SEVERITY = "severity"
 
 

@@ -122,7 +122,7 @@ class _DoesSomething:
             other = next(name for name in verbs if name != alone)
             yield Fault(
                 EXCLUSIVE,
-                f"`{alone}` stands alone, and there is `{other}` as well",
+                f"`{alone}` excludes other keys, and there is `{other}` as well",
                 (alone,),
                 key=True,
                 related=((f"`{other}` is written here", (other,)),),
@@ -196,7 +196,7 @@ class Edit(Model):
     verbs: Annotated[Mapping[str, Verb], Rows(lambda: VERBS, selects="select")] = Field(
         default_factory=dict, alias="<verbs>"
     )
-    """what is done, in the order in which it is done"""
+    """the changes, in the order in which they are carried out"""
     allow: Codes = ()
     """the codes of warnings about it that are meant to be there"""
     when: When = None

@@ -50,7 +50,7 @@ def lost_indentation(mapping: Mapping, at: Path) -> tuple[Fault, Iterable[str]] 
             stand = "stands" if len(beside) == 1 else "stand"
             fault = Fault(
                 "wrong-type",
-                f"{keys} {stand} beside `{name}`, not below it",
+                f"{keys} {stand} next to `{name}`, not below it",
                 (*at, beside[0]),
                 key=True,
                 help=f"indent {keys} two spaces deeper than `{name}`",
@@ -262,7 +262,7 @@ class Reader:
         keyed = keyed or {}
         for name in value:
             if name != FRAGMENT and name not in own:
-                message = f"`{name}` stands beside `{FRAGMENT}`, which is the whole element"
+                message = f"`{name}` is next to `{FRAGMENT}`, which is the whole element"
                 help = "write it into the fragment"
                 self.faults.append(Fault("unknown-key", message, (*at, name), key=True, help=help))
         text, path = value[FRAGMENT], (*at, FRAGMENT)
@@ -340,7 +340,7 @@ class Reader:
         if kind.children and (_is_element(value) or (near and near[0] in kind.children)):
             notes = (exists_note("element", kind.children, name),)
             return Fault(
-                "unknown-element", f"`{name}` cannot stand in {owner}", at, key=True, notes=notes, help=help, fix=fix
+                "unknown-element", f"`{name}` is not allowed in {owner}", at, key=True, notes=notes, help=help, fix=fix
             )
         return fault_at(unknown_attribute(name, owner, attributes), at, key=True, help=help, fix=fix)
 

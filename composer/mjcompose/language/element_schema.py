@@ -233,7 +233,7 @@ def _rule(rule: Constraint) -> list[Schema]:
                 "if": {"required": [name]},
                 "then": {
                     "properties": {other: False for others in bundles[index + 1 :] for other in others},
-                    "errorMessage": f"`{name}` exists already, and only one of the two may stand",
+                    "errorMessage": f"`{name}` exists already, and only one of the two is allowed",
                 },
             }
             for index, bundle in enumerate(bundles[:-1])

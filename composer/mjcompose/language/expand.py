@@ -368,7 +368,7 @@ class _Matrix:
         for entry, seen in zip(excluded, hit, strict=True):
             if not seen:
                 self.sink.error("unknown-name", "no cell of the matrix is like this one to be excluded", entry.span,
-                                help="its values are those of the axes, as they are written there")  # fmt: skip
+                                help="its values come from the axes, as they are written there")  # fmt: skip
         for entry in self._entries("include"):
             given = {key.name: node for key, node in entry.entries.values()}
             expand(self.document, {**self.around, **given}, self.sink)

@@ -75,7 +75,7 @@ def _exclusive(rule: Constraint, present: Collection[str], owner: str, at: Path)
     first, second = clash
     return Fault(
         EXCLUSIVE,
-        f"{owner} has both `{first}` and `{second}`, of which only one may stand",
+        f"{owner} has both `{first}` and `{second}`, of which only one is allowed",
         (*at, second),
         key=True,
         related=((f"`{first}` is written here", (*at, first)),),
@@ -205,7 +205,7 @@ class _Check:
         self.stack.append(kind)
         if kind is None:
             where = self.place if parent is None else f"`{parent.tag}`"
-            self.fault("unknown-element", f"`{tag}` cannot stand in {where}", names=("element", tag, kinds))
+            self.fault("unknown-element", f"`{tag}` is not allowed in {where}", names=("element", tag, kinds))
         else:
             self.attributes(kind, attributes, named=self.named and parent is None)
 
@@ -238,7 +238,7 @@ class _Check:
         if text.strip() and self.stack and self.stack[-1] is not None:
             lead = len(text) - len(text.lstrip())
             at = (self.parser.CurrentLineNumber, self.parser.CurrentColumnNumber + 1 + lead, len(text.strip()))
-            message = f"text stands in `{self.stack[-1].tag}`, where MJCF has none"
+            message = f"text in `{self.stack[-1].tag}`, where MJCF has none"
             self.fault("xml-syntax", message, at, help="take it out, or write it as a comment: `<!-- … -->`")
 
     def doctype(self, *_: object) -> None:

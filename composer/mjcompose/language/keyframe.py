@@ -25,7 +25,7 @@ from mjcompose.tree.grammar import GRAMMAR
 CTRL, HOLD, JOINT = "ctrl", "hold", "joint"
 Way = Literal["positions", "forces"]
 WAYS: tuple[Way, ...] = ("positions", "forces")
-"""What all actuators hold with: servos at the pose, or forces that balance what acts on it."""
+"""How all actuators hold the pose: servos at the pose, or forces that balance the model."""
 _ALL = "write `ctrl: hold` for all actuators, `ctrl: {ACTUATOR: hold}` for one"
 
 
@@ -136,7 +136,7 @@ VECTORS: Mapping[str, str] = {
     "mpos": "mocap body",
     "mquat": "mocap body",
 }
-"""The vectors of a key, each with what its entries are named after."""
+"""The vectors of a key, each with the kind of its entries."""
 WIDTHS = {"mpos": 3, "mquat": 4}
 
 Entry = tuple[Single, ...]
@@ -219,8 +219,8 @@ def _entries(reader: Reader, vector: str, value: Any, at: Path, owner: str, name
     for name, item in value.items():
         subject, path = f"{named} `{name}` in {owner}", (*at, name)
         if item == HOLD:
-            message = f"`{vector}` of {subject} is given in numbers: what holds a pose are controls"
-            help = f"give the pose in `qpos`, and write `{CTRL}: {HOLD}` beside it"
+            message = f"`{vector}` of {subject} is given in numbers: only controls hold a pose"
+            help = f"give the pose in `qpos`, and write `{CTRL}: {HOLD}` next to it"
             reader.faults.append(Fault("wrong-type", message, path, help=help))
             continue
         read = read_value(attribute, item, path, owner=subject, faults=reader.faults)

@@ -209,7 +209,7 @@ def read_axes(document: Mapping, sink: Sink) -> Axes:
         if not isinstance(values, Mapping) or not values.entries:
             message = f"variant `{key.name}` is a mapping from its values to pieces of recipe"
             words = _words(values)
-            own = f"write `{key.name}: {_pieces(words)}`, each with what it changes" if words else help
+            own = f"write `{key.name}: {_pieces(words)}`, each with its changes" if words else help
             sink.error("wrong-type", message, key.span, help=own)
             continue
         axes[key.name] = values
@@ -224,7 +224,7 @@ def read_axes(document: Mapping, sink: Sink) -> Axes:
                 continue
             for name in NO_PIECE:
                 if name in piece.entries:
-                    sink.error("unknown-key", f"`{name}` cannot stand in a variant", piece.entries[name][0].span,
+                    sink.error("unknown-key", f"`{name}` is not allowed in a variant", piece.entries[name][0].span,
                                help="write it at the top of the recipe")  # fmt: skip
     return axes
 

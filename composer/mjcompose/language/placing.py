@@ -30,15 +30,15 @@ from mjcompose.text.node import Sequence as List
 from mjcompose.tree.grammar import GRAMMAR
 
 INHERITED = ("recipe", "angle", "eulerseq", "separator", "conflict")
-"""What a model in place has of the recipe that it is written in, where it does not say otherwise."""
+"""Settings that a model in place takes from its recipe unless it sets them."""
 Judge = Callable[[Located], list[Fault]]
 OF_A_FILE = {
     "extends": "write it into a file of its own: `model: ./NAME.yaml`",
     "trust": "write it in the recipe itself",
     "params": "declare them in `params` of the recipe: `${…}` has the same values here",
-    "variants": "write them in `variants` of the recipe: a piece may change what is written here",
+    "variants": "write them in `variants` of the recipe: a piece may change them",
     "matrix": "write it in the recipe itself",
-    "randomize": "write it in the recipe itself, whose fields reach what is written here",
+    "randomize": "write it in the recipe itself, whose fields reach this model",
 }
 
 
@@ -105,7 +105,7 @@ class Inline:
             return
         keys = ", ".join(f"`{key}`" for key in strange)
         message = f"{keys} of {IT} {'stands' if len(strange) == 1 else 'stand'} where a `model` is expected"
-        help = f"a model that is written in place stands below `model`: `model: {{{strange[0]}: …}}`"
+        help = f"write a model in place below `model`: `model: {{{strange[0]}: …}}`"
         yield Fault("missing-key", message, (strange[0],), key=True, help=help)
 
     def schema(self) -> Iterator[Schema]:

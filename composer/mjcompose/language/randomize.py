@@ -212,7 +212,7 @@ class Randomize(Model):
     seed: Annotated[
         int, Field(ge=0, json_schema_extra={"maximum": _MAX_SEED}), BeforeValidator(whole), Checked(_seed_fault)
     ] = Field(examples=["7"])
-    """What makes these draws differ from those of another seed: a whole number below 2**64."""
+    """The seed of the draws: a whole number below 2**64."""
     samples: Annotated[int, Field(ge=1), BeforeValidator(whole), Checked(_samples_fault)] = Field(examples=["10"])
     """How many samples there are, besides sample 0, the model without any draw."""
     named: Annotated[
@@ -220,7 +220,7 @@ class Randomize(Model):
         Field(min_length=1),
         Expects("a mapping from names to what is drawn", f"{{friction: {DrawField.example}}}"),
     ] = Field(alias="fields")
-    """What is drawn: a mapping from a name, which is part of the seed, to a distribution and what it is for."""
+    """The draws: a mapping from a name, which is part of the seed, to a distribution and its target."""
 
     @classmethod
     def owner(cls, at: Path) -> str:

@@ -58,7 +58,7 @@ def _element(
         reader.faults.append(
             Fault(
                 EXCLUSIVE,
-                f"an entry of `add` has both `{first}` and `{name}`, of which only one may stand",
+                f"an entry of `add` has both `{first}` and `{name}`, of which only one is allowed",
                 (*at, name),
                 key=True,
                 related=((f"`{first}` is written here", (*at, first)),),
@@ -78,7 +78,7 @@ def _element(
 
 def _unknown(name: str, at: Path, kinds: Mapping[str, ElementType], place: str) -> Fault:
     if name in addable("body"):
-        message = f"`{name}` cannot stand in {place}, only in a body"
+        message = f"`{name}` is not allowed in {place}, only in a body"
         return Fault("unknown-element", message, at, key=True)
     help, fix = advised(name, [*kinds, TO])
     note = exists_note("element", kinds, name)
@@ -210,17 +210,17 @@ class Recipe(Model):
     eulerseq: Annotated[str, Checked(_sequence_fault)] = "xyz"
     """The sequence of rotations of `euler` in this file: lower case for moving axes, upper case for fixed."""
     separator: Literal["/", ":", ".", "-", "_", "__"] = "/"
-    """What stands between a prefix and a name."""
+    """The text between a prefix and a name."""
     conflict: Literal["error", "base", "mujoco"] = "error"
     """What happens where parts disagree in `option`, `size`, `statistic` or `visual`."""
     params: Annotated[Any, Lazy("mjcompose.language.variation:Params"), Settled()] = None
-    """Parameters by name: what `${name}` stands for, and what --set and `with` may set."""
+    """Parameters by name: the values of `${name}`, which --set and `with` may set."""
     base: Annotated[Attachment | None, Start()] = None
     """The model to start from: a part without a prefix, at the world; without it, an empty one."""
     attach: Annotated[
         Mapping[str, Attachment], Prefixes(), Expects("a mapping from prefix to part", "{PREFIX: {model: …}}")
     ] = Field(default_factory=dict)
-    """The parts: a mapping from the prefix of their names to what they are and where they hang."""
+    """The parts: a mapping from the prefix of their names to their models and places."""
     compiler: Annotated[Element | None, Singleton("compiler", SETTABLE)] = None
     """Compiler settings that a whole model has; each part keeps its own of the others."""
     option: Annotated[Element | None, Singleton("option")] = None
@@ -230,7 +230,7 @@ class Recipe(Model):
     visual: Annotated[Element | None, Singleton("visual")] = None
     """Rendering settings."""
     statistic: Annotated[Element | None, Singleton("statistic")] = None
-    """Model statistics that override what MuJoCo computes."""
+    """Model statistics that override MuJoCo's own."""
     extension: Annotated[tuple[Element, ...], Extension("extension")] = ()
     """Plugins and their instances: `plugin: {NAME: {instance: {NAME: {config: {KEY: VALUE}}}}}`."""
     default: Annotated[tuple[DefaultClass, ...], Defaults("default")] = ()
@@ -274,7 +274,7 @@ class Recipe(Model):
     )
     """Conditions that the model must meet: a mapping from a name to a check."""
     allow: Codes = ()
-    """The codes of warnings that are meant to be there: they are not reported. Parts and edits can have it, too."""
+    """The codes of warnings that you accept: they are not reported. Parts and edits can have it, too."""
 
     @classmethod
     def owner(cls, at: Path) -> str:

@@ -127,7 +127,7 @@ def add_variation(schema: Schema, definitions: dict[str, Schema]) -> None:
         "type": "object",
         "properties": {name: each for name, each in properties.items() if name not in OF_A_FILE},
         "additionalProperties": False,
-        "description": "A recipe, written in place of a model reference.",
+        "description": "A recipe, instead of a model reference.",
     }
     _share(schema, definitions)
     pieces = loosened({name: each for name, each in properties.items() if name not in _OWN}, definitions)
@@ -135,7 +135,7 @@ def add_variation(schema: Schema, definitions: dict[str, Schema]) -> None:
         "type": "object",
         "properties": {name: each for name, each in pieces.items() if name not in NO_PIECE},
         "additionalProperties": False,
-        "description": "A piece of recipe: any of its keys. `null` takes out what the recipe has there.",
+        "description": "A piece of recipe: any of its keys. `null` removes the recipe's own value.",
     }
     _demand_less_of_what_extends(schema, pieces)
 
@@ -244,7 +244,7 @@ def recipe_schema() -> Schema:
     _complete(schema, definitions)
     add_variation(schema, definitions)
     # No title: editors would show it before every description.
-    head = {"$schema": DIALECT, "description": "A recipe of mjcompose: what a MuJoCo model is made of."}
+    head = {"$schema": DIALECT, "description": "A recipe of mjcompose: the parts of a MuJoCo model."}
     whole = {**schema, **head, "$defs": dict(sorted(definitions.items()))}
     for each in _mappings(whole):
         description = each.get("description")

@@ -135,7 +135,7 @@ class Singleton(Section):
             f"`{name}` cannot be set in `{self.tag}`: each part keeps its own",
             (name,),
             key=True,
-            notes=(Note(f"what can be set: {', '.join(sorted(self.settable))}"),),
+            notes=(Note(f"settings: {', '.join(sorted(self.settable))}"),),
             help=f"for the recipe's own elements, write `{name}` at the top of the recipe"
             if top
             else f"leave `{name}` out",
@@ -217,7 +217,7 @@ class Defaults(Section):
             if tag == PARENT:
                 parent = self._parent(reader, name, item, at=at)
             elif tag == self.tag:
-                help = "write the class beside this one, with `parent`"
+                help = "write the class next to this one, with `parent`"
                 message = f"a class cannot stand in {owner}"
                 reader.faults.append(Fault("unknown-element", message, at, key=True, help=help))
             elif tag in self.kind.children:
@@ -302,7 +302,7 @@ def _step(reader: Reader, kind: ElementType, value: Any, at: Path, owner: str) -
     if FRAGMENT in value:
         return reader.fragment(kind.children, place, value, at=at)
     if "geom" in value and "site" in value:
-        message = f"a step in {place} has both `geom` and `site`, of which only one may stand"
+        message = f"a step in {place} has both `geom` and `site`, of which only one is allowed"
         help = "write `sidesite` for a site at the side of the geom, or a step of its own for the site"
         reader.faults.append(Fault(EXCLUSIVE, message, (*at, "site"), key=True, help=help))
         return None
@@ -317,7 +317,7 @@ def _step(reader: Reader, kind: ElementType, value: Any, at: Path, owner: str) -
     if isinstance(value.get(tag), dict):
         nested = value[tag]
         message = f"`{tag}` of a step in {place} expects a name, got {kind_of(nested)}"
-        flat = f"write what the step has beside one another: `{_flat(nested)}`" if nested else None
+        flat = f"write the step's keys next to one another: `{_flat(nested)}`" if nested else None
         reader.faults.append(Fault("wrong-type", message, (*at, tag), help=flat))
         return None
     step = kind.children[tag]
@@ -467,7 +467,7 @@ def _definition_of_variant(path: str) -> Schema:
             "type": "array",
             "minItems": 1,
             "items": reference(f"step:{kind.path}"),
-            "description": "what it goes over, in order: " + ", ".join(f"`{{{tag}: …}}`" for tag in kind.children),
+            "description": "its elements, in order: " + ", ".join(f"`{{{tag}: …}}`" for tag in kind.children),
         }
         return element(kind, (NAME,), {**properties, PATH: steps}, required=(PATH,), fragment=False, children=False)
     return element(kind, (NAME,), properties, fragment=False)

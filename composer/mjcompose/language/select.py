@@ -52,7 +52,7 @@ _BESIDE = (
     "expect", "optional", "when", "id", "set", "scale", "simplify", "collision", "convert",
     "move", "rename", "remove", "attr", "per",
 )  # fmt: skip
-"""Keys that stand beside a `select`."""
+"""Keys next to a `select`."""
 _EXAMPLE = 'write for instance `{geom: "**/pad*"}`'
 
 
@@ -80,7 +80,7 @@ def read_selector(
         faults.append(
             Fault(
                 EXCLUSIVE if known else "unknown-key",
-                f"{owner} has both `{tag}` and `{others[0]}`, of which only one may stand"
+                f"{owner} has both `{tag}` and `{others[0]}`, of which only one is allowed"
                 if known
                 else f"`{others[0]}` is not a key of a selector",
                 (*at, others[0]),

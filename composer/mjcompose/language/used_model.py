@@ -117,8 +117,8 @@ Drops = Annotated[
 ]
 
 _NARROWING: dict[str, Schema] = {
-    "parent": {**reference("selector"), "description": "the body, or other element, that it stands in"},
-    "in": {**reference("selector"), "description": "an element that it stands in, at any depth"},
+    "parent": {**reference("selector"), "description": "the body, or other element, that contains it"},
+    "in": {**reference("selector"), "description": "an element that contains it, at any depth"},
     "part": {**GLOB, "description": "the part that it came from"},
     "class": {**GLOB, "description": "the default class in effect, or one that it descends from"},
     "where": {

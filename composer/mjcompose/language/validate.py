@@ -194,7 +194,7 @@ def advice_at_top(name: str, value: Any, parts: AbcMapping[str, Any]) -> str | N
     if name == "model":
         if isinstance(value, str) and (":" in value or value.lower().endswith(_MODEL_FILES)):
             return f"write `base: {value}` for the model to start from, or put it under `attach`, in a part"
-        return "write `base` for the model to start from, or `name` for what the result is called"
+        return "write `base` for the model to start from, or `name` for the name of the result"
     return _OF_MJCF.get(name) or _in_section(name, value)
 
 
@@ -347,7 +347,7 @@ def _without_strangers(faults: list[Fault]) -> Iterator[Fault]:
         if fault is first and others:
             keys = ", ".join(f"`{each.at[-1]}`" for each in others)
             note = Note(f"the same is true of {keys}")
-            help = "is it in the right section? its indentation says to what it belongs"
+            help = "is it in the right section? its indentation determines its section"
             yield replace(fault, notes=(note, *fault.notes), help=help, fix=None)
         elif fault is first and not (fault.code == "missing-key" and fault.at in several):
             yield fault

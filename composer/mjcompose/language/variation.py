@@ -67,7 +67,7 @@ _SCHEMAS: Mapping[str, Schema] = {
     "string": {"type": "string"},
     "vector": {"type": "array", "items": {"type": "number"}},
 }
-"""What the default of a parameter can be, by its type."""
+"""The possible defaults of a parameter, by its type."""
 
 
 class _Typed:
@@ -103,7 +103,7 @@ class Declaration(Model):
         ]
         | None
     ) = None
-    """what kind of value it has; without it, that of the default"""
+    """the kind of its value; without it, the kind of the default"""
     default: Annotated[Written, Checked(_default_fault), WithJsonSchema(_DEFAULT)] | None = None
     """its value where none is given; without it, one must be given"""
     min: Bound | None = None
@@ -191,7 +191,7 @@ class Grid(Model):
     include: Combinations = ()
     """More combinations."""
     name: Text | None = None
-    """What a combination is called, with `${…}` for its values."""
+    """The name of a combination, with `${…}` for its values."""
 
     @classmethod
     def owner(cls, at: Path) -> str:
@@ -205,7 +205,7 @@ Params = Annotated[
             Annotated[Declaration, Tag("<mapping>")]
             | Annotated[
                 Written,
-                WithJsonSchema({**_ALONE, "description": "The default alone: its type is that of the parameter."}),
+                WithJsonSchema({**_ALONE, "description": "The default alone, which determines the parameter's type."}),
                 Tag("<value>"),
             ],
             Discriminator(lambda value: "<mapping>" if isinstance(value, dict | Declaration) else "<value>"),

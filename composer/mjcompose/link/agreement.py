@@ -279,13 +279,13 @@ def _message_of(part: Part, wishes: list[_Wish]) -> tuple[str, list[Note], Span,
     """Return the message, the notes with both values, the place, and the cause by which equal parts are recognized."""
     first = wishes[0]
     if len(wishes) == 1:
-        message = first.difference(f"`{part.called}` wants {first.shown} to be")
+        message = first.difference(f"`{part.called}` needs {first.shown} to be")
         place = first.written()
         notes = [] if place is None or first.have is None else [Note(f"`{first.have.value}` is written here", place)]
     else:
         names = ", ".join(wish.shown for wish in wishes[:_NAMED])
         more = f" and {len(wishes) - _NAMED} more settings" if len(wishes) > _NAMED else ""
-        message = f"`{part.called}` wants other values than the model has of {names}{more}"
+        message = f"`{part.called}` needs values that differ from the model's: {names}{more}"
         notes = [
             Note(
                 wish.difference(f"{wish.shown}: it wants") + (f"; merged to `{wish.settled}`" if wish.settled else ""),

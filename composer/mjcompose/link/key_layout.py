@@ -186,7 +186,7 @@ _ACTIVATIONS = {"motor": 0, "velocity": 0, "damper": 0, "adhesion": 0, "intveloc
 
 
 Holder = Node | Copy
-"""What holds numbers of a key: an element, or one of the copies that MuJoCo makes of it."""
+"""A holder of numbers of a key: an element, or one of the copies that MuJoCo makes of it."""
 
 
 class Unknown(Exception):

@@ -298,7 +298,7 @@ def _warn_of_lost(linking: Linking, key: Key, reference: Reference) -> None:
             f"`{vector}` of {called(key.element)} has numbers that no longer fit the {what}: an edit gives it others",
             linking.span(linking.base, element, "count" if element.tag == "flexcomp" else "type"),
             notes=(Note("the key", key.span(vector)),),
-            help="they become those of the reference configuration, or 0; write them in a key of the recipe",
+            help="they become the reference configuration's, or 0. Write them in a key of the recipe",
             cause=Cause(f"numbers of {what}", f"`{vector}` of {called(key.element)}"),
         )
     reference.lost.clear()

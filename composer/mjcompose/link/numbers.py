@@ -33,7 +33,7 @@ def read(text: str) -> list[float]:
 
 # MuJoCo 4.0 reads `timestep="0x1p-8"` as 0.00390625, and refuses `size="1,2"` and `group="1.0"`.
 _RARE = frozenset("xX_(")
-"""Hexadecimals and `nan(…)`; and what only Python takes for part of a number."""
+"""Hexadecimals and `nan(…)`; and characters that only Python reads as part of a number."""
 
 
 def _rare(item: str) -> float:

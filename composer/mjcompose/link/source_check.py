@@ -34,7 +34,7 @@ from mjcompose.tree.values import Refusal, check_value
 from mjcompose.tree.xml_faults import BLIND, unread
 
 INVALID_SOURCE = (ValueError, IndexError, KeyError, OverflowError, ZeroDivisionError)
-"""What reading a source that is not MJCF may raise. Of one that is it is a bug."""
+"""Exceptions of reading a source that is not MJCF. For MJCF they are a bug."""
 
 _FREE = frozenset({"string", "file", "name", "reference", "references"})
 """Types of attributes of which every text is a value."""

@@ -84,7 +84,7 @@ def wrong_argument(argument: str, what: str, got: object) -> MjcfError:
 
 
 Skins = list[tuple[Model, dict[str, bytes | Path]]]
-"""Models, and what their skin files are to be, by written path."""
+"""Models, and their new skin files, by written path."""
 
 
 def renamed_skins(model: Model, rename: Callable[[str], str | None]) -> dict[str, bytes | Path]:

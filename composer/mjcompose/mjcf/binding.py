@@ -148,7 +148,7 @@ RELEASES: dict[str, Release] = {
     "body_ipos": _of_inertia,
     "body_iquat": _of_inertia,
 }
-"""By array of poses: what is done before some of its rows are written; a row may be named repeatedly."""
+"""Actions by array of poses, before some of its rows are written; a row may be named repeatedly."""
 
 
 class Posed(np.ndarray[Any, np.dtype[Any]]):

@@ -129,7 +129,7 @@ for _name in IN_PLACE:
 _IN_PYTHON = {
     Topic.FREE_JOINT: "put a body with a free joint into the worldbody",
     Topic.MOCAP: "put a mocap body into the worldbody, without joints",
-    Topic.TRANSMISSION: "say what it moves: `joint=…`, or `tendon`, `site` or `body`",
+    Topic.TRANSMISSION: "name the moved element: `joint=…`, or `tendon`, `site` or `body`",
     Topic.PLUGIN_INSTANCE: "let an actuator have it: `add('plugin', plugin=…, instance=…)`, or take the instance out",
 }
 """Advice that is not about a recipe."""

@@ -86,7 +86,7 @@ class Edit:
     texts: dict[str, str | None] = field(default_factory=dict)
     contents: dict[str, bytes | Path] = field(default_factory=dict)
     given: dict[Target, str] = field(default_factory=dict)
-    """Names for what is referred to and has none."""
+    """Names for elements without one that something refers to."""
     awaited: dict[str, tuple[Target, str]] = field(default_factory=dict)
     """References to elements of models that are not in one composition with this one yet, by attribute."""
     skins: Skins = field(default_factory=list)

@@ -112,7 +112,7 @@ ATTRIBUTES = {
     "get_children": "children are attributes: `body.geom`",
     "get_init_stack": "`origin` is where an element came from, `origin_of(attribute)` an attribute",
     "is_removed": "using an element that was removed says so",
-    "is_same_as": "compare what is printed: `str(a) == str(b)`",
+    "is_same_as": "compare the printed text: `str(a) == str(b)`",
     "namescope": "`root` is the model of an element, `find` and `enter_scope` look by name",
     "prefixed_identifier": "`full_identifier` is the name in the output",
     "resolve_references": "references are always resolved",
@@ -125,4 +125,4 @@ TAGS = {
     "attachment_frame": "`get_attachment_frame(model)` is the frame, `enter_scope(name)` the attached model",
     "attached_model": "`enter_scope(name)` is the attached model",
 }
-"""What its `find` knows besides tags."""
+"""Words that its `find` knows besides tags."""

@@ -251,7 +251,7 @@ _HELP = {
     "plane-on-body": "remove the plane, or attach the model to something that does not move",
     "name-clash": _RENAME,
     "class-clash": _RENAME,
-    "keyframe-conflict": "a key has the numbers of its own model; what is attached has its own keys",
+    "keyframe-conflict": "a key has the numbers of its own model; an attached model has its own keys",
     "not-supported": None,
 }
 

@@ -348,7 +348,7 @@ class Model:
 
 
 SHOWN = 1000
-"""Elements of a tree; what is more is counted only, as a page of a hundred thousand helps nobody."""
+"""The number of elements of a tree that are shown; a page of a hundred thousand helps nobody."""
 _DEEPEST = 100
 _STYLE = "font-family: monospace; white-space: pre; line-height: 1.4"
 _INSIDE = "margin-left: 1.5em"

@@ -83,7 +83,7 @@ def attach(model: Model, host: Node, child: Model) -> Node:
             help="attach to a site, a body, a frame or the worldbody",
         )
     if any(above.tag == "replicate" for above in host.iterancestors()):
-        raise failure("not-supported", f"{place} is inside a `<replicate>`, where nothing can be attached")
+        raise failure("not-supported", f"{place} is inside a `<replicate>`, which nothing can be attached to")
     if child is model or child in model.ancestors():
         where = "itself" if child is model else f"{place}, which is part of it"
         raise failure("attach-cycle", f"`{child.name}` cannot be attached to {where}")

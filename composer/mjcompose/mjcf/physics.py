@@ -111,7 +111,7 @@ class Physics:
         self._model = model
         self._data = engine().MjData(model) if data is None else data
         self.legacy_step = False
-        """Whether `step` also computes what depends on positions and velocities, as dm_control does by default."""
+        """Whether `step` also computes all that depends on positions and velocities, as dm_control does by default."""
         self._roster = NameTable(model)
         self._of_tree = snapshot is not None
         self._snapshots: list[Snapshot] = [] if snapshot is None else [snapshot]
@@ -354,10 +354,10 @@ class Physics:
             help = "compile the model that contains it, or bind before you copy"
         elif element._model.frame_above(element._node) is element._node and not len(element._node):
             message = f"the frame of `{element.name}` is not a body of the compiled model: it had no joint"
-            help = "bind what it is attached to, or the bodies of the attached model"
+            help = "bind the element that it is attached to, or the bodies of the attached model"
         elif element.tag == WORLD_SECTION:
             message = f"the world of `{element._model.name}` is not a body of the compiled model: it was attached"
-            help = "bind what it is attached to, the bodies in it, or its attachment frame once that has a joint"
+            help = "bind its mount, the bodies in it, or its attachment frame once that has a joint"
         elif self._of_tree and element._node not in taken.known:
             message = f"{what} came after the model was compiled"
             help = "compile it again"

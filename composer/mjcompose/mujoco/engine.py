@@ -166,7 +166,7 @@ class Session:
         self.limits = limits or Limits()
         self.rendering, self.remembers = rendering, remembers
         self.no_opengl: str | None = None
-        """What MuJoCo said where it could not be imported with OpenGL; it then works without."""
+        """MuJoCo's error if it could not be imported with OpenGL; it then works without."""
         self.mujoco_version: str | None = None
         self._process: Process | None = None
         self._is_greeted = self._is_over = False

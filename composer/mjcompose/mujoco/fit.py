@@ -66,7 +66,7 @@ def _apart(points: numpy.ndarray, count: int) -> numpy.ndarray:
 PRIMITIVES = ("box", "sphere", "capsule", "cylinder")
 BEST = "best"
 _LEAST = 1e-4
-"""The half length of a capsule that would be a ball, by its radius: MuJoCo wants it to be greater than zero."""
+"""The half length of a capsule that would be a ball, by its radius: in MuJoCo it is greater than zero."""
 
 
 def fit(mesh: Mesh, wanted: str) -> Primitive:

@@ -258,9 +258,9 @@ _ADVICE = {
     Topic.VERTICES: "a mesh file needs at least four points that do not lie in one plane",
     Topic.MESH_FILE: "export the file again, as binary STL or OBJ",
     Topic.PICTURE: "export the picture again, as PNG",
-    Topic.TRANSMISSION: "say what it moves: `joint: NAME`, or `tendon`, `site` or `body`",
+    Topic.TRANSMISSION: "name the moved element: `joint: NAME`, or `tendon`, `site` or `body`",
     Topic.MESH_FORMAT: "a mesh is a file that ends in .stl, .obj or .msh",
-    Topic.FLEX_UNPINNED: "attach the flex to what does not move, or give it a `<pin>`",
+    Topic.FLEX_UNPINNED: "attach the flex to a fixed body, or give it a `<pin>`",
     Topic.PLUGIN_INSTANCE: "let an actuator have it: `type: plugin, plugin: …, instance: …`, or take the instance out",
     Topic.DOFS: "spread the joints over several bodies, one inside the other",
     Topic.FORMAT: "write numbers, parted by spaces",
@@ -396,7 +396,7 @@ def locate_fault(said: Translation, element: Node, model: Unit) -> FaultLocation
     there = model.origins.span(level.writer, model.file, said.attribute)
     if _is_recipe(there.file):
         return FaultLocation(there, (Note(f"the default class `{level.name}` gives it to this {element.tag}", span),))
-    return FaultLocation(span, (Note(f"`{said.attribute}` is that of the default class `{level.name}`", there),))
+    return FaultLocation(span, (Note(f"`{said.attribute}` comes from the default class `{level.name}`", there),))
 
 
 def _class_level(attribute: str, element: Node, model: Unit) -> Level | None:

@@ -250,10 +250,10 @@ _TIMES = 50.0
 """By the distance of neighboring bodies."""
 _LEAST_REACH = 0.1
 _THIN = 1e-6
-"""Relative: MuJoCo keeps coordinates with seven digits, so that what is thinner than this is flat."""
+"""Relative: MuJoCo keeps coordinates with seven digits, so anything thinner than this is flat."""
 _MOST = 1e9
 _FACTORS = {"large": (0.001, "its file is in millimeters"), "small": (1000, "it is scaled twice")}
-"""What the scale of a mesh would be multiplied with, and why."""
+"""The factor for the scale of a mesh, and the reason."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -308,7 +308,7 @@ def doubts(mesh: Measured, reach: float, *, touches: bool = True, inside: str | 
     elif 0 < mesh.size < _SMALL and reach > _TIMES * mesh.size:
         yield Doubt("small", _far(mesh, reach))
     if touches and mesh.is_flat:
-        yield Doubt("flat", "is flat: it has no volume, so that nothing is inside it")
+        yield Doubt("flat", "is flat: it has no volume and nothing is inside it")
     elif inside is not None and not mesh.is_closed:
         counted = ""
         if mesh.open_edges:

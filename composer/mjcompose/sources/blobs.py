@@ -69,7 +69,7 @@ def differences(before: Mapping[str, str], after: Mapping[str, str]) -> tuple[st
 LEASES = "leases"
 _GATE = "gate"
 _OWN: dict[tuple[str, int], tuple[Path, int, set[str]]] = {}
-"""The leases of this process, by store and process id: those of a forked process belong to its parent."""
+"""The leases of this process, by store and process id: leases of a forked process belong to its parent."""
 
 
 @contextlib.contextmanager

@@ -137,7 +137,7 @@ class _Download:
                 message = f"`{self.shown}` cannot be fetched: "
                 if isinstance(getattr(error, "original_error", error), NameResolutionError):  # as in a second, too
                     message += "the name of its server cannot be resolved"
-                    help = "check the network and the address; with `--offline` what is in the store is used"
+                    help = "check the network and the address; with `--offline` mjcompose uses the store"
                     raise SourceError("source-fetch", message, notes=(last,), help=help) from None
                 if "CERTIFICATE_VERIFY_FAILED" in last:
                     message += "its server has no certificate that this machine trusts"
@@ -145,7 +145,7 @@ class _Download:
                     raise SourceError("source-fetch", message, notes=(last,), help=help) from None
         notes = (f"after {counted(attempt, 'try', 'tries')}: {last}",)
         help = "try again later, which goes on from where it broke off; a slow server gets more time with"
-        help += " `MJCOMPOSE_TIMEOUT=120`; with `--offline` what is in the store is used"
+        help += " `MJCOMPOSE_TIMEOUT=120`; with `--offline` mjcompose uses the store"
         raise SourceError("source-fetch", f"`{self.shown}` cannot be fetched", notes=notes, help=help)
 
     def _pool(self, url: str) -> PoolManager:
@@ -230,7 +230,7 @@ class _Download:
         """Return the target of a redirect. Unencrypted addresses are refused, except on this machine."""
         way = take_apart(leads_to, at)
         if way is None or way.scheme not in ("http", "https"):
-            raise SourceError("source-fetch", f"`{self.shown}` leads to `{hide(leads_to)}`, which is no web address")
+            raise SourceError("source-fetch", f"`{self.shown}` leads to `{hide(leads_to)}`, which is not a web address")
         leads_to = way.geturl()
         was_open = self.url.startswith("http:")
         if way.scheme == "http" and not (was_open and is_this_machine(way.netloc)):
@@ -256,7 +256,7 @@ class _Download:
         if status in (404, 410):
             raise SourceError("source-not-found", f"`{self.shown}` does not exist: the server answered {status}")
         if status not in (200, 206):
-            why = " (it wants a login, which is not supported)" if status in (401, 403, 407) else ""
+            why = " (it requires a login, which is not supported)" if status in (401, 403, 407) else ""
             raise SourceError("source-fetch", f"`{self.shown}` cannot be fetched: the server answered {status}{why}")
         version = Version(response.headers.get("ETag", ""), response.headers.get("Last-Modified", ""))
         resumed = status == 206
@@ -279,7 +279,7 @@ class _Download:
         if pause <= _PATIENCE:
             return _Broken(answered, pause)
         notes = (f"it says `Retry-After: {response.headers.get('Retry-After', '')}`",)
-        help = "try again later; with `--offline` what is in the store is used"
+        help = "try again later; with `--offline` mjcompose uses the store"
         return SourceError("source-fetch", f"`{self.shown}` cannot be fetched now: {answered}", notes=notes, help=help)
 
     def _write(self, response: BaseHTTPResponse, version: Version, size: int) -> None:

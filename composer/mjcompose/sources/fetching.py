@@ -156,7 +156,7 @@ class Fetching:
         return Door.of(
             (origin.root, *(self.trust.folders if SERVED is None else ())),
             f"`{origin.id}`, which may read only what was {verb} with it",
-            "what is fetched must hold all that it names; if you trust it with that, write in your own recipe"
+            "a fetched source must contain all files that it names; if you trust it, write in your own recipe"
             ' `trust: {references: ["{absolute}"]}`',
         )
 
@@ -194,7 +194,7 @@ def source_in(origin: Origin, reference: Reference) -> Source:
     """Return the file that a reference names in `origin`. Raises SourceError."""
     inside = PurePosixPath(reference.path)
     if inside.is_absolute() or ".." in inside.parts or "\\" in reference.path:
-        raise SourceError("source-kind", f"the model reference `{reference.text}` leaves what it was fetched with")
+        raise SourceError("source-kind", f"the model reference `{reference.text}` leads out of its source")
     existing = [origin.named(each) for each in model_files(origin.root, depth=6)]
     for left_out, why in origin.without:
         if inside.is_relative_to(left_out):

@@ -126,7 +126,7 @@ class _Server:
         parts = take_apart(href) if isinstance(href, str) else None
         is_open = parts is not None and parts.scheme == "http" and self.url.startswith("http:")
         if parts is None or not (parts.scheme == "https" or (is_open and is_this_machine(parts.netloc))):
-            message = f"Git LFS of `{self.url}` names `{hide(str(href))}`, which is no https address"
+            message = f"Git LFS of `{self.url}` names `{hide(str(href))}`, which is not an https address"
             raise SourceError("source-fetch", message)
         own = {
             name: value for name, value in (headers.items() if isinstance(headers, dict) else ())

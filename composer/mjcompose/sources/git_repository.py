@@ -159,7 +159,7 @@ class _Repository:
                 what = "is larger than" if limit == "source-size" else "needs more memory than"
                 message = f"the repository `{self.reference.name}` is refused: it {what} {most}"
                 return SourceError("archive-refused", message, notes=words_of(failure), help=advice(limit))
-        help = "see that `git ls-remote` with that address works; with `--offline` what is in the store is used"
+        help = "see that `git ls-remote` with that address works; with `--offline` mjcompose uses the store"
         if "@" in self.reference.name.rpartition("/")[2]:
             help = "an `@` in the name of a branch or tag is written `%40`"
         message = f"the repository `{self.reference.name}` cannot be fetched"
@@ -182,7 +182,7 @@ class _Repository:
             return SourceError("source-revision", f"`{url}` has no commit `{commit}`, in `{text}`")
         message = f"`{url}` no longer has the commit `{commit}` that the lock pins for `{text}`"
         notes = ("the branch or tag was moved and the old commit is gone",)
-        help = f"see what it has now, then run `mjcompose lock {self.fetching.recipe} --upgrade-source {self.id}`"
+        help = f"look at its contents, then run `mjcompose lock {self.fetching.recipe} --upgrade-source {self.id}`"
         return SourceError("source-revision", message, notes=notes, help=help)
 
 

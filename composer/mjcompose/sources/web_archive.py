@@ -285,7 +285,7 @@ class _Archive:
         except Unsafe as fault:
             forget(partial)
             if wanted and sha256 != wanted:
-                raise self._changed(wanted, sha256, (f"what is there now is refused: {fault}",)) from None
+                raise self._changed(wanted, sha256, (f"its new contents are refused: {fault}",)) from None
             raise SourceError("archive-refused", f"the archive `{url}` is refused: {fault}", help=fault.help) from None
         forget(partial)
         if wanted and sha256 != wanted:
@@ -299,7 +299,7 @@ class _Archive:
         pinned, help = "the reference", "if you want that archive, write the new sha256"
         if not self.reference.revision:
             upgrade = f"mjcompose lock {self.fetching.recipe} --upgrade-source {self.id}"
-            pinned, help = "the lock", f"see what it contains now, then run `{upgrade}`"
-        message = f"the archive `{self.reference.name}` is not the one that {pinned} pins"
+            pinned, help = "the lock", f"look at its contents, then run `{upgrade}`"
+        message = f"the archive `{self.reference.name}` differs from the archive that {pinned} pins"
         notes = (f"sha256 {wanted} is pinned, {sha256} is there", *changes[:8])
         return SourceError("source-changed", message, notes=notes, help=help)

@@ -38,9 +38,9 @@ class Targets(Check):
     )
     """the targets"""
     read: bool = True
-    """false: only what is lost is checked, and the programs need not be installed"""
+    """false: only losses are checked, and the programs need not be installed"""
     losses: Literal["error", "warning"] = "error"
-    """`warning`: what a target lacks is only a warning"""
+    """`warning`: a loss is only a warning"""
 
     def contradictions(self, context: Settings) -> Iterator[Fault]:
         for index, name in enumerate(self.targets if self.read else ()):

@@ -114,7 +114,7 @@ def _geometry(draft: Draft, number: int, geom: Node, package: str) -> Iterator[t
 
 
 NO_LIMIT = "1000000"
-"""URDF wants a number where MuJoCo has no limit."""
+"""URDF needs a number even if MuJoCo has no limit."""
 _FREE, _SLIDE = 0, 2  # mjJNT_FREE, mjJNT_SLIDE
 
 

@@ -126,7 +126,7 @@ class Builder:
                     return None
             elif kind is DocumentStartEvent and self._root is not None:
                 message = "a second YAML document begins here; a file holds one"
-                help = "move what follows `---` into a file of its own, or remove the `---`"
+                help = "move the text after `---` into a file of its own, or remove the `---`"
                 self._sink.error("yaml-documents", message, marks.span(event), help=help)
                 return self._root
             if self._total > self._most:

@@ -228,7 +228,7 @@ class _Parser:
             end = max(token.start - 1, 0), token.start
             return ExpressionError(f"the expression ends without {wanted}", end)
         help = "compare with each: `a == 1 or a == 2`" if token.text in ("in", "not") else None
-        return ExpressionError(f"`{token.text}` is in the place of {wanted}", token.at, help)
+        return ExpressionError(f"expected {wanted}, got `{token.text}`", token.at, help)
 
     def descend(self) -> None:
         self.depth += 1

@@ -52,7 +52,7 @@ class Space:
         self.name, self.entries = name, entries
 
     def __repr__(self) -> str:
-        raise Stopped("unsafe", f"`{self.name}` is no value for a model", self.name)
+        raise Stopped("unsafe", f"`{self.name}` is not a value for a model", self.name)
 
 
 _SCALARS: tuple[type, ...] = (int, float, bool, type(None), datetime.date, datetime.datetime)
@@ -298,7 +298,7 @@ class Evaluator:
             _bounded(other * LARGEST // BITS)
         elif kind is ast.Mod and isinstance(one, str):
             if "%" in _FORMAT.sub("", one):
-                raise Stopped("unsafe", "this text is no format for `%` in an expression", "%")
+                raise Stopped("unsafe", "this text is not a format for `%` in an expression", "%")
             _bounded(one.count("%") * self.weight(other))
         return self.admitted(work(one, other))
 

@@ -384,7 +384,7 @@ def test_a_store_that_cannot_be_written(store: Path, folder: Path, monkeypatch: 
     store.write_text("a file where the folder should be")
     result = run("build", "matrix.yaml", "--all", "-o", "b/{name}.zip")
     assert result.exit_code == 0
-    assert result.stderr.count("warning[store-unusable]: what was built is not kept in") == 1
+    assert result.stderr.count("warning[store-unusable]: the built model is not kept in") == 1
     assert len(list((folder / "b").glob("*.zip"))) == 4
 
 

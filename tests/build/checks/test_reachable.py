@@ -48,7 +48,7 @@ def test_limits_are_kept(ask) -> None:
     limited = PLANAR.format(first='range="-10 10"', second='range="0 90"')
     assert ask(limited, "reachable: {site: tip, target: [1, 1, 0]}") == []
     (finding,) = ask(limited, "reachable: {site: tip, target: [-1, 0, 0]}")
-    assert notes(finding)[-1] == "where it comes nearest, joints are at their limits: b, a"
+    assert notes(finding)[-1] == "at the nearest pose, joints are at their limits: b, a"
 
 
 def test_an_elbow_that_must_fold_the_other_way_is_found_from_another_start(ask) -> None:

@@ -36,7 +36,7 @@ def test_recipes_nested_too_deep(tmp_path: Path, key: str) -> None:
         (tmp_path / f"r{level}.yaml").write_text(f"recipe: 1\n{key}: ./r{level + 1}.yaml\n")
     (tmp_path / "r60.yaml").write_text("recipe: 1\n")
     (error,) = errors(tmp_path, "r0.yaml")
-    assert (error.code, error.help) == ("limit-exceeded", "if that is meant, raise the limit: `--limit nesting=100`")
+    assert (error.code, error.help) == ("limit-exceeded", "to allow it, raise the limit: `--limit nesting=100`")
 
 
 def test_recipes_that_use_one_another_twice(tmp_path: Path) -> None:
@@ -245,7 +245,7 @@ def test_more_bodies_than_mujoco_reads_in_time(tmp_path: Path) -> None:
     with allow(bodies=20):
         (error,) = errors(tmp_path, "r.yaml")
     assert error.message == "the model has 21 bodies; 20 are allowed"
-    assert error.help == "if that is meant, raise the limit: `--limit bodies=21`"
+    assert error.help == "to allow it, raise the limit: `--limit bodies=21`"
 
 
 @pytest.mark.parametrize("allowed", [3, 4])
@@ -284,7 +284,7 @@ def test_more_edits_of_more_elements_than_there_is_time_for(tmp_path: Path) -> N
         (error,) = with_edits(tmp_path, '- {select: {geom: "**"}, set: {rgba: [1, 1, 1, 1], group: 2}}\n' * 50)
     assert error.message == "the edits up to here cost as much as 1034 values; 1000 are allowed"
     assert error.span is not None and error.span.line == 8 and time.process_time() - begun < 2
-    assert error.help == "if that is meant, raise the limit: `--limit edits=2000`"
+    assert error.help == "to allow it, raise the limit: `--limit edits=2000`"
 
 
 @pytest.mark.parametrize(

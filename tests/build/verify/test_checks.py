@@ -175,7 +175,7 @@ def test_expected_and_actual_are_told(tmp_path: Path, run: Run) -> None:
         "geom #0 of body `part/arm`: `geom_rgba` is [1.0, 0.0, 0.0, 1.0], alone it is [0.5, 0.5, 0.5, 1.0]",
         "joint `part/j`: `dof_armature` is 0.1, alone it is 0.0",
     ]
-    assert error.help == "if that is meant, write `except: [rgba, armature]`"
+    assert error.help == "to accept it, write `except: [rgba, armature]`"
 
 
 def test_the_help_names_the_attribute_that_the_array_follows_from(tmp_path: Path, run: Run) -> None:
@@ -184,7 +184,7 @@ def test_the_help_names_the_attribute_that_the_array_follows_from(tmp_path: Path
     context = Context(folder=tmp_path, environment={})
     build(Request(tmp_path / "recipe.yaml"), context)
     (error,) = context.sink.errors
-    assert error.help == "if that is meant, write `except: [actuatorfrclimited]`"
+    assert error.help == "to accept it, write `except: [actuatorfrclimited]`"
 
 
 def test_a_check_in_a_nested_recipe_is_told_there(tmp_path: Path, run: Run) -> None:

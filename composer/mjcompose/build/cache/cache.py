@@ -340,7 +340,7 @@ class Cache:
             self.grown = True
         except OSError as error:
             self.broken = True
-            self.warn(f"what was built is not kept in `{self.store.folder}`: {(error.strerror or str(error)).lower()}")
+            self.warn(f"the built model is not kept in `{self.store.folder}`: {(error.strerror or str(error)).lower()}")
 
 
 def open_cache(store: Store, sink: Sink) -> Cache:

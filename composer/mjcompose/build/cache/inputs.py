@@ -57,7 +57,7 @@ def _spans_of(diagnostic: Diagnostic) -> Collection[Span]:
 PACKAGES = ("mujoco", "lxml", "numpy", "pydantic", "pyyaml")
 """Packages that may affect the bytes of a model, or the verdict on it."""
 OF_URDF = ("xacro", "trimesh", "pycollada", "pillow")
-"""What more they depend on where there is URDF."""
+"""Packages that they also depend on if there is URDF."""
 
 
 @dataclass(slots=True)

@@ -46,7 +46,7 @@ TAGS = (
     "body", "joint", "geom", "site", "camera", "light", "flex", "skin", "mesh", "hfield", "texture", "material",
     "pair", "exclude", "equality", "tendon", "actuator", "sensor", "numeric", "text", "tuple", "plugin", "key",
 )  # fmt: skip
-"""What a compiled model has names for; families stand for all of their tags."""
+"""Elements that have names in a compiled model; a family stands for all of its tags."""
 MASS = "mass"
 COUNTS: Mapping[str, str] = {
     "nq": "entries of `qpos`",
@@ -79,7 +79,7 @@ COUNTS: Mapping[str, str] = {
     "nmocap": "mocap bodies",
     "nkey": "keyframes",
 }
-"""The sizes of mjModel that can be asked for, and what they count."""
+"""The sizes of mjModel that a check can name, and the elements that they count."""
 OF_THE_MODEL = (MASS, *COUNTS)
 WHERE = "where"
 _INDEXED = re.compile(r"([A-Za-z]\w*)(?:\[(\d{1,3})\])?")
@@ -147,7 +147,7 @@ class Selector(CheckPart):
         ]
         | None
     ) = None
-    """only what has these values in the compiled model: `type: mesh`, `joint: elbow`"""
+    """only elements with these values in the compiled model: `type: mesh`, `joint: elbow`"""
 
     @property
     def tag(self) -> str:
@@ -191,9 +191,9 @@ class Expect(Check):
             unless="attr",
         ),
         Exclusive("equals", "range"),
-        Belongs("count", "select", help="write `select: {TAG: NAME}` beside it"),
-        Belongs("equals", "attr", help="write `attr: NAME` beside it"),
-        Belongs("range", "attr", help="write `attr: NAME` beside it"),
+        Belongs("count", "select", help="write `select: {TAG: NAME}` next to it"),
+        Belongs("equals", "attr", help="write `attr: NAME` next to it"),
+        Belongs("range", "attr", help="write `attr: NAME` next to it"),
         Belongs("tol", "equals", help="remove `tol`, or write `equals: VALUE`"),
     )
     instead: ClassVar = {"value": "equals", "expect": "count"}
@@ -285,7 +285,7 @@ def _attribute(tag: str | None, written: str, others: Collection[str] = ()) -> t
         message = f"`{written}` is not a number of the model that {OWNER} could ask for"
         owners = [each for each in WITH_NUMBERS if name in _selectable(each)]
         if owners and not closest(name, known):
-            help, fix = (f"write `select: {{{owners[0]}: NAME}}` beside it, for the elements that have it", None)
+            help, fix = (f"write `select: {{{owners[0]}: NAME}}` next to it, for the elements that have it", None)
     note = exists_note("number" if tag is None else "attribute", known, name)
     return Fault("unknown-attribute", message, notes=(note,), help=help, fix=fix)
 

@@ -137,7 +137,7 @@ def check(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
         for finding in _MODULES[word].check(scope, told):
             each = replace(finding, at=_place(word, finding.at))
             if each.code == "check-failed":
-                help = each.help or f"fix it, or write `except: {{{word}: [NAME]}}` if it is meant"
+                help = each.help or f"fix it, or write `except: {{{word}: [NAME]}}` to accept it"
                 each = replace(each, message=f"{each.message} ({word})", help=help)
             findings.append(each)
         new = {key: value for key, value in scope.values.items() if key not in values}

@@ -59,7 +59,7 @@ def check(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
         more = [f"{STARTS} starts were tried"]
         if solver.at_limits:
             names = ", ".join(scope.written("joint", joint) for joint in solver.at_limits)
-            more.append(f"where it comes nearest, joints are at their limits: {names}")
+            more.append(f"at the nearest pose, joints are at their limits: {names}")
     point = ", ".join(f"{each:g}" for each in asked["target"])
     nearest = beside(distance, asked["tolerance"])
     message = f"site `{asked['site']}` comes no nearer to [{point}] than {nearest} m"

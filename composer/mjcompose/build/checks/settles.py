@@ -32,7 +32,7 @@ class Settles(Check):
     example: ClassVar = "{key: home}"
 
     key: Annotated[str, Name("key", what="the name of a keyframe")] | None = None
-    """where it starts; without it, the reference configuration"""
+    """the start; without it, the reference configuration"""
     seconds: Annotated[Positive, Unit("s")] = 1.0
     """how long it is simulated"""
     max_speed: Positive = 0.05

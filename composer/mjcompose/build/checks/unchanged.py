@@ -108,7 +108,7 @@ def _excepting(compared: PartComparison, check: Unchanged) -> str | None:
             return None
         names.append(name)
     listed = ", ".join(dict.fromkeys(names))
-    return f"if that is meant, write `except: [{listed}]`"
+    return f"to accept it, write `except: [{listed}]`"
 
 
 def _attribute(difference: Difference) -> str | None:

@@ -37,7 +37,7 @@ PLUGIN = "plugin"
 _JOINTS, _TENDON = (0, 1), 3  # mjTRN_JOINT, mjTRN_JOINTINPARENT, mjTRN_TENDON
 _FORCES = {2: "N", 3: "N·m"}  # mjJNT_SLIDE, mjJNT_HINGE
 INPUTS = {"pos": "position", "vel": "velocity", "ff": "force"}
-"""The inputs of a `pid`, in their order in MuJoCo's `actuator_ctrlspec`, and what each is."""
+"""The inputs of a `pid`, in their order in MuJoCo's `actuator_ctrlspec`, each with its meaning."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -32,7 +32,7 @@ from mjcompose.tree.names import may_be_generated, word
 from mjcompose.tree.unit import Key, KeySource, Number, taken
 
 _Holder = tuple[Node, Slot | None]
-"""A joint, an actuator or a mocap body; the slot is None for what always has the same width."""
+"""A joint, an actuator or a mocap body; the slot is None for an element that always has the same width."""
 _JOINTS = ("joint", "freejoint")
 _MEANT = {
     ("free", "qpos"): "position and quaternion, `[x, y, z, w, a, b, c]`",

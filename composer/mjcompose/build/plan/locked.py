@@ -66,8 +66,8 @@ def _report_versions(lock: Lock, shown: str, recipe: str, context: Context) -> N
     if others:
         was = " and ".join(f"{name} {locked[name]}" for name in others)
         now = " and ".join(f"{name} {here[name] or 'none'}" for name in others)
-        message = f"`{shown}` was made with {was}, this is {now}: what is built may be other bytes"
-        help = f"install what it was made with, or run `mjcompose lock {recipe}`"
+        message = f"`{shown}` was made with {was}, this is {now}: the bytes of the model may differ"
+        help = f"install the locked version, or run `mjcompose lock {recipe}`"
         context.sink.warning("lock-stale", message, help=help)
 
 

@@ -64,7 +64,7 @@ class Collision(Verb):
     """convex shapes for what it touches with, made of its mesh"""
 
     rules: ClassVar = (
-        For("geom", what="for geoms, and `{tag}` is not one", help="select the geoms of the meshes"),
+        For("geom", what="for geoms, and `{tag}` is not a geom", help="select the geoms of the meshes"),
         OneOf(*_METHODS, lacks="says no way to make shapes", advice="write `hull: {}`"),
     )
     example: ClassVar = "{hull: {}}"
@@ -74,7 +74,7 @@ class Collision(Verb):
     hull: Hull | None = None
     """the convex hull"""
     fit: Literal["box", "sphere", "capsule", "cylinder", "best"] | None = None
-    """one primitive around the mesh; `best` is the one of the least volume"""
+    """one primitive around the mesh; `best` has the least volume"""
     decompose: Decompose | None = None
     """convex pieces, by CoACD"""
     spheres: Spheres | None = None

@@ -129,7 +129,7 @@ def _either(schema: Schema, other: Schema) -> Schema:
 class Convert(Verb):
     """another kind of actuator, and attributes of it"""
 
-    rules: ClassVar = (For("actuator/", what="for actuators, and `{tag}` is not one"),)
+    rules: ClassVar = (For("actuator/", what="for actuators, and `{tag}` is not an actuator"),)
     reshapes: ClassVar = True
 
     written: Annotated[dict[str, Any], _Conversion()] = Field(alias=WHOLE)
@@ -155,7 +155,7 @@ class Convert(Verb):
         for index, node in enumerate(found):
             model = models.get(node)
             if model is None:
-                message = f"{editing.called(node)} cannot be converted: MuJoCo does not say what it does"
+                message = f"{editing.called(node)} cannot be converted: MuJoCo does not describe its behavior"
                 report_unusable(editing, node, Fault("not-supported", message, at), it="it")
             given = _given(editing, node, index, to=to, model=model, written=written, at=at)
             was = editing.called(node)
@@ -190,7 +190,7 @@ def _given(
             # MuJoCo 4.0 gives the range of the joint to the control, which the gear multiplies.
             message = f"the control of {editing.called(node)} is {gear:g} times the position that `inheritrange` limits"
             report_unusable(
-                editing, node, Fault("not-supported", message, path, help="write `ctrlrange`, with that of the joint")
+                editing, node, Fault("not-supported", message, path, help="write `ctrlrange`, with the joint's range")
             )
         power = 0 if to == "general" else _POWERS.get(name, 0) or (_OF_CONTROL[to] if name == "ctrlrange" else 0)
         old = GRAMMAR.element(f"actuator/{node.tag}").attributes.get(name)
@@ -261,7 +261,7 @@ def _converted(
         is_now, was = _in_words(after, "another thing"), _in_words(before, "what it was")
         gear = abs(numbers.read(given["gear"])[0]) if "gear" in given else abs(model.gear)
         if model.gear and gear != 1 and after not in ("force", "other"):
-            is_now += f" ({gear:g} times that of what it moves)"
+            is_now += f" ({gear:g} times the inertia that it moves)"
         lost.append(f"the control is {is_now} now, not {was}")
     limits: dict[str, str] | None = {}
     if old != to or "ctrlrange" in given:

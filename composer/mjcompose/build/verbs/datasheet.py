@@ -42,7 +42,7 @@ class Datasheet(Verb):
     rules: ClassVar = (
         For(
             "actuator/",
-            what="for actuators, and `{tag}` is not one",
+            what="for actuators, and `{tag}` is not an actuator",
             help="select the actuator of the joint: `select: {actuator: NAME}`",
         ),
         Exclusive("bandwidth", "error"),
@@ -161,7 +161,7 @@ class _Drive:
         if written.error is not None:
             if self.sheet.speed is None:
                 message = f"the data sheet of `{written.model}` has no speed, from which `kv` would follow"
-                self._lacks(message, "write `bandwidth` in place of `error`", "error")
+                self._lacks(message, "write `bandwidth` instead of `error`", "error")
             # A motor gives its whole torque at rest and none at its greatest speed.
             return self.effort / written.error, self.effort / self.sheet.speed
         called = self.editing.called(self.node)
@@ -171,8 +171,8 @@ class _Drive:
         armature = numbers.read(self.editing.effective(self.joint, "armature") or "0")[0]
         moved = armature + (written.inertia or 0.0)
         if not moved > 0:
-            message = f"nothing says what inertia {called} moves: the data sheet has none of the rotor"
-            help = "write `inertia: …` of what it moves, in kg·m²; or `error: 0.1` in place of `bandwidth`"
+            message = f"the inertia that {called} moves is not known: the data sheet has none of the rotor"
+            help = "write `inertia: …` of the moved parts, in kg·m²; or `error: 0.1` instead of `bandwidth`"
             self._lacks(message, help)
         omega = 2 * math.pi * written.bandwidth
         if self.node.tag == "velocity":
@@ -190,7 +190,7 @@ def _without_dampratio(editing: Editing, node: Node, at: Path) -> None:
     if node.get("dampratio") is not None:
         assign(editing, node, {"dampratio": None})
     if any(numbers.read(editing.effective(node, "dampratio") or "0")):
-        message = f"a class gives {editing.called(node)} a `dampratio`, beside which there can be no `kv`"
+        message = f"a class gives {editing.called(node)} a `dampratio`, which excludes `kv`"
         help = "take it out of the class first: `{select: {default: CLASS}, set: {position: {dampratio: null}}}`"
         report_unusable(editing, node, Fault("wrong-type", message, at, key=True, help=help), it="it")
 
@@ -199,7 +199,7 @@ def _without_other(editing: Editing, node: Node, at: Path) -> None:
     if node.tag in (*_SERVOS, *_PLAIN):
         return
     message = f"{editing.called(node)} is a `{node.tag}`, whose gains a data sheet does not give"
-    help = "write `convert: {to: position}` beside it, or `to: motor`"
+    help = "write `convert: {to: position}` next to it, or `to: motor`"
     report_unusable(editing, node, Fault("wrong-type", message, at, key=True, help=help), it="it")
 
 

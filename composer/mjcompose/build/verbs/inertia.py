@@ -34,7 +34,7 @@ _ROWS = dict(zip(BODIES, (1, 3, 4, 3), strict=True))
 class Inertia(Verb):
     """mass and inertia from the geoms, at a density"""
 
-    rules: ClassVar = (For("body", what="for bodies, and `{tag}` is not one", help="write `select: {body: NAME}`"),)
+    rules: ClassVar = (For("body", what="for bodies, and `{tag}` is not a body", help="write `select: {body: NAME}`"),)
     example: ClassVar = "{from: mesh, density: 1000}"
 
     source: Literal["mesh", "geoms"] = Field(alias="from", examples=["mesh"])
@@ -134,7 +134,7 @@ def _measured(
         editing.sink.add(each)
     if isinstance(found, Unmeasurable) or found is None:
         if isinstance(found, Unmeasurable):
-            message = f"the inertia of what is selected is not known: {found.why}"
+            message = f"the inertia of the selected element is not known: {found.why}"
             editing.sink.error("selector", message, editing.span(at, key=True))
         raise UnusableValue
     return found, copies

@@ -138,7 +138,7 @@ def _still_needed(removal: Removal[Editing], editing: Editing, at: Path) -> None
         f"{what} cannot be removed alone: {'it is' if alone else 'they are'} referred to",
         editing.span(at),
         notes=notes,
-        help="write `remove: cascade` to take along what refers to it",
+        help="write `remove: cascade` to remove the elements that refer to it, too",
         subjects=[name for _, node in removal.going for name in editing.subjects(node)],
     )
 

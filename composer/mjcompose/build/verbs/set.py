@@ -144,7 +144,7 @@ def _report_newly_missing(
                 fault.message,
                 editing.span((*at, name), key=True),
                 notes=notes,
-                help=f"leave `{name}` where it is, or set what takes its place in the same entry",
+                help=f"leave `{name}` where it is, or set its replacement in the same entry",
                 subjects=(*fault.names, *editing.subjects(node)),
             )
             raise UnusableValue

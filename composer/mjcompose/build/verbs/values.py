@@ -235,7 +235,7 @@ def check_units(values: Values, wanted: str, written: Mapping[str, Any], at: Pat
         was, would = ("an angle", "a length") if turns else ("a length", "an angle")
         message = f"`{attribute.name}` of {editing.called(joint)} is {was}, and would be {would} for a {wanted}"
         report_unusable(
-            editing, joint, Fault("bare-angle", message, at, help=f"write `{attribute.name}` beside `type`")
+            editing, joint, Fault("bare-angle", message, at, help=f"write `{attribute.name}` next to `type`")
         )
 
 

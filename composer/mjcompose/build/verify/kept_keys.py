@@ -39,7 +39,7 @@ class Value(NamedTuple):
 
 
 Own = tuple[Any, str, int]
-"""A joint, actuator or mocap body: its element, what a flex calls it, and which of its body it is."""
+"""A joint, actuator or mocap body: its element, its name in a flex, and its number in its body."""
 Meant = dict[str, dict[Own, list[Value]]]
 """The values of a key, by vector. There are several values for an element that a replicate multiplies."""
 

@@ -48,7 +48,7 @@ def refusal_message(said: str | None) -> str:
     return f"MuJoCo does not accept its source alone: {' '.join((said or '').split())}"
 
 
-_NAMELESS = "a body around what was taken, "
+_NAMELESS = "a body around the subtree, "
 
 
 class KeptSubtree(NamedTuple):

@@ -35,7 +35,7 @@ class Exclusive:
             last = others[-1]
             yield Fault(
                 EXCLUSIVE,
-                f"{IT} has both `{first}` and `{last}`, of which only one may stand",
+                f"{IT} has both `{first}` and `{last}`, of which only one is allowed",
                 (last,),
                 key=True,
                 related=((f"`{first}` is written here", (first,)),),
@@ -47,7 +47,7 @@ class Exclusive:
         for index, name in enumerate(self.names[:-1]):
             # Not with `not`, for which an editor can only say that it does not hold.
             others: Schema = dict.fromkeys(self.names[index + 1 :], False)
-            message = f"`{name}` exists already, and only one of the two may stand"
+            message = f"`{name}` exists already, and only one of the two is allowed"
             yield {"if": {"required": [name]}, "then": {"properties": others, "errorMessage": message}}
 
 
@@ -100,7 +100,7 @@ class Belongs:
 
     def __init__(self, name: str, to: str, *, help: str | None = None) -> None:
         self.name, self.to = name, to
-        self.help = help or f"write `{to}` beside it, or leave `{name}` out"
+        self.help = help or f"write `{to}` next to it, or omit `{name}` out"
 
     def faults(self, value: Mapping[str, Any], model: type[Model], context: Settings) -> Iterator[Fault]:
         choices = [

@@ -175,7 +175,7 @@ def mjx(worlds: Worlds, model: Any = None) -> tuple[Any, Any]:
         theirs = _leaf(base, name)
         if getattr(theirs, "shape", None) != leaf.shape:
             found = "does not have it" if theirs is None else f"has the shape {theirs.shape}, not {leaf.shape}"
-            message = f"`model` is another model than that of the worlds: of `{name}` it {found}"
+            message = f"`model` differs from the worlds' model: of `{name}` it {found}"
             raise failure("bundle-changed", message, "make it from `study.nominal`, or omit it")
         replaced[name] = jax.numpy.asarray(worlds.values(name).reshape(worlds.count, *leaf.shape), leaf.dtype)
     check_nothing_is_shared(worlds, simulator, replaced)
@@ -250,7 +250,7 @@ def _places(worlds: Worlds, name: str, entity: str | None, scene: Model) -> tupl
     if entity is None:
         if flat(scene, name).size != flat(worlds.nominal, name).size:
             help = "give the name of the bundle in the scene: `worlds.mjlab(study, entity=...)`"
-            raise failure("bundle-changed", "the scene's model is another one than that of the worlds", help)
+            raise failure("bundle-changed", "the scene's model differs from the worlds' model", help)
         return np.arange(index.size), index
     every = whose(scene, name, range(flat(scene, name).size))
     there = {(each.element, each.attribute): at for at, each in enumerate(every)}

@@ -41,7 +41,7 @@ class ShapeOffMesh(Rule):
     uncovered: NotNegative | None = None
     """the greatest share of the surface outside of the shapes"""
     volume: Annotated[Range, Expects("a list of 2 numbers", "[0.9, 1.2]")] | None = None
-    """the least and the most volume, relative to that of the mesh"""
+    """the least and the largest volume, relative to the mesh's"""
 
 
 RULE = ShapeOffMesh
