@@ -29,7 +29,7 @@ from mjcompose.link.files import ASSETS, NamedFile, add_file, path_in_assets, re
 from mjcompose.link.linking import FileUse, Linking
 from mjcompose.link.settings import FOLDERS
 from mjcompose.tree.cost import NOTHING, Weight, expanded
-from mjcompose.tree.files import FromFolder, file_attributes, join, written_path
+from mjcompose.tree.files import FromFolder, file_attributes, is_recipe, join, written_path
 from mjcompose.tree.mesh_cost import file_points, mesh_points
 from mjcompose.tree.parse import parse_file, parse_text
 from mjcompose.tree.unit import Unit, line_of, set_line
@@ -147,6 +147,10 @@ def add_named_file(linking: Linking, file: NamedFile) -> None:
     """Add a file that a recipe names, and for a `<model>` also the files it needs. See `add_file`."""
     if file.element.tag != "model":
         add_file(linking, file)
+        return
+    if is_recipe(file.name):
+        message = f"`{file.name}` is a recipe, and `asset` names MJCF for MuJoCo to attach"
+        linking.sink.error("source-kind", message, file.span, help="use `attach`, which takes recipes")
         return
     base = linking.base
     recipe = Unit(base.root, file.span.file, file.folder, label="", origins=base.origins, door=file.door)

@@ -44,7 +44,8 @@ class Context:
 
     `recipes` are the recipe files read in this run, each read once. `concrete` caches their latest expansions with
     given values, with their diagnostics (`plan/concrete.py`). With `strict`, warnings that are not allowed are
-    errors. `timings` has the seconds of each stage, in the order in which they ended.
+    errors. `attaching` says that MJCF attaches the recipe, which may do no more than the MJCF. `timings` has the
+    seconds of each stage, in the order in which they ended.
     """
 
     sink: Sink = field(default_factory=Sink)
@@ -54,6 +55,7 @@ class Context:
     recipes: dict[Path, ReadRecipe] = field(default_factory=dict)
     concrete: dict[tuple[object, ...], tuple[Any, tuple[Diagnostic, ...]]] = field(default_factory=dict)
     strict: bool = False
+    attaching: bool = False
     timings: list[tuple[str, float]] = field(default_factory=list)
 
     @contextmanager

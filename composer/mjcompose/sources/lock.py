@@ -251,13 +251,14 @@ def _disputed(ours: Lock, theirs: Lock) -> dict[str, tuple[str, str]]:
 
 
 def resolve(
-    reference: str, *, relative_to: Path, environment: AbcMapping[str, str], fetching: Fetching | None = None
-) -> Source:
+    reference: str, *, relative_to: Path, environment: AbcMapping[str, str], fetching: Fetching | None = None,
+    runs_code: bool = True,
+) -> Source:  # fmt: skip
     """Find the file of a model reference and its licenses; fetch it if necessary.
 
     `relative_to` is the folder of the file that contains the reference; `environment` replaces the environment of
     the process; `fetching` has the rules and the memory of the run. A reference in a fetched file may not name
-    anything on this machine. Raises SourceError.
+    anything on this machine. Without `runs_code`, kinds that run code are refused. Raises SourceError.
     """
     fetching = Fetching() if fetching is None else fetching
     asking = fetching.around(relative_to)
@@ -266,6 +267,9 @@ def resolve(
     parsed = parse(reference, asking.id if asking is not None and is_confined else None)
     kind = kind_called(parsed.kind.name)
     assert kind is not None, "what is parsed is of a kind"
+    if kind.runs_code and not runs_code:
+        message = f"`{reference}` runs code, which a recipe that MJCF attaches may not do"
+        raise SourceError("source-outside", message, help="name the model in your own recipe")
     if not kind.is_fetched:  # another variable could change the result without the build cache noticing
         environment = {name: environment[name] for name in kind.variables if name in environment}
     if asking is not None and is_confined:  # `check_reach` admits what is trusted

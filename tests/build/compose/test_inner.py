@@ -12,7 +12,9 @@ import pytest
 from mjcompose.base.sink import Sink
 from mjcompose.build.bundle.write import write
 from mjcompose.build.cache.inputs import Inputs
+from mjcompose.build.plan.describe import as_data, describe
 from mjcompose.build.plan.locked import lock_of
+from mjcompose.build.plan.plan import PlanPreview
 from mjcompose.build.stages import Built, Request, build
 from mjcompose.sources.context import Context
 from mjcompose.sources.fetching import Fetching
@@ -186,6 +188,7 @@ def test_a_recipe_outside_of_the_project_is_refused(folder: Path) -> None:
         "attach: {nested: {model: ../outside.yaml}}\n",
         "asset: {mesh: {m: {file: ../outside.obj}}}\n",
         "base: descriptions:ur5e_mj_description\n",
+        "extends: descriptions:ur5e_mj_description\n",
     ],
 )
 def test_a_recipe_may_do_no_more_than_the_model_that_attaches_it(folder: Path, text: str) -> None:
@@ -199,6 +202,17 @@ def test_a_recipe_may_do_no_more_than_the_model_that_attaches_it(folder: Path, t
 def test_keys_are_dropped_with_those_of_the_part(folder: Path) -> None:
     (folder / "cell.yaml").write_text("recipe: 1\nbase: {model: ./scene.xml, drop: [key]}\n")
     assert mjcompose.model("cell.yaml").nkey == 0
+
+
+def test_the_plan_names_the_recipe(folder: Path) -> None:
+    plan = built("cell.yaml").plan
+    assert "      tool: the model of tool.yaml" in describe(plan).splitlines()
+    assert as_data(plan, PlanPreview())["attaches"][0]["parts"][0]["prefix"] == "two/"
+
+
+def test_a_recipe_that_the_section_asset_names_is_an_error(folder: Path) -> None:
+    (folder / "cell.yaml").write_text("recipe: 1\nasset: {model: {tool: {file: tool.yaml}}}\n")
+    assert errors() == [("source-kind", "cell.yaml:2:30")]
 
 
 def test_the_recipe_is_locked(folder: Path) -> None:

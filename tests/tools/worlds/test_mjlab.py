@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
@@ -11,6 +16,8 @@ import numpy as np
 import pytest
 from mjcompose import worlds
 from tools.worlds.studies import ARM, arm, stepped
+
+ROOT = Path(__file__).resolve().parents[3]
 
 pytest.importorskip("mjlab", reason="mjlab is not installed")
 
@@ -66,3 +73,15 @@ def test_what_does_not_fit() -> None:
     simulation(few, None, worlds.mjlab(few)["worlds"])
     with pytest.raises(mjcompose.LoadError, match="the scene has no body `third/"):
         simulation(study, "third", worlds.mjlab(study, "third")["worlds"])
+
+
+def test_an_entity_of_a_recipe(tmp_path: Path) -> None:
+    """The program of docs/how-to/open_in_mujoco.md."""
+    page = (ROOT / "docs" / "how-to" / "open_in_mujoco.md").read_text(encoding="utf-8")
+    for file, text in re.findall(r'^```\w+ title="([^"]+)"\n(.*?)^```', page, re.MULTILINE | re.DOTALL):
+        (tmp_path / file).write_text(text, encoding="utf-8")
+    shutil.copytree(ROOT / "recipes", tmp_path / "recipes")
+    done = subprocess.run(
+        [sys.executable, "mjlab_cell.py"], cwd=tmp_path, capture_output=True, text=True, check=False
+    )  # fmt: skip
+    assert done.stdout.split() == ["13"], done.stderr

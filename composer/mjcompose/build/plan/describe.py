@@ -187,8 +187,11 @@ def _model(part: AttachPart) -> str:
 
 
 def _own_lines(plan: Plan, part: AttachPart, preview: PlanPreview, indent: str) -> Iterator[str]:
-    """Yield the drops and edits of a base or a part, and each element that would be cut in two."""
+    """Yield the recipes, drops and edits of a base or a part, and each element that would be cut in two."""
     attachment = part.attachment
+    for recipe in part.inner:
+        yield f"{indent}attaches the recipe {recipe.file}"
+        yield from _lines(recipe, preview, indent + "  ")
     if attachment.drop:
         yield f"{indent}drop {', '.join(map(str, attachment.drop))}"
     subtree = preview.subtrees.get(plan.place_of(part.at))
@@ -295,7 +298,10 @@ def _some(**entries: Any) -> dict[str, Any]:
 
 def _own_data(plan: Plan, part: AttachPart, preview: PlanPreview) -> dict[str, Any]:
     edits, subtree = part.attachment.edit, preview.subtrees.get(plan.place_of(part.at))
-    data = _some(edits=[edit.words for edit in edits], edited=_edited(plan, edits, preview))
+    data = _some(
+        edits=[edit.words for edit in edits], edited=_edited(plan, edits, preview),
+        attaches=[as_data(inner, preview) for inner in part.inner],
+    )  # fmt: skip
     if subtree is not None:
         left = [{"kind": each.what, "name": each.name, "lacks": each.lacks} for each in subtree.dropped]
         data |= {"subtree": {"body": subtree.body, "left": left}} if subtree.body else {"dropped": left}

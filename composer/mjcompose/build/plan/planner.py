@@ -38,7 +38,6 @@ from mjcompose.language.recipe import Recipe
 from mjcompose.language.validate import validate_what_remains
 from mjcompose.sources import ros
 from mjcompose.sources.context import Context, as_text
-from mjcompose.sources.kinds import parse
 from mjcompose.sources.lock import resolve
 from mjcompose.sources.reference import Origin, Source, SourceError
 from mjcompose.sources.ros import UrdfChoices
@@ -125,8 +124,6 @@ class _Planner:
         self.nested = 0
         self.sources: dict[tuple[str, Path], Source] = {}
         self.inner: dict[Source, tuple[Plan, ...]] = {}
-        self.attaching = False
-        """Whether MJCF attaches the recipe: it may do no more than the MJCF may."""
         self.sizes: dict[int, tuple[Plan, int]] = {}
         """Each plan with its number of parts, including parts of nested recipes, by the identity of the plan."""
 
@@ -280,11 +277,11 @@ class _Planner:
         span, environment, fetching = locate(document, (*at, "model")), self.context.environment, self.context.fetching
         folder = folder_of(span, self.context)
         try:
-            if self.attaching and parse(reference).kind.runs_code:
-                message = f"`{reference}` runs code, which a recipe that MJCF attaches may not do"
-                raise SourceError("source-outside", message, "name the model in your own recipe")
-            source = self.sources.get((reference, folder))
-            source = source or resolve(reference, relative_to=folder, environment=environment, fetching=fetching)
+            source = None if self.context.attaching else self.sources.get((reference, folder))
+            source = source or resolve(
+                reference, relative_to=folder, environment=environment, fetching=fetching,
+                runs_code=not self.context.attaching,
+            )  # fmt: skip
         except SourceError as error:
             self.sink.add(error.at(span))
             return None
@@ -330,9 +327,9 @@ class _Planner:
             except SourceError as error:
                 self.sink.add(error.at(span))
                 continue
-            outer, self.attaching = self.attaching, True
+            self.context = replace(context, attaching=True)
             plan = self.plan(found.path, inside, span, given={}, source=found)
-            self.attaching = outer
+            self.context = context
             if plan is not None and self._may_read(plan, source.door, span):
                 plans.append(plan)
         self.inner[source] = tuple(plans)

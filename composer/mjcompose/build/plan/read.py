@@ -281,8 +281,9 @@ def _extended(named: Node, path: Path, context: Context, chain: tuple[Path, ...]
         return None
     try:
         source = resolve_sources(
-            named.value, relative_to=path.parent, environment=context.environment, fetching=context.fetching
-        )
+            named.value, relative_to=path.parent, environment=context.environment, fetching=context.fetching,
+            runs_code=not context.attaching,
+        )  # fmt: skip
     except SourceError as error:
         sink.add(error.at(named.span))
         return None
