@@ -1,4 +1,4 @@
-"""The JSON Schema of the lines that `--output-format json` prints, made from the classes of diagnostics."""
+"""The JSON Schema of the lines that `--output-format json` prints."""
 
 from __future__ import annotations
 
@@ -12,76 +12,23 @@ VERSION = 1
 """Rises if a key is removed or changes its meaning. New keys do not change it."""
 
 _TYPES = {str: "string", int: "integer", bool: "boolean", type(None): "null"}
-_STRINGS: dict[str, Any] = {"type": "array", "items": {"type": "string"}}
-_ABOUT = {
-    "severity": "Only an error makes the command fail, with exit code 1.",
-    "code": "`mjcompose explain CODE` prints its page. Later versions may have other codes.",
-    "message": "One sentence, for people: do not parse it.",
-    "span": "The place, or null if the diagnostic is about no file.",
-    "notes": "Remarks, such as the names that exist.",
-    "help": "What to write instead, for people.",
-    "fix": "The exact change that `mjcompose fix` makes, or null.",
-    "others": "More places with the same cause.",
-    "cells": "The models of a matrix that it is about; empty for all.",
-    "recipes": "The recipes that it is about, if the command got several.",
-}
+_TEXT = {"type": "string"}
 
 
-def text() -> str:
-    """Return the schema as JSON text."""
-    fix = _object({"replacement": {"type": "string"}, "span": {"$ref": "#/$defs/span"}})
-    diagnostic = _object({
-        "severity": {"enum": [each.value for each in Severity]},
-        "code": {"type": "string", "examples": ["attach-place"]},
-        "message": {"type": "string"},
-        "span": _or_null({"$ref": "#/$defs/span"}),
-        "notes": {"type": "array", "items": {"$ref": "#/$defs/note"}},
-        "help": {"type": ["string", "null"]},
-        "fix": _or_null({"$ref": "#/$defs/fix"}),
-        "others": {"type": "array", "items": {"$ref": "#/$defs/note"}},
-        "cells": {"type": "array", "items": {"$ref": "#/$defs/cell"}},
-        "recipes": _STRINGS,
-    })  # fmt: skip
-    properties = diagnostic["properties"]
-    assert list(properties) == list(_ABOUT), properties
-    assert set(properties) == {each.name for each in fields(Diagnostic)} - {"subjects"}, "a key is not described"
-    diagnostic["properties"] = {name: {"description": _ABOUT[name], **each} for name, each in properties.items()}
-    note = _of(Note, span=_or_null({"$ref": "#/$defs/span"}))
-    found = {
-        "$schema": "https://json-schema.org/draft/2020-12/schema",
-        "$id": f"urn:mjcompose:diagnostics:{VERSION}",
-        "title": f"A line of `mjcompose COMMAND --output-format json`, version {VERSION}",
-        "description": "A line with `severity` is a diagnostic. Any other line is a result of the command, such as the"
-        " path of a model. Ignore keys that you do not know: later versions may add some.",
-        "type": "object",
-        "if": {"required": ["severity"]},
-        "then": {"$ref": "#/$defs/diagnostic"},
-        "else": {"$ref": "#/$defs/result"},
-        "$defs": {
-            "diagnostic": diagnostic, "span": _of(Span), "note": note, "fix": fix, "cell": _of(CellName),
-            "result": {"anyOf": [
-                {"title": "build", **_object({
-                    "output": {"type": "string"}, "name": {"type": "string"}, "sha256": {"type": "string"},
-                    "sizes": {"type": "object", "additionalProperties": {"type": "integer"}},
-                })},
-                {"title": "cells", **_object({
-                    "recipe": {"type": "string"}, "cells": {"type": "integer"},
-                    "failed": {"type": "array", "items": {"$ref": "#/$defs/cell"}},
-                })},
-                {"title": "check", **_object({"recipe": {"type": "string"}, "ok": {"type": "boolean"}})},
-                {"title": "another command", "type": "object"},
-            ]},
-        },
-    }  # fmt: skip
-    return json.dumps(found, indent=2) + "\n"
+def _list(items: dict[str, Any]) -> dict[str, Any]:
+    return {"type": "array", "items": items}
 
 
-def _object(properties: dict[str, Any]) -> dict[str, Any]:
-    return {"type": "object", "required": list(properties), "properties": properties}
+def _ref(name: str) -> dict[str, Any]:
+    return {"$ref": f"#/$defs/{name}"}
 
 
 def _or_null(schema: dict[str, Any]) -> dict[str, Any]:
     return {"anyOf": [schema, {"type": "null"}]}
+
+
+def _object(**properties: dict[str, Any]) -> dict[str, Any]:
+    return {"type": "object", "required": list(properties), "properties": properties}
 
 
 def _of(kind: type, **known: dict[str, Any]) -> dict[str, Any]:
@@ -91,4 +38,52 @@ def _of(kind: type, **known: dict[str, Any]) -> dict[str, Any]:
         names = [_TYPES[each] for each in get_args(hint) or (hint,)]
         return {"type": names[0] if len(names) == 1 else names}
 
-    return _object({name: known.get(name) or schema(hint) for name, hint in get_type_hints(kind).items()})
+    return _object(**{name: known.get(name) or schema(hint) for name, hint in get_type_hints(kind).items()})
+
+
+_KEYS: dict[str, tuple[str, dict[str, Any]]] = {
+    "severity": (
+        "Only an error makes the command fail, with exit code 1.",
+        {"enum": [each.value for each in Severity]},
+    ),
+    "code": ("`mjcompose explain CODE` prints its page. Later versions may have other codes.", _TEXT),
+    "message": ("One sentence, for people: do not parse it.", _TEXT),
+    "span": ("The place, or null if the diagnostic is about no file.", _or_null(_ref("span"))),
+    "notes": ("Remarks, such as the names that exist.", _list(_ref("note"))),
+    "help": ("Instructions for people.", {"type": ["string", "null"]}),
+    "fix": ("The exact change that `mjcompose fix` makes, or null.", _or_null(_ref("fix"))),
+    "others": ("More places with the same cause.", _list(_ref("note"))),
+    "cells": ("The models of a matrix that it is about; empty for all.", _list(_ref("cell"))),
+    "recipes": ("The recipes that it is about, if the command got several.", _list(_TEXT)),
+}
+_RESULTS = {
+    "build": _object(output=_TEXT, name=_TEXT, sha256=_TEXT, sizes={"type": "object"}),
+    "cells": _object(recipe=_TEXT, cells={"type": "integer"}, failed=_list(_ref("cell"))),
+    "check": _object(recipe=_TEXT, ok={"type": "boolean"}),
+    "another command": {"type": "object"},
+}
+
+
+def text() -> str:
+    """Return the schema as JSON text."""
+    assert set(_KEYS) == {each.name for each in fields(Diagnostic)} - {"subjects"}, "a key is not described"
+    found = {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "$id": f"urn:mjcompose:diagnostics:{VERSION}",
+        "title": f"A line of `mjcompose COMMAND --output-format json`, version {VERSION}",
+        "description": "A line with `severity` is a diagnostic. Any other line is a result of the command, such as the"
+        " path of a model. Ignore keys that you do not know: later versions may add some.",
+        "type": "object",
+        "if": {"required": ["severity"]},
+        "then": _ref("diagnostic"),
+        "else": _ref("result"),
+        "$defs": {
+            "diagnostic": _object(**{name: {"description": about, **each} for name, (about, each) in _KEYS.items()}),
+            "span": _of(Span),
+            "note": _of(Note, span=_or_null(_ref("span"))),
+            "fix": _object(replacement=_TEXT, span=_ref("span")),
+            "cell": _of(CellName),
+            "result": {"anyOf": [{"title": title, **each} for title, each in _RESULTS.items()]},
+        },
+    }
+    return json.dumps(found, indent=2) + "\n"

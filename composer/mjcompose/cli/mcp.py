@@ -5,6 +5,7 @@ Each call is a process of the command in the folder of the server, which may see
 
 from __future__ import annotations
 
+import json
 import os
 import re
 import sys
@@ -120,7 +121,10 @@ async def _call(root: Path, name: str, given: Mapping[str, Any]) -> CallToolResu
         is_error, text = _reference(given["key"])
         return CallToolResult(content=[TextContent(text=text)], is_error=is_error)
     words = [f"--{each}={given[each]}" for each in ("depth", "camera", "key") if each in given]
-    words += [f"--set={key}={_written(value)}" for key, value in given.get("set", {}).items()]
+    words += [
+        f"--set={key}={json.dumps(value) if isinstance(value, bool) else value}"
+        for key, value in given.get("set", {}).items()
+    ]
     if name == "fix":
         words.append("--write" if given.get("write") else "--diff")
     if name in ("check", "fix"):
@@ -164,10 +168,6 @@ def _wrong(root: Path, name: str, given: Mapping[str, Any]) -> str | None:
     if not is_reference and real != os.path.realpath(root) and Path(os.path.realpath(root)) not in Path(real).parents:
         return f"`{recipe}` is outside `{root}`, the folder of the server"
     return "standard input is the agent's" if recipe == "-" else None
-
-
-def _written(value: str | float | bool) -> str:
-    return str(value).lower() if isinstance(value, bool) else str(value)
 
 
 def _reference(key: str) -> tuple[bool, str]:
