@@ -7,6 +7,7 @@ import re
 import shutil
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -30,6 +31,12 @@ def _pages(nav: object) -> list[str]:
     return [page for each in inner for page in _pages(each)]  # type: ignore[attr-defined]
 
 
+def _entries(nav: list[dict[str, Any]]) -> Iterator[tuple[str, str]]:
+    for each in nav:
+        for words, inner in each.items():
+            yield from [(words, inner)] if isinstance(inner, str) else _entries(inner)
+
+
 def test_every_page_is_in_the_menu() -> None:
     menu = _pages(yaml.safe_load((ROOT / "mkdocs.yml").read_text(encoding="utf-8"))["nav"])
     ours = {path.relative_to(ROOT / "docs").as_posix() for path in (ROOT / "docs").rglob("*.md")}
@@ -37,6 +44,19 @@ def test_every_page_is_in_the_menu() -> None:
     made = {"errors/index.md"}
     assert all(page in ours | made or (ROOT / page).is_file() for page in menu)
     assert len(menu) == len(set(menu))
+
+
+def test_the_menu_has_the_headings_of_the_pages() -> None:
+    menu = yaml.safe_load((ROOT / "mkdocs.yml").read_text(encoding="utf-8"))["nav"]
+    other = []
+    for words, page in _entries(menu):
+        path = next((each for each in (ROOT / "docs" / page, ROOT / page) if each.is_file()), None)
+        if path is not None:
+            text = re.sub(r"^```.*?^```", "", path.read_text(encoding="utf-8"), flags=re.DOTALL | re.MULTILINE)
+            (heading,) = re.findall(r"^# (.*)$", text, re.MULTILINE)
+            if heading.replace("`", "") != words:
+                other.append(f"{page}: {words} | {heading}")
+    assert not other
 
 
 @pytest.mark.slow
