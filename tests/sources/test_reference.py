@@ -21,6 +21,7 @@ from mjcompose.sources.reference import Reference, SourceError, take_apart
         ("descriptions:ur5e_mj_description", ("descriptions", "ur5e_mj_description", "", "")),
         ("s3://lab/a/b.zip#m/x.xml", ("bucket", "s3://lab/a/b.zip", "m/x.xml", "")),
         (f"gs://lab/b.zip@sha256:{'0' * 64}#x.xml", ("bucket", "gs://lab/b.zip", "x.xml", "0" * 64)),
+        (f"oci:ghcr.io/lab/arm_v2@sha256:{'0' * 64}#x.xml", ("oci", "ghcr.io/lab/arm_v2", "x.xml", "0" * 64)),
         ("hf:lab/robots.v2@main#m/x.xml", ("hf", "lab/robots.v2", "m/x.xml", "main")),
         ("hf:datasets/lab/robots@a%40b#x.xml", ("hf", "datasets/lab/robots", "x.xml", "a@b")),
         ("git+https://host/a/repo@v1#m/x.xml", ("git", "https://host/a/repo", "m/x.xml", "v1")),

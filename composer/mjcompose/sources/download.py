@@ -76,9 +76,28 @@ def download_object(url: str, partial: Path, headers: Mapping[str, str], lookup:
     _for_lookup(url, partial, lookup, headers=headers).run()
 
 
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """The answer of a server: `headers` is a mapping without case."""
+
+    status: int
+    headers: Mapping[str, str]
+    body: bytes
+
+
+def ask(url: str, headers: Mapping[str, str], lookup: Lookup) -> Answer:
+    """Return a short answer of a server, whatever its status, and follow no redirect. Raises SourceError."""
+    return _for_lookup(url, Path(), lookup, headers=headers).ask("GET", None)
+
+
 def post_json(url: str, question: object, media: str, lookup: Lookup) -> tuple[int, Any]:
     """Send JSON, and return the status and the JSON of the answer, or None if it has none. Raises SourceError."""
-    return _for_lookup(url, Path(), lookup, headers={"Accept": media, "Content-Type": media}).post(question)
+    headers = {"Accept": media, "Content-Type": media}
+    answer = _for_lookup(url, Path(), lookup, headers=headers).ask("POST", json.dumps(question).encode())
+    try:
+        return answer.status, json.loads(answer.body)
+    except (ValueError, RecursionError):
+        return answer.status, None
 
 
 def _for_lookup(url: str, partial: Path, lookup: Lookup, headers: Mapping[str, str]) -> _Download:
@@ -201,16 +220,16 @@ class _Download:
     def _is_same_server(self, at: str) -> bool:
         return urlsplit(at)[:2] == urlsplit(self.url)[:2]
 
-    def post(self, question: object) -> tuple[int, Any]:
-        """Send JSON once, follow no redirect, and return the status and the JSON of the answer or None."""
+    def ask(self, method: str, body: bytes | None) -> Answer:
+        """Ask once, follow no redirect, and return the answer, which must be short."""
         from urllib3.exceptions import HTTPError
 
         self._check_reach(self.url)
-        body, headers = json.dumps(question).encode(), {"User-Agent": "mjcompose", **self.headers}
+        headers = {"User-Agent": "mjcompose", "Accept-Encoding": "identity", **self.headers}
         try:
             with self._pool(self.url) as pool, waiting(self.progress, f"for {urlsplit(self.url).hostname}"):
                 response = pool.request(
-                    "POST", self.url, body=body, headers=headers, preload_content=False, redirect=False, retries=False
+                    method, self.url, body=body, headers=headers, preload_content=False, redirect=False, retries=False
                 )
                 try:
                     answer = response.read(_MOST_JSON + 1)
@@ -221,10 +240,7 @@ class _Download:
         if response.status in _BUSY or len(answer) > _MOST_JSON:
             why = f"the server answered {response.status}" if response.status in _BUSY else "its answer is too large"
             raise SourceError("source-fetch", f"`{self.shown}` cannot be fetched: {why}")
-        try:
-            return response.status, json.loads(answer)
-        except (ValueError, RecursionError):
-            return response.status, None
+        return Answer(response.status, response.headers, answer)
 
     def _next(self, at: str, leads_to: str) -> str:
         """Return the target of a redirect. Unencrypted addresses are refused, except on this machine."""

@@ -131,6 +131,7 @@ class Reference:
     | git | the URL of the repository | the file inside of it, at `revision` |
     | archive | the URL of the archive | the file inside of it; `revision` is its sha256 if it is written |
     | bucket | the same in an object store | likewise |
+    | oci | the registry and the repository | the file inside of it; `revision` is the sha256 of the manifest |
     | hf | the repository | the file inside of it, at `revision` |
     """
 
