@@ -109,6 +109,18 @@ def test_is_built_again_only_if_a_file_of_it_changed(cell: Path, monkeypatch: py
     assert len(seen) == 3
 
 
+def test_is_built_again_if_a_variable_names_another_robot(
+    cell: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    cell.write_text("recipe: 1\nbase: menagerie:agilex_piper/piper.xml\n")
+    for number in (1, 2):
+        robot = tmp_path / f"robots{number}" / "agilex_piper"
+        robot.mkdir(parents=True)
+        (robot / "piper.xml").write_text(BASE.replace('mass="1"', f'mass="{number}"'))
+        monkeypatch.setenv("MENAGERIE_ROOT", str(robot.parent))
+        assert mjcompose.model(cell).body("table").mass == number
+
+
 def test_warnings_are_at_the_line_of_the_program(cell: Path) -> None:
     cell.write_text(CELL + "allow: [unstable]\n")
     with pytest.warns(mjcompose.RecipeWarning, match="unused-allow") as caught:

@@ -22,6 +22,7 @@ from mjcompose.mujoco.engine import Session
 from mjcompose.sources import blobs
 from mjcompose.sources.context import Context
 from mjcompose.sources.fetching import Fetching
+from mjcompose.sources.kinds import KINDS
 from mjcompose.sources.store import Store
 from mjcompose.text.load import load
 from mjcompose.tree.files import NAMED_AFTER_FILE, stem
@@ -108,7 +109,8 @@ def text_of(
     """
     path = os.path.abspath(recipe)
     written = _as_json(values or {})
-    key = json.dumps([path, written, cell, sample, verified])
+    places = [os.environ.get(name) for kind in KINDS for name in kind.variables]
+    key = json.dumps([path, written, cell, sample, verified, places])
     opened = _opened.get(key)
     if opened is None or not opened.is_current:
         with _building:
