@@ -112,7 +112,7 @@ def test_is_built_again_only_if_a_file_of_it_changed(cell: Path, monkeypatch: py
 def test_is_built_again_if_a_variable_names_another_robot(
     cell: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    cell.write_text("recipe: 1\nbase: menagerie:agilex_piper/piper.xml\n")
+    cell.write_text("recipe: 1\nbase: menagerie:agilex_piper/piper\n")
     for number in (1, 2):
         robot = tmp_path / f"robots{number}" / "agilex_piper"
         robot.mkdir(parents=True)
