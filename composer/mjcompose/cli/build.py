@@ -79,6 +79,8 @@ class Options(BuildingOptions):
     )  # fmt: skip
     depfile: Path | None = option("--depfile", type=PATH, metavar="FILE", help="Also write the paths of all inputs to"
                                   " this file, in the syntax of Make and Ninja.")  # fmt: skip
+    sbom: Path | None = option("--sbom", type=PATH, metavar="FILE", help="Also write the parts of the model, with their"
+                               " hashes and licenses, to this file, as CycloneDX 1.6.")  # fmt: skip
     licenses: bool = flag("--licenses", help="Print the license of every part.")
     why: bool = flag("--why", help="Print why a model was built, or why it was taken from the cache.")
 
@@ -97,6 +99,13 @@ def build(options: Options, run: Run) -> int:
         context = run.new_context()
         inputs = [*noted_files(), *options.choices.set_files]
         write(options.depfile, noted_outputs(), inputs, context=context)
+        run.report(context)
+        code = FINDINGS if context.sink.has_errors else 0
+    if code == 0 and options.sbom is not None:
+        from mjcompose.cli import sbom
+
+        context = run.new_context()
+        sbom.write(options.sbom, noted_outputs()[0], context)
         run.report(context)
         code = FINDINGS if context.sink.has_errors else 0
     return code
@@ -159,6 +168,12 @@ def _check_usage(options: Options) -> None:
         raise click.UsageError(f"--sample-table names a table, FILE.csv or FILE.parquet, not `{samples}`: {help}.")
     if options.depfile is not None and (options.out == "-" or workers.shard is not None):
         raise click.UsageError("--depfile names the outputs of a whole build: remove -o - and --shard.")
+    if options.sbom is not None and not (
+        options.one
+        and (options.out is None or options.out.endswith(("/", ".zip", ".mjz")))
+        and not is_address(options.out)
+    ):
+        raise click.UsageError("--sbom is for one model that is written to DIR/, FILE.zip or FILE.mjz on this machine.")
     if samples is not None and options.one:
         raise click.UsageError("--sample-table is for --all, --pick and --sample: here is one model.")
 
