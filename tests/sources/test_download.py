@@ -52,7 +52,7 @@ def test_a_redirect_to_what_is_no_address(
     web: Any, get: Callable[..., Any], answer: Callable[..., None], location: str
 ) -> None:
     web.pages["/a"] = lambda handler: answer(handler, b"", status=302, Location=location)
-    with pytest.raises(SourceError, match="is no web address"):
+    with pytest.raises(SourceError, match="is not a web address"):
         get(f"{web.url}/a")
     assert len(web.asked) == 1
 

@@ -76,7 +76,7 @@ def test_other_bytes_are_refused(with_lfs: Any, web: Any, answer: Any, refused: 
 def test_an_object_elsewhere_is_refused(with_lfs: Any, web: Any, answer: Any, refused: Any, href: Any) -> None:
     web.serve(with_lfs, "robots.git")
     offer(web, answer, href=href)
-    assert "which is no https address" in refused(reference(web)).message
+    assert "which is not an https address" in refused(reference(web)).message
 
 
 def test_an_object_that_does_not_exist_shows_no_secret(with_lfs: Any, web: Any, answer: Any, refused: Any) -> None:
