@@ -75,7 +75,7 @@ def within(value: Floats, low: float, high: float) -> Floats:
 Pair = tuple[Floats, Floats]
 _CHUNK = 8192
 _DOUBT = 2.0**-88
-"""What `_exp` and `_log` compute is wrong by less than a hundredth of this part."""
+"""The errors of `_exp` and `_log` are less than a hundredth of this part."""
 _FARTHEST = 600.0
 _LEAST = 1e-300
 _HALVINGS = 6

@@ -42,7 +42,7 @@ class _Target(click.Choice):  # type: ignore[type-arg]  # before click 8.2 it is
 class Options(BuildingOptions):
     recipe: Path = RECIPE_OR_STDIN
     out: str | None = output(
-        "Where to write the model: DIR/, FILE.zip, FILE.mjz, FILE.xml (text without assets; '-' is standard output),"
+        "Where to write the model: DIR/, FILE.zip, FILE.mjz, FILE.xml (text without assets, '-' is standard output),"
         " FILE.mjb or FILE.usdz (also .usd, .usda, .usdc). {name} is replaced by the name of the model, {hash} by two"
         " digits of its hash, which spreads many models over folders. In the name of an MJB, {mujoco} is replaced by"
         " the version of MuJoCo; no other version can read the file. Default: build/{name}.zip."

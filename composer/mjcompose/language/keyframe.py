@@ -115,8 +115,8 @@ def controls_schema(number: Schema, description: str) -> Schema:
                 "properties": {
                     HOLD: {
                         "anyOf": [{"enum": list(WAYS)}, entry],
-                        "description": "what all actuators hold the pose with: servos at the pose, or forces that"
-                        " balance what acts on the model there",
+                        "description": "how all actuators hold the pose: servos at the pose, or forces that"
+                        " balance the model there",
                     },
                     JOINT: {"anyOf": [by_name(entry), entry], "description": "numbers, or `hold`, by joint"},
                 },

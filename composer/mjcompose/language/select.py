@@ -75,7 +75,7 @@ def read_selector(
         known = bool(paths_of(others[0]))
         help, fix = advised(others[0], keys)
         if others[0] in _BESIDE and owner.startswith("`select`"):
-            help = f"write it beside `select`, behind the `}}` of the selector: `{others[0]}: …`"
+            help = f"write it next to `select`, after the `}}` of the selector: `{others[0]}: …`"
             fix = None
         faults.append(
             Fault(

@@ -22,8 +22,8 @@ class UrdfKeys(Model):
     """How to read elements that MuJoCo ignores. Omitted keys keep the behavior of the file or of MuJoCo."""
 
     visuals: Literal["keep", "drop"] | None = None
-    """Whether visuals become geoms that touch nothing; what collides is then in group 3, which viewers hide. By default
-    as `discardvisual` in the file says, which MuJoCo takes for `true`."""
+    """Whether visuals become geoms that touch nothing. Collision geoms are then in group 3, which viewers hide. By
+    default `discardvisual` of the file decides, which is `true` in MuJoCo."""
     fixed: Literal["keep", "fuse"] | None = None
     """Whether links without a joint of their own stay bodies, or become frames of the one above. By default as
     `fusestatic` in the file says, which MuJoCo takes for `true`."""

@@ -244,8 +244,8 @@ def _report(model: Model, namespace: str, name: str, users: list[Use], sink: Sin
 # The linker's advice is for recipes; this is advice for Python.
 _RENAME = "rename one of the two, or the attached model: `child.model = '…'`"
 _HELP = {
-    "option-conflict": "make the two agree, or pass `conflict='base'`, which lets the model's own "
-    "value stand and says so, or `conflict='mujoco'`",
+    "option-conflict": "make the two agree, or pass `conflict='base'`, which keeps the model's own "
+    "value and reports it, or `conflict='mujoco'`",
     "freejoint-on-body": "remove the free joint, or attach the model to the worldbody",
     "mocap-on-body": "attach the model to the worldbody",
     "plane-on-body": "remove the plane, or attach the model to something that does not move",

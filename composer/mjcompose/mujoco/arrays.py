@@ -100,7 +100,7 @@ class Treatment(StrEnum):
     SUBTREE = "subtree"
     """Exactly, but not if elements of others are below."""
     LENS = "lens"
-    """Exactly, but not for a camera without a sensor, where it is not used."""
+    """Exactly, except for a camera without a sensor, which does not use it."""
     DERIVED = "derived"
     """Up to rounding if no element of others is on the same kinematic tree and the part is not moved, else not at
     all; the values it is computed from are compared.
@@ -136,7 +136,7 @@ _BEHAVIOURS: Mapping[str, tuple[str, ...]] = {
     "key time": ("skipped", "one time for a whole key, which may be of several parts"),
     "by joint": ("elsewhere", "compared by joint"),
     "by tendon": ("elsewhere", "compared as the tendon's path"),
-    "by root": ("elsewhere", "compared by the root body, where it is authored"),
+    "by root": ("elsewhere", "compared by the root body, which has the authored value"),
     "by mesh": ("elsewhere", "compared by mesh"),
     "by flex": ("elsewhere", "compared by flex"),
     "all volumes": ("elsewhere", "built from geoms and meshes, which are compared"),
@@ -157,7 +157,7 @@ _BEHAVIOURS: Mapping[str, tuple[str, ...]] = {
     "user": ("user", "as wide as the widest of the whole model, filled up with zeros"),
     "root pose": ("root pose", "in the frame of the part's world, which the mount moves"),
     "global length": ("rounded", "measured in the global frame of the reference configuration"),
-    "body sum": ("host", "summed over all geoms of the body, where it has no inertial of its own"),
+    "body sum": ("host", "summed over all geoms of a body without an inertial of its own"),
     "body union": ("host", "the union over all geoms of the body"),
     "body frame": ("host", "whether the frame coincides with the body's or its inertia's"),
     "subtree": ("subtree", "summed over everything below"),
@@ -167,7 +167,7 @@ _BEHAVIOURS: Mapping[str, tuple[str, ...]] = {
 }  # fmt: skip
 """Traits of arrays of a part: the treatment, why, and the treatment in MuJoCo 3 if that differs.
 
-There an actuator has one control and one output, so that the arrays about these have one row for each actuator.
+There an actuator has one control and one output, and the arrays about these have one row for each actuator.
 """
 
 _BETWEEN_VERSIONS = {
@@ -184,11 +184,11 @@ _BETWEEN_VERSIONS = {
 SWITCH, COMPUTED, HULL, MEASURED, PLACED, REWRITTEN, UNSAID = (
     "switch", "computed", "hull", "measured", "placed", "rewritten", "unsaid",
 )  # fmt: skip
-"""Other traits, in this order: a boolean (`body_mocapid` is -1 for no); what MuJoCo computes from arrays that are
-compared too; what it computes for meshes that can collide, which another part's elements may cause; flex data that it
-computes from positions in the world, so that a moved part has it up to rounding; flex data that is a position in the
-world, or in the flex's box along the axes of the world; what a model that is written and read back may have otherwise,
-because it depends on the frame of a mesh or on the text; an array whose neutral numbers mean the same in all versions
+"""Other traits, in this order: a boolean (`body_mocapid` is -1 for no); an array that MuJoCo computes from arrays that
+are compared too, or for meshes that can collide, which another part's elements may cause, or from flex positions in the
+world, which a moved part has up to rounding. Flex data that is a position in the world, or in the flex's box along
+the axes of the world. An array that may differ in a model that is written and read back,
+because it depends on the frame of a mesh or on the text. An array whose neutral numbers mean the same in all versions
 that have it, because no renderer of MuJoCo read them.
 """
 

@@ -81,7 +81,7 @@ class Request:
     def __post_init__(self) -> None:
         unknown = set(self.wants) - WANTS
         if unknown:
-            raise ValueError(f"unknown wants {sorted(unknown)}; there are {sorted(WANTS)}")
+            raise ValueError(f"unknown needs {sorted(unknown)}; there are {sorted(WANTS)}")
 
     def to_json(self, arrays_file: Path, step: float = 0) -> str:
         """Return one line of JSON. All paths in it are absolute, because the child works in another folder.

@@ -185,7 +185,7 @@ def _tries(mesh: Mesh, faces: int) -> Iterator[Mesh]:
 
 _VERTICES = 20_000
 _NEAR = 1e-4
-"""By the size of the mesh: a surface that is no farther outside counts as covered."""
+"""By the size of the mesh: a surface that is at most this far outside counts as covered."""
 _BEHIND = 2e-3
 """By the size of the mesh: how far behind the surface of a piece another piece begins that it was cut from."""
 _AT_ONCE = 64

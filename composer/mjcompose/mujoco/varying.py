@@ -81,7 +81,7 @@ def rows_of_size(model: Model, kind: str, rows: int) -> Rows:
 
 Numbers = NDArray[Any]
 MEAN_INERTIA, MEAN_MASS = MEANS = "stat.meaninertia", "stat.meanmass"
-"""The number that scales the tolerances of solvers, and the one that scales what viewers show of forces."""
+"""The number that scales the tolerances of solvers, and the number that scales forces in viewers."""
 _LARGE = 1 << 16
 """Larger arrays are assets, such as the vertices of meshes. For draws from one model they are only compared in the
 first worlds.

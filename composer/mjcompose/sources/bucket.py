@@ -104,7 +104,7 @@ def _write(stream: Any, partial: Path, url: str) -> None:
 
 def _failed(url: str, error: Exception) -> SourceError:
     said = " ".join(str(error).split()) or type(error).__name__
-    help = "see that your credentials for the store are right; with `--offline` what is in the store is used"
+    help = "see that your credentials for the store are right; with `--offline` mjcompose uses the store"
     return SourceError("source-fetch", f"`{url}` cannot be fetched", notes=(hide(said)[:300],), help=help)
 
 

@@ -155,7 +155,7 @@ class Fetching:
         verb = "fetched" if origin.is_fetched else "installed"
         return Door.of(
             (origin.root, *(self.trust.folders if SERVED is None else ())),
-            f"`{origin.id}`, which may read only what was {verb} with it",
+            f"`{origin.id}`, which may read only files that were {verb} with it",
             "a fetched source must contain all files that it names; if you trust it, write in your own recipe"
             ' `trust: {references: ["{absolute}"]}`',
         )

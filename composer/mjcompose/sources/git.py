@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 _FORMS = (
     Form(
         "git+https://host/repo@REV#path/model.xml",
-        "a file in a git repository; REV is a branch, a tag or a commit; an `@`, `#` or `%` in it is written `%40`,"
+        "a file in a git repository; REV is a branch, a tag or a commit. An `@`, `#` or `%` in it is written `%40`,"
         " `%23`, `%25`",
     ),
     Form("git+ssh://git@host/repo@REV#path/model.xml", "the same over ssh"),

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 _FORM = Form(
     "hf:org/repo@REV#path/model.xml",
-    "a file in a repository of Hugging Face; REV is a branch, a tag or a commit; `hf:datasets/org/repo` is a data set",
+    "a file in a repository of Hugging Face; REV is a branch, a tag or a commit. `hf:datasets/org/repo` is a data set",
 )
 _HUB = "https://huggingface.co"
 _REPOSITORY = re.compile(r"((datasets|spaces)/)?[A-Za-z0-9_-][\w.-]*/[A-Za-z0-9_-][\w.-]*", re.ASCII)
@@ -65,7 +65,7 @@ def _hub(reference: Reference, lookup: Lookup) -> str:
     parts = take_apart(hub)
     is_open = parts is not None and parts.scheme == "http" and is_this_machine(parts.netloc)
     if parts is None or "@" in parts.netloc or parts.query or not (parts.scheme == "https" or is_open):
-        message = f"`HF_ENDPOINT` is `{hide(hub)}`, which is no https address of a server without a login"
+        message = f"`HF_ENDPOINT` is `{hide(hub)}`, which is not an https address of a server without a login"
         raise SourceError("source-fetch", message, help=f"write it as `{_HUB}`, or unset it")
     if lookup.is_confined and is_private(parts.netloc, lookup.fetching.offline):
         message = f"`{reference.text}`, which a fetched recipe names, is at `{hub}`, in the network of this machine"

@@ -18,13 +18,13 @@ from mjcompose.targets.target import Loss
 
 Facts = dict[str, Any]
 SECONDS = 0.2
-"""Of the motion from the home key."""
+"""The motion from the home key."""
 FEATURES = {
     "range": "limits", "damping": "damping", "friction": "friction", "armature": "armature", "stiffness": "springs",
     "effort": "effort", "force": "effort", "joint": "actuators", "kp": "gains", "kd": "gains", "com": "inertia",
     "shapes": "shapes", "poses": "poses", "motion": "motion",
 }  # fmt: skip
-"""By the word for something in the facts: what is compared."""
+"""The compared quantity, by its word in the facts."""
 _WORDS = {
     "range": "limits", "friction": "dry friction", "effort": "greatest force", "force": "greatest force",
     "kp": "stiffness (`kp`)", "kd": "damping (`kv`)",
@@ -40,7 +40,7 @@ _ERASED = {
                 "tendon_frictionloss", "tendon_armature"),
     "actuators": ("actuator_armature",),
 }  # fmt: skip
-"""By feature: what does nothing in a motion after the loss."""
+"""The elements that do nothing in a motion after the loss, by feature."""
 _MOVED = 0.01
 """How much of the longest way, and of 1, the end of a motion may be off: programs have integrators of their own."""
 

@@ -14,7 +14,7 @@ from mjcompose.targets.target import Draft, Limit, Outcome, Refusal
 
 OPTION = "option"
 Missing = tuple[str, str, Collection[str], str]
-"""An array of the compiled model, its enumeration, those members that the simulator lacks, and what that means."""
+"""An array of the compiled model, its enumeration, those members that the simulator lacks, and the effect."""
 Flagged = Callable[[Any, Any], Iterator[tuple[int, str]]]
 """Of MuJoCo and a model: the numbers of the elements that the simulator refuses, each with the reason."""
 

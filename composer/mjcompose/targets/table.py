@@ -71,7 +71,7 @@ COMPARED: Mapping[str, str] = {
     "shapes": "number of geoms of each type",
     "motion": "0.2 s of motion from the key `home`",
 }
-"""What is compared when a model is read back, by name: words for people."""
+"""The words for quantities that are compared when a model is read back, by name."""
 
 
 PLAIN = plain.TARGET
@@ -89,7 +89,7 @@ check_rows(
 _ROOT = Path(__file__).resolve().parents[3]
 PAGE = _ROOT / "docs" / "how-to" / "simulators.md"
 READ_BACK = _ROOT / "tests" / "targets" / "read_back.json"
-"""What the programs have read, by `tests/targets/read_back.py`."""
+"""The features that the programs have read, by `tests/targets/read_back.py`."""
 
 
 _CELLS: Mapping[Outcome, str] = {

@@ -160,7 +160,7 @@ _COUNTS = (
     ("dofs", "dofs", "degrees of freedom"),
     ("mass-matrix", "matrix", "numbers in the mass matrix"),
 )
-"""Limits of the expanded model: the name, what of a `Weight` it bounds, and how messages call that."""
+"""Limits of the expanded model: the name, the bounded field of `Weight`, and its word in messages."""
 
 
 def written(root: Node) -> int:

@@ -80,7 +80,7 @@ class Attribute:
     refers_by: str | None = None
     """Sibling attribute whose keyword selects the namespace, through `Grammar.objtypes`."""
     folder: Literal["mesh", "texture", "model"] | None = None
-    """The folder that a file is relative to: meshdir, texturedir, or that of the model's own file."""
+    """The folder that a file is relative to: meshdir, texturedir, or the folder of the model's own file."""
     angle: Angle | None = None
     """The rule of `compiler/angle` for the value; `joint` is an angle for a hinge only (`range` and `springyield`
     also for a ball), `orientation-axisangle` only in the fourth number.

@@ -44,7 +44,7 @@ WORDS: dict[str, Span] = {
     **{f"body/composite@type={word}": (None, "3.2.5") for word in ("rope", "loop")},
     **{f"body/composite@type={word}": (None, "3.2.7") for word in ("grid", "particle")},
 }  # fmt: skip
-"""Words that not all versions know, where they know the attribute."""
+"""Words that some versions do not know although they know the attribute."""
 
 LONGER: dict[str, str] = {
     f"{place}@{name}": "3.7.0"

@@ -30,7 +30,7 @@ _LONG = 1000
 """Corners from which on the cutting of a polygon costs more than its points."""
 _CUT = 4000
 _SMALL = 1 << 15
-"""Bytes of an OBJ file that need not be looked at: it has too few points to matter."""
+"""An OBJ file of at most this many bytes has too few points to matter."""
 
 
 def points_in(data: bytes, kind: str) -> int:
@@ -170,7 +170,7 @@ _WITHOUT_HULL = 10
 _MESHES, _WITHOUT_FILE = XPath("asset/mesh"), XPath("asset/mesh[not(@file)]")
 _MULTIPLIED = {"cone": 1, "wedge": 2, "plate": 2}
 _GRIDS = ("grid", "box", "cylinder", "ellipsoid", "square", "disc")
-"""Built-in meshes by what their `params` begin with; MuJoCo bounds those of other kinds by itself."""
+"""Built-in meshes by the beginning of their `params`; MuJoCo itself bounds the other kinds."""
 
 
 def check_meshes(unit: Unit, attached: int, sink: Sink, *, opens_files: bool = True) -> bool:

@@ -306,7 +306,7 @@ def read_rows(unit: Unit, keeps_visuals: bool, known: Mapping[Node, str]) -> tup
 
 
 Fate: TypeAlias = tuple[str, Node, str, str]
-"""The name of a row, the element, what it became, and why it is not in the model; one of the two is empty."""
+"""The name of a row, the element, its form in the model, and why it is not there. One of the last two is empty."""
 
 
 def _fates(root: Node, keeps_visuals: bool, known: Mapping[Node, str]) -> Iterator[Fate]:

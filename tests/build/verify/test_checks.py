@@ -168,7 +168,7 @@ def test_expected_and_actual_are_told(tmp_path: Path, run: Run) -> None:
     build(Request(tmp_path / "recipe.yaml"), context)
     (error,) = context.sink.errors
     assert error.message == (
-        "check `a`: `part/` is not what `cube.xml` is alone: 3 differences (`geom_rgba`, `dof_armature`)"
+        "check `a`: `part/` differs from `cube.xml` alone: 3 differences (`geom_rgba`, `dof_armature`)"
     )
     assert [note.message for note in error.notes] == [
         "geom `part/g`: `geom_rgba` is [1.0, 0.0, 0.0, 1.0], alone it is [0.5, 0.5, 0.5, 1.0]",

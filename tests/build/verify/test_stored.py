@@ -136,7 +136,7 @@ def test_a_harmed_file_is_told(folder: Path, check: Check) -> None:
     model.write_text(model.read_text().replace('qpos="0.5', 'qpos="0.4'))
     _, told = check()
     assert told[0] == "error bundle-changed: `model.xml` in `out` is not the file that its manifest lists"
-    assert told[1].startswith("error part-changed: `one/` is not what `part.xml` is alone: 1 difference (`key_qpos`)")
+    assert told[1].startswith("error part-changed: `one/` differs from `part.xml` alone: 1 difference (`key_qpos`)")
 
 
 def test_files_too_few_and_too_many_are_told(folder: Path, check: Check) -> None:

@@ -66,16 +66,16 @@ class Recipe(_Part):
     """The recipe of the build."""
 
     path: str = Field(description="The name of its file.")
-    sha256: str = Field(description="Of the recipe file.")
+    sha256: str = Field(description="The hash of the recipe file.")
 
 
 class Origin(_Part):
     """The repository, archive or package of an input."""
 
     id: str = Field(description="The model reference without the file in it.")
-    commit: str | None = Field(None, description="Of a git repository.")
-    tree: str | None = Field(None, description="Of a git repository: git's hash of all its files.")
-    sha256: str | None = Field(None, description="Of an archive.")
+    commit: str | None = Field(None, description="The commit, for a git repository.")
+    tree: str | None = Field(None, description="Git's hash of all files, for a git repository.")
+    sha256: str | None = Field(None, description="The hash of an archive.")
 
 
 def _list_kinds(schema: dict[str, Any]) -> None:
@@ -91,7 +91,7 @@ class OfUrdf(_Part):
     count: int = Field(ge=1, description="How many there are.")
     became: str | None = Field(None, description="Their form in the model; null for nothing.")
     why: str | None = Field(None, description="Why they are not in the model; null if they are.")
-    origin: str = Field(description="Where the first is written, as FILE:LINE.")
+    origin: str = Field(description="The place of the first, as FILE:LINE.")
 
 
 class Input(_Part):
@@ -164,8 +164,8 @@ class File(_Part):
 
 _VALUES = "Measured values, rounded to four digits, so they are the same on other machines."
 _DRAWN = "The drawn number; angles in radians, or in the unit of a parameter."
-_ORIGIN = Field(None, description="Where it is written, as FILE:LINE; null for a copy that MuJoCo makes.")
-_PLACE = Field(None, description="Where it is written, as FILE:LINE.")
+_ORIGIN = Field(None, description="Its place, as FILE:LINE; null for a copy that MuJoCo makes.")
+_PLACE = Field(None, description="Its place, as FILE:LINE.")
 Range = tuple[float | None, float | None]
 """Lower and upper end; None for no limit."""
 
@@ -197,12 +197,16 @@ class Actuator(_Part):
     act_size: int = Field(0, ge=0)
     unit: str | None = Field(
         None,
-        description="Of its only control: rad or m for a position, rad/s or m/s for a velocity, N m or N, 1 for an"
+        description="Its control's unit: rad or m for a position, rad/s or m/s for a velocity, N m or N, 1 for an"
         " activation; null if a gear or a gain gives it another meaning.",
     )
-    ranges: tuple[Range | None, ...] = Field((), description="Of each control, in its unit; null for no limit.")
-    act_range: Range | None = Field(None, description="Of its activation; null when that is not limited.")
-    force_range: Range | None = Field(None, description="Of its force or torque; null if that is not limited.")
+    ranges: tuple[Range | None, ...] = Field(
+        (), description="Ranges of the controls, in their unit; null for no limit."
+    )
+    act_range: Range | None = Field(None, description="The range of its activation; null if that is not limited.")
+    force_range: Range | None = Field(
+        None, description="The range of its force or torque; null if that is not limited."
+    )
     origin: str | None = _ORIGIN
 
 
@@ -280,7 +284,7 @@ class GeneratedShape(_Part):
     beyond: float = Field(description="In meters: how far the shapes reach out of the mesh at most.")
     short: float = Field(description="In meters: how far the mesh reaches out of the shapes at most.")
     uncovered: float | None = Field(description="The share of the mesh outside of them; null if simplified.")
-    volume: float | None = Field(description="Of all shapes together, divided by the mesh's; null for an open mesh.")
+    volume: float | None = Field(description="The volume of all shapes, divided by the mesh's; null for an open mesh.")
     samples: int = Field(ge=0, description="At how many points the distances were measured.")
     made_with: dict[str, str] = Field({}, description="The packages that made it, and their versions.")
     key: str = Field(description="The hash of all that it depends on.")
@@ -294,7 +298,7 @@ class UnsupportedFeature(_Part):
     tag: str
     why: str
     count: int = Field(ge=1)
-    names: tuple[str, ...] = Field((), description="Of the elements that have a name.")
+    names: tuple[str, ...] = Field((), description="The names of the elements that have one.")
 
 
 class TargetRecord(_Part):
@@ -322,7 +326,7 @@ class Manifest(_Part):
     cell: str | None = Field(None, description="The cell of the recipe's matrix; null for none.")
     variants: dict[str, str] = Field({}, description="The chosen value of every variant.")
     params: Annotated[dict[str, Any], AfterValidator(_finite)] = Field({}, description="The value of every parameter.")
-    seed: int | None = Field(None, description="Of the draws; null without `randomize`.")
+    seed: int | None = Field(None, description="The seed of the draws; null without `randomize`.")
     sample: int | None = Field(None, ge=0, description="The sample's number; 0 is the nominal model.")
     draws: tuple[Draw, ...] = ()
     inputs: tuple[Input, ...] = ()

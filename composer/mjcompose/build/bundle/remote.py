@@ -196,7 +196,7 @@ def write_shared(bundle: Bundle, out: Path, above: int = 1) -> tuple[Path, ...]:
     Raises OutputError, and then leaves `out` as it was, with at most additional complete assets next to it.
     """
     if out.name == ASSETS:
-        raise OutputError("output-kind", f"the folder `{out}` is that of the assets", "give the model another name")
+        raise OutputError("output-kind", f"the folder `{out}` is for assets", "give the model another name")
     own, assets = split_shared_assets(bundle, above)
     folder = out.parents[above - 1] / ASSETS
     for name, content in assets.items():

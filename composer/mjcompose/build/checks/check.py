@@ -165,7 +165,7 @@ class Scope:
         if self.keys is None:
             return Fault(
                 "unknown-name",
-                f"the keyframe `{key}` does not exist: those of this recipe were left out",
+                f"the keyframe `{key}` does not exist: this recipe drops its keyframes",
                 ("key",),
                 notes=(Note("the recipe around it leaves them out: `drop: [key]`"),),
             )

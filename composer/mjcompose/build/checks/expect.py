@@ -211,7 +211,7 @@ class Expect(Check):
     ) = None
     """how many there are, or the least and the most; without it, at least one"""
     attr: Annotated[Text, Expects("an attribute of MJCF", "damping")] | None = None
-    """an attribute of MJCF, or one of its numbers: `range[1]`; of a body also `subtree_mass`; without `select`,
+    """an attribute of MJCF, or one of its numbers: `range[1]`. A body also has `subtree_mass`. Without `select`,
     `mass` or a size of mjModel such as `nu`"""
     equals: _FIGURES | None = None
     """the value: a number, an angle, a boolean, or a list"""

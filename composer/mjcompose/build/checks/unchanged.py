@@ -49,7 +49,7 @@ class Unchanged(Check):
     example: ClassVar = "{}"
 
     part: Annotated[str, Name("part", what="the prefix of a part")] | None = None
-    """the part, by its prefix; `base` is the base; without it, all of them"""
+    """the part, by its prefix, or `base`; without it, all of them"""
     excepted: Annotated[
         tuple[Annotated[Text, Checked(_known), Expects("an attribute of MJCF")], ...],
         Items(),

@@ -379,7 +379,7 @@ class _Planner:
         self.sink.error("separator-mismatch", message, span, help=help)
 
     def _only_for(self, key: str, what: str, model: str, document: Mapping, at: KeyPath) -> None:
-        message = f"`{key}` is for {what}, and {model} is not one"
+        message = f"`{key}` is for {what}, and not for {model}"
         help = f"remove `{key}`"
         self.sink.error("unknown-key", message, locate(document, (*at, key), key=True), help=help, subjects=(key,))
 

@@ -568,7 +568,7 @@ def _gain_and_bias(model: ActuatorModel) -> str:
 def _needs(editing: Editing, node: Node, to: str, gain: str, at: Path) -> None:
     what = "position gain" if gain == "kp" else "velocity gain"
     message = f"{editing.called(node)} has no {what} that a `{to}` could take over"
-    report_unusable(editing, node, Fault("missing-key", message, at, help=f"write `{gain}: …` beside `to: {to}`"))
+    report_unusable(editing, node, Fault("missing-key", message, at, help=f"write `{gain}: …` next to `to: {to}`"))
 
 
 def _report(editing: Editing, to: str, lost: Mapping[str, list[str]], at: Path) -> None:

@@ -332,7 +332,7 @@ def change_sentence(compared: PartComparison) -> str:
     )
     shown = ", ".join(arrays[:4]) + (", …" if len(arrays) > 4 else "")
     return (
-        f"`{compared.member.called}` is not what `{compared.member.source.path.name}` is alone: "
+        f"`{compared.member.called}` differs from `{compared.member.source.path.name}` alone: "
         f"{places} difference{'s' if places > 1 else ''} ({shown})"
     )
 

@@ -7,7 +7,7 @@ from mjcompose.targets.solver import GRAVITY
 from mjcompose.targets.target import Target, write_mjcf
 
 _MASS = "1e-10"
-"""What moves needs a mass in the solver of Newton that is MuJoCo."""
+"""Moving bodies need a mass in the solver of Newton that is MuJoCo."""
 
 TARGET = Target(
     "newton", "Newton, by its parser of MJCF", (

@@ -202,7 +202,7 @@ def read_operand(text: str, context: Context, opened: ExitStack) -> Operand | No
     if not os.path.exists(path):
         where = "" if revision is None else f" in revision `{revision}`"
         shown = text if revision is None else own.shown(path)
-        help = None if revision is None else f"`git ls-tree -r --name-only {revision}` lists what there is"
+        help = None if revision is None else f"`git ls-tree -r --name-only {revision}` lists the files"
         context.sink.error("file-not-found", f"the file or folder `{shown}` does not exist{where}", help=help)
         return None
     kind = _kind(path)

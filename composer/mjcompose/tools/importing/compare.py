@@ -76,7 +76,7 @@ class Comparison:
         self.counts = {unit: Counter(kind for kind, _ in found.values()) for unit, found in self.places.items()}
         self.likeness: dict[int, Likeness] = {}
         self.new_names: dict[tuple[int, str, str], str] = {}
-        """What the merged model calls a part's element other than with its prefix, by instance, namespace and name."""
+        """New names of a part's elements in the merged model, by instance, namespace and name."""
         for each in found:
             self.find_renamed(each)
         self.likeness = {id(each): likeness(each, self.names_in_merged(each)) for each in found}

@@ -68,7 +68,7 @@ class _Decoder(ctypes.Structure):
 
 
 _MARK = "_mjcompose"
-"""The attribute of the `mujoco` module with what is registered: a reloaded module of ours must find it."""
+"""The attribute of the `mujoco` module that holds the registered objects, so a reloaded module of ours finds them."""
 
 
 def register() -> None:

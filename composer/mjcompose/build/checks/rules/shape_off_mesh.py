@@ -103,5 +103,5 @@ def _volumes(meant: list[tuple[str, dict[str, Any]]], low: float, high: float) -
 
 def _failed(wrong: list[tuple[float, str]], words: str, expected: str, measure: str) -> list[Fault]:
     ranked = sorted(wrong, reverse=True)
-    lines = [f"what was made of `{name}` {words.format(f'{value:.4g}')}" for value, name in ranked]
+    lines = [f"the shape of `{name}` {words.format(f'{value:.4g}')}" for value, name in ranked]
     return listed(lines, expected, f"{ranked[0][0]:.4g}" if ranked else "", measure)

@@ -12,7 +12,7 @@ import numpy as np
 FREE, BALL, SLIDE, HINGE = range(4)
 _JOINT, _FIXED, _NO_DYNAMICS, _AFFINE = 0, 0, 0, 1  # mjTRN_JOINT, mjGAIN_FIXED, mjDYN_NONE, mjBIAS_AFFINE
 STEP = 0.0005
-"""Of a motion, in seconds."""
+"""The length of a motion, in seconds."""
 _FORCE_FREE = ("mjDSBL_CONTACT", "mjDSBL_LIMIT", "mjDSBL_EQUALITY", "mjDSBL_ACTUATION")
 SHAPES = ("plane", "hfield", "sphere", "capsule", "ellipsoid", "cylinder", "box", "mesh", "sdf")
 
