@@ -1,1 +1,1 @@
-"""What everything may use: diagnostics, files and who may read them, child processes, exact numbers."""
+"""Modules that every package may use: diagnostics, files and who may read them, child processes, exact numbers."""

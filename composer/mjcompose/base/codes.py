@@ -200,7 +200,7 @@ def page(code: str) -> str:
 
 
 def address(code: str, urls: Iterable[str] | None = None) -> str | None:
-    """Return the address of the page on the published site, by default that of the package's metadata, or None."""
+    """Return the address of the page on the published site, or None; the package's metadata names the site."""
     for each in _urls() if urls is None else urls:
         label, _, url = each.partition(", ")
         if label.lower() == "documentation":

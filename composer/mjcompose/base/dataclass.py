@@ -30,7 +30,7 @@ else:
     def dataclass(
         cls: type | None = None, /, *, frozen: bool = False, slots: bool = False, eq: bool = True, kw_only: bool = False
     ) -> Any:
-        """Return the class as a dataclass. The options mean what they mean in the standard library."""
+        """Return the class as a dataclass. The options are the options of the standard library."""
 
         def made(cls: type) -> type:
             own = _own_fields(cls, kw_only)
@@ -64,7 +64,7 @@ def _own_fields(cls: type, kw_only: bool) -> dict[str, Field[Any]]:
 
 
 def _with_slots(cls: type, own: dict[str, Field[Any]]) -> type:
-    """Return the class anew: slots can only be given to a class when it is made."""
+    """Return a copy of the class that has slots: Python sets them only when it creates a class."""
     without = {*own, "__dict__", "__weakref__"}
     members = {name: value for name, value in cls.__dict__.items() if name not in without}
     inherited = {slot for base in cls.__mro__[1:] for slot in getattr(base, "__slots__", ())}
