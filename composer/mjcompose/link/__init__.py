@@ -1,1 +1,1 @@
-"""Units become one flat tree in which each still means what it meant alone."""
+"""Units become one flat tree in which every unit keeps the meaning that it has alone."""

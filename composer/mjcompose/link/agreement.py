@@ -101,8 +101,8 @@ def merge_values(path: str, have: WrittenSetting | None, wanted: WrittenSetting)
 
     A value that is not written gives way. Of steps and tolerances the smaller is used, of iterations the larger.
     """
-    # Of a `timestep` of 0.003 and one of 0.004 MuJoCo 4.0 takes the smaller one, whichever model writes it. It takes
-    # 0.004 if the other model does not write a `timestep`.
+    # If two models write a `timestep` of 0.003 and of 0.004, MuJoCo 4.0 takes the smaller value, whichever model writes
+    # it. It takes 0.004 if the other model does not write a `timestep`.
     if have is None:
         return wanted.value
     name = path.rsplit("/", 1)[1]
@@ -200,7 +200,7 @@ class _Wish:
 
 
 def agreement(linking: Linking) -> None:
-    """Compare what every unit writes, take what the parts agree on, then merge the sizes."""
+    """Compare the settings of all units, take the values that the parts agree on, then merge the sizes."""
     if not linking.parts:
         return
     base, overridden = linking.base, linking.request.overridden_options

@@ -1,11 +1,11 @@
 """Passes: one unit of angle and one Euler sequence, and flexes that keep their place.
 
-The model is in degrees only if every unit is; otherwise it is in radians. MuJoCo's own arithmetic converts degrees
-to radians, so the values stay identical to the bit; the conversion from radians to degrees cannot guarantee that.
+The model is in degrees only if every unit is; otherwise it is in radians. MuJoCo's own arithmetic converts degrees to
+radians, so the values stay identical to the bit. The conversion from radians to degrees cannot guarantee that.
 
-MuJoCo gives a flex the joint defaults of its body, or those of the top class if the flex is in the world; no frame
-and no class of its own can change that. So the joint settings for a flex in the world stay in the top class, and
-every other class reverts them. A flex that would get other defaults than it has alone is an error.
+MuJoCo gives a flex the joint defaults of its body, or the joint defaults of the top class if the flex is in the world;
+no frame and no class of its own can change that. So the joint settings for a flex in the world stay in the top class,
+and every other class reverts them. A flex that would get other defaults than it has alone is an error.
 
 Directly below a body or the world, MuJoCo takes a `quat` as it is, even if its length is not 1; this stretches the
 flex. Below a frame, such as the frame around a part, MuJoCo normalizes it. The difference is reported, and is an
@@ -237,7 +237,7 @@ def keep_in_main(linking: Linking, top: Node) -> None:
 
 
 def undo_settings(given: Mapping[str, str]) -> dict[str, str]:
-    """Return the joint attributes that undo those of the top class."""
+    """Return the joint attributes that undo the top class's joint settings."""
     # As many numbers as are given, for the others are MuJoCo's own.
     undone = {name: _neutral(name).split()[: len(value.split())] for name, value in given.items()}
     return {name: " ".join(values) for name, values in undone.items() if values}
@@ -319,8 +319,8 @@ def flex_turns(linking: Linking) -> None:
             continue
         quat = numbers.read(str(flex.element.get("quat") or "1 0 0 0"))
         length = math.hypot(*quat)
-        # A first number alone is no turn in MuJoCo 4.0, and does not stretch: `quat="2 0 0 0"` leaves vertices at 0.5
-        # that `quat="0 2 0 0"` moves to 3.5.
+        # A first number alone does not turn in MuJoCo 4.0, and does not stretch: `quat="2 0 0 0"` leaves vertices at
+        # 0.5 that `quat="0 2 0 0"` moves to 3.5.
         if len(quat) != 4 or not any(quat[1:]) or abs(length - 1) < _ROUNDING:
             continue
         report = linking.sink.error if abs(length - 1) > _TOLERABLE else linking.sink.warning

@@ -48,7 +48,7 @@ def bodies(linking: Linking) -> None:
 
 
 class _AttachmentOrder:
-    """The order in which parts can be attached. Each part is tried again only when the model has what it waits for.
+    """The order in which parts can be attached. Each part is tried again once its element exists.
 
     A part waits for the part that has its place, for an entry of `add` that makes it, or for the body that another
     attachment makes. Entries are carried out as late as possible, in the order of the parts.

@@ -111,7 +111,7 @@ def fuse(linking: Linking, unit: Unit, part: Part | None, found: Survey) -> set[
 
 
 def _make_frame(body: Node, frames: set[str]) -> None:
-    """Turn a body into a frame, which keeps its name if it is free, so that parts can still be attached there."""
+    """Turn a body into a frame, which keeps its name if it is free, so parts can still be attached there."""
     for child in own(body, "inertial", "plugin"):
         detach(child)
     body.tag = "frame"
@@ -177,7 +177,7 @@ def _report_flexcomp(linking: Linking, unit: Unit, body: Node, host: Node | None
 
 
 def _remove_mass(linking: Linking, unit: Unit, part: Part, bodies: list[Node]) -> None:
-    """Remove the mass of bodies that are fused with the world, so that the part adds no mass where it is attached."""
+    """Remove the mass of bodies that are fused with the world, so the part adds no mass at its place."""
     # MuJoCo gives the world no mass, whatever its geoms: `body_mass` of `<worldbody><geom size=".1"/></worldbody>` is
     # 0.
     heavy: list[Node] = []

@@ -28,7 +28,7 @@ from mjcompose.tree.grammar import GRAMMAR
 from mjcompose.tree.parse import above
 from mjcompose.tree.unit import Unit
 
-# Sections whose elements take a class but stand outside the body tree, where no childclass reaches them: MuJoCo 4.0
+# Sections whose elements take a class but are outside the body tree, beyond any childclass: MuJoCo 4.0
 # gives a `<motor joint="j"/>` gear 1 though the body of `j` has a childclass with `<motor gear="5"/>`.
 _CLASSED: Mapping[str, tuple[str, ...] | None] = {
     "asset": ("mesh", "material", "texture"),
@@ -41,7 +41,7 @@ _TREE = ("joint", "geom", "site", "camera", "light")
 
 
 def defaults(linking: Linking) -> None:
-    """Wrap the top classes, move all classes under the base's, and name the class of what has none."""
+    """Wrap the top classes, move all classes under the base's, and write the class of each element that has none."""
     base = linking.base
     for unit in linking.units:
         unit.forget_classes()
@@ -294,7 +294,7 @@ def _write(unit: Unit, actuator: Node, gain: Callable[[Classes, DefaultClass, st
     own = unit.classes.get(actuator.get("class"))
     alone, there = gain(unit.classes, own, tag), _found(unit.classes, own, tag)
     common = GRAMMAR.element("actuator/motor").attributes
-    # A `kv` beside the actuator's own `dampratio` would be an error: "kv and dampratio cannot both be defined" in
+    # A `kv` next to the actuator's own `dampratio` would be an error: "kv and dampratio cannot both be defined" in
     # MuJoCo 4.0.
     one_of = ("kv", "dampratio")
     excluded = one_of if any(actuator.get(name) is not None for name in one_of) else ()

@@ -37,8 +37,8 @@ Merged = Mapping[str, Mapping[str, str]]
 def dedup(model: Unit, uses: Sequence[FileUse], prefixes: Collection[str]) -> tuple[Merged, tuple[FileUse, ...]]:
     """Merge equal textures, materials, meshes and height fields. Return the merged names and the remaining files.
 
-    The first element stays. `prefixes` are those of all parts: two elements of the same part stay two. Reads files if
-    their paths do not show whether they are equal.
+    The first element stays. `prefixes` has the prefixes of all parts: two elements of the same part stay two. Reads
+    files if their paths do not show whether they are equal.
     """
     merged: dict[str, dict[str, str]] = {kind: {} for kind in KINDS}
     meanings = _Meanings(model, uses, merged)
@@ -50,7 +50,7 @@ def dedup(model: Unit, uses: Sequence[FileUse], prefixes: Collection[str]) -> tu
             if declared is None:
                 continue
             name = declared[1]
-            # The longest prefix: an asset of `arm/hand/` is not one of `arm/`.
+            # The longest prefix: an asset of `arm/hand/` does not belong to `arm/`.
             part = max((prefix for prefix in prefixes if name.startswith(prefix)), key=len, default="")
             alike = kept.setdefault(meanings.of(element), [])
             free = [each for each in alike if part not in each.parts]

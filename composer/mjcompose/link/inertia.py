@@ -25,7 +25,7 @@ from mjcompose.tree.files import Settings
 from mjcompose.tree.unit import Unit
 
 _DEFAULT = Settings()
-# Rules that change a whole model after its parts: only MuJoCo can say what they give.
+# Rules that change a whole model after its parts: only MuJoCo knows their result.
 # MuJoCo 4.0 gives an empty `<body/>` a mass of 3 under `boundmass="3"`, and makes moments of 1 1 5 three of 2.3333
 # under `balanceinertia`; `settotalmass` scales all bodies when everything else is done.
 MEASURED = ("balanceinertia", "boundmass", "boundinertia", "settotalmass")
@@ -203,7 +203,7 @@ def lengthranges(linking: Linking) -> None:
             if hanging and linking.measure is not None and _has_muscles(unit):
                 measured = linking.measure(unit, (name,)).get(name, [])
             if len(measured) != 2 * len(actuators):
-                continue  # MuJoCo made copies of actuators, whose ranges it computes anew
+                continue  # MuJoCo made copies of actuators, whose ranges it computes again
         elif actuators:
             kept = KeptSettings(linking, unit, ("lengthrange",))
             found = kept.survey((name,))

@@ -1,8 +1,8 @@
 """The layout of a key's numbers: joints depth first, actuators and mocap bodies in order.
 
-MuJoCo lays out `qpos` body by body, depth first in document order, a body's joints before its children; frames do
-not count. A `<replicate>` is laid out copy by copy. An element that only MuJoCo expands (`flexcomp`, `attach`) is one
-block; the joints in which a rod is twisted are another. `test_key_layout.py` compares all of this with MuJoCo.
+MuJoCo lays out `qpos` body by body, depth first in document order, a body's joints before its children; frames do not
+count. A `<replicate>` is laid out copy by copy. An element that only MuJoCo expands (`flexcomp`, `attach`) is one
+block. The joints in which a rod is twisted are another. `test_key_layout.py` compares all of this with MuJoCo.
 
 MuJoCo carries out the replicates one after another, inner ones first. Each replicate removes from their lists the
 tendons and actuators that refer to something inside it, and appends a copy of each for its first copy, then for its
@@ -150,7 +150,7 @@ def _declared(replicate: Node, made: dict[Node, list[Name]]) -> Iterator[Name]:
 
 
 def ends_of_copies(around: Sequence[Node]) -> dict[str, Within]:
-    """Return the copies that these replicates, innermost first, make of what is in them, by the ends of their names."""
+    """Return the copies that these replicates, innermost first, make of their content, by the ends of their names."""
     if not around:
         return {}
     copies = product(*(enumerate(suffixes(replicate)) for replicate in around))
@@ -161,7 +161,7 @@ def ends_of_copies(around: Sequence[Node]) -> dict[str, Within]:
 
 
 def names_of_copies(element: Node) -> list[str]:
-    """Return the names that MuJoCo gives to an element: its own, or those of its copies."""
+    """Return the names that MuJoCo gives to an element: its own name, or the names of its copies."""
     name = str(element.get("name") or "")
     ends = ends_of_copies(list(element.iterancestors("replicate")))
     return [name + end for end in ends or [""]] if name else []
@@ -275,7 +275,7 @@ _STATEFUL = ("intvelocity", "cylinder", "muscle", "dcmotor", "pid", "orientation
 
 
 def lay_out(unit: Unit, known: Mapping[Node, Slot]) -> Layout:
-    """Return the layout of a whole model. Raises `Unknown` for what neither the tree nor `known` gives."""
+    """Return the layout of a whole model. Raises `Unknown` for a width that neither the tree nor `known` gives."""
     layout = Layout()
     reader = _Reader(unit, known)
     for worldbody in unit.root.iterchildren("worldbody"):
@@ -284,8 +284,8 @@ def lay_out(unit: Unit, known: Mapping[Node, Slot]) -> Layout:
             reader.visit_world(worldbody, layout)
         else:
             layout.joints.update([(joint, known.get(joint) or reader.joint(joint)) for joint in joints])
-        # Only a child of the world is a mocap body, and a frame or a replicate may stand between: of a deeper one
-        # MuJoCo 4.0 says "not a fixed child of world".
+        # Only a child of the world is a mocap body, even through a frame or a replicate. For a deeper body MuJoCo 4.0
+        # says "not a fixed child of world".
         layout.mocaps.update(reader.mocaps(worldbody, ()))
     layout.actuators = {
         holder: known.get(each := element_of(holder)) or reader.actuator(each)
@@ -302,7 +302,7 @@ def lay_out(unit: Unit, known: Mapping[Node, Slot]) -> Layout:
 
 def _plain_joints(worldbody: Node) -> list[Node] | None:
     """Return the joints if they are in the order of their bodies and no other element matters, else None."""
-    # The joints of a body come before those of its children, wherever they are written: in MuJoCo 4.0
+    # The joints of a body come before its children's joints, wherever they are written: in MuJoCo 4.0
     # `<body><body><joint name="in"/>…</body><joint name="out"/></body>` has `out` first.
     joints: list[Node] = []
     body = worldbody
@@ -345,9 +345,9 @@ class _Reader:
     def visit_world(self, worldbody: Node, layout: Layout) -> None:
         """Lay out the bodies of the world, each followed by the twists of the rods in it."""
         # MuJoCo 4.0 puts the bodies that a rod is twisted in last into the world, as it reads the rod: `<body
-        # name="a"><flexcomp name="rod" …/><body name="b"/></body><body name="c"/>` becomes a, rod_0, …, b,
-        # rod_twist_0, …, rod_twist, c. What it reads in a `<replicate>` of the world is in the world only when all of
-        # it is read, so that they come first there. Either way there is one set of them, not one for each copy.
+        # name="a"><flexcomp name="rod" …/><body name="b"/></body><body name="c"/>` becomes a, rod_0, …, b, rod_twist_0,
+        # …, rod_twist, c. The content of a `<replicate>` of the world is in the world only when MuJoCo has read all of
+        # it, so they come first there. Either way there is one set of them, not one for each copy.
         for child in through_frames(worldbody):
             inside, twists = Layout(), Layout()
             self._inner(child, (), inside, twists=twists)
@@ -363,7 +363,7 @@ class _Reader:
                 layout.joints[_copy(child, within)] = self.known.get(child) or self.joint(child)
             elif child.tag in ("body", "replicate", *BLOCKS):
                 inner.append(child)
-        # A body's own joints come before those of its children, even if they are written later: in MuJoCo 4.0
+        # A body's own joints come before its children's joints, even if they are written later: in MuJoCo 4.0
         # `<body><body><joint name="inner"/></body><joint name="outer"/></body>` has `outer` at qpos 0.
         for child in inner:
             self._inner(child, within, layout, twists=twists)
@@ -388,7 +388,7 @@ class _Reader:
         return _JOINTS["free" if joint.tag == "freejoint" else joint.get("type") or "hinge"]
 
     def mocaps(self, holder: Node, within: Within) -> Iterator[tuple[Holder, int]]:
-        """Yield the mocap bodies directly in the world, or in a replicate there, and what brings some."""
+        """Yield the mocap bodies directly in the world, or in a replicate there, and the elements that bring some."""
         for child in through_frames(holder):
             if child.tag == "replicate":
                 for number in range(copies_of(child)):

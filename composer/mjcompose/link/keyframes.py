@@ -305,7 +305,7 @@ def _warn_of_lost(linking: Linking, key: Key, reference: Reference) -> None:
 
 
 def _merged_keys(linking: Linking) -> dict[str, Key]:
-    """Return the keys of the base, then of the parts, with equal names joined, and then those of the recipe.
+    """Return the keys of the base, then of the parts, with equal names joined, and then the recipe's keys.
 
     A key of the recipe replaces the keys with its name.
     """
@@ -402,7 +402,7 @@ def _check_attached(linking: Linking) -> None:
 
 
 def _check_kept(linking: Linking) -> None:
-    """Report attributes of keys that cannot be laid out anew."""
+    """Report attributes of keys that cannot be laid out again."""
     for part in (None, *linking.parts):
         unit = linking.base if part is None else part.unit
         for key in keys_of(unit) if _policy(linking, part) != "none" else ():

@@ -134,7 +134,7 @@ def _pass(
 #   and `files` gives its files other paths.
 # - `layouts` counts a `<replicate>` as one block, so `replicates` must have written out those that cannot stay. It
 #   finds them by the names, the angles and the sequence of their own file.
-# - `body_reduction` settles the mass of what it fuses, by the rules that `inertia` would apply once more; it also takes
+# - `body_reduction` settles the mass of fused bodies, by the rules that `inertia` would apply once more; it also takes
 #   settings out of the classes, so the base's top class may set nothing any more (`choose_classes`).
 # - `submodels` gives a name to the models that have none, `names` puts the prefix before it.
 # - `defaults` writes names of classes that are final: `names` would prefix them again.
@@ -294,7 +294,7 @@ def link_alone(linking: Linking) -> None:
 
 
 def finish(linking: Linking) -> None:
-    """Run what must wait until nothing more is added to the model."""
+    """Run the passes that must wait until nothing more is added to the model."""
     for row in FINISHING:
         row.run(linking)
         linking.watch(linking.units, row.run)

@@ -26,14 +26,14 @@ Policy = Literal["error", "base", "mujoco"]
 
 @dataclass(frozen=True, slots=True)
 class Request:
-    """How to join the parts, and what the recipe will do to the model afterwards.
+    """How to join the parts, and the recipe's later changes of the model.
 
     `separator` goes between a prefix and a name. `conflict` is the policy for options on which two units disagree,
     and `overridden_options` holds the option paths (`option/cone`) that the recipe sets itself: they cannot
     conflict. `base_keyframes` is the policy for the keys of the base. `requested_keys` holds the paths of the parts
     whose keys the recipe uses in keys of its own; it is None if the recipe writes no key.
 
-    The other fields describe what the recipe adds once the parts are joined. `isolated_tags` are the tags for which
+    The other fields describe the recipe's additions to the joined parts. `isolated_tags` are the tags for which
     it sets the top default class of the base; these defaults must not reach the parts. `adds_mass` is set if it
     adds elements that the base's rules for a whole model (`settotalmass`) would reach.
     """
@@ -52,8 +52,8 @@ class AttachmentPlace:
     """The place where a part is attached: an element of the model, by its final name, and an offset in its frame.
 
     `offset` holds the attributes of a `<frame>`: `pos` in meters, `quat`. `written` has the places of these in the
-    recipe. If `computed` is set, the value was computed for the key `mate` or `replicate`, and the place is that of
-    this key.
+    recipe. If `computed` is set, the value was computed for the key `mate` or `replicate`, and the place is the place
+    of this key.
     """
 
     kind: Literal["world", "body", "site", "frame"] = "world"
@@ -75,9 +75,9 @@ class Joint:
 
 @dataclass(frozen=True, slots=True)
 class Sense:
-    """A body between a place and a part, with a site and sensors of what the body carries.
+    """A body between a place and a part, with a site and sensors of the load that the body carries.
 
-    `name` is that of the body and of the site, `sensors` has the tag and the name of each, all of them final names.
+    `name` is the name of the body and of the site, `sensors` has the tag and the name of each, all of them final names.
     `cutoff` is "" for none, and `span` the place in the recipe.
     """
 
@@ -91,10 +91,10 @@ class Sense:
 class Part:
     """A unit, the prefix of its names (including the separator), and how it is attached to the model.
 
-    `content` is the element of the model that holds the part's world once the part is attached. `by_itself` is set
-    if the part brings its own free joint or is a mocap body; it is then attached to the world, wherever its place
-    is. `key` is its key in the recipe. `outward` has the final names of what the part refers to outside of itself, by
-    the text of the reference.
+    `content` is the element of the model that holds the part's world once the part is attached. `by_itself` is set if
+    the part brings its own free joint or is a mocap body; it is then attached to the world, wherever its place is.
+    `key` is its key in the recipe. `outward` has the final names of the elements that the part refers to outside of
+    itself, by the text of the reference.
     """
 
     unit: Unit
@@ -131,7 +131,7 @@ class Part:
 
     @property
     def floats(self) -> bool:
-        """Whether the part moves freely, so that it can only be in the world."""
+        """Whether the part moves freely and can therefore only be in the world."""
         return self.by_itself or self.mocap or any(joint.tag == "freejoint" for joint in self.joints)
 
 
@@ -170,13 +170,13 @@ class MemoryRequest(NamedTuple):
 class Notes:
     """The findings of the passes so far.
 
-    `aligned`: the model has `alignfree`. `floating` and `planes` must not end up below a body that moves. `flexes`
-    are in the world of their units; `main_joint` are the joint settings that the model's top class keeps for them.
+    `aligned`: the model has `alignfree`. `floating` and `planes` must not end up below a body that moves. `flexes` are
+    in the world of their units; `main_joint` are the joint settings that the model's top class keeps for them.
     `replicates` has the unit of each `<replicate>`, `copied` the element that each one of a written-out replicate is a
-    copy of, and the number of the copy. `inertia_written` are the bodies whose inertia is explicit, so
-    that elements added to them add no mass. `drawn` holds the values drawn for an element, by field. `memory` are
-    the requests of the sources, if MuJoCo may need more memory. `attached` are the models that MuJoCo attaches, by
-    their `<model>`. `nameless` are bodies whose name is only for the linker.
+    copy of, and the number of the copy. `inertia_written` are the bodies whose inertia is explicit, so elements added
+    to them add no mass. `drawn` holds the values drawn for an element, by field. `memory` are the requests of the
+    sources, if MuJoCo may need more memory. `attached` are the models that MuJoCo attaches, by their `<model>`.
+    `nameless` are bodies whose name is only for the linker.
     """
 
     aligned: bool = False
@@ -195,10 +195,10 @@ class Notes:
 
 @dataclass(eq=False, slots=True)
 class WrittenKey:
-    """A key that a recipe writes: the keys that it takes over, its entries by vector, and what is to hold the pose.
+    """A key that a recipe writes: the keys that it takes over, its entries by vector, and its holding controls.
 
-    With `forces`, the controls that hold also balance what acts on the model there. `void` is what edits have made
-    meaningless before.
+    With `forces`, the controls that hold also balance the forces on the model there. `void` has the elements whose
+    values earlier edits have made meaningless.
     """
 
     taken: tuple[Node, ...]
@@ -212,20 +212,20 @@ class WrittenKey:
 class KeyTable:
     """The keys of the units and their layouts.
 
-    Where keys come from: `own` holds those of the base (under None) and of each part. `by_part` holds those of
-    every part by path, including the parts of parts, and those of the base under `base`. Until `part_keys.py`
-    splits the keys, `own` is empty and `by_part` is None. `written` are the keys of the recipe, `replaced` the keys
-    of parts that these replace, by name. `attached` are the models that MuJoCo attaches to parts and whose keys
-    contain poses in the world.
+    Where keys come from: `own` holds the keys of the base (under None) and of each part. `by_part` holds the keys of
+    every part by path, including the parts of parts, and the base's keys under `base`. Until `part_keys.py` splits the
+    keys, `own` is empty and `by_part` is None. `written` are the keys of the recipe, `replaced` the keys of parts that
+    these replace, by name. `attached` are the models that MuJoCo attaches to parts and whose keys contain poses in the
+    world.
 
-    How they are laid out: `base_layout` is the layout of the base alone, `final_layout` that of the finished model;
-    each part has its own. `measured` has the widths that only MuJoCo knows, `references` and `mocap_references` the
-    reference configuration that only MuJoCo knows.
+    How they are laid out: `base_layout` is the layout of the base alone, `final_layout` the layout of the finished
+    model; each part has its own. `measured` has the widths that only MuJoCo knows, `references` and `mocap_references`
+    the reference configuration that only MuJoCo knows.
 
-    How edits of the joined model affect keys: `edited` is set if there may be edits, `reshaped` are the elements
-    whose number of values may have changed, `shapes` has what decided the vertices of each `<flexcomp>`, and
+    How edits of the joined model affect keys: `edited` is set if there may be edits, `reshaped` are the elements whose
+    number of values may have changed, `shapes` has the attributes that decided the vertices of each `<flexcomp>`, and
     `void_keys` are the elements whose values in keys have become meaningless. `edited_keys` are keys whose numbers
-    edits or draws have changed, and `noted` is what the recipe writes into its own keys, by their elements.
+    edits or draws have changed, and `noted` has the values that the recipe writes into its own keys, by their elements.
     """
 
     own: dict[Part | None, tuple[Key, ...]] = field(default_factory=dict)
@@ -259,11 +259,11 @@ class LaterPlaces(Protocol):
     """Places that the recipe adds and that parts may be attached to."""
 
     def make(self, kind: str, name: str) -> Iterable[tuple[str, str]]:
-        """Add a place now. Return what now exists: nothing if the recipe does not add it, or not yet."""
+        """Add a place now. Return the new elements: none if the recipe does not add the place, or not yet."""
         ...
 
     def waits_for(self, kind: str, name: str) -> tuple[str, str] | None:
-        """Return what has to be in the model before a place can be added, or None if the recipe does not add it."""
+        """Return the element that a place needs before it can be added, or None if the recipe does not add it."""
         ...
 
     def names(self) -> list[tuple[str, str]]:
@@ -271,7 +271,7 @@ class LaterPlaces(Protocol):
         ...
 
     def target_of(self, kind: str, name: str) -> tuple[str, Span] | None:
-        """Return what a place is added to and where its name is written, or None if the recipe does not add it."""
+        """Return the owner of a place and where the owner's name is written, or None if the recipe does not add it."""
         ...
 
 

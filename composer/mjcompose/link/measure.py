@@ -54,7 +54,7 @@ _SIZES = ("nq", "nv", "narena")
 def measure_with(
     context: Context, limits: engine.Limits | None = None, session: engine.Session | None = None
 ) -> Measure:
-    """Return a function that compiles a unit alone. If this fails, the error goes to the sink and the result is empty.
+    """Return a function that compiles a unit alone. If this fails, the function reports the error and returns nothing.
 
     With a `session`, its process compiles, under its own limits.
     """
@@ -178,7 +178,7 @@ def flexible_widths(linking: Linking, unit: Unit) -> dict[Node, Slot] | None:
 
 
 def attached_slots(linking: Linking, unit: Unit) -> dict[Node, Slot]:
-    """Measure what each `<attach>` adds, alone in an empty world. `linking.keys.measured` caches the results."""
+    """Measure the additions of each `<attach>`, alone in an empty world. `linking.keys.measured` caches the results."""
     found: dict[Node, Slot] = {}
     for attach in unit.root.iter("attach"):
         slot = linking.keys.measured.get(attach) or _measured_attach(linking, unit, attach)
@@ -204,7 +204,7 @@ def _flex_alone(unit: Unit, flex: Node) -> Unit:
     name = flex.get("mesh")
     meshes = unit.root.iterfind("asset/mesh") if name else ()
     alone = _alone(unit, flex, (mesh for mesh in meshes if declaration(mesh, "asset") == ("mesh", name)))
-    # These change no number of joints, and the model does not have what they name.
+    # These change no number of joints, and the model lacks the elements that they name.
     for element in alone.root.iterfind("*/*"):
         for attribute in ("material", "class"):
             element.attrib.pop(attribute, "")
@@ -444,7 +444,7 @@ class Reference:
             width, given = slot.widths[second], found(holder)
             element = element_of(holder)
             if given is None or len(given) != width or element in void:
-                # Of actuators `convert` says what is lost.
+                # `convert` reports the losses of actuators.
                 if vector in ("qpos", "qvel") and given and any(numbers.read(" ".join(texts(given)))):
                     self.lost.append((vector, element))
                 default = self._qpos(holder, slot) if vector == "qpos" else ["0"] * width
@@ -485,7 +485,7 @@ class Reference:
         if measured is not None:
             return measured
         joint = element_of(holder)
-        # A free joint starts where its body stands in the world: in `<frame pos="1 0 0">` at 1 0 0 1 0 0 0.
+        # A free joint starts at its body's place in the world: in `<frame pos="1 0 0">` at 1 0 0 1 0 0 0.
         if slot.kind == "free" and (body := next(joint.iterancestors("body"), None)) is not None:
             pose = self._pose(body)
             return numbers.text([*pose.pos, *pose.quat]).split()
@@ -510,7 +510,7 @@ class Reference:
 
 
 def without_void(values: Mapping[str, dict[Holder, list[Number]]], void: Collection[Node]) -> None:
-    """Empty the numbers of a key that an edit has made meaningless, and note what they were."""
+    """Empty the numbers of a key that an edit has made meaningless, and note the old values."""
     for vector, columns in values.items():
         for holder, row in columns.items():
             if element_of(holder) in void:

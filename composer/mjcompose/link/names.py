@@ -79,7 +79,7 @@ class _UnitRenaming:
             self._report_clashes(part, clashes)
 
     def _declare(self, found: UnitNames) -> Iterator[_Clash]:
-        """Add the unit's names to those of the model, and yield the names that the model already has."""
+        """Add the unit's names to the model's names, and yield the names that the model already has."""
         known = self.linking.names.declared
         for namespace, declared in sorted(found.declared.items()):
             earlier = known.setdefault(namespace, declared) if declared else declared
@@ -192,7 +192,7 @@ _NAMED_BY_FILE = -1
 def _actions(section: str) -> dict[str, dict[str, tuple[int, str]]]:
     """Return the naming table of a section, with the files that MuJoCo names elements after."""
     # All actuators share a namespace, joints and free joints do, frames and bodies do not. MuJoCo 4.0 calls
-    # `<freejoint name="j"/>` beside `<joint name="j"/>` a repeated name.
+    # `<freejoint name="j"/>` next to `<joint name="j"/>` a repeated name.
     by_file = NAMED_AFTER_FILE if section in ("asset", "deformable") else ()
     return {
         tag: {**actions, "file": (_NAMED_BY_FILE, tag)} if tag in by_file else dict(actions)
@@ -201,7 +201,7 @@ def _actions(section: str) -> dict[str, dict[str, tuple[int, str]]]:
 
 
 def rename(unit: Unit, prefix: str, *, top_class: str, outward: Mapping[str, str] = _NOTHING) -> UnitNames:
-    """Prefix the names of a unit in place, and return its names; `outward` is that of a part.
+    """Prefix the names of a unit in place, and return its names; `outward` belongs to a part.
 
     This is the only walk over every element of every part: an attribute without a name costs one look-up in a
     dictionary.
@@ -214,7 +214,7 @@ def rename(unit: Unit, prefix: str, *, top_class: str, outward: Mapping[str, str
         if "prefix" not in composite.attrib:
             composite.set("prefix", prefix)
     # No element declares these two. `world` is always the whole model's, and nothing else may have the name: `<body
-    # name="world"/>` is a repeated name in MuJoCo 4.0. `main` is that of the unit, which is wrapped.
+    # name="world"/>` is a repeated name in MuJoCo 4.0. `main` is the unit's top class, which is wrapped.
     names = renamer.names
     for namespace, reserved, final in (("body", WORLD, WORLD), ("default", MAIN, top_class)):
         name = prefix + reserved

@@ -143,7 +143,7 @@ def replicates(linking: Linking) -> None:
 
 
 def spare_added(linking: Linking) -> None:
-    """Write out the replicates of the finished model that would multiply what the recipe adds; report the others."""
+    """Write out the replicates of the finished model that would multiply the recipe's additions; report the others."""
     base = linking.base
     nests = list(_outermost(base))
     added = (
@@ -212,7 +212,7 @@ def _outermost(unit: Unit) -> Iterator[Node]:
 def _turns_otherwise(linking: Linking, unit: Unit, replicate: Node) -> bool:
     """Return whether a replicate turns about several axes in another sequence than the model's, or rounds otherwise.
 
-    It rounds otherwise if a multiple of its angles in radians differs in any bit from that of its angles in degrees.
+    It rounds otherwise if a multiple of its angles in radians differs in any bit from the same multiple in degrees.
     """
     turning = [angle for angle in numbers.read(str(replicate.get("euler") or "")) if angle]
     if len(turning) > 1 and unit.settings.eulerseq != linking.base.settings.eulerseq:
@@ -292,7 +292,8 @@ def _write_out(linking: Linking, unit: Unit, replicate: Node) -> None:
             # As a quaternion, since the model may read `euler` in another sequence, or in radians.
             made.set("pos", numbers.text(pose.pos))
             made.set("quat", numbers.text(pose.quat))
-        # In MuJoCo 4.0 the `childclass` of a `<replicate>` counts for its contents, as that of a `<frame>` does.
+        # In MuJoCo 4.0 the `childclass` of a `<replicate>` counts for its contents, like the `childclass` of a
+        # `<frame>`.
         if replicate.get("childclass"):
             made.set("childclass", str(replicate.get("childclass")))
         for node in made.iterdescendants("*"):

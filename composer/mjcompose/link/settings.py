@@ -8,7 +8,7 @@ cannot take, the model keeps `alignfree` and all other free joints opt out.
 Pass: memory for the simulation. A source's request is for that source alone, not for the whole model.
 
 Without a request, MuJoCo chooses the memory by the size of the model. A source's request would apply to the whole
-model: with `memory="1M"` from a lamp beside 300 boxes, MuJoCo 4.0 drops contacts, and boxes fall through the floor.
+model: with `memory="1M"` from a lamp next to 300 boxes, MuJoCo 4.0 drops contacts, and boxes fall through the floor.
 `njmax`, `nconmax` and `nstack` are older ways to set the same amount.
 """
 
@@ -112,7 +112,7 @@ def compiler(linking: Linking) -> None:
     root = linking.base.root
     first = next(root.iterchildren("*"), None)
     at = root.index(first) if first is not None and first.tag == "compiler" else None
-    # Of several `<compiler>` the last one counts, for elements above it, too: in MuJoCo 4.0 `<joint ref="90"/>` between
+    # The last `<compiler>` counts, even for elements above it: in MuJoCo 4.0 `<joint ref="90"/>` between
     # `<compiler angle="radian"/>` and `<compiler angle="degree"/>` has a reference of 1.5708.
     settings = list(root.iterchildren("compiler"))
     written = {str(name): str(value) for element in settings for name, value in element.items()}
@@ -171,7 +171,7 @@ def merge_sizes(linking: Linking) -> None:
             for name, value in section.items():
                 _enlarge(linking, str(name), str(value))
     sizes = list(linking.base.root.iterchildren("size"))
-    # MuJoCo 4.0 refuses `<size nuser_geom="1"/>` beside `<geom user="1 2"/>` ("more values than nuser_geom"); without
+    # MuJoCo 4.0 refuses `<size nuser_geom="1"/>` next to `<geom user="1 2"/>` ("more values than nuser_geom"); without
     # a written width it takes the widest.
     for size in sizes:
         for name, value in size.items():

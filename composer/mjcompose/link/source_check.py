@@ -1,8 +1,8 @@
 """Check that a model file is valid MJCF, because linking can hide errors that MuJoCo would report.
 
-Sections of settings are joined, a part's root is unwrapped, and options give way to those of the recipe. Inside
+Sections of settings are joined, a part's root is unwrapped, and options give way to the recipe's options. Inside
 `<frame>` and `<replicate>`, where parts are attached, MuJoCo's reader ignores unknown elements and attributes (4.0:
-`<frame><geom mode="x" size="1"/></frame>` compiles, `<geom mode="x" size="1"/>` does not). What MuJoCo ignores in
+`<frame><geom mode="x" size="1"/></frame>` compiles, `<geom mode="x" size="1"/>` does not). Text that MuJoCo ignores in
 the file itself is not an error here: `tree/ignored.py` reports it as a warning.
 
 The check takes longer than parsing and linking a file (2 ms for 250 elements, against 1.7 ms). Verified builds run
@@ -105,7 +105,7 @@ def check_source(unit: Unit, sink: Sink) -> bool:
 
 
 def repair(unit: Unit) -> None:
-    """Remove what MJCF does not have, and replace the values of malformed attributes by arbitrary valid ones."""
+    """Remove unknown elements and attributes; replace the values of malformed attributes by arbitrary valid ones."""
     for fault in list(_faults(unit.root)):
         fault.repair()
 

@@ -74,7 +74,7 @@ _BESIDES = frozenset({"visual/global/realtime", "visual/map/znear", "visual/map/
 
 
 def submodel_options(linking: Linking) -> None:
-    """Write the options that every such unit has alone. MuJoCo itself merges those of a model of one unit."""
+    """Write the options that every such unit has alone. MuJoCo itself merges the options of a model of one unit."""
     for unit in linking.units if linking.parts else ():
         _adopt_options(unit)
 
@@ -287,7 +287,7 @@ class _Bundler:
             if model_file:
                 self.bundle(sub, nested, model_file, folder=f"{path}/models", above=above)
                 nested.set("file", f"{beside}/models/" + str(nested.get("file")).rsplit("/", 1)[-1])
-        # Its files are named from where it stands now: MuJoCo would put the folders in front of that once more.
+        # Its files are already named from its present place: MuJoCo would put the folders in front of that once more.
         for compiler in sub.root.iterchildren("compiler"):
             for name in FOLDERS:
                 compiler.attrib.pop(name, "")
@@ -318,7 +318,7 @@ def parse_held(unit: Unit, file: str, data: bytes, sink: Sink) -> Unit | None:
 
 
 def door_of_submodel(unit: Unit, path: Path, known: bytes | Path | None) -> Door:
-    """Return what a sub-model may read: the same as the model, and for one that a recipe names also its own folder."""
+    """Return the files that a sub-model may read: the model's, and those in its own folder if a recipe names it."""
     return unit.door if known is None else unit.door.wider((path.parent,))
 
 

@@ -280,7 +280,7 @@ def take_subtree(
     keyframes: KeyPolicy = "merge",
     measure: Measure | None = None,
 ) -> Subtree | None:
-    """Keep the body `name` of `unit` and the elements that it needs. Return None after errors in `sink`.
+    """Keep the body `name` of `unit` and the elements that it needs. Return None after errors, which are reported.
 
     The body keeps its pose relative to its parent, which becomes the world. Elements that also refer outside of the
     body are dropped. `measure` gets the values of the whole unit that only MuJoCo knows.

@@ -84,8 +84,8 @@ class BareModel:
 class KeyNotes:
     """Notes about the keys of a composition.
 
-    `sources` has the bare models by the root of the tree that they are in; `written` the keys of recipes; `edited`
-    those with numbers that edits or draws change; `copied` the elements that a replicate which is written out
+    `sources` has the bare models by the root of the tree that they are in. `written` has the keys of recipes, `edited`
+    the keys with numbers that edits or draws change, `copied` the elements that a replicate which is written out
     becomes, each with its origin.
     """
 
@@ -95,12 +95,12 @@ class KeyNotes:
     copied: dict[Node, tuple[Node, tuple[Node, int]]] = field(default_factory=dict)
 
     def note_source(self, unit: Unit) -> None:
-        """Note what the keys of a source mean, as it is in its file."""
+        """Note the meaning of a source's keys, as its file has them."""
         if keys_of(unit) and (found := bare_model(unit)) is not None:
             self.sources[unit.root] = [found]
 
     def note_joined(self, linking: Linking) -> None:
-        """Note that the parts have become part of the base, where their places move what is in the world."""
+        """Note that the parts have become part of the base, where their places move the elements of the world."""
         joined = self.sources.setdefault(linking.base.root, [])
         for part in linking.parts:
             found = self.sources.pop(part.unit.root, [])
@@ -111,7 +111,7 @@ class KeyNotes:
         self.copied |= linking.notes.copied
 
     def note_written(self, linking: Linking) -> None:
-        """Note what a recipe has written into keys, and has edited in them."""
+        """Note the values that a recipe has written into keys or edited there."""
         self.written |= linking.keys.noted
         self.edited |= linking.keys.edited_keys
         self.copied |= linking.notes.copied
@@ -425,7 +425,7 @@ def measure_references_again(linking: Linking, layout: Layout) -> None:
 
 
 def _measure_again(linking: Linking, known: Mapping[Node, Slot], unknown: Unknown | None) -> Layout | None:
-    """Measure what the recipe has added or changed, on the finished model without its keys."""
+    """Measure the recipe's additions and changes, on the finished model without its keys."""
     unit = linking.flat()
     # MuJoCo refuses keys whose rows do not fit the model any more.
     sections = list(unit.root.iterchildren("keyframe"))

@@ -1,4 +1,4 @@
-"""Passes: what a part has in the world, and the sections outside of the body tree."""
+"""Passes: the part's elements in the world, and its sections outside of the body tree."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def roots(linking: Linking) -> None:
 
 def check_roots(linking: Linking) -> None:
     """Refuse free joints, mocap bodies and planes below a body. Frames of the world are not bodies."""
-    # MuJoCo 4.0: "free joint can only be used on top level". A frame of the world is no body:
+    # MuJoCo 4.0: "free joint can only be used on top level". A frame of the world does not count as a body:
     # `<frame><body><freejoint/>…` is right, and so is a mocap body there.
     for floating in linking.notes.floating:
         if next(floating.body.iterancestors("body"), None) is not None:
@@ -69,7 +69,7 @@ def check_roots(linking: Linking) -> None:
 def floats_by_itself(unit: Unit, *, mocap: bool = False) -> bool:
     """Return whether a unit is a single body with a free joint, or with `mocap` a single mocap body.
 
-    Such a part needs no other body around it to stand freely in the world.
+    Such a part needs no other body around it to be free in the world.
     """
     top = list(_top_level(unit.root))
     if len(top) != 1 or top[0].tag != "body":
@@ -179,7 +179,7 @@ def worlds(linking: Linking) -> None:
 class _MovedWorld(NamedTuple):
     """A part, the pose of its world in the body or the world that holds it, and a `<replicate>` between the two.
 
-    `name` is that of the body, "" if it has none.
+    `name` is the body's name, "" if it has none.
     """
 
     part: Part
@@ -190,7 +190,7 @@ class _MovedWorld(NamedTuple):
 
 
 def _rename_world(linking: Linking, hung: _MovedWorld) -> None:
-    """Change every reference to the world outside the body tree, and what equalities measure in it."""
+    """Change every reference to the world outside the body tree, and in it the anchors of equalities."""
     refused: list[Node] = []
     for section in hung.part.unit.root.iterchildren(*_APPENDED):
         naming: dict[Node, list[tuple[Node, str]]] = {}
@@ -233,7 +233,7 @@ def _refuse(linking: Linking, hung: _MovedWorld, found: list[Node]) -> None:
 
 
 def _carry_constraint(element: Node, side: str, hung: _MovedWorld) -> None:
-    """Move what a `connect` or a `weld` measures in the part's world into the frame of the body that holds the part."""
+    """Move the anchors of a `connect` or a `weld` from the part's world into the frame of the part's parent."""
     pose = hung.pose
     element.set(side, hung.name)
     if element.tag == "connect":
@@ -288,7 +288,7 @@ def _check_attached(linking: Linking, hung: _MovedWorld) -> None:
 
 
 def _check_targets(linking: Linking, hung: _MovedWorld) -> None:
-    """Warn of cameras and lights that look at the world's origin, which no longer is that of the part."""
+    """Warn of cameras and lights that look at the world's origin, which no longer is the part's origin."""
     assert hung.part.content is not None
     for element in hung.part.content.iter("camera", "light"):
         if element.get("target") != WORLD:
@@ -316,7 +316,7 @@ def _check_free_motors(linking: Linking, hung: _MovedWorld, degrees: bool, seque
             continue
         gear = numbers.read(str(text_in_effect(actuator, kind, "gear", classes=unit.classes) or "1"))
         push, twist = ([*gear, *[0.0] * 6][at : at + 3] for at in (0, 3))
-        # MuJoCo 4.0 turns a free body about its own axes, or about those of the world with `jointinparent`.
+        # MuJoCo 4.0 turns a free body about its own axes, or about the world's axes with `jointinparent`.
         along = [push, twist] if actuator.get("jointinparent") else [push]
         if any(math.dist(rotate(turn, each), each) > _SAME * max(map(abs, each)) for each in along if any(each)):
             what = f"pushes along the axes of the world, which is another way for `{hung.part.called}`: it is turned"
@@ -325,7 +325,7 @@ def _check_free_motors(linking: Linking, hung: _MovedWorld, degrees: bool, seque
 
 
 def _check_flexes(linking: Linking, hung: _MovedWorld) -> None:
-    """Warn of flexes in the world of a moved part that MuJoCo lays out by axes or the origin of what holds the part.
+    """Warn of flexes in the world of a moved part that MuJoCo lays out by axes or the origin of the part's parent.
 
     MuJoCo 4.0 moves the vertices with the frame around the flex, and makes slides and nodes of them afterwards. Three
     slides for each vertex (`full`) are the same flex on every axes.
@@ -360,7 +360,7 @@ def sections(linking: Linking) -> None:
             if tag == "extension":
                 _extension(linking, part, section)
             elif tag in _APPENDED and next(section.iterchildren("*"), None) is not None:
-                # MuJoCo reads several sections of one tag as one, so that it does not matter into which it goes.
+                # MuJoCo reads several sections of one tag as one, so any of them can receive it.
                 target = linking.base.section(tag)
                 elements = [*above(section, part.unit.header), *section]
                 owner = part.unit.origins.owner(section, part.unit.file)

@@ -123,7 +123,7 @@ def skins_after_renaming(model: Model, old: str, new: str, *, is_prefix: bool = 
 
 
 def add_files(model: Model, files: Mapping[str, bytes | Path]) -> None:
-    """Add files to those of a model that are not at their written paths."""
+    """Add files to a model's files that are not at their written paths."""
     known = model.unit.contents
     model.unit.contents = (known if isinstance(known, Files) else Files(known)).with_files(files)
 
@@ -139,7 +139,7 @@ class Owner(Protocol):
 class LiveArray(np.ndarray[Any, Any]):
     """The value of an attribute with several numbers.
 
-    Assigned items, and `+=` and the like, are set on the element and checked like any value; an error is an
+    Assigned items, and `+=` and the like, are set on the element and checked like any value. An error is an
     `MjcfError` and changes nothing. Results computed from it, and its copies, are plain arrays. It has the numbers
     of the time it was read; slices of it (`pos[:2]`) are read-only.
     """
@@ -226,8 +226,8 @@ for _name in ("add", "sub", "mul", "truediv", "floordiv", "mod", "pow"):
 class Asset:
     """A file that a model needs.
 
-    `path` is where it was read from, None for bytes in memory; `prefix` is the stem of its file name; `extension`
-    is its suffix with the dot, as written. Any `file` attribute accepts an `Asset(data, '.stl')`.
+    `path` is where it was read from, None for bytes in memory. `prefix` is the stem of its file name, `extension` its
+    suffix with the dot, as written. Any `file` attribute accepts an `Asset(data, '.stl')`.
 
     >>> asset = Asset(b'...', '.png', 'wood')
     >>> asset.path, asset.prefix, asset.extension, asset.contents, asset.bundle_path
@@ -371,6 +371,6 @@ def place_asset(model: Model, tag: str, asset: Asset, contents: dict[str, bytes 
 
 
 def _written(model: Model, tag: str, name: str) -> str:
-    if tag == "model":  # MuJoCo looks for it beside the main file
+    if tag == "model":  # MuJoCo looks for it next to the main file
         return join("", name)
     return written_path(read_settings(model.unit.root), etree.Element(tag), name)

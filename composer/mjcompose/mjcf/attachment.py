@@ -29,7 +29,7 @@ class AttachmentFrame(Element):
     It belongs to the parent. Its `pos` and orientation are the offset from the place of attachment (meters,
     and the parent's unit of angle). `add('joint', …)` lets the child move. A joint called `name` is
     `PREFIX/name` in the output, one without a name is `PREFIX/`. With a free joint, or as a `mocap` body,
-    the child stands in the world at the pose that the place has in the reference configuration. Without any
+    the child is in the world at the pose that the place has in the reference configuration. Without any
     of these no body is written.
     """
 

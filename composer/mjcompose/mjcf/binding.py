@@ -24,10 +24,10 @@ from mjcompose.mujoco.addresses import RUNS, Run
 from mjcompose.mujoco.attributes import KINDS, Model
 from mjcompose.tree.values import shorten
 
-# A short name is that of the first: `solref` of a joint is `jnt_solref` and the other one is `dof_solref`.
+# A short name belongs to the first array: `solref` of a joint is `jnt_solref` and the other one is `dof_solref`.
 _MORE_WORDS = {"joint": ("dof",), "tendon": ("ten",), "skin": ("skin",), "flex": ("flexedge", "flexvert")}
 _ALIASES = {"sensor": {"data": "sensordata"}}
-# Lists of indices, and rows that are dealt out anew in every step: no row of an element.
+# Lists of indices, and rows that MuJoCo assigns again in every step: no row of an element.
 _NO_ROWS = frozenset({"body_awake_ind", "parent_awake_ind", "dof_awake_ind", "wrap_obj", "wrap_xpos"})
 
 
@@ -65,7 +65,7 @@ def _arrays() -> tuple[Field, ...]:
     for name in ("mjModel", "mjData"):
         struct: Any = STRUCTS[name]
         for field in struct.fields:
-            if field.name == "contact":  # from here on MuJoCo makes the arrays of mjData anew in every step
+            if field.name == "contact":  # from here on MuJoCo makes the arrays of mjData again in every step
                 break
             extent = getattr(field, "array_extent", None)
             # Python returns text as bytes and not as a view.
@@ -105,7 +105,7 @@ def number_columns(columns: Any, known: Sequence[str]) -> Any:
 
 Release = Callable[[Model, str, NDArray[np.intp]], None]
 
-# mjtSameFrame: geoms and sites that stand where the inertia of their body does, or are turned as it is.
+# mjtSameFrame: geoms and sites that have the place or the turn of their body's inertia.
 _WITH_INERTIA = (2, 4)
 
 

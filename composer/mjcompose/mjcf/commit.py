@@ -26,7 +26,7 @@ from mjcompose.tree.select import ROOT, attribute_of, kind_of, spoken
 
 ACTUATORS = frozenset(GRAMMAR.section("actuator").children)
 _GENERAL = "general"
-# What actuators of every tag have, and MuJoCo keeps in one place for all: it comes from classes for any of them.
+# Settings that actuators of every tag share, and that MuJoCo keeps in one place: classes for any of the tags set them.
 OF_ALL = frozenset(
     name
     for name in GRAMMAR.element("actuator/motor").attributes
@@ -101,7 +101,7 @@ def _written_elements(found: DefaultClass | None) -> Iterator[Node]:
 def _candidates(
     node: Node, given: Mapping[str, str], wanted: Mapping[str, str], bare: Mapping[str, str], *, in_general: bool
 ) -> Iterator[Node]:
-    """Yield the element with all attributes from its classes, with those of all tags, and as a `general`."""
+    """Yield the element with all attributes from its classes, with the attributes of all tags, and as a `general`."""
     for names in (given.keys(), given.keys() & OF_ALL):
         candidate = copy.copy(node)
         candidate.attrib.update({name: given[name] for name in sorted(names)})
@@ -172,7 +172,7 @@ def _class_textures(found: DefaultClass | None) -> dict[str, str]:
 
 
 def _by_role(node: Node) -> dict[str, str]:
-    named = node.get("texture")  # an empty one takes back what a class gives
+    named = node.get("texture")  # an empty one takes back the class's texture
     attribute = {} if named is None else {_OF_ATTRIBUTE: str(named)}
     layers = {str(layer.get("role")): str(layer.get("texture")) for layer in node.iterchildren("layer")}
     return {**attribute, **layers}
@@ -192,10 +192,10 @@ def commit_defaults(root_or_element: Element, attributes: Collection[str] | None
     With `attributes`, write only these, given by their Python names; elements without such an attribute are skipped.
     Raises `MjcfError` for an attribute that no element has.
 
-    The classes stay in the model, and the compiled model stays the same. A list that is shorter than the one of its
-    class is completed, as MuJoCo does; an orientation that is set stays as it is. If the class of an actuator has
-    settings for actuators with another tag, the actuator gets the combination that MuJoCo makes of both. If its tag
-    cannot express this, it becomes a `general`, and an `MjcfWarning` is issued. MuJoCo is imported for such actuators.
+    The classes stay in the model, and the compiled model stays the same. A list that is shorter than its class's list
+    is completed, as MuJoCo does; an orientation that is set stays as it is. If the class of an actuator has settings
+    for actuators with another tag, the actuator gets the combination that MuJoCo makes of both. If its tag cannot
+    express this, it becomes a `general`, and an `MjcfWarning` is issued. MuJoCo is imported for such actuators.
 
     >>> from mjcompose import mjcf
     >>> model = mjcf.from_xml_string('<mujoco><default><geom rgba="1 0 0 1" friction="1 0.1"/></default>'

@@ -35,8 +35,8 @@ _Number = TypeVar("_Number", bound=np.generic)
 class Scattered(np.ndarray[Any, np.dtype[Any]]):
     """A copy of some rows of one of MuJoCo's arrays, made when it was read.
 
-    Assigned items and slices, and `+=` and the like, are also written to MuJoCo's array, and only these: what
-    numpy's functions write (`out=`, `fill`, `sort`) is not. Results computed from it are separate arrays.
+    Assigned items and slices, and `+=` and the like, are also written to MuJoCo's array, and only these: values that
+    numpy's functions write (`out=`, `fill`, `sort`) are not. Results computed from it are separate arrays.
     """
 
     __slots__ = ("home",)
@@ -252,7 +252,7 @@ def settings(default_sections: Iterable[Node], actuator: Node) -> Mapping[str, s
     """Return all settings of an actuator as texts by the attributes of `<general>`, or None if MuJoCo refuses it.
 
     An empty text stands for a setting that cannot be written because it has no value. A crank length is included only
-    for a slider-crank, because MuJoCo lets classes set it for other actuators too. What the actuator acts on is not
+    for a slider-crank, because MuJoCo lets classes set it for other actuators too. The actuator's target is not
     included.
     """
     mujoco = engine()
@@ -302,7 +302,7 @@ def to_spec(model: Model, conflict: Policy) -> Any:
     name_files(flat)
     files = contents(flat)
     try:
-        # MuJoCo reads sub-models at once, and looks for them among what is included.
+        # MuJoCo reads sub-models at once, and looks for them in included files.
         models = {name: data for name, data in files.items() if name.endswith(".xml")}
         spec = mujoco.MjSpec.from_string(xml_text(flat.unit.root), include=models, assets=files)
     except (ValueError, mujoco.FatalError) as error:

@@ -202,7 +202,7 @@ def write(model: Model, node: Node, edit: Edit) -> None:
 
 @cache
 def is_nameless(kind: ElementType, attribute: Attribute) -> bool:
-    """Return whether an attribute is neither a name nor determines what a name refers to."""
+    """Return whether an attribute is neither a name nor determines the target of a name."""
     if attribute.type == "keyword":
         return all(each.refers_by != attribute.name for each in kind.attributes.values())
     return attribute.is_number or attribute.type == "bool"
@@ -284,7 +284,7 @@ def _check_name(model: Model, kind: ElementType, edit: Edit, node: Node | None, 
 
 
 def check_lists(renaming: Renaming[Model]) -> None:
-    """Raise `MjcfError` if a new name contains a space and would have to stand in a list of names."""
+    """Raise `MjcfError` if a new name contains a space and would have to be in a list of names."""
     for reference, new in renaming.unlistable():
         here, user = reference.model, reference.node
         raise failure(

@@ -35,19 +35,19 @@ from mjcompose.tree.unit import Unit
 class Element(NodeView):
     """One element of a model.
 
-    Its MJCF attributes are Python attributes: numbers and arrays are returned as numpy values, references as
-    Elements, files as `Asset`, keywords and names as text. An attribute that is not set is None; setting it to None
-    removes it. Changes to an array are written to the element: `body.pos[2] += 1`. `class` is spelled `dclass`; a
-    trailing underscore is dropped (`global_`). Children are found by tag: one that can occur only once as an
-    Element (`model.visual.headlight`), others as a list (`body.geom`) that also accepts names. `dir(element)` lists
-    all of them, `help(element)` explains them; `print(element)` shows the element as MJCF.
+    Its MJCF attributes are Python attributes: numbers and arrays are returned as numpy values, references as Elements,
+    files as `Asset`, keywords and names as text. An attribute that is not set is None, and setting it to None removes
+    it. Changes to an array are written to the element: `body.pos[2] += 1`. `class` is spelled `dclass`, and a trailing
+    underscore is dropped (`global_`). Children are found by tag: one that can occur only once as an Element
+    (`model.visual.headlight`), others as a list (`body.geom`) that also accepts names. `dir(element)` lists all of
+    them, `help(element)` explains them, `print(element)` shows the element as MJCF.
 
     There is one Element for each element of a model: `a.find('joint', 'j') is a.find('joint', 'j')`.
     """
 
     __slots__ = ()
 
-    # -- what it is ------------------------------------------------------------------------------------------
+    # -- the element itself ----------------------------------------------------------------------------------
 
     @property
     def parent(self) -> Element | None:
@@ -81,7 +81,7 @@ class Element(NodeView):
         Values may be numbers, arrays, text, booleans and Elements; None leaves an attribute out. MJCF refers to
         elements by name, so an Element without a name that is used as a value gets one, such as `unnamed_joint_0`.
 
-        Raises `MjcfError` for a tag or attribute that MJCF does not have here (with the ones that exist), for a value
+        Raises `MjcfError` for a tag or attribute that MJCF does not have here (with the names that exist), for a value
         of a wrong type or length, and for a name that is already used. After an error the model is unchanged.
 
         >>> from mjcompose import mjcf
@@ -172,7 +172,7 @@ class Element(NodeView):
     def find(self, tag: str, name: str | None = None) -> Element | None:
         """Return the first match below this element in document order, or None.
 
-        `tag` may be a family: `joint` also finds `freejoint`; `actuator`, `sensor`, `equality`, `tendon` and `key`
+        `tag` may be a family: `joint` also finds `freejoint`, and `actuator`, `sensor`, `equality`, `tendon` and `key`
         find all elements of that kind. `name` is the name in this element's model; for elements of attached models
         it includes the prefix (`gripper/left_pad`). Raises `MjcfError` for a tag that MJCF does not have.
 
@@ -250,7 +250,7 @@ class Element(NodeView):
 if TYPE_CHECKING:
     from mjcompose.mjcf.elements import Mujoco
 else:
-    Mujoco = Element  # its sections and attributes are found when they are asked for
+    Mujoco = Element  # finds its sections and attributes on access
 
 
 class RootElement(RootView, Mujoco):
@@ -333,7 +333,7 @@ class RootElement(RootView, Mujoco):
         """Copy everything in another model into this one, without a prefix. The other model does not change.
 
         Models attached to the other are copied and attached here. Files are still read from their present places.
-        Keyframes are copied unchanged, so their lengths are those of the other model alone.
+        Keyframes are copied unchanged, so they have the lengths of the other model alone.
 
         Raises `MjcfError` with all conflicts, and changes nothing, if a name is already used or the two models have
         different settings. So does a compiler setting or top default class of one that would change the meaning of
@@ -354,8 +354,8 @@ class RootElement(RootView, Mujoco):
         """Compile the model and everything attached to it with MuJoCo, and return its `Physics`.
 
         The physics starts in the reference configuration. Later edits of the model do not affect it. `conflict` is
-        described in `to_xml_string`. Raises `MjcfError` with the faults of the model and where each comes from, also
-        if MuJoCo refuses the model.
+        described in `to_xml_string`. Raises `MjcfError` with the faults of the model and where each comes from, even if
+        MuJoCo refuses the model.
 
         >>> from mjcompose import mjcf
         >>> model = mjcf.RootElement('ball')

@@ -4,8 +4,8 @@
 
     def lift(body: elements.Body) -> None: ...
 
-`elements.Geom` is the class of every `<geom>` of the world, `elements.DefaultGeom` that of a default class. What a
-type checker knows about them, `elements.pyi`, is written from the grammar by `mjcompose.mjcf.stub`.
+`elements.Geom` is the class of every `<geom>` of the world, `elements.DefaultGeom` the class of its default settings.
+The stub for type checkers, `elements.pyi`, is written from the grammar by `mjcompose.mjcf.stub`.
 """
 
 from __future__ import annotations

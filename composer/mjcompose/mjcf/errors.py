@@ -32,7 +32,7 @@ class MjcfKeyError(MjcfError, KeyError):
 class MjcfFileError(MjcfError, OSError):
     """A file cannot be read."""
 
-    # Programs that copy exceptions (tblib, with Dask) call it, and the one of ValueError refuses an OSError.
+    # Programs that copy exceptions (tblib, with Dask) call it, and ValueError's method refuses an OSError.
     __new__ = OSError.__new__  # type: ignore[assignment]
 
 
@@ -65,12 +65,12 @@ def failure(
 
 
 def error_of(diagnostic: Diagnostic, kind: type[MjcfError] | None = None) -> MjcfError:
-    """Return the exception that carries a diagnostic. Its class is `kind`, or by default that of the error code."""
+    """Return the exception that carries a diagnostic. Its class is `kind`, or by default the error code's class."""
     return (kind or _OF_CODES.get(diagnostic.code, MjcfError))([diagnostic])
 
 
 def raise_errors(sink: Sink, otherwise: Callable[[], Span] | None = None) -> None:
-    """Raise all errors in the sink, if any, as one exception. Errors without a place get the one of `otherwise`."""
+    """Raise all reported errors, if any, as one exception. Errors without a place get the place of `otherwise`."""
     if sink.has_errors:
         errors = [each for each in sink.sorted() if each.severity == "error"]
         if otherwise is not None:

@@ -125,8 +125,8 @@ _COMPILER = "<compiler"
 def relocated_text(model: Model, label: str) -> str | None:
     """Return the text that the linker would give for the model alone, or None if more than folders would change.
 
-    Text is only replaced if it occurs as often in the text as in the tree, so that a comment that looks like an
-    attribute is not replaced by mistake.
+    Text is only replaced if it occurs as often in the text as in the tree, so a comment that looks like an attribute is
+    never replaced by mistake.
     """
     unit = model.unit
     if model.attachments or unit.contents or not re.fullmatch(r"[\w.-]+", label):
@@ -185,8 +185,8 @@ _SHOWN = 20
 def check_references(model: Model, sink: Sink) -> None:
     """Report each name that is referred to but does not exist, with all elements that refer to it.
 
-    References in default classes are not checked. A name that MuJoCo may generate itself, such as those of the copies
-    of a `replicate`, is accepted.
+    References in default classes are not checked. A name that MuJoCo may generate itself, such as the names of a
+    `replicate`'s copies, is accepted.
     """
     for each in model.composition():
         for (node, attribute), (target, text) in each.awaited.items():
@@ -200,13 +200,13 @@ def check_references(model: Model, sink: Sink) -> None:
                 )
         depth = 0 if each is model else 1 + [*each.ancestors()].index(model)
         for namespace, uses in each.names.uses.items():
-            declared = each.names.declared.get(namespace, {})  # has most of them, and is asked first
+            declared = each.names.declared.get(namespace, {})  # has most of them, so it comes first
             for name, users in uses.items():
                 if name in declared or namespace == "key":
                     continue
                 if each.awaited and all(use in each.awaited for use in users):
                     continue  # reported above
-                # What is written without the models above it has nothing of theirs.
+                # A model that is written without the models above it has none of their elements.
                 if not name.startswith(UP * (depth + 1)) and resolves(each, namespace, name):
                     continue
                 heeded = [use for use in users if section_of(use[0]) != "default"]
@@ -371,7 +371,7 @@ def text(model: Model, conflict: Policy) -> str:
 
 
 def _state(model: Model, conflict: Policy) -> list[object] | None:
-    """Return everything on which the text of a composition depends; None if it also depends on what is on disk.
+    """Return everything on which the text of a composition depends; None if it also depends on files on disk.
 
     The text of a tree takes a tenth of the time of linking it.
     """

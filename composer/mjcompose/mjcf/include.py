@@ -25,7 +25,7 @@ from mjcompose.tree.values import items, parse_real
 
 
 def take_model(model: Model, source: Unit, element: Node) -> None:
-    """Set the file of a `<model>` element that was moved from `source` to `model`, so that it is the same file.
+    """Set the file of a `<model>` element that was moved from `source` to `model`, so it names the same file.
 
     For a file in memory, everything in its folder is taken over too, because it may refer to files there.
     """
@@ -67,7 +67,7 @@ def _are_free(model: Model, files: dict[str, bytes | Path]) -> bool:
 
 
 _SETTINGS = ("compiler", "option", "size", "visual", "statistic")
-# Settings by which a model's own elements are read, so that what is not written counts as well.
+# Settings by which MuJoCo reads a model's own elements, so defaults that nobody writes count as well.
 _READ_BY = ("compiler", "default")
 _FOLDERS = frozenset({"meshdir", "texturedir", "assetdir", "strippath"})
 
@@ -198,7 +198,7 @@ def _check_names(model: Model, source: Model, other: Model, sink: Sink) -> None:
 
 
 def _settings(root: Node) -> Iterator[_Setting]:
-    """Yield the settings that a model has only once, including those of its top class."""
+    """Yield the settings that a model has only once, including its top class's settings."""
     for section in root.iterchildren(*_SETTINGS):
         for node in section.iter("*"):
             above = [str(each.tag) for each in node.iterancestors() if each is not root]

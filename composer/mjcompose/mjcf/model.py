@@ -90,9 +90,9 @@ class Model:
     """The state shared by a `RootElement` and all Elements of one model.
 
     Accessing a section that does not exist creates it, under a lock, so several threads can read at once. `views`
-    has the Element of every node accessed so far, so that each node has only one; see `views.py`. `attachments` are
+    has the Element of every node accessed so far, so each node has only one (see `views.py`). `attachments` are
     by prefix, in the order in which they were made. `awaited` are the references to elements of models that are not in
-    this composition yet, with their provisional texts; see `settle`.
+    this composition yet, with their provisional texts (see `settle`).
     """
 
     unit: Unit
@@ -324,7 +324,7 @@ class Model:
     def prefix_of(self, other: Model) -> str | None:
         """Return the prefix that the names of `other` have in this model, or None if they are not in one composition.
 
-        `../` is the model that this one is attached to: a model beside this one is `../ball/`.
+        `../` is the model that this one is attached to: a model next to this one is `../ball/`.
         """
         down: dict[Model, str] = {other: ""}
         model, prefix = other, ""

@@ -122,7 +122,7 @@ def check_tree(unit: Unit, sink: Sink) -> None:
                     names.append((None, child.get("class")))
     if not GRAMMAR.root.attributes.keys() >= set(unit.root.keys()):
         _check_attributes(unit, unit.root, GRAMMAR.root, sink=sink)
-    if len(set(names)) < len(names):  # or what looks like it
+    if len(set(names)) < len(names):  # or seemingly so
         _check_names(unit, sink)
 
 
@@ -359,7 +359,7 @@ def _offset(frame: Node, unit: Unit) -> dict[str, str]:
 
 
 def _joint(joint: Node, mounted: _Mounted, top_class: str, to_radians: bool) -> Joint:
-    """Return a joint of an attachment frame for the flat model. Its default classes are those of the parent."""
+    """Return a joint of an attachment frame for the flat model. It has the default classes of the parent."""
     part, unit = mounted.part, mounted.parent_unit
     attributes = {str(name): str(value) for name, value in joint.items()}
     attributes["name"] = part.prefix + attributes.get("name", "")

@@ -1,4 +1,4 @@
-"""What a view can do without other elements, and how models are attached."""
+"""The methods of a view that need no other elements, and the attaching of models."""
 
 from __future__ import annotations
 
@@ -303,8 +303,8 @@ class RootView(NodeView):
     def model(self) -> str:
         """The model's name. With a `/` appended, it is the prefix of the model's names when it is attached.
 
-        If no name is written, it is the stem of the model's file, else `unnamed_model`. A new name must differ from
-        those of the other models attached to the same parent. References in the parent are updated.
+        If no name is written, it is the stem of the model's file, else `unnamed_model`. A new name must differ from the
+        names of the other models attached to the same parent. References in the parent are updated.
 
         >>> from mjcompose import mjcf
         >>> arm, gripper = mjcf.RootElement('arm'), mjcf.RootElement('gripper')
@@ -352,12 +352,12 @@ class RootView(NodeView):
     def to_xml_string(self, *, conflict: Policy = "error") -> str:
         """Return the model and everything attached to it as MJCF text. The model itself does not change.
 
-        Files have the names of `assets`, so that `mujoco.MjModel.from_xml_string(root.to_xml_string(), root.assets)`
+        Files have the names of `assets`, so `mujoco.MjModel.from_xml_string(root.to_xml_string(), root.assets)`
         compiles the text. No file is read. Each attached model keeps its meaning: its units, default classes and
         inertia rules apply to it alone.
 
-        Raises `MjcfError` with all faults: references to names that do not exist, with all elements that refer to
-        them, names that clash, and what MuJoCo does not support. If nothing is attached to a model, the lengths of
+        Raises `MjcfError` with all faults: references to names that do not exist, with all elements that refer to them,
+        names that clash, and features that MuJoCo does not support. If nothing is attached to a model, the lengths of
         its keyframes are not checked before it is compiled or exported.
 
         The output has one `option`, one `visual` and one `statistic`. `conflict` determines what happens if an

@@ -45,11 +45,11 @@ def from_path(
     r"""Read a model from an MJCF file.
 
     As in MuJoCo, file names are relative to the model's folder and the folders that its `<compiler>` sets, and
-    `<include>` is followed. A name may contain a `/`. With `escape_separators`, each `/` in a name becomes a `\`, so
-    that a `/` always separates the prefix of an attached model.
+    `<include>` is followed. A name may contain a `/`. With `escape_separators`, each `/` in a name becomes a `\`, so a
+    `/` always separates the prefix of an attached model.
 
-    The model may read what MuJoCo would read for you. With `confine_to`, a list of folders, it may read files in
-    these and no others: this is for models of people whom you do not know. It is checked when a file is read. Meshes
+    The model may read the files that MuJoCo would read for you. With `confine_to`, a list of folders, it may read files
+    in these and no others: this is for models of people whom you do not know. It is checked when a file is read. Meshes
     and textures are not read yet.
 
     Raises `MjcfError`, with the file and line of each fault, for a file that cannot be read, is not well-formed or is
@@ -296,7 +296,7 @@ def from_spec(spec: Any) -> RootElement:
     """Return the model of a `mujoco.MjSpec`, from the XML that MuJoCo writes for it and the files in its `assets`.
 
     MuJoCo compiles a copy of the spec first. Raises `MjcfError` if it cannot. The origins of elements are lines of the
-    XML. Numbers are exactly those of the spec. MuJoCo before 3.16 writes only six digits of each, and so does a later
+    XML. Numbers are exactly the spec's numbers. MuJoCo before 3.16 writes only six digits of each, and so does a later
     version if models with different compiler settings are attached to each other. An `MjcfWarning` is issued in these
     cases, and also if the spec has a NaN, which MuJoCo does not write.
 

@@ -64,7 +64,7 @@ class Rendering:
 
 
 def _renderer(model: Any, height: int, width: int) -> Any:
-    """Return MuJoCo's renderer. It is not bound by the model's image size, which is that of its author's window."""
+    """Return MuJoCo's renderer. It ignores the model's image size, which only describes its author's window."""
     limits = model.vis.global_
     kept = limits.offwidth, limits.offheight
     limits.offwidth, limits.offheight = max(kept[0], width), max(kept[1], height)
@@ -126,7 +126,7 @@ class Physics:
         """Compile a model and everything attached to it. This is the same as `root.compile_model()`.
 
         `conflict` is described in `RootElement.to_xml_string`. Raises `MjcfError` with the faults of the model and
-        where each comes from, also if MuJoCo refuses the model.
+        where each comes from, even if MuJoCo refuses the model.
         """
         compiled, taken = compile_model(model_of(root, "what is compiled"), conflict)
         return cls(compiled, snapshot=taken)
@@ -275,7 +275,7 @@ class Physics:
         number = -1 if free else self._row("camera", camera)
         return self._rendering.picture(self._model, self._data, height, width=width, camera=number)
 
-    # Any: what the fields of a binding are is known when the program runs.
+    # Any: the fields of a binding are only known when the program runs.
     @short_traceback
     def bind(self, elements: NodeView | Iterable[NodeView] | None) -> Any:
         """Return a `Binding`: a view on the values in MuJoCo of an element, or of several elements of one kind.

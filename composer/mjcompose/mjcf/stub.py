@@ -98,7 +98,7 @@ def _lines() -> Iterator[str]:
 
 
 def _word_lists(every: Iterable[ElementType]) -> dict[tuple[str, ...], str]:
-    """Return a name for each list of keywords: that of the first attribute that has it."""
+    """Return a name for each list of keywords: the name of the first attribute that has it."""
     found: dict[tuple[str, ...], str] = {}
     for kind in every:
         for attribute in kind.attributes.values():
@@ -127,7 +127,7 @@ def _finding() -> Iterator[str]:
 
 
 def _only_kind(tag: str) -> str | None:
-    """Return the class of what a tag selects from the root, if that is one; `joint` is taken for a joint."""
+    """Return the class that a tag selects from the root, if it is a single class; `joint` is taken for a joint."""
     paths = query(tag, None).paths
     found = {"joint"} if tag == "joint" else paths
     return class_name(GRAMMAR.element(next(iter(found)))) if len(found) == 1 else None
@@ -139,7 +139,7 @@ def _given(kind: ElementType, words: dict[tuple[str, ...], str]) -> tuple[str, .
 
 
 def _members(kind: ElementType, words: dict[tuple[str, ...], str], values: dict[str, str]) -> Iterator[str]:
-    """Yield the body of the class of an element: its children, its attributes, and what can be added."""
+    """Yield the body of the class of an element: its children, its attributes, and its methods that add elements."""
     attributes = {spoken(each.name): each for each in kind.attributes.values()}
     taken = dir(RootElement if kind is GRAMMAR.root else Element)
     held = [f"{each}: {_child(kind, child)}" for each, child in _children(kind) if each not in taken]

@@ -161,7 +161,7 @@ def _section_tags(model: Model) -> list[str]:
 
 
 def find_first(here: Target, tag: str, name: str | None) -> Target | None:
-    """Return the first match below `here`, or the one with that name. See `Element.find`."""
+    """Return the first match below `here`, or the match with that name. See `Element.find`."""
     from_root = here.node is here.model.unit.root
     wanted = _query(here, tag)
     if name is None:

@@ -30,7 +30,7 @@ from mjcompose.tree.values import (
     plain,
 )
 
-# Types of which text may be given as it stands in XML; of numbers too.
+# Types whose values may be text as XML writes it; numbers may be text too.
 _WRITTEN = ("bool", "keyword", "keywords", "references")
 # Where infinity has no meaning but makes every later number NaN; a range or a limit may be infinite.
 _FINITE = frozenset(
@@ -238,11 +238,11 @@ def resolved(model: Model, attribute: Attribute, node: Node, text: str) -> list[
 
 
 def update_references(top: Model) -> None:
-    """Give the references to what has been attached since then its names in the models that refer to it."""
+    """Write the names of elements that have been attached since then into the models that refer to them."""
     for model in top.composition():
         for (node, attribute), (target, text) in [*model.awaited.items()]:
             if not model.has(node) or node.get(attribute) != text:
-                del model.awaited[node, attribute]  # it was removed or written anew
+                del model.awaited[node, attribute]  # it was removed or written again
             elif model.prefix_of(target.model) is not None and target.model.has(target.node):
                 name = target.model.seen_from(model, target.node)
                 if name is not None:

@@ -94,7 +94,7 @@ def members(kind: ElementType, taken: Iterable[str]) -> dict[str, Any]:
 
 
 def of_element(kind: ElementType) -> str:
-    """Return the class docstring of an element: what it is, and its attributes and children by name."""
+    """Return the class docstring of an element: its meaning, and its attributes and children by name."""
     named_first = sorted(kind.attributes.values(), key=lambda each: (not each.declares, each.name != "class"))
     attributes = {spoken(each.name): each for each in named_first}
     lines = [f"`<{kind.tag}>`: {kind.doc}." if kind.doc else f"`<{kind.tag}>`."]
