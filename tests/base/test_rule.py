@@ -54,7 +54,8 @@ READS_ITSELF = {
         tools/migrate/compare.py:_Side.of tools/migrate/dump.py:main tools/migrate/migrate.py:measured
         mujoco/pictures.py:sheet targets/export.py:aimed targets/read_back.py:placed targets/export.py:export
         targets/plain.py:keep_files targets/plain.py:plain targets/read_back.py:read_back
-        build/verify/draws.py:with_worlds build/verify/draws.py:compute_worlds build/verify/draws.py:compare_world""",
+        build/verify/draws.py:with_worlds build/verify/draws.py:compute_worlds build/verify/draws.py:compare_world
+        cli/mcp.py:_call""",
     "what was checked, in a folder of ours, as MuJoCo's process opens it": "mujoco/convert.py:_read tools/worlds/load.py:_compiled",
     "the entry points of installed packages, as Python's own reader does": "base/extensions.py:_are_there",
     "runs in an environment of its own, on a model in a folder of ours": """

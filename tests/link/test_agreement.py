@@ -88,7 +88,7 @@ def test_parts_that_write_different_values_conflict(workshop: Workshop, first: s
         fault = linked.fault
         assert fault.code == "option-conflict"
         assert fault.span is not None and fault.span.file == str(linked.paths[2])
-        assert "`b/` wants" in fault.message and "`a/` has" in fault.message
+        assert "`b/` needs" in fault.message and "`a/` has" in fault.message
         assert [note.span.file for note in fault.notes if note.span] == [str(linked.paths[1])]
         assert not linked.linking.base.adopted
 

@@ -108,7 +108,7 @@ Sizes make room for both; what contradicts the base is reported:
 >>> print_after(agreement, part, base)
 base: <option gravity="0 0 -1" cone="elliptic"/>
 base: <size nuserdata="3"/>
-error: `p/` wants `option.gravity` to be `0 0 0`, the model has `0 0 -1`
+error: `p/` needs `option.gravity` to be `0 0 0`, the model has `0 0 -1`
 """,
     passthrough.__name__: """
 >>> part = '<compiler passthrough="textures"/><asset><texture name="t" type="2d" file="t.png"/></asset>'

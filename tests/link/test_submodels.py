@@ -66,7 +66,7 @@ def test_what_is_attached_to_a_part_is_a_wish_of_the_part(workshop: Workshop) ->
     found = workshop.link(base, part)
     assert (found.fault.code, found.fault.message) == (
         "option-conflict",
-        "`part/` wants `option.cone` to be `elliptic`, the model has `pyramidal`",
+        "`part/` needs `option.cone` to be `elliptic`, the model has `pyramidal`",
     )
     assert found.fault.span is not None
     assert found.fault.span.line == 1

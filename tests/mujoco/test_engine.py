@@ -38,7 +38,7 @@ def test_limits_are_greater_than_zero(wrong: dict[str, float]) -> None:
 
 
 def test_a_misspelt_want_is_refused() -> None:
-    with pytest.raises(ValueError, match=r"unknown wants \['indexx'\]; there are \['forward', 'index', 'names'\]"):
+    with pytest.raises(ValueError, match=r"unknown needs \['indexx'\]; there are \['forward', 'index', 'names'\]"):
         Request(Path(), wants=("indexx",))
 
 

@@ -35,15 +35,15 @@ class Limits:
     dofs: int = _limit(
         15_000,
         "",
-        "the degrees of freedom of a model: 6 of a free joint, 3 of a ball or a point of a flex, 1 of others",
+        "the degrees of freedom of a model: 6 for a free joint, 3 for a ball or a point of a flex, 1 for others",
     )
     mass_matrix: int = _limit(
         2_000_000,
         "",
-        "the numbers in the mass matrix: one for each pair of degrees of freedom of which one carries the other",
+        "the numbers in the mass matrix: one for each pair of degrees of freedom if one carries the other",
     )
     mesh_points: int = _limit(
-        1_000_000, "", "the points of all meshes of a model; those of meshes that collide with nothing count a tenth"
+        1_000_000, "", "the points of all meshes of a model; points of meshes that collide with nothing count a tenth"
     )
     expansion: int = _limit(
         20_000, "", "the elements that `<replicate>`, `<flexcomp>`, `<composite>` and `<attach>` make"

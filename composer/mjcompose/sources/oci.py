@@ -123,7 +123,7 @@ class _Artifact:
         realm = take_apart(told.pop("realm", ""))
         is_open = realm is not None and url.startswith("http:") and is_this_machine(realm.netloc)
         if realm is None or not (realm.scheme == "https" or (realm.scheme == "http" and is_open)):
-            message = f"`{self.reference.id}` cannot be fetched: the registry wants a login, which is not supported"
+            message = f"`{self.reference.id}` cannot be fetched: the registry requires a login, which is not supported"
             raise SourceError("source-fetch", message)
         answer = ask(f"{realm.geturl()}?{urlencode(told)}", {}, self.lookup)
         try:

@@ -74,7 +74,7 @@ def test_advice_is_for_those_who_write_python() -> None:
     assert [help.partition(":")[0] for help in helps] == [
         "put a body with a free joint into the worldbody",
         "put a mocap body into the worldbody, without joints",
-        "say what it moves",
+        "name the moved element",
         "let an actuator have it",
     ]
     assert "joint=…" in helps[2] and "add('plugin'" in helps[3]

@@ -144,7 +144,7 @@ def test_faults(name: str, given: str, code: str, told: str, tmp_path: Path) -> 
 def test_what_moves_is_to_be_known(tmp_path: Path) -> None:
     edit = "{select: {joint: j}, set: {armature: 0}}, {select: {actuator: p}, datasheet: {model: bare, bandwidth: 3}}"
     ((code, message),) = made(edit, tmp_path)  # type: ignore[misc]
-    assert code == "missing-key" and message.startswith("the inertia is not known that position `p` moves")
+    assert code == "missing-key" and message.startswith("the inertia that position `p` moves is not known")
 
 
 @pytest.mark.parametrize(

@@ -143,7 +143,7 @@ def test_faults(given: str, code: str, told: str, tmp_path: Path) -> None:
 
 def test_only_bodies_have_one(tmp_path: Path) -> None:
     found = edited(source(), "edit: [{select: {geom: hull}, inertia: {from: mesh, density: 1}}]", tmp_path)
-    assert found == [("wrong-type", "`inertia` is for bodies, and `geom` is not one")]
+    assert found == [("wrong-type", "`inertia` is for bodies, and `geom` is not a body")]
 
 
 def test_a_body_without_meshes(tmp_path: Path) -> None:
