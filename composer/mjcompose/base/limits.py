@@ -57,14 +57,14 @@ class Limits:
     copies: int = _limit(10_000, "", "the copies that one `replicate` of a recipe makes")
     attributes: int = _limit(1000, "", "the attributes of one element")
     faults: int = _limit(1000, "", "the errors that mjcompose looks for")
-    nesting: int = _limit(50, "", "how deep recipes, or the files of a model, include one another")
+    nesting: int = _limit(50, "", "depth of recipes, or files of a model, that include one another")
     submodels: int = _limit(1000, "", "the models that a model attaches, with those that they attach")
     xml_size: int = _limit(64 * MIB, "bytes", "the XML files of one model together")
     text_size: int = _limit(16 * MIB, "bytes", "one attribute, comment or text in XML")
     recipe_size: int = _limit(16 * MIB, "bytes", "one recipe file")
     edits: int = _limit(200_000, "", "the values that edits write, and the cost of selecting and drawing")
     yaml_values: int = _limit(500_000, "", "the values in one YAML file, with those of aliases")
-    yaml_depth: int = _limit(100, "", "how deep lists and mappings nest in one YAML file")
+    yaml_depth: int = _limit(100, "", "depth of lists and mappings in one YAML file")
     string: int = _limit(10_000, "", "the characters of a text that an expression gives")
     cells: int = _limit(100_000, "", "the cells of a matrix")
     samples: int = _limit(100_000, "", "the samples of one `randomize`")
@@ -75,7 +75,7 @@ class Limits:
     source_size: int = _limit(8 * GIB, "bytes", "one repository or archive, as fetched and as unpacked")
     git_memory: int = _limit(448 * MIB, "bytes", "the memory of git while it fetches and unpacks (POSIX)")
     source_ratio: int = _limit(
-        300, "", "how many times its packed size an archive or repository above 64 MiB unpacks to"
+        300, "", "size of an archive or repository above 64 MiB, unpacked, as a multiple of its packed size"
     )
 
     def __post_init__(self) -> None:
