@@ -123,7 +123,7 @@ class Fixed:
 def fix(recipe: Path, context: Context, given: Given | None = None) -> Fixed:
     """Return the fixed texts of a recipe and of the user's own recipes that it uses; nothing is written.
 
-    A fix that does not remove its fault is reverted. MuJoCo compiles only what the linker has to measure.
+    A fix that does not remove its fault is reverted. MuJoCo compiles only the units that the linker has to measure.
     """
     return _Fixing(recipe, context, given or {}).fixed()
 

@@ -30,12 +30,12 @@ from mjcompose.sources.lock import Disputed, Lock, kind_of, shapes_folder, to_te
 def write_lock(
     recipe: Path, names: tuple[str, ...] | None, context: Context, given: Given | None = None
 ) -> tuple[str, list[str]] | None:
-    """Write the lock; return its place and what is new in it, or None if the sink says why there is none.
+    """Write the lock; return its place and its new entries, or None after errors, which are reported.
 
     `names` are the sources to upgrade: none for None, all for `()`.
     """
     if not os.path.isfile(context.folder / recipe):
-        make_plan(recipe, context)  # which reports what exists instead
+        make_plan(recipe, context)  # which reports the existing names
         return None
     disputes: Disputed = {}
     how = use_lock(recipe, context, disputes)

@@ -116,8 +116,8 @@ def write_project(
 ) -> tuple[list[str], list[str]]:
     """Write files below `folder`, which may exist; `finish` adds to them before they become visible.
 
-    Return the paths of the written files, and of existing ones that are kept. Raises OutputError, also if a
-    `needed` file exists with another content; exceptions of `finish` propagate.
+    Return the paths of the written files, and of existing ones that are kept. Raises OutputError, even if a `needed`
+    file exists with another content; exceptions of `finish` propagate.
     """
     with staged_folder(folder, into=True) as stage:
         for path, content in files.items():

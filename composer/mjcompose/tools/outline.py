@@ -305,7 +305,7 @@ _ARCHIVES = (".zip", ".mjz")
 def outline(text: str, context: Context, given: Given | None = None, sample: int = 0) -> Outline | None:
     """Return the outline of `text`, or None if `context.sink` says why not.
 
-    Nothing is compiled except what the linker has to measure. `given` are values of a recipe's parameters and
+    Nothing is compiled except the units that the linker has to measure. `given` are values of a recipe's parameters and
     variants, `sample` selects its draws.
     """
     path = context.folder / text

@@ -99,7 +99,7 @@ def connected(text: str) -> Client:
 
     try:
         return Connection(**known, timeout=_SECONDS_TO_CONNECT, set_as_default=False)
-    except Exception as error:  # Dask does not check whether a file is that of a scheduler, and fails later
+    except Exception as error:  # Dask does not check whether a scheduler wrote the file, and fails later
         help = "check that `dask scheduler` runs there and that you can reach its port; `tls:` needs the keys of the"
         raise ClusterError(
             "cluster-unreachable", f"no scheduler of Dask answers at `{text}`",
@@ -121,7 +121,7 @@ def _local(distributed: Any, workers: int) -> Iterator[Any]:
         security = Security.temporary()
     except ImportError:  # Dask installs without it
         raise _missing("cryptography") from None
-    # Where it is killed, Dask leaves folders and lock files of its scheduler and workers; the next run sweeps ours.
+    # If it is killed, Dask leaves folders and lock files of its scheduler and workers; the next run sweeps ours.
     with scratch("dask") as folder, config.set({**_IDLE, "temporary-directory": str(folder)}), distributed.LocalCluster(
         n_workers=workers, threads_per_worker=1, host="127.0.0.1", dashboard_address=None, memory_limit=0,
         security=security, silence_logs=logging.CRITICAL, worker_dashboard_address=None,

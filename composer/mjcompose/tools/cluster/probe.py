@@ -4,7 +4,7 @@ from __future__ import annotations
 
 
 def versions(packages: tuple[str, ...]) -> dict[str, str]:
-    """Return what a model's bytes depend on besides its sources: mjcompose's code, versions of packages, zlib.
+    """Return the versions that a model's bytes depend on, besides its sources: mjcompose's code, packages, zlib.
 
     Packages that are not installed are left out.
     """

@@ -53,7 +53,7 @@ _READABLE = ("folder", "archive")  # the forms of output whose contents can be c
 
 @dataclass(frozen=True, slots=True)
 class Journal:
-    """The journal of a run, in the folder of its models; `run` is the digest of what all cells have in common."""
+    """The journal of a run, in the folder of its models; `run` is the digest of the inputs that all cells share."""
 
     folder: Path
     run: str
@@ -298,7 +298,7 @@ class Station:
 
 
 async def begin(order: Order, dask_worker: Any) -> Refused | Lacks | None:
-    """Get ready for a run, or return what prevents it. Dask passes the worker to a parameter of that name."""
+    """Get ready for a run, or return the obstacle. Dask passes the worker to a parameter of that name."""
     return await asyncio.to_thread(_begin, order, Path(dask_worker.local_directory) / _CONTENTS)
 
 

@@ -260,7 +260,7 @@ class Causes:
         return None
 
     def _attribute(self, before: Node | None, after: Node | None, wanted: tuple[str, ...] | None) -> Iterator[Cause]:
-        """Yield where the differing attributes are written on either side, and what set them to their values."""
+        """Yield where the differing attributes are written on either side, and the causes of their values."""
         if before is None and after is None:
             return
         assert self.a is not None and self.b is not None
@@ -301,7 +301,7 @@ class Causes:
             yield Cause("`name`", first, second)
 
     def _one_sided(self, node: Node, side: int) -> Iterator[Cause]:
-        """Yield the part or base that came or went with the element, or the element's own line, or what removes it."""
+        """Yield the part or base that came or went with the element, or the element's own line, or its removal."""
         part = self.places.part(side, node)
         if part is None:
             node = self._outermost(node, side)
@@ -324,7 +324,7 @@ class Causes:
         yield from self._conditions(span)
 
     def _naming(self, node: Node | None, side: int) -> Iterator[Cause]:
-        """Yield what names the element on either side: a renamed element counts as another element."""
+        """Yield the lines that name the element on either side: a renamed element counts as another element."""
         if node is None:
             return
         for at, each in ((side, node), (1 - side, self.places.of_the_same_line(node, side))):
@@ -332,7 +332,7 @@ class Causes:
                 yield _cause("`name`", place, None, side=at)
 
     def _removed(self, node: Node, side: int) -> Iterator[Cause]:
-        """Yield what removed the element on the side that also read it."""
+        """Yield the cause that removed the element on the side that also read it."""
         here, traced = self.sides[1 - side].traced, self.sides[side].traced
         if here is None or traced is None:
             return
@@ -361,7 +361,7 @@ class Causes:
         return None if part is None else self.recipes[side].attachment(part)
 
     def _said(self, mine: Located | None, theirs: Located | None, keys: tuple[str, ...] | None) -> Iterator[Cause]:
-        """Yield what two recipes write differently about a part; `keys` limits the comparison, None means all keys."""
+        """Yield the lines about a part that differ between two recipes; `keys` limits the comparison, None means all."""
         ours, others = ({} if each is None else each.entries for each in (mine, theirs))
         for key in keys if keys is not None else {**ours, **others}:
             first, second = (each[key][1] if key in each else None for each in (ours, others))
@@ -399,7 +399,7 @@ class Causes:
             yield Cause(f"`{attribute}`", before, after)
 
     def _entry(self, change: Change) -> Iterator[Cause]:
-        """Yield the key's numbers for a joint, actuator or body; else what moves the body together with its key."""
+        """Yield the key's numbers for a joint, actuator or body; else the cause that moves the body with its key."""
         if self.a is None or self.b is None:
             return
         vector = change.field.removeprefix("key_")

@@ -35,12 +35,12 @@ SETTINGS = ("option", "visual", "statistic")
 class Change:
     """One difference.
 
-    ``kind`` is MJCF's word for the element, or one of ``SETTINGS``; ``name`` is its name in B, or in A if B lacks
-    it; an unnamed element is reported by its place. ``field`` is the array of `mjModel`, or the setting; it is
-    empty if the element itself is ``added``, ``removed`` or ``renamed``. ``form`` is the type of the joint that
-    determines the unit. ``entry`` names the owner of a number in a keyframe. ``index`` are the ids in A and B, -1
-    for none. ``follows`` says that MuJoCo computes the value from others that are reported too. ``note`` describes
-    a change that is too long to list.
+    ``kind`` is MJCF's word for the element, or one of ``SETTINGS``; ``name`` is its name in B, or in A if B lacks it.
+    An unnamed element is reported by its place. ``field`` is the array of `mjModel`, or the setting; it is empty if the
+    element itself is ``added``, ``removed`` or ``renamed``. ``form`` is the type of the joint that determines the unit.
+    ``entry`` names the owner of a number in a keyframe. ``index`` are the ids in A and B, -1 for none. ``follows`` says
+    that MuJoCo computes the value from others that are reported too. ``note`` describes a change that is too long to
+    list.
     """
 
     what: What
@@ -202,7 +202,7 @@ class Elements:
             self.found[kind].sort(key=self._signature)
 
     def _signature(self, node: Node) -> tuple[int, int]:
-        """Return what MuJoCo 4.0 sorts pairs and excludes by: the numbers of the two bodies."""
+        """Return the key by which MuJoCo 4.0 sorts pairs and excludes: the numbers of the two bodies."""
         bodies = []
         for end in "12":
             name = node.get(f"body{end}")

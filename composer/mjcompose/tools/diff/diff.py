@@ -30,7 +30,7 @@ _HELP = "without a display set `MUJOCO_GL=egl` or `MUJOCO_GL=osmesa`, and instal
 
 
 def render_views(folder: Path, kept: tuple[str, str], context: Context, session: Session) -> tuple[View, ...]:
-    """Write the pictures of two models that `session` keeps; if there are none, the sink says why."""
+    """Write the pictures of two models that `session` keeps; if there are none, report why."""
     with scratch("pictures") as made:
         answer = engine.call(session, pictures, kept, argument=str(made))
         if not answer.ok:
@@ -116,7 +116,7 @@ def diff(
     `tolerance` is relative. `only` are kinds of element, `option`, `visual`, `statistic`, `count` and `address`;
     empty means all. `everything` also lists changes that follow from others, instead of only counting them. `given`
     are values of parameters and variants for a recipe, `pick` is a cell of its matrix, `sample` one of its samples.
-    Pictures of both go to the folder `renders`; the session must be able to render. `show` is called while the
+    Pictures of both go to the folder `renders`, and the session must be able to render. `show` is called while the
     session keeps both models.
     """
     with ExitStack() as opened:

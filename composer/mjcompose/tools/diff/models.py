@@ -22,7 +22,7 @@ _TARGETS = 3
 
 
 def named(roster: NameTable, kind: str, index: int) -> str:
-    """Return an element's name; for an unnamed element that is not on a body, also what it refers to."""
+    """Return an element's name; for an unnamed element that is not on a body, also its references."""
     name = roster.describe(kind, index)
     if not name.startswith("#") or kind in HOLDERS:
         return name

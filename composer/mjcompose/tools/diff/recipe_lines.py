@@ -291,7 +291,7 @@ class Written:
 
 
 def name(side: Side, file: str | None) -> str:
-    """Return a file's path relative to A or B, so that two folders with the same layout have equal paths.
+    """Return a file's path relative to A or B: two folders with the same layout have equal paths.
 
     A fetched file is named by its reference, whatever the commit or archive.
     """

@@ -86,7 +86,7 @@ def split(text: str) -> tuple[str, str] | None:
 def check_out(revision: str, path: Path, into: Path, environment: Mapping[str, str]) -> Tree:
     """Write all files of a revision of the repository around `path` below the empty folder `into`.
 
-    Links lead to what the repository refers to outside of it, such as `../models/arm.xml`.
+    Links lead to the files outside of the repository that it refers to, such as `../models/arm.xml`.
     `path` need not exist any more. Raises RevisionError.
     """
     near = next(each for each in path.absolute().parents if os.path.isdir(each))
@@ -120,7 +120,7 @@ def check_out(revision: str, path: Path, into: Path, environment: Mapping[str, s
 
 
 def _beside_the_same(top: Path, into: Path) -> Path:
-    """Return an empty folder below `into` that has, by links, what a repository has beside and around it."""
+    """Return an empty folder below `into` with links to everything next to and around a repository."""
     into.joinpath(*top.parts[1:]).mkdir(parents=True)
     left = _LINKS
     for folder in top.parents:
@@ -145,7 +145,7 @@ class Kind(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Operand:
-    """A or B. `context` has a sink of its own and the folder that displayed paths start from.
+    """A or B. `context` collects its own diagnostics and has the folder that displayed paths start from.
 
     For a git revision, `files` is the folder with its files.
     """
@@ -170,7 +170,7 @@ class Operand:
         return origin.named(os.path.relpath(os.path.realpath(path), os.path.realpath(origin.root)))
 
     def report(self, sink: Sink) -> None:
-        """Pass the diagnostics of its own sink on to another one."""
+        """Pass its own diagnostics on to another context."""
         for diagnostic in self.context.sink.sorted():
             span = diagnostic.span
             notes = tuple(
@@ -187,7 +187,7 @@ class Operand:
 
 
 def read_operand(text: str, context: Context, opened: ExitStack) -> Operand | None:
-    """Return the operand that `text` names, or None if there is none, which is reported to the sink of `context`.
+    """Return the operand that `text` names, or None if there is none, which `context` reports.
 
     Temporary folders live as long as `opened`.
     """
@@ -220,7 +220,7 @@ def read_operand(text: str, context: Context, opened: ExitStack) -> Operand | No
 
 
 def as_recipe(operand: Operand, opened: ExitStack) -> Operand:
-    """Return an MJCF file as a recipe with this file as base, so that it has a bundle; other operands unchanged."""
+    """Return an MJCF file as a recipe with this file as base, which has a bundle; other operands unchanged."""
     if operand.kind is not Kind.MJCF:
         return operand
     return replace(operand, kind=Kind.RECIPE, path=_recipe_of(operand.path, opened))
@@ -260,12 +260,11 @@ def _kind(path: Path) -> Kind | None:
 class Side:
     """One of the two compared models.
 
-    `kept` is the name under which the session keeps the model; `digests` are the sha256 of files by path, for an
-    MJCF file that of the file alone. `traced` is None if the origin of elements is unknown, `plan` is None if this
-    is not a recipe. `cell` is the compared cell of its matrix, `cells` the number of cells. `given` are the values
-    of parameters and variants from the command or the cell. `inputs` are the files that were read. `bundle` is set
-    for a recipe or bundle if the caller asked for it. `excluded` are the bodies that need not collide, of a recipe
-    that asks for these.
+    `kept` is the name under which the session keeps the model; `digests` are the sha256 of files by path, for an MJCF
+    file only its own. `traced` is None if the origin of elements is unknown, `plan` is None if this is not a recipe.
+    `cell` is the compared cell of its matrix, `cells` the number of cells. `given` are the values of parameters and
+    variants from the command or the cell. `inputs` are the files that were read. `bundle` is set for a recipe or bundle
+    if the caller requests it. `excluded` are the bodies that need not collide, if the recipe requests them.
     """
 
     operand: Operand
@@ -311,7 +310,7 @@ def load(
     operand: Operand, kept: str, session: Session, given: Given | None = None, pick: str | None = None,
     sample: int | None = None, library: Library | None = None, *, whole: bool = False,
 ) -> Side | None:  # fmt: skip
-    """Return the compiled model of an operand, or None if there is none, which goes to its sink.
+    """Return the compiled model of an operand, or None if there is none, which is reported.
 
     For a recipe it is the cell `pick` of its matrix, or the `sample` of its draws. `library` has source files that
     were read before. With `whole` the side has its bundle.

@@ -351,7 +351,7 @@ def _list(lines: list[str]) -> list[str]:
 
 
 def _escaped(line: str) -> str:
-    """Escape what Markdown would interpret outside of backquotes."""
+    """Escape the characters that Markdown would interpret outside of backquotes."""
     pieces = line.split("`")
     pieces[::2] = [re.sub(r"([\\*_<>#|])", r"\\\1", piece) for piece in pieces[::2]]
     return "`".join(pieces)

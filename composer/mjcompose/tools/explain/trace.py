@@ -30,7 +30,7 @@ TAG = "<tag>"
 
 @dataclass(frozen=True, slots=True)
 class Cause:
-    """What was done, as reported to the `Watch`, and the tree and part in which it changed something."""
+    """The operation, as reported to the `Watch`, and the tree and part in which it changed something."""
 
     done: object
     unit: Unit
@@ -71,9 +71,9 @@ class Move:
 class Life:
     """Everything known of one element: its first state, its changes, and its end.
 
-    `born` is the cause after which it was first seen; `made_by` is the same cause, or None for an element that was
-    read from a file. `home` is the root of the tree that it was last seen in. `parts` are the parts that it belongs
-    to, the innermost first; `sources` are the elements that it replaces.
+    `born` is the cause after which it was first seen. `made_by` is the same cause, or None for an element that was read
+    from a file. `home` is the root of the tree that it was last seen in. `parts` are the parts that it belongs to, the
+    innermost first; `sources` are the elements that it replaces.
     """
 
     node: Node
@@ -112,7 +112,7 @@ class Life:
 
 
 class Trace:
-    """A `Watch` that records. It holds every node, so that identities stay valid."""
+    """A `Watch` that records. It holds every node, so identities stay valid."""
 
     def __init__(self) -> None:
         self.lives: dict[Node, Life] = {}
@@ -158,7 +158,7 @@ class Trace:
                 self._succeed(life, lost)
 
     def _looks_other(self, root: Node) -> bool:
-        """Return whether a tree is not what it was: to write it takes a tenth of the time to compare its elements."""
+        """Return whether a tree has changed: to write it takes a tenth of the time to compare its elements."""
         text = as_it_is(root)
         same = self._texts.get(root) == text and self._members[root] == list(root.iter("*"))
         self._texts[root] = text
@@ -206,7 +206,7 @@ class Trace:
             life.last_parent = parent
 
     def _succeed(self, life: Life, lost: list[Life]) -> None:
-        """Link an element that a pass wrote anew to those that it replaces: removed ones with the same tag and name."""
+        """Link an element that a pass wrote again to those that it replaces: removed ones with its tag and name."""
         assert life.made_by is not None
         record = life.made_by.unit.origins.keys.get(life.node)
         if record is not None:
@@ -243,11 +243,11 @@ Kind = Literal["file", "entry", "edit", "reference", "zero", "mujoco", "unknown"
 class NumberOrigin:
     """Where numbers of a key come from.
 
-    - `file`: a `<key>` of a file writes them;
-    - `entry`: an entry of a `keyframe` section of a recipe writes them;
-    - `edit`: an edit or a draw of a recipe made them: `change`;
-    - `reference`: no source writes them, and they are the reference configuration; `zero` if they are 0;
-    - `mujoco`: the row of the key at `span` is too short, and MuJoCo filled it up;
+    - `file`: a `<key>` of a file writes them.
+    - `entry`: an entry of a `keyframe` section of a recipe writes them.
+    - `edit`: an edit or a draw of a recipe made them: `change`.
+    - `reference`: no source writes them, and they are the reference configuration: `zero` if they are 0.
+    - `mujoco`: the row of the key at `span` is too short, and MuJoCo filled it up.
     - `unknown`.
 
     `span` is the place of the numbers themselves if that is known; `written` is the text there. `taken` are the
@@ -406,7 +406,7 @@ def _after(known: list[_Known], now: list[str], changes: list[Change], vector: s
 
 
 def _layout(model: Unit, life: Life) -> Layout | None:
-    """Return the layout of a key's numbers: the linker's, or else the one that the tree implies."""
+    """Return the layout of a key's numbers: the linker's, or else the layout that the tree implies."""
     linking = None if life.made_by is None else life.made_by.linking
     if linking is not None and linking.keys.final_layout is not None:
         return linking.keys.final_layout

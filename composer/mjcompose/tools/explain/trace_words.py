@@ -63,7 +63,7 @@ def row_explained(label: str, numbers: str, origin: NumberOrigin, reason: Reason
 
 
 def reason_of(origin: NumberOrigin, edited: Callable[[Change], Reason]) -> Reason:
-    """Return what set the numbers, and where; `edited` describes an edit or a draw."""
+    """Return the cause that set the numbers, and where; `edited` describes an edit or a draw."""
     if origin.change is not None:
         return edited(origin.change)
     if origin.kind == "mujoco":
@@ -77,7 +77,7 @@ def only_place(reasons: Iterable[Reason]) -> Span | None:
 
 
 def of_step(cause: Cause, owner: object, attribute: str | None, node: Node | None = None) -> Reason:
-    """Return what a cause did, and where; `owner` wrote the element or its attribute."""
+    """Return the action of a cause, and where; `owner` wrote the element or its attribute."""
     done = cause.done
     if isinstance(done, Plan) and attribute == "model":
         named = find(done.document, ("name",)) is not None
@@ -108,7 +108,7 @@ def owned(owner: object, attribute: str | None) -> Span | None:
 
 
 def _drawn(cause: Cause, node: Node, field: str) -> object | None:
-    """Return what a field drew for an element, or for the body whose mass the element determines."""
+    """Return the draw of a field for an element, or for the body whose mass the element determines."""
     if cause.linking is None:
         return None
     for each in (node, *node.iterancestors("body")):
@@ -429,7 +429,7 @@ GONE: dict[Function | None, Words] = {body_reduction: Causes._reduced, inertia: 
 
 
 def rewrites(cause: Cause) -> bool:
-    """Return whether a cause only rewrites a value or renames it, so that the value keeps its origin."""
+    """Return whether a cause only rewrites a value or renames it. If so, the value keeps its origin."""
     row = row_of(cause.done)
     return row.rewrites if row is not None else cause.function in (add_file, collect, check_names)
 

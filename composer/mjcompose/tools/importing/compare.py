@@ -125,7 +125,7 @@ class Comparison:
         return dict(found)
 
     def values(self, node: Node, unit: Unit) -> dict[str, str]:
-        """Return what an asset writes or gets from its class, with file paths as the recipe needs them."""
+        """Return the values that an asset writes or gets from its class, with file paths as the recipe needs them."""
         kind = GRAMMAR.element(str(node.tag))
         found = {}
         for name, attribute in kind.attributes.items():
@@ -311,7 +311,7 @@ class Comparison:
                 self.pairs.append(Pair(select, item, each, changes=self.changes(item, other, each), moved={}))
 
     def compare_sections(self, each: Instance) -> None:
-        """Compare unnamed elements of sections, paired by what they refer to."""
+        """Compare unnamed elements of sections, paired by their references."""
         there: dict[tuple[object, ...], Item] = {}
         for item in items(self.merged):
             if not item.name and item.section != "worldbody":
@@ -344,7 +344,7 @@ class Comparison:
         ]
 
     def beside(self, here: Node, each: Instance) -> list[str]:
-        """Compare the bodies without a name beside the part's root; return selectors of those to drop."""
+        """Compare the bodies without a name next to the part's root; return selectors of those to drop."""
         around = each.body.getparent()
         kind = GRAMMAR.within("worldbody")["body"]
         one, other = (
@@ -363,7 +363,7 @@ class Comparison:
         return dropped[::-1]  # a removal must not renumber the following ones
 
     def meant(self, item: Item, each: Instance | None) -> tuple[object, ...]:
-        """Return what identifies an unnamed element: its tag, and its references by their names in the merged model."""
+        """Return the identity of an unnamed element: its tag, and its references by their names in the merged model."""
         kind = item.section if item.section == "actuator" else item.kind.path  # MuJoCo writes all of them as `general`
         found = [(k, a, v) for k, a, v in self.written(item) if a.is_reference]
         return (kind, *((k, v if each is None else self.theirs(each, a.refers, v)) for k, a, v in found))
@@ -374,7 +374,7 @@ class Comparison:
             return {}
         before, after = parent_body(item.node), parent_body(there.node)
         if before is not None and after is not None and not before.get("name") and after in self.covered:
-            return {}  # bodies without a name come before what they hold
+            return {}  # bodies without a name come before their content
         was = "world" if before is None else self.theirs(each, "body", str(before.get("name")))
         name = "world" if after is None else str(after.get("name"))
         if was == name:

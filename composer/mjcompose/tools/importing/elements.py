@@ -154,7 +154,7 @@ def settings_of(unit: Unit) -> dict[tuple[str, ...], str]:
 
 
 # Ranks. Classes come first. Removals come after all changes, because they may select by number, and references are
-# removed before their targets. Renames come last: until then, names are those of the parts.
+# removed before their targets. Renames come last: until then, names are the parts' own.
 CLASSES, REMOVED, RENAMED = -1, 10_000, 20_000
 
 
@@ -187,7 +187,7 @@ class Pair:
 class Changed:
     """An attribute with another value in the merged model than in the parts.
 
-    `kind` and `name` are those of the element, or of the class if `count` elements get the value from it. `before`
+    `kind` and `name` describe the element, or the class if `count` elements get the value from it. `before`
     and `after` are the written values, None if there is none.
     """
 

@@ -329,7 +329,7 @@ class OfUrdf:
 
 
 def of_urdf(path: Path, target: Path, context: Context) -> OfUrdf | None:
-    """Return a recipe for a URDF that builds, or None if the URDF has faults, which go to the sink."""
+    """Return a recipe for a URDF that builds, or None if the URDF has faults, which are reported."""
     try:
         source = resolve(str(path.absolute()), relative_to=target.parent, environment=context.environment)
     except SourceError as error:

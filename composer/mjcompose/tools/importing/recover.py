@@ -36,9 +36,9 @@ _MERGED = "merged"
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """How the recipe's model, B, differs from the merged one, A; names are those of the recipe.
+    """How the recipe's model, B, differs from the merged one, A, with the recipe's names.
 
-    `rounded` are numbers that are equal to six digits only, which is what MuJoCo writes when it saves a model.
+    `rounded` are numbers that are equal to six digits only: MuJoCo writes six when it saves a model.
     """
 
     changes: tuple[Change, ...] = ()
@@ -168,8 +168,8 @@ _ROUNDS = 20
 class Recovered:
     """A recovered recipe.
 
-    `text` is the recipe; `bundle` is None if it does not build, for the reasons in `faults`. `outcome` is None if
-    the models could not be compared; `refused` is MuJoCo's message if it rejects the merged model.
+    `text` is the recipe. `bundle` is None if it does not build, for the reasons in `faults`. `outcome` is None if the
+    models could not be compared. `refused` is MuJoCo's message if it rejects the merged model.
     """
 
     text: str

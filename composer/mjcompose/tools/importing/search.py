@@ -31,7 +31,7 @@ def paired(one: Sequence[T], other: Sequence[T], alike: Callable[[T, T], bool]) 
     """Yield every element of `one` with its counterpart in `other`, or None if it has none.
 
     Equal elements are paired in order, and the elements between them first to first. If that leaves an element of
-    `other` without a partner, all elements are paired by position, because additions stand at the end.
+    `other` without a partner, all elements are paired by position, because additions come at the end.
 
     >>> list(paired("abcd", "axd", str.__eq__)), list(paired("ab", "axb", str.__eq__))
     ([('a', 'a'), ('b', 'x'), ('c', None), ('d', 'd')], [('a', 'a'), ('b', 'x')])

@@ -1,6 +1,6 @@
 """Compiles a model and writes down all that is in it. Runs by itself, in any Python with numpy and a MuJoCo since 3.0.
 
-It is started with the path of a model and that of the file to write, and prints what became of it as JSON.
+Its arguments are the path of a model and the path of the file to write. It prints the result as JSON.
 """
 
 from __future__ import annotations

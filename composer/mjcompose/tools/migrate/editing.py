@@ -433,7 +433,7 @@ class Pieces:
 
     @classmethod
     def of(cls, unit: Unit, context: Context) -> Pieces:
-        """Read what a model attaches; errors go to the sink."""
+        """Read the models that a model attaches, and report errors."""
         found = cls(context)
         found._read(unit, (os.path.realpath(unit.directory / os.path.basename(unit.file)),))
         return found

@@ -115,7 +115,7 @@ _MARK = b"\xef\xbb\xbf"
 class Migrated:
     """`files` maps all XML files of the model to their texts before and after; `assets` are its other files.
 
-    `adopted` are the changes whose new behavior the user wants.
+    `adopted` are the changes whose new behavior the user accepts.
     """
 
     before: str
@@ -142,7 +142,7 @@ def migrate(
 ) -> Migrated | None:  # fmt: skip
     """Return the model and the models that it attaches for another version, or None if that fails, which is reported.
 
-    The unit is changed. `values` is what the MuJoCo of `before` measured, if known.
+    The unit is changed. `values` are the measurements of the MuJoCo of `before`, if known.
     """
     pieces = Pieces.of(unit, context)
     whole = [

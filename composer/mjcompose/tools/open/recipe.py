@@ -161,7 +161,7 @@ def _open(recipe: Path, written: Mapping[str, str], cell: str | None, *, sample:
 def _text(built: Built, context: Context) -> tuple[str, list[str]]:
     """Return the model's text, and the generated files that it names.
 
-    Assets are named where they are, so that MuJoCo's cache of meshes, which goes by name and time, has them already.
+    Assets are named where they are, so MuJoCo's cache of meshes, which goes by name and time, has them already.
     Generated ones go to the store, by their hash.
     """
     folder = Store.of(context.environment).folder / "opened"

@@ -24,7 +24,7 @@ class PluginError(DiagnosticError):
 
 
 def mujoco_folder(named: Path | None = None) -> Path:
-    """Return the folder of a MuJoCo: the named one, or that of the `mujoco` package. Raises PluginError."""
+    """Return the folder of a MuJoCo: the named folder, or the folder of the `mujoco` package. Raises PluginError."""
     if named is None:
         spec = find_spec("mujoco")
         if spec is None or not spec.submodule_search_locations:

@@ -109,8 +109,8 @@ class Shown:
 class Workshop:
     """Builds the models that the page shows.
 
-    `open` returns a new context for each build, `words` the terminal's text for its faults. `lock` is held while
-    the engine works; `shown` and `inputs`, the files to watch, are replaced as a whole.
+    `open` returns a new context for each build, `words` the terminal's text for its faults. A build takes `lock` while
+    the engine works. `shown` and `inputs`, the files to watch, are replaced as a whole.
     """
 
     def __init__(

@@ -45,7 +45,7 @@ _NONE = "(no cell)"
 
 @dataclass(frozen=True, slots=True)
 class Asked:
-    """Values of parameters and variants, a cell of the matrix, a sample of what is drawn."""
+    """Values of parameters and variants, a cell of the matrix, a sample of the drawn values."""
 
     given: dict[str, Node] = field(default_factory=dict)
     pick: str | None = None

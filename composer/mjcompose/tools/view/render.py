@@ -64,9 +64,9 @@ class Format(StrEnum):
 class Wish:
     """The settings of a picture or film.
 
-    `size` is width and height in pixels, `background` RGB of 255 and an opacity of 0 or 1; None is the model's own.
-    `key` and `camera` are names; None is the first keyframe, and a camera that shows the whole model. `play` are
-    the seconds of physics in a film; None is no physics.
+    `size` is width and height in pixels, `background` RGB of 255 and an opacity of 0 or 1. None keeps the model's own.
+    `key` and `camera` are names, None for the first keyframe and for a camera that shows the whole model. `play` are
+    the seconds of physics in a film, None for a film without physics.
     """
 
     size: tuple[int, int] = (960, 720)
@@ -190,7 +190,7 @@ Drawn = tuple[bool, tuple[Diagnostic, ...], tuple[Path, ...]]
 
 @dataclass(frozen=True, slots=True)
 class _Job:
-    """What a process needs to draw cells into a folder. Can be pickled."""
+    """Everything that a process needs to draw cells into a folder. Can be pickled."""
 
     operand: Operand
     wish: Wish
@@ -222,9 +222,8 @@ def render_sheet(
 ) -> int:  # fmt: skip
     """Write one picture of all `cells`, each with its name below it; return how many are in it.
 
-    Cells that cannot be built are left out, and their errors reported; if none is left, nothing is written. `tell`
-    is called with the name of each finished cell. `jobs` is the number of processes; the default is as many as pay
-    off.
+    Cells that cannot be built are left out, and their errors reported. If none is left, nothing is written. `tell` is
+    called with the name of each finished cell. `jobs` is the number of processes, by default as many as pay off.
     """
     context = operand.context
     tiles: list[str] = []

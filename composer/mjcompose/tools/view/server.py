@@ -204,7 +204,7 @@ def news(shown: Shown) -> list[tuple[str, Any]]:
 class _Http(ThreadingHTTPServer):
     """One thread for each connection, at most `_MOST_CONNECTIONS`.
 
-    Another connection ends the one that has been without a whole request for longest, so clients that send nothing
+    A new connection ends the connection that has waited longest for a whole request, so clients that send nothing
     cannot block a page.
     """
 
@@ -285,7 +285,7 @@ class _Asked(io.RawIOBase):
 
 
 class _Handler(BaseHTTPRequestHandler):
-    """Answers what the table of its server has; no part of a request is ever the name of a file."""
+    """Answers the requests in the table of its server; no part of a request is ever the name of a file."""
 
     owner: Server
     server: _Http
@@ -378,7 +378,7 @@ class _Handler(BaseHTTPRequestHandler):
         return (lambda: None) if key == "shown" else None
 
     def _events(self) -> None:
-        page = self.owner.hub.join()  # before the page reads the current model, so that it misses no change
+        page = self.owner.hub.join()  # before the page reads the current model, so it misses no change
         if page is None:
             self._refuse(HTTPStatus.SERVICE_UNAVAILABLE)
             return

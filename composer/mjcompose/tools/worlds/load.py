@@ -53,8 +53,8 @@ def load(bundle: str | PathLike[str], *, allow_changes: bool = False) -> Loaded:
         data = mujoco.MjData(model)
         data.qpos[index.qpos["left/elbow"]] = 0.5
 
-    Files are compared with the hashes of the manifest, and the addresses of the compiled model with its index;
-    what differs is an error, with `allow_changes` a warning. The index that is given is always that of the compiled
+    Files are compared with the hashes of the manifest, and the addresses of the compiled model with its index; a
+    difference is an error, with `allow_changes` a warning. The index that is given always belongs to the compiled
     model. A model that another version of MuJoCo verified is loaded with a warning.
 
     Raises LoadError; warns with BundleWarning.

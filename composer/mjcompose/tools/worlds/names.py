@@ -131,7 +131,7 @@ class Numbers(_Named):
     def __getitem__(self, names: Names) -> int | NDArray[np.intp]:
         """Return the id for a name, or the ids for several names or a glob. Raises UnknownNameError.
 
-        For a glob the declared type is that of a name, int, although the result is an array.
+        For a glob the declared type is int, as for a name, although the result is an array.
         """
         if isinstance(names, str) and (row := self._lookup.row(names)) is not None:
             return row
@@ -242,7 +242,7 @@ def _ids(kind: str, word: str = "") -> cached_property[Numbers]:
 
 
 class Index:
-    """The vectors and elements of a model by name, so that programs need not depend on their order.
+    """The vectors and elements of a model by name: programs need not depend on their order.
 
     `qpos`, `qvel`, `ctrl`, `act` and `sensordata` have the addresses in the vectors of that name; `camera`, `key`,
     `joint`, `actuator`, `sensor`, `body`, `geom`, `site` and `tendon` have the ids of elements. `qvel` serves every

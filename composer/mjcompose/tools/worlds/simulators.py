@@ -32,8 +32,8 @@ def mujoco(worlds: Worlds, nthread: int = 0, *, persistent: bool = False) -> Any
         batch.expand("body_mass")      # (worlds, nbody): expanded already, with each world's masses
 
     Every array that differs is expanded and filled, including those that mj_setConst computes: `batch.set_const()`
-    would change nothing. `stat.meaninertia`, which scales the tolerances of solvers, and `stat.meanmass` are those
-    of the nominal model: a batch has one `stat` for all.
+    would change nothing. `stat.meaninertia`, which scales the tolerances of solvers, and `stat.meanmass` come from the
+    nominal model: a batch has one `stat` for all.
 
     Needs MuJoCo 3.17 or newer; raises LoadError without it, and for an array that a batch cannot expand.
     """
@@ -200,8 +200,8 @@ def mjlab(worlds: Worlds, entity: str | None = None) -> dict[str, Any]:
         events = {**worlds.mjlab(study, entity="robot"), "push": EventTermCfg(...)}
 
     `entity` is the name of the bundle in the scene; without it the scene's model is the bundle's. The function of the
-    term is like those of `mjlab.envs.mdp.dr`; its `model_fields` lists the arrays with a row for each world, for
-    mjlab's `expand_model_fields`. In a scene, mjlab computes values again that depend on masses and poses, because
+    term is like the functions of `mjlab.envs.mdp.dr`. Its `model_fields` lists the arrays with a row for each world,
+    for mjlab's `expand_model_fields`. In a scene, mjlab computes values again that depend on masses and poses, because
     the world body has more than the entity.
 
     Needs `mjlab`; raises LoadError without it, for a model that MuJoCo Warp does not take, and for arrays that it
@@ -292,7 +292,7 @@ class Simulator:
     def take(self, worlds: Worlds, model: Model) -> Any:
         """Return the simulator's own model of the nominal model of these worlds, or of another one of them.
 
-        Raises LoadError for a model that it does not take. The simulator judges; `build --target` knows the same
+        Raises LoadError for a model that it does not take. The simulator decides; `build --target` knows the same
         limits, and so which elements it means.
         """
         try:

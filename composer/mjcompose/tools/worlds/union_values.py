@@ -1,9 +1,9 @@
-"""The numbers of a union in a world: those of the world's model, and values that deactivate absent parts.
+"""The numbers of a union in a world: the numbers of the world's model, and values that deactivate absent parts.
 
-A part that a world does not have stays in the tree. Its bodies have no mass and its joints an armature of 1, so
-that it exerts no force on its parent, and its own motion moves nothing else; its actuators give no force. A contact
-margin far below zero keeps its geoms from touching anything, because margins are summed. MuJoCo, MuJoCo Warp and
-MJX have margins for each world, while the latter two share `contype`.
+A part that a world does not have stays in the tree. Its bodies have no mass and its joints an armature of 1, so it
+exerts no force on its parent, and its own motion moves nothing else; its actuators give no force. A contact margin far
+below zero keeps its geoms from touching anything, because margins are summed. MuJoCo, MuJoCo Warp and MJX have margins
+for each world, while the latter two share `contype`.
 """
 
 from __future__ import annotations
@@ -117,7 +117,7 @@ class Mapped:
         return [self.theirs.describe(kind, number)]
 
     def _acts_alike(self, kind: str, number: int, name: str) -> bool:
-        """Return whether the element of the union with this name has the same references as that of the model."""
+        """Return whether the union's element with this name has the same references as the model's element."""
         at, theirs = self.ours.ids[kind].get(name), words(self.model, kind, number, label=self._there)
         return at is not None and words(self.union, kind, at, label=self.ours.describe) == theirs
 
@@ -144,7 +144,7 @@ class Mapped:
         return self._pairs[array]
 
     def put_keys(self, made: Model, model: Model) -> None:
-        """Write the keys of a model into those of the same name in the union. Raises LoadError for others."""
+        """Write the keys of a model into the union's keys of the same name. Raises LoadError for others."""
         for number, places in enumerate(self.places["key"]):
             for array, (kind, size) in _KEYS.items():
                 mine, other = getattr(self.union, size), getattr(self.model, size)

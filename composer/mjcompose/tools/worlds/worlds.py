@@ -185,7 +185,7 @@ def write(
 
 
 def check_name(path: Path) -> None:
-    """Raise OutputError for a name that is not that of a table of worlds."""
+    """Raise OutputError for a name that no table of worlds can have."""
     if path.suffix.lower() not in (".npz", ".parquet"):
         help = f"end it in `.npz`, or in `.parquet` with `pyarrow` installed: `{path.with_suffix('.npz')}`"
         raise OutputError("output-kind", f"no table of worlds is called `*{path.suffix}`: `{path}`", help)
@@ -199,7 +199,7 @@ def read(content: bytes) -> Table:
         return read_parquet(content)
     try:
         with np.load(BytesIO(content), allow_pickle=False) as file:
-            about = json.loads(bytes(file[_TABLE_FILE_ABOUT]))  # text beside the arrays, or an array of its bytes
+            about = json.loads(bytes(file[_TABLE_FILE_ABOUT]))  # text next to the arrays, or an array of its bytes
             names = sorted({each.rpartition("/")[0] for each in file.files if "/" in each})
             arrays = {name: Varying(file[f"{name}/index"], file[f"{name}/values"]) for name in names}
             given = {each: file[each] for each in ("cell", "sample") if each in file.files}
