@@ -180,7 +180,7 @@ class Build:
         return None if final is None else Built(self.plan, composed, final, compiled=compiled, merged=draft.merged)
 
     def _draft(self, plan: Plan, composer: Composer) -> _Draft | None:
-        """Compose, link and bundle a plan: that of the model, or of one of its samples."""
+        """Compose, link and bundle a plan: the plan of the model, or of one of its samples."""
         context = composer.context
         merged: Merged = {}
         with context.timed("compose"):

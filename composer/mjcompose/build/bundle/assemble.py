@@ -92,7 +92,7 @@ Renamed = Mapping[str, Mapping[str, Mapping[str, str]]]
 
 
 def renamed_in(model: Unit, members: Iterable[PartRecord]) -> Renamed:
-    """Return what edits renamed, traced back through later prefixes; without elements removed since."""
+    """Return the elements that edits renamed, traced back through later prefixes; without elements removed since."""
     by_prefix = {member.prefix: member.part for member in reversed(list(members))}
     found: dict[str, dict[str, dict[str, str]]] = {}
     for node, steps in model.origins.renamed.items():
@@ -202,7 +202,7 @@ def assemble(plan: Plan, model: Unit, uses: Iterable[FileUse], context: Context)
 class ManifestInput:
     """How a model was made, for its manifest.
 
-    `compiled` is the result of MuJoCo, None if the model was not compiled; `cell` the name of its cell; `pictured`
+    `compiled` is the result of MuJoCo, None if the model was not compiled. `cell` is the name of its cell; `pictured`
     says that a picture will be next to it.
     """
 

@@ -55,7 +55,7 @@ _LAST_SECOND = 4354819198  # 2107-12-31 23:59:58, the last
 
 
 def moment_of(environment: Mapping[str, str]) -> Moment:
-    """Return 1980-01-01, or SOURCE_DATE_EPOCH (seconds, UTC) limited to what a zip can hold. Raises OutputError.
+    """Return 1980-01-01, or SOURCE_DATE_EPOCH (seconds, UTC) limited to the dates of a zip. Raises OutputError.
 
     >>> moment_of({"SOURCE_DATE_EPOCH": "1700000000"})
     (2023, 11, 14, 22, 13, 20)

@@ -24,8 +24,8 @@ from mjcompose.tree.xml_text import write
 def text_alone(model: Unit, uses: Iterable[FileUse], out: str, folder: Path) -> bytes:
     """Return the text for the output `out`, `-` for standard output.
 
-    Files are named by paths from the folder of the output (from `folder` for `-`) to the sources, so that the text
-    loads where it is written. Raises OutputError for files that are not on disk.
+    Files are named by paths from the folder of the output (from `folder` for `-`) to the sources, so the text loads
+    where it is written. Raises OutputError for files that are not on disk.
     """
     target = folder / out
     start = folder if out == "-" else target.parent
@@ -148,7 +148,7 @@ def _missing(model: Unit, use: FileUse, error: OSError, sink: Sink, shown: Calla
 
 
 def _found_elsewhere(source: Path) -> Path | None:
-    """Return a file of the same name in a folder next to or below that of the missing one."""
+    """Return a file of the same name in a folder next to or below the folder of the missing file."""
     for folder in (source.parent, source.parent.parent):
         with suppress(OSError):  # a name that is too long, or an unreadable folder
             for path in sorted(folder.glob(f"*/{glob.escape(source.name)}")):

@@ -1,6 +1,6 @@
 """The manifest: the sources of a bundle, its content, and the addresses in the compiled model.
 
-It holds no time and no path of the machine it was made on, so that the same input gives the same bytes.
+It holds no time and no path of the machine it was made on, so the same input gives the same bytes.
 """
 
 from __future__ import annotations
@@ -148,7 +148,7 @@ class Adopted(_Part):
 
 
 class Read(_Part):
-    """One file that was read: a recipe, a model, what these include, a mesh, a license."""
+    """One file that was read: a recipe, a model, their includes, a mesh, a license."""
 
     path: str = Field(description="Relative to the recipe, or after the reference that it was fetched with.")
     sha256: str

@@ -46,7 +46,7 @@ _CODES = ("source-outside", "limit-exceeded")
 
 
 def files_outside(folder: Path, model: str, shown: str) -> tuple[Diagnostic, ...]:
-    """Return the faults in the files that a model names, and what of it is too large; empty if there are none.
+    """Return the faults in the files that a model names, and the files that are too large; empty if there are none.
 
     The bundle was written to `folder`; `shown` is its name in messages. Invalid XML is a fault too, because it may
     name any file.

@@ -136,7 +136,7 @@ def stamps(address: str) -> list[list[object]]:
 def download(address: str, folder: Path, files: int, size: int) -> Path:
     """Download a bundle and the shared assets next to it to an empty folder; return its path there.
 
-    Raises RemoteError, also for more than `files` files or `size` bytes.
+    Raises RemoteError, even for more than `files` files or `size` bytes.
     """
     name = PurePosixPath(address.rstrip("/")).name
     with open_remote(address) as (fs, path):

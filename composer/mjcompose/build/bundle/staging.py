@@ -53,7 +53,7 @@ def staged_file(
 
     Folders above `out` are created. After a failure nothing is left and an older `out` is untouched; errors of the
     file system become OutputError. `option` names the output in messages, `inputs` are sources besides those that were
-    noted. Only what `rewrites` a source, as `fmt` does, may take its place.
+    noted. Only output that `rewrites` a source, as `fmt` does, may replace it.
     """
     target = resolved_output(out)
     check_kind(target, out, option)
@@ -286,7 +286,7 @@ def write_mjb(
 ) -> None:
     """Compile the bundle and write MuJoCo's binary form, which only the same version of MuJoCo reads.
 
-    A manifest that lists this one file is written next to it. Raises OutputError, also if the model does not
+    A manifest that lists this one file is written next to it. Raises OutputError, even if the model does not
     compile, and then leaves an older `out` untouched.
     """
     from mjcompose.mujoco import engine

@@ -2,8 +2,8 @@
 
 A zip is a valid MJZ, which MuJoCo opens directly. The same bundle gives the same bytes, whatever the clock, the time
 zone, the umask or the folder. (Compressed bytes still depend on the zlib of Python; `Bundle.sha256` does not.) Each
-file is compressed once, at a level that depends on its name alone: the usual level for MJCF and other text; a low level
-for meshes, which is several times faster and nearly as good; none for images and archives.
+file is compressed once, at a level that depends on its name alone: the usual level for MJCF and other text, a low level
+for meshes (several times faster and nearly as good), none for images and archives.
 """
 
 from __future__ import annotations
@@ -120,7 +120,7 @@ def packed_to_bytes(packed: Packed) -> bytes:
 
 
 def packed_from_bytes(content: bytes) -> Packed:
-    """Parse what `packed_to_bytes` returned. No I/O."""
+    """Parse the result of `packed_to_bytes`. No I/O."""
     crc, size = _HEAD.unpack_from(content)
     return Packed(crc, size, content[_HEAD.size :])
 
@@ -298,8 +298,8 @@ def write(
     """Write the bundle to `out` in the form for its name, and return the form.
 
     The output is complete, or OutputError is raised and everything is as before. `environment` may hold
-    SOURCE_DATE_EPOCH; `session` is for MJB and USD, which need MuJoCo, `packing` for archives; `warn` receives what
-    USD cannot represent.
+    SOURCE_DATE_EPOCH. `session` is for MJB and USD, which need MuJoCo, `packing` for archives. `warn` receives the
+    losses of USD.
     """
     form = form_of(out)
     path = Path(out)

@@ -192,7 +192,7 @@ class Maker:
     ) -> tuple[BuildResult | None, tuple[str, ...]]:
         """Return the model if the cache has it, before anything is read; or why it does not.
 
-        The stored diagnostics go to the context's sink again, the outcomes of checks to `outcomes`.
+        The context reports the stored diagnostics again, the outcomes of checks to `outcomes`.
         """
         if self.cache is None or key is None:
             return None, ("the cache is not used",)
@@ -218,7 +218,7 @@ class Maker:
         why: tuple[str, ...] = (),
         outcomes: list[Outcome] | None = None,
     ) -> BuildResult | None:
-        """Plan the model, and build it unless the cache has the plan; errors go to the context's sink."""
+        """Plan the model, and build it unless the cache has the plan; report errors."""
         from mjcompose.build import stages
 
         outcomes = [] if outcomes is None else outcomes

@@ -111,7 +111,7 @@ class Facts:
 class Record(Facts):
     """A record of a successful build.
 
-    `text` is the hash of the model's text, if only that was wanted. `recipes` are the recipe files, the outermost
+    `text` is the hash of the model's text, if only that was requested. `recipes` are the recipe files, the outermost
     first. `places` is a hash of all positions in them, and `mentions_positions` says that the record contains such
     positions.
     """
@@ -134,7 +134,7 @@ def to_json(record: Record) -> bytes:
 
 
 def from_json(text: bytes) -> Record:
-    """Parse what `to_json` returned. Raises ValueError, KeyError and TypeError for anything else."""
+    """Parse the result of `to_json`. Raises ValueError, KeyError and TypeError for anything else."""
     data: dict[str, Any] = json.loads(text)
     data["files"] = tuple(KeptFile(**each) for each in data["files"])
     data["recipes"] = tuple(KeptRecipe(**each) for each in data["recipes"])

@@ -5,7 +5,7 @@ versions, and the recipe is one of the files that must be unchanged; this takes 
 and planning the recipe. The second key, after planning, is `of_plan`, with the concrete recipe instead of the path
 and the given values; it still matches if the recipe file changed in ways that do not matter.
 
-Files of `--set-file` are in the key with their contents, so that the changed value can be named.
+Files of `--set-file` are in the key with their contents, so messages can name the changed value.
 """
 
 from __future__ import annotations
@@ -109,7 +109,7 @@ class FileState:
 
 
 def file_state(data: list[object]) -> FileState:
-    """Parse what `as_data` returned. Raises TypeError and ValueError for anything else."""
+    """Parse the result of `as_data`. Raises TypeError and ValueError for anything else."""
     path, state, stamp = data
     if not isinstance(path, str) or not isinstance(state, str):
         raise TypeError(data)
@@ -218,7 +218,7 @@ class CacheKey:
 class BuildOptions:
     """The options of builds.
 
-    `text_beside` is the folder from which a model's text refers to its files, if only text is wanted. `choices` are
+    `text_beside` is the folder from which a model's text refers to its files, if only text is requested. `choices` are
     the given values of parameters and variants, by their names for the user; `locked` and `offline` limit how
     sources are fetched.
     """

@@ -100,7 +100,7 @@ class CellMaker:
     def keep(
         self, result: CellResult, record: Record, inputs: Sequence[FileState], packages: Iterable[Package]
     ) -> None:
-        """Store what other processes made, if its inputs are the same here, and record that it is written."""
+        """Store the result of other processes, if its inputs are the same here, and record that it is written."""
         if result.result is not None:
             self.keep_record(result.cell, record, inputs, packages=packages, result=result.result)
 
@@ -126,7 +126,7 @@ class CellMaker:
 
 @dataclass(frozen=True, slots=True)
 class RecipeResult:
-    """The result of a recipe of which one model is made: `checks` is their number, `cells` that of its matrix."""
+    """The result of a recipe of which one model is made: `checks` is their number, `cells` the size of its matrix."""
 
     diagnostics: tuple[Diagnostic, ...]
     outcomes: tuple[Outcome, ...]
@@ -153,7 +153,7 @@ def make_recipe(maker: Maker, session: Session, given: dict[str, Node]) -> Recip
 
 
 def context_for_worker(context: Context) -> Context:
-    """Return a context for another process: it knows the files read and fetched here, and has its own sink."""
+    """Return a context for a process: it knows the files read and fetched here, and has its own diagnostics."""
     how = context.fetching
     return replace(
         context, sink=Sink(), timings=[], concrete={},

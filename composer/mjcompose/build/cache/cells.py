@@ -110,8 +110,8 @@ def cells_of(
 ) -> list[Cell]:
     """Return the cells that `--all` builds, in order, with all names and values checked.
 
-    If the recipe draws samples, each cell is followed by its samples, unless they are `worlds` of one model. The
-    result is empty after errors, which go to the sink.
+    If the recipe draws samples, each cell is followed by its samples, unless they are `worlds` of one model. The result
+    is empty after errors, which are reported.
     """
     if use_lock(recipe, context) is None:
         return []

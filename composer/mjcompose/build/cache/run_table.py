@@ -44,7 +44,7 @@ _BATCH = 1000
 
 
 class RunTable:
-    """Keeps rows in a temporary file until all columns are known, so that memory use stays constant.
+    """Keeps rows in a temporary file until all columns are known, so memory use stays constant.
 
     `first` are the columns that every row has, with their types. Missing values are empty.
     """

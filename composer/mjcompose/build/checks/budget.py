@@ -1,4 +1,4 @@
-"""The check `budget`: what a model costs is limited."""
+"""The check `budget`: limits of a model's cost."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What checks share: scope, keyframes, words, failures."""
+"""The common code of checks: scope, keyframes, words, failures."""
 
 from __future__ import annotations
 
@@ -94,7 +94,7 @@ class Scope:
         return (index for index in range(self.roster.count(kind)) if self.owns(kind, index))
 
     def owns(self, kind: str, index: int) -> bool:
-        """Return whether an element belongs to the recipe, judged by its name or else by its body or target."""
+        """Return whether an element belongs to the recipe, by its name or else by its body or target."""
         if self.whole:
             return True
         name = self.roster.names[kind][index]

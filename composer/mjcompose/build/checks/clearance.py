@@ -178,7 +178,7 @@ def _is_excepted(scope: Scope, pair: Pair, one: frozenset[str], other: frozenset
 
 
 def _names(scope: Scope, side: Side) -> set[str]:
-    """Return the names by which a glob matches a side: its own and that of its body."""
+    """Return the names by which a glob matches a side: its own and its body's."""
     kind, index = side
     names = [scope.roster.names[kind][index]]
     if kind == "geom":

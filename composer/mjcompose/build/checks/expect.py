@@ -124,7 +124,7 @@ _BESIDE = "write `{0}` beside `select`, behind the `}}` of the selector: `{0}: â
 
 
 class Selector(CheckPart):
-    """A tag with a name or a glob, and what narrows it down."""
+    """A tag with a name or a glob, and conditions."""
 
     rules: ClassVar = (OneOf(*TAGS, lacks="lacks a tag", advice="write for instance `site: NAME`", noun="tag"),)
     example: ClassVar = "{site: tcp}"
@@ -270,7 +270,7 @@ def _selectable(tag: str) -> list[str]:
 
 
 def _attribute(tag: str | None, written: str, others: Collection[str] = ()) -> tuple[str, int | None] | Fault:
-    """Return an attribute and its index, or what is wrong with it. `others` are attributes without numbers."""
+    """Return an attribute and its index, or its fault. `others` are attributes without numbers."""
     match = _INDEXED.fullmatch(written)
     if match is None:
         message = f"{IT} is `{written}`, which is not an attribute"
@@ -291,7 +291,7 @@ def _attribute(tag: str | None, written: str, others: Collection[str] = ()) -> t
 
 
 def _condition(tag: str, key: str, value: Any) -> dict[str, Any] | Fault:
-    """Return a condition on an attribute of the compiled model as plain data, or what is wrong with it."""
+    """Return a condition on an attribute of the compiled model as plain data, or its fault."""
     words = [*keywords(tag), *naming(tag)]
     if key in words:
         word = _word(tag, key, value)

@@ -129,7 +129,7 @@ KIND = Lint
 
 
 def check(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
-    """Return what the rules find."""
+    """Return the findings of the rules."""
     findings: list[Fault] = []
     for word, settings in asked["rules"].items():
         values = dict(scope.values)
@@ -147,5 +147,5 @@ def check(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
 
 
 def _place(rule: str, at: Path) -> Path:
-    """Return the place of a setting of a rule, or of what it excepts."""
+    """Return the place of a setting of a rule, or of its exceptions."""
     return ("except", rule, *at[1:]) if at[:1] == ("except",) else ("select", rule, *at)

@@ -131,7 +131,7 @@ def pair_of(
 
 
 def values_of(scope: Scope, tag: str, index: int, asked: Mapping[str, Any]) -> Any | Fault:
-    """Return the numbers of an attribute as a flat array, or the one of its `index`."""
+    """Return the numbers of an attribute as a flat array, or the number at its `index`."""
     import numpy as np
 
     from mjcompose.mujoco.addresses import rows_of
@@ -199,7 +199,7 @@ def plain(numbers: Any) -> Any:
 
 
 def like(quantities: Sequence[Quantity], numbers: Sequence[float]) -> list[str]:
-    """Return numbers as text, each in the unit of its quantity, or all in that of the first."""
+    """Return numbers as text, each in the unit of its quantity, or all in the first number's unit."""
     if len(quantities) != len(numbers):
         quantities = [quantities[0]] * len(numbers)
     return [each.like(number) for each, number in zip(quantities, numbers, strict=True)]

@@ -1,6 +1,6 @@
 """Actuators as MuJoCo compiles them, and the units of their controls and activations.
 
-The control of a position servo is a position, that of a velocity servo a velocity, of whatever the servo moves;
+The control of a position servo is a position, the control of a velocity servo a velocity, of whatever the servo moves;
 `compiled/units.py` determines the same for a compiled model. Only a joint determines whether that is an angle: a
 fixed tendon adds up hinges by coefficients, and MJCF gives its `range` no unit either. A gear other than 1 and -1
 scales the number, so it is not an angle of the joint.
@@ -152,14 +152,14 @@ def _model(arrays: Mapping[str, list[float]], row: int, count: int, general: Map
         return tuple(values[row * width : (row + 1) * width])
 
     def word(name: str) -> str:
-        # The keywords stand in the order of MuJoCo's own enumerations.
+        # The keywords are in the order of MuJoCo's own enumerations.
         return general[name].keywords[int(arrays[f"actuator_{name}"][row])]
 
     first = int(arrays.get("actuator_ctrladr", range(count))[row])  # each of its controls has a row
     has_control = int(arrays.get("actuator_ctrlnum", [1] * count)[row]) > 0
     ctrlrange, actrange = arrays["actuator_ctrlrange"][2 * first :], numbers_of("actrange")
     spec = int(arrays["actuator_ctrlspec"][row]) if word("gaintype") == "pid" else 0
-    # A plugin's force is its own: MuJoCo 4.0 leaves a gain of 1 and no bias beside it, as those of a motor.
+    # A plugin's force is its own: MuJoCo 4.0 leaves a gain of 1 and no bias next to it, as for a motor.
     by_plugin = int(arrays["actuator_plugin"][row]) >= 0
     gain, bias = (PLUGIN, PLUGIN) if by_plugin else (word("gaintype"), word("biastype"))
     inputs = tuple(name for bit, name in enumerate(INPUTS) if spec >> bit & 1)
@@ -218,7 +218,7 @@ class ControlUnits:
         return self.known[actuator]
 
     def is_position(self, actuator: Node) -> bool:
-        """Return whether an actuator's control is the position of what it moves."""
+        """Return whether an actuator's control is the position of its target."""
         control = None if actuator.tag in _UNLIKE else self._control(actuator)
         if control is None and actuator.tag not in _UNLIKE and not self.in_doubt:
             control = self._models[actuator].control if actuator in self._models else "other"
@@ -233,10 +233,10 @@ class ControlUnits:
             return ControlMeaning()
         control = self._control(actuator)
         if control is None:
-            if self.in_doubt:  # MuJoCo would only repeat what is wrong
+            if self.in_doubt:  # MuJoCo would only repeat the fault
                 return ControlMeaning()
             control = self._models[actuator].control if actuator in self._models else "other"
-        # What the activation is the integral of, or a filter for, is what the gain is for.
+        # The gain applies to the quantity that the activation integrates or filters.
         held = control.removeprefix("rate of ")
         return ControlMeaning(tuple(map(_ANGLES.get, control.split("+"))), _ANGLES.get(held))
 

@@ -63,7 +63,7 @@ _OF_RECIPES = "it attaches recipes, which MuJoCo does not read"
 def unplaced_records(
     plan: Plan, wanted: Iterable[PartRequest], parts: Iterable[Part], inner: Sequence[list[UnplacedRecord]]
 ) -> list[UnplacedRecord]:
-    """Return the records of a plan: those of its own sources and of nested recipes, in the manifest's order.
+    """Return the records of a plan: the records of its own sources and of nested recipes, in the manifest's order.
 
     `wanted`, `parts` and `inner`, the records of each request that is a nested recipe, begin with the base.
     """
@@ -333,7 +333,7 @@ def _note_edits(record: UnplacedRecord, edits: Iterable[Edit]) -> None:
 
 
 def may_match_part(selector: Selector, prefix: str, prefixes: Collection[str]) -> bool:
-    """Return whether a selector can match elements of the part with that prefix, judged by the start of names."""
+    """Return whether a selector can match elements of the part with that prefix, by the start of names."""
     if selector.pattern.startswith("/"):
         return True
     head = re.split(r"[*?{\[]", selector.pattern, maxsplit=1)[0]

@@ -81,7 +81,7 @@ def check_intervals(making: ElementBuilder) -> None:
     making.intervals.clear()
 
 
-# What MuJoCo expands may bring mass.
+# Elements that MuJoCo expands may bring mass.
 _OPAQUE = ("attach", "composite", "flexcomp")
 _TOO_LITTLE = 1e-15  # mjMINVAL
 _SHOWN = 3

@@ -81,7 +81,8 @@ if TYPE_CHECKING:
     from mjcompose.mujoco.engine import Session
 
 Result = TypeVar("Result")
-# What else is added would change what `settotalmass` of the base gives each body: MuJoCo scales the whole model to it.
+# Other additions would change the mass that `settotalmass` of the base gives each body: MuJoCo scales the whole model
+# to it.
 _WEIGHTLESS = ("site", "camera", "light")
 # These functions write a step into the joined model. Steps that wait for the whole model are in other modules.
 _WRITE: Mapping[type[Step], Callable[[Any, Linking, ElementBuilder], None]] = {
@@ -97,8 +98,8 @@ check_rows(f"the steps that {__name__} carries out", _WRITE, [each for each in S
 class Composed:
     """One flat model with its files, sources, draws and generated shapes.
 
-    `excluded` are the bodies that need not collide, if the recipe requests them. `tables` has what was read, and what
-    was not, of sources that are not MJCF.
+    `excluded` are the bodies that need not collide, if the recipe requests them. `tables` has the elements that were
+    read, or skipped, of sources that are not MJCF.
     """
 
     model: Unit
@@ -274,9 +275,9 @@ class Composer:
 
     def _joined(self, plan: Plan, base: Unit, units: list[Unit], is_fixed: bool) -> Composed | None:
         """Attach the parts to the base, add the recipe's own elements, and return the result."""
-        # Each call needs those before it: steps name joined elements, edits also select what steps add, `finish` lays
-        # out keys after edits have reshaped elements, MuJoCo measures poses and contacts on the finished model, and
-        # edits of keys act on their final rows.
+        # Each call needs those before it: steps name joined elements, edits also select elements that steps add,
+        # `finish` lays out keys after edits have reshaped elements, MuJoCo measures poses and contacts on the finished
+        # model, and edits of keys act on their final rows.
         before = self.context.sink.error_count
         base.root.set("model", plan.name)
         if plan.base_keys == "none" and BASE not in plan.key_sources:
@@ -342,7 +343,7 @@ class Composer:
         return linking
 
     def _edit(self, plan: Plan, changes: ModelEdits | None, linking: Linking, making: ElementBuilder) -> None:
-        """Carry out the edits, lay out the keys, and report what is wrong with the model before it is finished."""
+        """Carry out the edits, lay out the keys, and report faults of the model before it is finished."""
         sink = self.context.sink
         are_named = True
         if changes and sink.has_errors:  # in a model that lacks something, a selector selects other elements

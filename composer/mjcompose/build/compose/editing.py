@@ -168,7 +168,7 @@ class Editing:
 
     @contextmanager
     def writing(self, node: Node, attribute: Attribute) -> Iterator[None]:
-        """Keep what is known of a node up to date while an attribute of it is written."""
+        """Keep the facts about a node up to date while an attribute of it is written."""
         if not attribute.is_number:
             with changing(self, node):
                 yield
@@ -196,7 +196,7 @@ class Editing:
                 changed.update(section.iter(*JOINTS) if section.tag == "worldbody" else section.iterchildren("*"))
 
     def effective(self, node: Node, name: str) -> str | None:
-        """Return the effective text of an attribute: the written one, that of a class, or MuJoCo's default."""
+        """Return the effective text of an attribute: the written text, a class's text, or MuJoCo's default."""
         return text_in_effect(node, kind_of(node), name, classes=self.classes)
 
     def called(self, node: Node) -> str:

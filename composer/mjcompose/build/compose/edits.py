@@ -101,7 +101,7 @@ def is_of_keys(step: EditElements | DrawValues) -> bool:
 
 @dataclass(slots=True)
 class PartEdits:
-    """Edits a unit. Its keys are laid out anew, and edits of keys are carried out after that."""
+    """Edits a unit. Its keys are laid out again, and edits of keys are carried out after that."""
 
     plan: Plan
     wanted: PartRequest
@@ -109,7 +109,7 @@ class PartEdits:
     composer: Composer
 
     def carry_out(self) -> tuple[DroppedElement, ...] | None:
-        """Carry out the drops and edits. Return what was dropped, or None after a reported error."""
+        """Carry out the drops and edits. Return the dropped elements, or None after a reported error."""
         plan, wanted, unit, composer = self.plan, self.wanted, self.unit, self.composer
         sink, before = composer.context.sink, composer.context.sink.error_count
         if wanted.keyframes == "none":

@@ -180,7 +180,7 @@ def _set_attributes(node: Node, element: Element, kind: ElementType, making: Ele
 
 
 def update_node(node: Node, element: Element, kind: ElementType, making: ElementBuilder) -> None:
-    """Overwrite the attributes of an existing node, and of its children, with those of a recipe element."""
+    """Overwrite the attributes of an existing node, and of its children, with a recipe element's attributes."""
     before = making.origins.owner(node, making.base_file)
 
     def place(attribute: str | None) -> Span:

@@ -24,7 +24,7 @@ from mjcompose.tree.grammar import GRAMMAR
 
 
 def preview_plan(plan: Plan, context: Context) -> PlanPreview:
-    """Return the elements that the plan removes and selects, and the settings of its parts. Errors go to the sink.
+    """Return the elements that the plan removes and selects, and the settings of its parts. Report errors.
 
     The model is composed once if edits or contacts need it. Otherwise only the relevant sources are read.
     """
@@ -65,7 +65,7 @@ def _gains(composed: Composed | None, edits: Iterable[EditOutcome], measure: Mea
 
 
 def shapes_for_plans(plans: Iterable[Plan], context: Context) -> dict[str, bytes]:
-    """Return the results that plans need, by key; compute missing results. Errors go to the context's sink."""
+    """Return the results that plans need, by key; compute missing results. Report errors."""
     results: dict[str, bytes] = {}
     library: Library = {}
     working = [plan for plan in plans if plan.works_on_meshes]

@@ -137,7 +137,7 @@ class _FieldDraws:
         )  # fmt: skip
 
     def drawn_by(self, node: Node) -> str:
-        """Return the identity on which the draws of an element depend: that of the element, its body or its part."""
+        """Return the identity on which the draws of an element depend: of the element, its body or its part."""
         per = self.step.field.per
         if per == "part":
             return self.editing.parts.get(node, BASE)
@@ -335,7 +335,7 @@ class _FieldDraws:
 
 
 def _place_in_body(node: Node) -> tuple[str, int, int] | None:
-    """Return the name of an element's body, its index among those of its tag there, and their number; None outside."""
+    """Return the name of an element's body, its index within its tag there, and their number; None outside."""
     body = parent_of(node)
     if body is None or body.tag not in ("body", "worldbody"):
         return None

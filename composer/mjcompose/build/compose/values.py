@@ -162,7 +162,7 @@ def attributes_scope(values: Values) -> dict[str, Value]:
 
 
 def matches_value(attribute: Attribute, have: Value, wanted: object) -> bool:
-    """Return whether an effective value is the one that `where` gives. Numbers are compared up to rounding.
+    """Return whether an effective value is the value that `where` gives. Numbers are compared up to rounding.
 
     >>> from mjcompose.tree.grammar import GRAMMAR
     >>> matches_value(GRAMMAR.element("geom").attributes["friction"], (1.0, 0.005, 0.0001), [1, 0.005])
@@ -234,7 +234,7 @@ class Masses:
 
     @cached_property
     def _survey(self) -> tuple[Survey | None, str]:
-        """Return what MuJoCo computes for the model, or None and the reason why it gives no masses."""
+        """Return MuJoCo's results for the model, or None and the reason why it gives no masses."""
         from mjcompose.build.compose.keys import without_keys
         from mjcompose.link.linking import Linking
         from mjcompose.link.measure import Unmeasurable, compile_unaligned

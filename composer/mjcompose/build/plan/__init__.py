@@ -1,1 +1,1 @@
-"""What a build will do, in order."""
+"""The steps of a build, in order."""

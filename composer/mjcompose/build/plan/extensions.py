@@ -21,7 +21,7 @@ _OURS = {"checks": {*KINDS.own, SEVERITY, "when"}, "verbs": {*Edit.key_names()}}
 
 
 def load_named_extensions(node: Mapping, origin: Origin | None, sink: Sink) -> None:
-    """Load what the words of one file need. In a file that was fetched with `origin`, they are errors instead.
+    """Load the extensions for the words of one file. If it was fetched with `origin`, they are errors.
 
     Words that no installed package knows are left to the validation.
     """
@@ -37,7 +37,7 @@ def load_named_extensions(node: Mapping, origin: Origin | None, sink: Sink) -> N
 
 
 def load_all() -> list[DiagnosticError]:
-    """Load what all installed packages bring to the language, for editors; return what cannot be loaded."""
+    """Load the extensions of all installed packages, for editors; return the failures."""
     return [error for table in [*_TABLES.values(), EXTENDED] for error in table.load_all()]
 
 

@@ -162,7 +162,7 @@ class Matrix(NamedTuple):
 
 
 def read_matrix(recipe: Path, context: Context, given: Map[str, Node] | None = None) -> Matrix | None:
-    """Return the matrix, or None if the recipe is unreadable. Errors go to the context's sink."""
+    """Return the matrix, or None if the recipe is unreadable. Report errors."""
     path = context.folder / recipe
     document = read_recipe(path, context)
     if not isinstance(document, Mapping):
@@ -190,7 +190,7 @@ class FilledValues:
 
 
 def filled_from_first_cell(recipe: Path, context: Context, given: Map[str, Node]) -> FilledValues:
-    """Return the given values, with those of the first cell for parameters that would have none."""
+    """Return the given values, with the first cell's values for parameters that would have none."""
     aside = replace(context, sink=Sink())
     document = read_recipe(context.folder / recipe, aside)
     if not isinstance(document, Mapping) or find(document, ("matrix",)) is None:

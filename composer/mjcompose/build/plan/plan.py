@@ -144,7 +144,7 @@ RecipePath: TypeAlias = tuple[str, Path]
 
 @dataclass(frozen=True, slots=True)
 class EditOutcome:
-    """The effect of an entry of `edit`: how many elements of each kind it selects, and what it removes.
+    """The effect of an entry of `edit`: how many elements of each kind it selects, and the elements it removes.
 
     `removed` has the selected elements first, then the elements that depend on them.
     """
@@ -397,7 +397,7 @@ class Plan:
                     yield replace(each, part=part, span=place.span)
 
     def plans(self) -> Iterator[Plan]:
-        """Yield the plan, and those of its nested recipes."""
+        """Yield the plan, and the plans of its nested recipes."""
         yield from (place.model for place in self.places() if isinstance(place.model, Plan))
 
     def sources(self) -> Iterator[Source]:

@@ -53,7 +53,7 @@ Outer = tuple[tuple[Path, "Span | None"], ...]
 def make_plan(
     recipe: Path, context: Context, given: Given | None = None, *, name: str | None = None, sample: int = 0
 ) -> Plan | None:
-    """Return what a build of the recipe will do, or None if it or something that it refers to has errors.
+    """Return the steps of a build of the recipe, or None if it or something that it refers to has errors.
 
     `name` and `sample` are as in `plan_what_remains`.
     """
@@ -71,7 +71,7 @@ def plan_what_remains(
     sample: int = 0,
     worlds: bool = False,
 ) -> Plan | None:
-    """Return the plan without its faulty pieces, so that later stages can find more errors; None without a base.
+    """Return the plan without its faulty pieces, so later stages can find more errors; None without a base.
 
     `name` is the name of a cell of the matrix; without it, the plan has the recipe's name, and the matrix is checked.
     `sample` selects the draws; 0 has none. With `worlds`, all samples become worlds of the model.
@@ -354,7 +354,7 @@ class _Planner:
         return self.inner.get(model, ()) if isinstance(model, Source) else ()
 
     def _in_place(self, at: KeyPath, model: Mapping, around: _LoadedRecipe, inside: Outer) -> Plan | None:
-        """Return the plan of a recipe that is written in place of a model reference."""
+        """Return the plan of a recipe that is written instead of a model reference."""
         for key, what in (("with", "recipes in files"), ("packages", "URDF"), ("urdf", "URDF")):
             if find(around.document, (*at, key)) is not None:
                 self._only_for(key, what, "a model in place", document=around.document, at=at)

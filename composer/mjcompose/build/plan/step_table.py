@@ -1,4 +1,4 @@
-"""All types of steps in the order in which they are carried out: settings, classes, and what may use them."""
+"""All types of steps in the order in which they are carried out: settings, classes, and the steps that may use them."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ STEPS: tuple[type[Step], ...] = (
     WriteKeyframe,
     SetCollisions,
 )
-# Keys that the planner reads itself: settings of the whole recipe, and what is composed and verified.
+# Keys that the planner reads itself: settings of the whole recipe, its sources and its checks.
 _PLANNED = "recipe name description angle eulerseq separator conflict allow base attach check datasheets".split()
 
 for _each in STEPS:

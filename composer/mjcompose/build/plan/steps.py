@@ -1,4 +1,4 @@
-"""All types of steps, in the order in which they are carried out, and what angles and added places mean to them."""
+"""All types of steps, in the order in which they are carried out, and their use of angles and added places."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class AngleSettings:
 
 @dataclass(frozen=True, slots=True)
 class AngleContext:
-    """The settings of a merged recipe as a `whole`, and those of its files that differ from it."""
+    """The settings of a merged recipe as a `whole`, and the settings of its files that differ from it."""
 
     document: Mapping
     whole: AngleSettings = AngleSettings()
@@ -237,7 +237,7 @@ class AppendElement(Step):
 
 @dataclass(frozen=True, slots=True)
 class DrawValues(Step):
-    """Draw the values of a field for a sample; for sample 0, which has no draws, check those of all other samples."""
+    """Draw the values of a field for a sample; for sample 0, which has no draws, check all other samples."""
 
     waits: ClassVar[bool] = True
     sections: ClassVar[tuple[str, ...]] = ("randomize",)

@@ -1,1 +1,1 @@
-"""What the verbs of `edit` do, one file each."""
+"""The verbs of `edit`, one file each."""

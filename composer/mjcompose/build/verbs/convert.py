@@ -1,6 +1,6 @@
-"""Verb `convert`: replace an actuator by one of another kind that does the same, or report what would be lost.
+"""Verb `convert`: replace an actuator by one of another kind that does the same, or report the losses.
 
-MuJoCo computes what the actuator does from its attributes and classes: gain, bias and the dynamics of the
+MuJoCo computes the actuator's effect from its attributes and classes: gain, bias and the dynamics of the
 activation. The attributes of the new kind are written from these.
 """
 
@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 
 
 _PARAMETERS = ("gainprm", "biasprm", "dynprm")
-# What a control of an actuator is, in words. An integrator makes of a rate what the gain is for.
+# The meaning of an actuator's control, in words. An integrator turns a rate into the quantity that the gain is for.
 _CONTROL = {"position": "a position", "velocity": "a velocity", "force": "a force"}
 _CONTROL |= {f"rate of {form}": f"the rate of {words}" for form, words in _CONTROL.items()}
 _PLAIN = {
@@ -47,7 +47,7 @@ _PLAIN = {
 _GAINS = {"position": "kp", "pid": "kp", "velocity": "kv"}
 # MuJoCo 4.0: "kv and dampratio cannot both be defined", and "ctrlrange and inheritrange cannot both be defined".
 _INSTEAD = {"kv": ("dampratio",), "dampratio": ("kv",), "ctrlrange": ("inheritrange", "posrange")}
-# What no attribute of another kind says: it is lost where that has none of the same name.
+# Settings that no attribute of another kind expresses: they are lost if that kind has none of the same name.
 _UNSAID = ("actrange", "actearly", "actdim")
 
 
@@ -251,7 +251,7 @@ def _text(attribute: Attribute, value: Any, gear: float, power: int) -> str:
 def _converted(
     editing: Editing, node: Node, to: str, model: ActuatorModel, given: Mapping[str, str], at: Path
 ) -> list[str]:
-    """Convert one actuator. Return in words what is lost."""
+    """Convert one actuator. Return the losses in words."""
     old, kind = str(node.tag), GRAMMAR.element(f"actuator/{to}")
     made, lost = ({}, []) if old == to else _written_for(editing, node, to, model=model, given=given, at=at)
     before = after = model.control
@@ -293,7 +293,7 @@ def _converted(
 
 
 def _lost_attributes(to: str, model: ActuatorModel, wrong: list[str]) -> Iterator[str]:
-    """Yield in words what the new kind has no attribute for. `wrong` are the attributes that it does not have."""
+    """Yield in words the settings that the new kind lacks. `wrong` are the attributes that it does not have."""
     yield from (f"`{name}`" for name in wrong if name in _UNSAID and (model.act_limited or name != "actrange"))
     if to not in ("general", "pid"):
         yield from (f"`{name}range`" for name in model.limited[1:] if name)
@@ -346,7 +346,7 @@ def _lost_in_keys(editing: Editing, node: Node) -> Iterator[str]:
 
 def _keeps_activation(to: str, written: Mapping[str, str]) -> bool:
     """Return whether the new kind has an activation, which an `actrange` can limit."""
-    # MuJoCo 4.0 refuses the range of what does not exist: "actrange specified but dyntype is 'none'".
+    # MuJoCo 4.0 refuses the range of an activation that does not exist: "actrange specified but dyntype is 'none'".
     with_activation = {"position": ("timeconst",), "pid": ("ki", "slewmax")}.get(to, ())
     return to == "general" or any(any(numbers.read(written.get(name, "0"))) for name in with_activation)
 
@@ -354,7 +354,7 @@ def _keeps_activation(to: str, written: Mapping[str, str]) -> bool:
 def _refuse_actrange(editing: Editing, node: Node, to: str, at: Path) -> None:
     """Report an `actrange` from a class for an actuator without an activation.
 
-    MuJoCo refuses it, and nothing on the actuator can undo the one of its class.
+    MuJoCo refuses it, and nothing on the actuator can undo its class's range.
     """
     kind = GRAMMAR.element("actuator/general")
     found = levels(node, kind, kind.attributes["actrange"], classes=editing.classes)
@@ -375,7 +375,7 @@ def _replaced(written: Mapping[str, str]) -> Iterator[str]:
 def _written_for(
     editing: Editing, node: Node, to: str, model: ActuatorModel, given: Mapping[str, str], at: Path
 ) -> tuple[dict[str, str], list[str]]:
-    """Return the attributes that give the new kind the same model, and in words what it cannot express."""
+    """Return the attributes that give the new kind the same model, and its losses in words."""
     from mjcompose.build.compose.actuators import PLUGIN
 
     if to == "general":

@@ -1,4 +1,4 @@
-"""Verb `datasheet`: what a data sheet says, as attributes of an actuator and its joint."""
+"""Verb `datasheet`: the values of a data sheet, as attributes of an actuator and its joint."""
 
 from __future__ import annotations
 
@@ -128,7 +128,7 @@ def _of_joint(sheet: Sheet) -> dict[str, Any]:
 class _Drive:
     """An actuator and the hinge that it turns, with the motor that they become.
 
-    `effort` is the greatest torque at the joint, in N·m, and `gear` that of the actuator.
+    `effort` is the greatest torque at the joint, in N·m, and `gear` the actuator's gear.
     """
 
     editing: Editing
@@ -185,8 +185,8 @@ class _Drive:
 
 
 def _without_dampratio(editing: Editing, node: Node, at: Path) -> None:
-    """MuJoCo takes one of the two, and nothing on the actuator undoes that of its class."""
-    # MuJoCo 4.0: "kv and dampratio cannot both be defined", also where one of them is 0.
+    """MuJoCo takes one of the two, and nothing on the actuator undoes its class's value."""
+    # MuJoCo 4.0: "kv and dampratio cannot both be defined", even if one of them is 0.
     if node.get("dampratio") is not None:
         assign(editing, node, {"dampratio": None})
     if any(numbers.read(editing.effective(node, "dampratio") or "0")):

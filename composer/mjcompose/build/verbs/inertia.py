@@ -114,7 +114,7 @@ def _geoms(editing: Editing, body: Node, written: Inertia, at: Path) -> list[Nod
 def _measured(
     editing: Editing, wanted: Mapping[Node, Collection[Node]], density: float, at: Path
 ) -> tuple[Survey, Mapping[Node, Node]]:
-    """Return what MuJoCo measures in a copy of the model in which the bodies have only these geoms, at that density."""
+    """Return the measurements in a copy of the model in which the bodies have only these geoms, at that density."""
     from mjcompose.build.compose.keys import without_keys
     from mjcompose.link.linking import Linking
     from mjcompose.link.measure import Unmeasurable, compile_unaligned

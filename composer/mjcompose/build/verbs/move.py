@@ -133,8 +133,8 @@ def _target(editing: Editing, node: Node, index: int, to: str | Frame, at: Path)
 
 def _check_free(editing: Editing, node: Node, target: Node, at: Path) -> None:
     """Report a floating body that would move elsewhere than to the world."""
-    # A frame in the world is no body: MuJoCo 4.0 takes `<frame><body><freejoint/>…`, and says of a body below a body
-    # "free joint can only be used on top level".
+    # A frame in the world does not count as a body: MuJoCo 4.0 takes `<frame><body><freejoint/>…`, and says of a body
+    # below a body "free joint can only be used on top level".
     outer: Node | None = target
     while outer is not None and outer.tag in ("frame", "replicate"):
         outer = outer.getparent()

@@ -53,7 +53,7 @@ def remove(editing: Editing, nodes: list[Node], *, cascade: bool, at: Path) -> l
         gone += _named(node)
         _take_out(editing, node)
     linking = editing.linking
-    # A file that only went into what is gone does not go into the bundle.
+    # The bundle omits a file that only removed elements used.
     linking.files = [use for use in linking.files if _stands(use.element, editing.root)]
     return gone
 
@@ -81,7 +81,7 @@ def _take_out(editing: Editing, node: Node) -> None:
 
 
 def _named(node: Node) -> list[DroppedElement]:
-    """Return what is removed, for lists: each element in the body tree, elsewhere the element as a whole."""
+    """Return the removed elements, for lists: each element in the body tree, elsewhere the element as a whole."""
     from mjcompose.link.subtree import DroppedElement
     from mjcompose.tree.edit import is_section
     from mjcompose.tree.names import declaration
@@ -102,7 +102,7 @@ def _named(node: Node) -> list[DroppedElement]:
 
 
 def listed_kind(node: Node, section: str) -> str:
-    """Return what lists of elements call the kind of an element."""
+    """Return the name of an element's kind in lists of elements."""
     from mjcompose.tree.names import word
 
     if section in ("tendon", "equality", "actuator", "sensor"):

@@ -53,7 +53,7 @@ class Rename(Verb):
     """the new name"""
 
     def carry_out(self, entry: Entry, at: Path) -> None:
-        # All names are decided before the first is written, so that two can change places.
+        # All names are decided before the first is written, so two can change places.
         from mjcompose.build.compose.values import UnusableValue
         from mjcompose.tree.edit import unlistable_message
         from mjcompose.tree.names import own_name
@@ -83,7 +83,7 @@ class Rename(Verb):
         for node, name in new.items():
             naming = naming_attribute(kind_of(node))
             assert naming is not None
-            # `explain` is asked by the name that an element has in the end, and shows how it came by it.
+            # You ask `explain` for the final name of an element, and it shows how the element got it.
             if old := own_name(node, naming.name):
                 editing.making.origins.renamed.setdefault(node, []).append((old, name))
             node.set(naming.name, name)

@@ -1,4 +1,4 @@
-"""What `set`, `scale` and `offset` do to values."""
+"""The verbs `set`, `scale` and `offset`."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 
 @dataclass(slots=True)
 class Entry:
-    """The elements that an entry selects, and what its verbs leave behind.
+    """The elements that an entry selects, and the results of its verbs.
 
     `workshop` is where meshes are worked on. `checks` are the checks that can run only after all values are
     written. `gone` lists the removed elements, and `records` the meshes and shapes that were made.
@@ -59,7 +59,7 @@ class Entry:
 class Operation:
     """One of the verbs.
 
-    `combine` gives the new number, of the present one and the one that the recipe writes. With `is_factor` the written
+    `combine` gives the new number, of the present number and the recipe's number. With `is_factor` the written
     number has no unit; otherwise it is in the unit of the attribute.
     """
 

@@ -52,8 +52,7 @@ class NestedRecipe:
     def frame(self, members: Sequence[PartRecord]) -> dict[str, object] | None:
         """Return the body and pose of its world in the model, or None if the pose is unknown.
 
-        The base of a recipe is placed at the origin of the recipe's world, so the place of the base is that
-        of the recipe.
+        The base of a recipe is placed at the origin of the recipe's world, so the base has the place of the recipe.
         """
         if not self.part:
             return {"body": None, "pos": ORIGIN, "quat": IDENTITY_QUAT}
@@ -84,7 +83,7 @@ _RUNS: Table[Callable[..., dict[str, Any]]] = Table("checks", {}, "run", modules
 
 @dataclass(frozen=True)
 class Checks:
-    """The checks of a model that the session keeps; `run` reports failed checks to the sink of `context`.
+    """The checks of a model that the session keeps; `run` reports failed checks to `context`.
 
     `bundle` is the model with its files, and `shapes` are made of meshes.
     """
@@ -108,7 +107,7 @@ class Checks:
         return sorted({array for step in self.plan.draws if step.sample for array in arrays_of_draw(step)})
 
     def run(self, outcomes: list[Outcome]) -> None:
-        """Run every check in the order of the recipe, and append what came of each."""
+        """Run every check in the order of the recipe, and append each outcome."""
         kept = True
         for recipe, check in checks_in(self.plan):
             own = replace(self.context, sink=Sink())

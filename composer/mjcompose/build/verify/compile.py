@@ -49,7 +49,7 @@ def unmoved_flexes(root: Node, mujoco: str | None) -> Iterator[Node]:
 def compile_and_report(
     bundle: Bundle, model: Unit, context: Context, *, session: Session, keep: str | None = None, at: Span | None = None
 ) -> Compiled | None:
-    """Compile the bundle and report errors and warnings to the sink. Return None if MuJoCo gave no verdict.
+    """Compile the bundle and report errors and warnings. Return None if MuJoCo gave no verdict.
 
     With `keep` the session keeps the compiled model under that name. `at` is the place of messages that are
     about no element, as a rule the recipe.
@@ -133,7 +133,7 @@ def _element(fault: messages.Fault, bundle: Bundle, model: Unit) -> Node | None:
 
 
 def _is_another(found: Node | None, fault: messages.Fault) -> bool:
-    """Return whether the message is about an element of another name, so that its line belongs to another file."""
+    """Return whether the message is about an element of another name: its line then belongs to another file."""
     if found is None or not fault.name:
         return False
     if found.get("name"):
@@ -145,7 +145,7 @@ def _is_another(found: Node | None, fault: messages.Fault) -> bool:
 
 
 def _attaching(fault: messages.Fault, root: Node) -> Node | None:
-    """Return the `<attach>` that brings in the element of the message, judged by its prefix."""
+    """Return the `<attach>` that brings in the element of the message, by its prefix."""
     prefixes = {each: str(each.get("prefix") or "") for each in root.iter("attach")}
     fitting = [each for each, prefix in prefixes.items() if str(fault.name).startswith(prefix)]
     return max(fitting, key=lambda each: len(prefixes[each]), default=None)

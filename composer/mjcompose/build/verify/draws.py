@@ -213,7 +213,7 @@ Build = Callable[[int], bool]
 
 
 def with_worlds(table: DrawTable, bundle: Bundle, build: Build) -> Bundle:
-    """Return the bundle with the worlds of a filled table, one for each sample from 1; errors go to the sink.
+    """Return the bundle with the worlds of a filled table, one for each sample from 1; report errors.
 
     The first, middle and last sample are built, and each array of mjModel is compared.
     """
@@ -346,7 +346,7 @@ class DerivedValues:
         # MuJoCo 3.12 computes lengths of tendons with mocap bodies where the data has them; 4.0 moves them first.
         self._mujoco.mj_resetData(model, self._data)
         self._mujoco.mj_setConst(model, self._data)
-        # MuJoCo 3.12 computes these anew even if `<statistic>` gives them; 4.0 never does.
+        # MuJoCo 3.12 computes these again even if `<statistic>` gives them; 4.0 never does.
         model.stat.meaninertia = _mean_inertia(model) if self._has_inertia else self._inertia
         model.stat.meanmass = _mean_mass(model) if self._has_mass else self._mass
         if self._springs:

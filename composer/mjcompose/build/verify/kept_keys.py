@@ -170,7 +170,7 @@ class _Comparison:
         *,
         controls: Sequence[float | None] | None,
     ) -> Iterator[_Difference]:
-        """Yield the numbers of a key that are not what is meant. `controls` are those that MuJoCo has `computed`."""
+        """Yield the unexpected numbers of a key. `controls` are those that MuJoCo has `computed`."""
         for vector in VECTORS:
             values = meant.get(vector, {})
             for name, body, number, start, stop in self.answer["bare"][-1]["holders"][vector]:

@@ -49,7 +49,7 @@ def check_key_ranges(plan: Plan, model: Unit, index: Index, sink: Sink) -> None:
 
 
 def _name(index: Index, each: Ranged) -> str:
-    """Return the name in keys of a joint or an actuator; an unnamed joint has that of its body."""
+    """Return the name in keys of a joint or an actuator; an unnamed joint has its body's name."""
     if each.kind == "actuator":
         return index.actuators[each.number].name
     joint = index.joints[each.number]

@@ -37,8 +37,8 @@ if TYPE_CHECKING:
 class InputFinder:
     """The inputs of a bundle, found through its recipe if there is one, else from `context.folder`.
 
-    Without `recipe`, a file of the recipe's name in the folder is used if its hash is that in the manifest.
-    Errors in a given recipe go to the sink.
+    Without `recipe`, a file of the recipe's name in the folder is used if it has the hash in the manifest. Errors in a
+    given recipe are reported.
     """
 
     def __init__(self, manifest: Manifest, recipe: Path | None, context: Context) -> None:
@@ -110,7 +110,7 @@ class VerifiedBundle:
 
 
 def verify_stored(path: Path, context: Context, session: Session, recipe: Path | None = None) -> VerifiedBundle | None:
-    """Check a bundle in a folder, a zip or an MJZ, and report errors to the sink.
+    """Check a bundle in a folder, a zip or an MJZ, and report errors.
 
     Return None if it cannot be read. Files are compared with the hashes in the manifest, the compiled model with
     its index, and each part with its source if a file with the hash in the manifest is found: through `recipe`, or

@@ -361,7 +361,7 @@ class Causes:
         return None if part is None else self.recipes[side].attachment(part)
 
     def _said(self, mine: Located | None, theirs: Located | None, keys: tuple[str, ...] | None) -> Iterator[Cause]:
-        """Yield the lines about a part that differ between two recipes; `keys` limits the comparison, None means all."""
+        """Yield the lines about a part that differ between two recipes; `keys` limits the comparison."""
         ours, others = ({} if each is None else each.entries for each in (mine, theirs))
         for key in keys if keys is not None else {**ours, **others}:
             first, second = (each[key][1] if key in each else None for each in (ours, others))

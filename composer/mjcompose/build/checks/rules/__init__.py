@@ -1,1 +1,1 @@
-"""The rules of the check `lint`, one file each: what a rule can be told, and how it is checked."""
+"""The rules of the check `lint`, one file each: the settings of a rule, and how it is checked."""

@@ -61,7 +61,7 @@ def check(scope: Scope, settings: Mapping[str, Any]) -> list[Fault]:
 
 
 class _Shapes:
-    """The geoms of bodies where they stand in the reference configuration."""
+    """The geoms of bodies at their places in the reference configuration."""
 
     def __init__(self, scope: Scope) -> None:
         import numpy as np
@@ -75,7 +75,7 @@ class _Shapes:
             self._of.setdefault(int(model.body_weldid[model.geom_bodyid[geom]]), []).append(geom)
 
     def of(self, body: int) -> list[int]:
-        """Return the geoms of a body and of what is fixed to it, since exporters often split shapes and inertia."""
+        """Return the geoms of a body and of bodies fixed to it, since exporters often split shapes and inertia."""
         return self._of.get(int(self.scope.model.body_weldid[body]), [])
 
     def own(self, body: int) -> list[int]:
@@ -97,7 +97,7 @@ class _Shapes:
 
 
 def _faults(scope: Scope, shapes: _Shapes, body: int, geoms: list[int], settings: Mapping[str, Any]) -> Iterator[str]:
-    """Yield what is impossible for one body, in words."""
+    """Yield the impossible values of one body, in words."""
     import numpy as np
 
     model = scope.model
@@ -158,7 +158,7 @@ class Volume:
 
 
 def volume(mujoco: Any, model: Any, geom: int) -> Volume:
-    """Return the volume of a geom in m³. That of a mesh with holes is only known to be at most that of its box."""
+    """Return the volume of a geom in m³. A mesh with holes is only known to have at most the volume of its box."""
     kinds, kind = mujoco.mjtGeom, int(model.geom_type[geom])
     a, b, c = map(float, model.geom_size[geom])
     exact = {

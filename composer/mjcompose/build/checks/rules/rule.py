@@ -1,4 +1,4 @@
-"""A rule of the check `lint`, and what rules share."""
+"""A rule of the check `lint`, and the common code of rules."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Rule `shape-off-mesh`: shapes that the verbs `collision` and `simplify` put in place of meshes are close to them."""
+"""Rule `shape-off-mesh`: shapes that the verbs `collision` and `simplify` put instead of meshes are close to them."""
 
 from __future__ import annotations
 
