@@ -137,9 +137,9 @@ class Build:
     on_bundle: OnBundle | None = None
 
     def run(self) -> Built | None:
-        """Compose, link, bundle and verify the model; return None if the context's sink has errors.
+        """Compose, link, bundle and verify the model; return None if the context has errors.
 
-        Warnings that the recipes allow are removed from the sink; with `context.strict` the others become errors.
+        Warnings that the recipes allow are removed; with `context.strict` the others become errors.
         """
         plan, request, context = self.plan, self.request, self.context
         log("building `%s` from %s", plan.name, plan.file)

@@ -29,13 +29,13 @@ MASS = "mass"
 
 @dataclass(slots=True)
 class Checker:
-    """Checks the values of `set` and `scale`, and of what is drawn; with `bare_angles`, angles need no unit."""
+    """Checks the values of `set` and `scale`, and drawn values; with `bare_angles`, angles need no unit."""
 
     bare_angles: bool
     faults: list[Fault]
 
     def attributes(self, verb: str, value: Mapping[str, Any], selector: Selector | None, at: Path) -> None:
-        """Check the mapping that `set` or `scale` is given; `offset` is what draws add."""
+        """Check the mapping that `set` or `scale` is given; `offset` are the numbers that draws add."""
         kinds = () if selector is None else kinds_of(selector.tag)
         self._attributes(verb, value, kinds, tag=selector.tag if selector else "", at=at)
 
@@ -89,7 +89,7 @@ class Checker:
             self.faults.append(Fault("missing-key", message, at, help="write another value"))
 
     def unknown(self, name: str, tag: str, kinds: tuple[ElementType, ...], at: Path) -> Fault:
-        """Return the fault of a name that is not an attribute of what is selected."""
+        """Return the fault of a name that is not an attribute of the selected elements."""
         if all(kind.path == "default" or kind.tag == "default" for kind in kinds):
             known = [child for child in kinds[0].children if child != "default"]
             near = closest(name, known)

@@ -46,8 +46,8 @@ class Check(CheckPart):
     """The value behind the word of a check.
 
     A check that `needs_world` is about points in the world of its recipe, and cannot run in a nested recipe whose place
-    is unknown. The module of one that `is_in_mujoco` has a function `check`, which runs beside the compiled model; that
-    of another one has a function `run`.
+    is unknown. The module of one that `is_in_mujoco` has a function `check`, which runs next to the compiled model; any
+    other module has a function `run`.
     """
 
     word: ClassVar[str]

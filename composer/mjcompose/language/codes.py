@@ -1,4 +1,4 @@
-"""The key `allow`: codes of warnings that are meant to be there."""
+"""The key `allow`: codes of warnings that you accept."""
 
 from __future__ import annotations
 

@@ -64,7 +64,7 @@ class Sheet(Model):
 
     @property
     def reflected(self) -> float | None:
-        """The inertia at the output, in kg·m². That of the rotor counts with the square of the reduction.
+        """The inertia at the output, in kg·m². The rotor's inertia counts with the square of the reduction.
 
         >>> Sheet(effort=12.0, source="?", gear=10, rotor_inertia=0.25).reflected
         25.0

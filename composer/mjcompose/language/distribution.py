@@ -42,7 +42,7 @@ _MAKERS: Mapping[str, Callable[..., Distribution]] = {
 }
 _INTERVALS = ("uniform", "loguniform", "integers")
 _LARGEST = 2**53
-_MANY = 64  # from so many draws on it pays to import numpy
+_MANY = 64  # from this number of draws on it pays to import numpy
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,7 +82,7 @@ class FieldDistribution:
     def draw_all(
         self, seed: int, samples: Sequence[int], stream: str, element: str, component: int, of: int
     ) -> Sequence[Any]:
-        """Return what `draw` returns for each of the samples.
+        """Return the result of `draw` for each of the samples.
 
         The random bits are those of `component`, and the parameters those of `of`.
         """
@@ -118,7 +118,7 @@ class FieldDistribution:
 
 @lru_cache(maxsize=256)
 def _distribution(kind: str, numbers: tuple[float, ...]) -> Distribution:
-    """Return the distribution. It is cached, because some compute what all their draws need."""
+    """Return the distribution. It is cached, because some compute numbers that all their draws need."""
     return _MAKERS[kind](*numbers)
 
 
@@ -315,7 +315,7 @@ class Change(Model):
 
 
 def read(kind: str, written: Written, operation: Operation) -> FieldDistribution | Fault:
-    """Return the distribution that is written, or what is wrong with its numbers together."""
+    """Return the distribution that is written, or the fault of its numbers together."""
     called = f"`{kind}` of {OWNER}"
     if isinstance(written, Choice):
         return FieldDistribution(CHOICE, values=written.values)
@@ -345,7 +345,7 @@ def read(kind: str, written: Written, operation: Operation) -> FieldDistribution
 
 
 def _fault_of(distribution: Distribution) -> str | None:
-    """Return what is wrong with the numbers of a distribution, or None."""
+    """Return the fault of a distribution's numbers, or None."""
     if isinstance(distribution, Uniform | LogUniform | Integers | TruncNormal) and distribution.low > distribution.high:
         return f"the first bound, {shown(distribution.low)}, is above the second, {shown(distribution.high)}"
     if isinstance(distribution, TruncNormal) and distribution.is_empty:

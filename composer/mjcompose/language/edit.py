@@ -1,4 +1,4 @@
-"""The section `edit`: ordered changes to what selectors find, by verbs."""
+"""The section `edit`: ordered changes to selected elements, by verbs."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class For:
         self.paths, self.what, self.help = paths, what, help
 
     def fits(self, path: str) -> bool:
-        """Return whether elements of a path are meant."""
+        """Return whether elements of a path are included."""
         return any(path == each or (each.endswith("/") and path.startswith(each)) for each in self.paths)
 
     def faults(self, value: Mapping[str, Any], model: type[Model], context: Settings) -> Iterator[Fault]:
@@ -64,14 +64,14 @@ class Verb(Model):
     values: ClassVar[str | None] = None
 
     def carry_out(self, entry: Entry, at: Path) -> None:
-        """Do it with what the entry has selected. `at` is the verb's path in the recipe.
+        """Apply the verb to the elements that the entry has selected. `at` is the verb's path in the recipe.
 
         Raises Unusable after a reported error.
         """
         raise NotImplementedError
 
     def words(self) -> str:
-        """Return what it does on one line, as `plan` and `explain` print it."""
+        """Return its effect on one line, as `plan` and `explain` print it."""
         raise NotImplementedError
 
     def changes(self, tag: str | None) -> Changed:
@@ -207,7 +207,7 @@ class Edit(Model):
 
     @classmethod
     def listed(cls) -> list[str]:
-        # Messages list the first few: what does something comes first.
+        # Messages list the first few: keys that do something come first.
         return ["select", *VERBS.own, "expect", "optional", "id", "allow", "when"]
 
     @property

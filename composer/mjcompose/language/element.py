@@ -1,6 +1,6 @@
 """The mapping of an element, read with all its faults.
 
-Keys beside the name of an element that should be one level deeper.
+Keys next to the name of an element that should be one level deeper.
 
 gripper:
 model: ./gripper.xml
@@ -81,8 +81,8 @@ def path_of(value: object) -> Path:
 def raw(node: Node, faults: list[Fault]) -> Any:
     """Return the tree as dicts (`Placed`), lists and values, and faults that can occur anywhere.
 
-    A key without a value and an expression without one are reported, and stay in the result, so that they do not
-    count as missing.
+    A key without a value and an expression without one are reported, and stay in the result, so they do not count as
+    missing.
     """
     return _raw(node, (), faults)
 
@@ -151,7 +151,7 @@ class Reader:
         children: tuple[Element, ...] = (),
         joint: str | None = None,
     ) -> Element | None:
-        """Return the element of a mapping of attributes and children, or None if it is no mapping.
+        """Return the element of a mapping of attributes and children, or None if it is not a mapping.
 
         `owner` is its name in messages. `keyed` are attributes that a key above gives, which must not be written
         again. The caller reads the keys in `own`; its `children` come before the others. `joint` is the type of a
@@ -369,7 +369,7 @@ def label(tag: str, value: Any) -> str:
 
 
 def config_text(value: Any) -> str | None:
-    """Return a plugin's setting as text, or None if it is no setting. The items of a list are separated by spaces."""
+    """Return a plugin's setting as text, or None for no setting. The items of a list are separated by spaces."""
     if isinstance(value, list):
         texts = [config_text(item) for item in value if not isinstance(item, list)]
         known = [text for text in texts if text is not None]
@@ -382,7 +382,7 @@ def config_text(value: Any) -> str | None:
 
 
 def _meant(kind: ElementType, name: str, value: Any, there: Collection[str]) -> list[str]:
-    """Return the attributes that an unknown key stands for, so that they are not also reported as missing."""
+    """Return the attributes that an unknown key stands for: they are not also reported as missing."""
     if kind.attributes.keys() >= _OBJECT and name in GRAMMAR.objtypes and isinstance(value, str):
         return [*_OBJECT]
     head = name.partition(":")[0]

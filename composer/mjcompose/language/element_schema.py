@@ -1,8 +1,8 @@
 """The JSON Schema of MJCF's elements and attributes, from the grammar.
 
-Schemas refer to each other with `{REFERENCE: NAME}`, such as `element:geom`, `named:mesh` or `number`; `define`
-makes the schema of a name. Only what is referred to is made. Editors show the best errors if there are few
-alternatives. Therefore `if` and `then` are used wherever the value shows which alternative is meant.
+Schemas refer to each other with `{REFERENCE: NAME}`, such as `element:geom`, `named:mesh` or `number`; `define` makes
+the schema of a name, only for names that are referred to. Editors show the best errors if there are few alternatives.
+Therefore `if` and `then` are used wherever the value shows which alternative applies.
 """
 
 from __future__ import annotations
@@ -81,7 +81,7 @@ def attribute_schema(attribute: Attribute) -> Schema:
 
 
 def _remarks(attribute: Attribute) -> Iterator[str]:
-    """Yield what the explanation of a value does not say."""
+    """Yield the remarks that the explanation of a value lacks."""
     if attribute.refers is not None:
         kind = {"default": "default class"}.get(attribute.refers, attribute.refers.removeprefix("attached:"))
         if kind not in attribute.doc or kind == attribute.doc:
@@ -140,7 +140,7 @@ def _list(item: str, low: int) -> Schema:
 
 
 def _snippet(count: int) -> str:
-    """Return what editors insert for a new list: brackets with a place for each number."""
+    """Return the text that editors insert for a new list: brackets with a place for each number."""
     return "[" + ", ".join(f"${place}" for place in range(1, max(count, 1) + 1)) + "]"
 
 

@@ -85,7 +85,7 @@ def _exclusive(rule: Constraint, present: Collection[str], owner: str, at: Path)
 
 
 def _cheapest(bundles: Iterable[Iterable[str]], present: Collection[str]) -> str:
-    """Return what to add if one of several bundles must be complete: the fewest keys beside the given ones."""
+    """Return the keys to add if one of several bundles must be complete: the fewest next to the given ones."""
     lacking = min(
         ([name for name in bundle if name not in present] for bundle in bundles), key=lambda names: len(names)
     )
@@ -187,7 +187,7 @@ class _Check:
             else:
                 lines = text.rstrip().splitlines() or [""]
                 at = (error.lineno, error.offset + 1, 1)
-                if error.lineno > len(lines):  # behind the end: at what stands last
+                if error.lineno > len(lines):  # behind the end: at the last line
                     at = (len(lines), max(len(lines[-1]), 1), 1)
                 said = what.removeprefix("not well-formed ").strip("()")
                 self.fault("xml-syntax", f"not well-formed XML: {said}", at, help=_MEND.get(what))

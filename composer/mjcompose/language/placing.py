@@ -1,4 +1,4 @@
-"""What places a part, and recipes that are written in place."""
+"""The keys that place a part, and recipes that are written in place."""
 
 from __future__ import annotations
 
@@ -114,7 +114,7 @@ class Inline:
 
 
 def with_inherited(model: Located, around: Located) -> Located:
-    """Return the recipe that is written in place, with what it inherits from the one around it."""
+    """Return the recipe that is written in place, with the settings it inherits from the recipe around it."""
     inherited = {name: entry for name, entry in around.entries.items() if name in INHERITED}
     known = {name: entry for name, entry in model.entries.items() if name not in OF_A_FILE}
     version = Key("recipe", model.span), Scalar(1, model.span, "1", plain=True)
@@ -122,7 +122,7 @@ def with_inherited(model: Located, around: Located) -> Located:
 
 
 def faults_in_place(node: Located, judge: Judge) -> Iterator[Fault]:
-    """Yield the faults of the recipes that are written in place. `judge` finds those of one recipe."""
+    """Yield the faults of the recipes that are written in place. `judge` finds the faults of one recipe."""
     for at, model in _models(node):
         if (choice := _choice(model)) is not None:
             message = "`model` is a model reference or a recipe, and a choice among models is drawn"
@@ -140,7 +140,7 @@ def faults_in_place(node: Located, judge: Judge) -> Iterator[Fault]:
 
 
 def _choice(model: Located) -> list[str] | None:
-    """Return the models of a random choice, or None if `model` is not one."""
+    """Return the models of a random choice, or None if `model` is something else."""
     choice = find(model, ("choice",))
     if len(model.entries) > 1 or not isinstance(choice, List) or not choice.items:
         return None

@@ -134,7 +134,7 @@ class DrawField(Model):
 
 
 def _attribute_faults(field: DrawField, selector: Selector, at: Path, *, bare_angles: bool) -> Iterator[Fault]:
-    """Yield what the grammar does not allow of an attribute, or of the numbers that are drawn for it."""
+    """Yield the faults by the grammar of an attribute, or of the numbers that are drawn for it."""
     name, index = attribute_and_index(field.attr)
     kinds = kinds_of(selector.tag)
     is_mass = name == MASS and any(kind.path == "body" for kind in kinds)

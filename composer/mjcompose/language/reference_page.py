@@ -1,6 +1,6 @@
 """The pages in docs/reference/keys, and the order of a recipe's keys.
 
-The order in which `fmt` writes the keys of a recipe: that of the fields and rows of the language.
+The order in which `fmt` writes the keys of a recipe: the order of the fields and rows of the language.
 
 `python -m mjcompose.language.reference_page > composer/mjcompose/text/key_order.json` writes it to a file.
 `fmt` runs at every save and reads that file, because importing the models takes longer than formatting.
@@ -196,7 +196,7 @@ def _titled(rows: Sequence[tuple[str, str]]) -> Iterator[str]:
 def examples(name: str) -> list[str]:
     """Return the recipes that show the keys of a chapter.
 
-    In an installed package they are beside this file, in a clone in the docs.
+    In an installed package they are next to this file, in a clone in the docs.
     """
     here = Path(__file__).resolve()
     for folder in (here.parent / "examples", here.parents[3] / "docs" / "examples" / "keys"):
@@ -228,7 +228,7 @@ class _Keys:
         self.definitions = definitions
 
     def rows(self, schema: Schema, path: str, deep: bool = True) -> Iterator[str]:
-        """Yield a row for each key in what the schema describes, and for the keys inside, at any depth."""
+        """Yield a row for each key that the schema describes, and for the keys inside, at any depth."""
         yield from (row for _, row in self.placed(schema, path, deep))
 
     def placed(self, schema: Schema, path: str, deep: bool = True) -> Iterator[tuple[str, str]]:
@@ -330,7 +330,7 @@ class _Keys:
         if "anyOf" in schema:
             kinds = [each for each in schema["anyOf"] if not self._is_template(each)]
             return " or ".join(dict.fromkeys(self._type(each) for each in kinds))
-        if "allOf" in schema and "type" not in schema:  # a part, but for some of its keys
+        if "allOf" in schema and "type" not in schema:  # a part, except some of its keys
             return self._type(schema["allOf"][0])
         types = schema.get("type", ())
         types = [types] if isinstance(types, str) else types

@@ -46,7 +46,7 @@ def _optional(schema: Any, definitions: dict[str, Schema]) -> Any:
     for key, value in schema.items():
         if key in ("required", "minProperties"):
             continue
-        if key == "allOf":  # what a key belongs to may stand in the recipe that a piece is merged over
+        if key == "allOf":  # the owner of a key may be in the recipe that a piece is merged over
             value = [each for each in value if not (isinstance(each, dict) and "not" in each.get("if", {}))]
         if key in _MAPPINGS:
             found[key] = loosened(value, definitions)
@@ -109,7 +109,7 @@ def _one_nullable(schemas: list[Any]) -> list[Any]:
     return [*schemas, {"type": "null"}]
 
 
-# What a file that extends another one writes for itself.
+# The keys that a file that extends another one writes for itself.
 _OWN = ("recipe", "extends", "trust")
 _WITH_WHEN = ("class", "element.contact.pair", "element.contact.exclude")
 # The items of MJCF's sections that can have `when`; the models of the others declare it.
@@ -141,7 +141,7 @@ def add_variation(schema: Schema, definitions: dict[str, Schema]) -> None:
 
 
 _SHORT = 80
-# What these have is a condition, which editors show where it is written.
+# These have a condition, which editors show where it is written.
 _UNSHARED = ("if", "then", "else", "allOf", "not", "propertyNames")
 
 
@@ -152,7 +152,7 @@ def _share(schema: Schema, definitions: dict[str, Schema]) -> None:
     def count(each: Any, name: str) -> Any:
         text = json.dumps(each)
         counts[text] += 1
-        if counts[text] == 1:  # what is in it is written once then
+        if counts[text] == 1:  # its content is written once then
             _replaced(each, name, count)
         return each
 
@@ -254,7 +254,7 @@ def recipe_schema() -> Schema:
 
 
 def text() -> str:
-    """Return the schema as the text of its file. Short values are on one line, so that changes can be read."""
+    """Return the schema as the text of its file. Short values are on one line, so you can read changes."""
     return _layout(recipe_schema(), "", in_order=True) + "\n"
 
 

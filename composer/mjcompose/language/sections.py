@@ -432,7 +432,7 @@ class Typed(Elements):
 
 @definition("typed")
 def _definition_of_typed(tag: str) -> Schema:
-    """Return the schema of an element whose `type` says what it is."""
+    """Return the schema of an element whose `type` decides its keys."""
     kinds = GRAMMAR.section(tag).children.values()
     variants: list[Schema] = [
         {

@@ -112,7 +112,7 @@ def read_selector(
 
 
 def advice_on_narrowing(name: str) -> str | None:
-    """Return what to write if a key of a selector is beside it instead, or None for any other key."""
+    """Return the advice for a key of a selector that is next to it instead, or None for any other key."""
     return f"write it inside `select`: `select: {{TAG: NAME, {name}: …}}`" if name in NARROWING else None
 
 

@@ -1,4 +1,4 @@
-"""What is done to a model that a recipe uses: `drop`, `edit`, `with`, `urdf`, `allow`."""
+"""Changes of a model that a recipe uses: `drop`, `edit`, `with`, `urdf`, `allow`."""
 
 from __future__ import annotations
 

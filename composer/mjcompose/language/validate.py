@@ -28,7 +28,7 @@ from mjcompose.text.node import Key, Mapping, Node, Scalar, find, locate, texts,
 from mjcompose.text.node import Sequence as List
 from mjcompose.tree.grammar import GRAMMAR
 
-# Without these, nothing else in the recipe can be judged.
+# Without these, nothing else in the recipe can be checked.
 _INDISPENSABLE = ("recipe", "separator", "base")
 # Without these, a part is another one, or is attached in another way.
 _MAKING = ("subtree", "joint", "sense", "drop", "edit", "prefix", "replicate", "with", "keys")
@@ -41,7 +41,7 @@ Judge = Callable[[Mapping], tuple[Recipe | None, list[Fault]]]
 
 @dataclass(frozen=True, slots=True)
 class Recovered:
-    """A recipe without faults, its located tree, and every name and value in what was left out."""
+    """A recipe without faults, its located tree, and every omitted name and value."""
 
     recipe: Recipe
     document: Mapping
@@ -71,13 +71,13 @@ def recover(node: Mapping, faults: Sequence[Fault], judge: Judge) -> Recovered |
 
 
 def _whole(path: Path) -> Path:
-    """Return the path of what is left out. With a fault in an essential key, it is the whole part."""
+    """Return the path of the omitted part. With a fault in an essential key, it is the whole part."""
     is_made = len(path) == 3 and path[0] == "attach" and _means(path[2], _MAKING, Attachment.model_fields)
     return path[:2] if is_made else path
 
 
 def _means(key: str | int, keys: Collection[str], known: Collection[str] = tuple(Recipe.model_fields)) -> bool:
-    """Return whether a key, or what it was probably meant to be, is one of `keys`."""
+    """Return whether a key, or its probable correction, is one of `keys`."""
     near = [str(key)] if key in known else closest(str(key), known)
     return any(meant in keys for meant in near)
 
@@ -97,7 +97,7 @@ def existing_steps(node: Node, path: Path) -> Path:
 
 
 def _in_some_unit(node: Mapping) -> Mapping:
-    """Return the recipe with a unit of angles, so that no missing unit is reported."""
+    """Return the recipe with a unit of angles, so no missing unit is reported."""
     key, unit = Key("angle", node.span), Scalar("radian", node.span, "radian", plain=True)
     return Mapping({**node.entries, key.name: (key, unit)}, node.span)
 
@@ -269,7 +269,7 @@ def judge(node: Mapping) -> tuple[Recipe | None, list[Fault]]:
         recipe = Recipe.model_validate(data, context=Settings.of(data))
     except ValidationError as error:
         found = list(islice(faults(error, data), most + 1))
-        if len(found) > most:  # each takes a search for what was meant; the sink says that there are too many
+        if len(found) > most:  # each takes a search for a correction; the message says that there are too many
             return None, found
     found += faults_in_place(node, lambda model: judge(model)[1])
     if not early and not found:

@@ -1,4 +1,4 @@
-"""The value of one attribute, checked by the grammar, with advice for what is almost right."""
+"""The value of one attribute, checked by the grammar, with advice for values that are almost right."""
 
 from __future__ import annotations
 
@@ -260,7 +260,7 @@ def _read_list(attribute: Attribute, value: list[Any], at: Path, subject: str, f
     items: list[Any] = [_angle(attribute, item) for item in value]
     several = attribute.is_number and attribute.max_length != 1
     if several:
-        # Each number is checked alone, so that a fault points at the number and not at the whole list.
+        # Each number is checked alone, so a fault points at the number and not at the whole list.
         before = len(faults)
         for index, item in enumerate(items):
             number = item.value if isinstance(item, Angle) else item

@@ -278,7 +278,7 @@ def read_grid(document: Located, sink: Sink) -> Grid | None:
 
 
 def read(form: type[Model], data: Any, document: Node, *, at: Path, sink: Sink) -> Any:
-    """Return what a form reads of the data at a path, or None after its faults are reported at their places."""
+    """Return the value that a form reads at a path, or None after its faults are reported at their places."""
     try:
         return validated(form, data, Settings())
     except ValidationError as error:

@@ -15,7 +15,7 @@ EXCLUSIVE = "wrong-type"
 def fault_at(
     diagnostic: Diagnostic, at: Path, *, key: bool = False, help: str | None = None, fix: Fix | None = None
 ) -> Fault:
-    """Return a diagnostic as a fault at a path. `help` and `fix` replace those of the diagnostic."""
+    """Return a diagnostic as a fault at a path. `help` and `fix` replace the diagnostic's own."""
     names = tuple(sorted(diagnostic.subjects))
     fix = fix if help else diagnostic.fix
     help = help or diagnostic.help
@@ -56,7 +56,7 @@ def kind_of(value: object) -> str:
     kind = "text" if isinstance(value, str) else "a boolean" if isinstance(value, bool) else "a number"
     text = shown(value)
     if isinstance(value, float) and text.removeprefix("-").isdigit():
-        text += ".0"  # what is expected may be a whole number, which this is not
+        text += ".0"  # the expected value may be a whole number, which this is not
     return f"{kind} `{text}`" if len(text) <= 40 and "\n" not in text else kind
 
 

@@ -1,1 +1,1 @@
-"""The language server: what editors ask."""
+"""The language server, which answers editors."""

@@ -50,7 +50,7 @@ _MOST = 64  # how many units are kept: a workspace has many recipes, and memory 
 
 
 class Shelf:
-    """A `Library` that drops what has changed."""
+    """A `Library` that drops changed sources."""
 
     def __init__(self) -> None:
         self.library: Library = {}
@@ -159,7 +159,7 @@ class Item:
 
 @dataclass(frozen=True, slots=True)
 class Hover:
-    """Markdown about what is at a place."""
+    """Markdown about the text at a place."""
 
     text: str
     span: Span | None = None
@@ -274,7 +274,7 @@ class Names:
 
 
 def names_of(plan: Plan, root: _Element | None, composed: Plan | None, library: Library) -> Names:
-    """Return the names of a composed model, and those of the parts of a plan that it lacks.
+    """Return the names of a composed model, and the names of the plan's parts that it lacks.
 
     `root` is the tree of that model and `composed` its plan, which may be older than `plan`.
     """
@@ -390,7 +390,7 @@ class Model:
 class Analysis:
     """The result of analyzing a recipe. It never changes.
 
-    `tree`, `plan` and `model` are those of the current text, or of the last text that had one; `is_current` and
+    `tree`, `plan` and `model` belong to the current text, or to the last text that had one; `is_current` and
     `is_composed` say which. `tree_of`, `plan_of` and `model_of` are the texts in which they were found. `found` has
     the diagnostics, `files` all files that were read, and `library` the sources as they were read.
 

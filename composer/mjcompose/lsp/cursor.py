@@ -1,4 +1,4 @@
-"""Where a cursor is in a recipe, found from the text alone, because a half-written recipe is seldom valid YAML.
+"""The place of a cursor in a recipe, found from the text alone, because a half-written recipe is seldom valid YAML.
 
 Indentation and brackets before the cursor decide, as they do for a human reader. Text after the cursor counts only
 as the rest of the word at the cursor.
@@ -290,7 +290,7 @@ def _unquoted(word: str) -> str:
 
 
 def _ends_in_comment(before: str) -> bool:
-    """Return whether a comment begins in a text. A `#` in quotes is no comment."""
+    """Return whether a comment begins in a text. A `#` in quotes does not begin a comment."""
     quote = ""
     for at, character in enumerate(before):
         if quote:

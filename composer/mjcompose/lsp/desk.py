@@ -1,4 +1,4 @@
-"""Open documents, when they are analyzed, and what is reported of them."""
+"""Open documents, when they are analyzed, and their diagnostics."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ def carried(found: Iterable[Diagnostic], file: str, old: Sequence[str], new: Seq
 def by_file(
     found: Iterable[Diagnostic], own: str, uses: Mapping[str, Span] | None = None
 ) -> Mapping[str, list[Diagnostic]]:
-    """Return diagnostics by file. Those of a model are also shown at its place in `uses`: its file may not be open."""
+    """Return diagnostics by file. A model's are also shown at its place in `uses`: its file may not be open."""
     files: dict[str, list[Diagnostic]] = {own: []}
     for each in found:
         span = each.span
@@ -139,7 +139,7 @@ class Workspace:
         return Context(folder=self.folder, fetching=Fetching(offline=True))
 
     def analyze(self, path: Path, text: str, texts: Mapping[str, bytes], before: Analysis | None = None) -> Analysis:
-        """Return the analysis of a recipe with the texts of the editor. What it lacks now is taken from `before`."""
+        """Return the analysis of a recipe with the texts of the editor. Missing results come from `before`."""
         if len(text) > _MOST_TEXT:
             size = f"{len(text) / 1e6:.1f} MB, and the editor shows no errors above {_MOST_TEXT / 1e6:g} MB"
             warning = Diagnostic(
@@ -246,8 +246,8 @@ _MODEL = re.compile(r"<mujoco[\s>]")  # the mark of a complete model; other file
 class Document:
     """An open file. `kind` is `recipe`, `model`, or empty as long as it is neither.
 
-    The texts of a document are numbered: `count` is the newest one, and `done` the one that was analyzed. `version`
-    is the editor's own number of the newest text, `seen` that of the analyzed one.
+    The texts of a document are numbered: `count` is the newest text, and `done` the analyzed text. `version`
+    is the editor's own number of the newest text, `seen` of the analyzed text.
     """
 
     path: Path

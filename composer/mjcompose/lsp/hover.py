@@ -43,7 +43,7 @@ def show(question: Question) -> Hover | None:
 
 
 def describe(known: Known, analysis: Analysis) -> str:
-    """Return an element in Markdown: its kind, facts with their units, and what `explain` says."""
+    """Return an element in Markdown: its kind, facts with their units, and its `explain` lines."""
     lines = [f"**{known.tag} `{known.name}`**", ""]
     traced, node = analysis.traced, known.node
     composed = traced is not None and node is not None and node in traced.watch.lives

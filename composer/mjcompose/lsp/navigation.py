@@ -157,7 +157,7 @@ def _count(node: Mapping, path: Path, data: dict[str, Any], analysis: Analysis) 
         return
     found = matches(path, data, analysis)
     tag = next(iter(node.entries))
-    if found:  # what matches nothing is an error, unless an edit before it renames or removes
+    if found:  # a selector without a match is an error, unless an edit before it renames or removes
         yield Hint(node.entries[tag][1].span, f"× {len(found)}", ", ".join(map(label, found[:20])))
 
 
@@ -225,7 +225,7 @@ def lenses(analysis: Analysis) -> list[Lens]:
 
 
 def references(question: Question, declaration: bool = True) -> list[Span]:
-    """Return the places that use what is at the cursor. With `declaration`, its declaration comes first."""
+    """Return the places that use the name at the cursor. With `declaration`, its declaration comes first."""
     analysis = question.analysis
     found: list[Span] = []
     for known in subject.named_at(question):
@@ -277,7 +277,7 @@ _NAMING = ("name", "id", "to")
 
 
 def symbols(analysis: Analysis) -> list[Symbol]:
-    """Return the outline down to elements and their settings; of half-written text, what can be read."""
+    """Return the outline down to elements and their settings; of half-written text, the readable part."""
     return list(_symbols(analysis.tree, 0, analysis)) if isinstance(analysis.tree, Mapping) else []
 
 

@@ -1,4 +1,4 @@
-"""Which names are allowed at a place, and what a selector matches."""
+"""Which names are allowed at a place, and the matches of a selector."""
 
 from __future__ import annotations
 
@@ -108,7 +108,7 @@ _PLACES = ("site", "body", "frame")
 
 
 def wanted_value(path: Path, forms: list[Form], around: Any) -> Wanted | None:
-    """Return which names a value can be, or None. `forms` are those of the mapping around it, `around` its data."""
+    """Return which names a value can be, or None. `forms` are the forms of the mapping around it, `around` its data."""
     path = without_variant(path)
     if not path:
         return None

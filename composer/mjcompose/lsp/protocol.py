@@ -97,7 +97,7 @@ class Frames:
     def _is_valid(self, body: bytes) -> bool:
         try:
             message = json.loads(body)
-        except Exception as error:  # also a RecursionError, for what nests too deep
+        except Exception as error:  # also a RecursionError, for data that nests too deep
             self._answer(None, PARSE_ERROR, f"a message is not JSON: {str(error) or type(error).__name__}")
             return False
         number = message.get("id") if isinstance(message, dict) else None

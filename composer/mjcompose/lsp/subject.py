@@ -45,7 +45,7 @@ class Formed(NamedTuple):
 
 
 def formed(tree: Node | None) -> Iterator[Formed]:
-    """Yield the values of a recipe with what the language allows there, in the order of the text."""
+    """Yield the values of a recipe with the forms that the language allows there, in the order of the text."""
     if isinstance(tree, Mapping):
         data = to_python(tree)
         forms = forms_at((), data)

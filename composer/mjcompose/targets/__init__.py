@@ -1,1 +1,1 @@
-"""Models as other programs read them, and what these cannot express."""
+"""Models as other programs read them, and the limits of these programs."""

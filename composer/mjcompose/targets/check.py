@@ -54,7 +54,7 @@ KIND = Targets
 
 
 def run(checks: Checks, check: Targets, recipe: NestedRecipe, context: Context) -> dict[str, Any]:
-    """Write the model for each target and have it read there; report what is lost or differs to the context."""
+    """Write the model for each target and have it read there; report losses and differences to the context."""
     from mjcompose.build.verify.checks import report
     from mjcompose.build.verify.compile import WHOLE
     from mjcompose.targets.read_back import Work, carry_out

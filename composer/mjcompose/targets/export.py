@@ -41,11 +41,11 @@ MJCF = ".xml"
 
 
 def export(mujoco: Any, argument: dict[str, str]) -> dict[str, Any]:
-    """Write what the target `name` reads of the file `model` into the folder `out`.
+    """Write the files that the target `name` reads for `model` into the folder `out`.
 
-    It is called by `mjcompose.mujoco.engine.call`. It returns the losses, the differences between the plain text
-    and the model (with any, no file is written), the names of the elements by kind, and, if MuJoCo can read what was
-    written, its index.
+    It is called by `mjcompose.mujoco.engine.call`. It returns the losses, the differences between the plain text and
+    the model (with any, no file is written), the names of the elements by kind, and, if MuJoCo can read the files, its
+    index.
     """
     model, out = Path(argument["model"]), Path(argument["out"])
     try:
@@ -99,7 +99,7 @@ CANNOT, LOSS, FAILED = "target-cannot", "target-loss", "target-failed"
 def aimed(bundle: Bundle, target: str, model: Unit, *, at: Span, context: Context, session: Session) -> Bundle | None:
     """Return the bundle that `target` reads, made from a bundle that MuJoCo has verified.
 
-    Errors and losses go to the context's sink. `model` is the composed model, which knows where elements are
+    The context reports errors and losses. `model` is the composed model, which knows where elements are
     written; `at` is the place of losses that belong to no element. The result is None if the target cannot express
     the model, or if MuJoCo reads the plain text as another model.
     """

@@ -152,7 +152,7 @@ _KIND_OF = {"dof": "joint", "jnt": "joint", "body": "body", "tendon": "tendon", 
 def differences(
     mujoco: Any, model: Any, facts: Facts, asked: Facts, losses: Sequence[Loss] = (), *, single: bool
 ) -> Iterator[Difference]:
-    """Yield the differences between what a consumer read and the model. What is among the losses is none.
+    """Yield the differences between a consumer's reading and the model. Losses do not count.
 
     `single` allows for a consumer that computes in single precision.
     """

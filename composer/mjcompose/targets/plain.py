@@ -63,7 +63,7 @@ def saved(mujoco: Any, spec: Any) -> Node:
     # A comment may contain `--`, which MuJoCo reads and writes although XML does not allow it.
     root = etree.fromstring(_COMMENT.sub("", spec.to_xml()))
     for text in root.iterfind("custom/text"):
-        if text.text and text.get("data") is None:  # MuJoCo saves what has to be escaped as CDATA
+        if text.text and text.get("data") is None:  # MuJoCo saves text that has to be escaped as CDATA
             text.set("data", str(text.text))
             text.text = None
     for element in root.iter("*"):
@@ -118,7 +118,7 @@ _POLYNOMIALS = ("damping", "stiffness")
 
 
 def _layers(material: Node, classes: Classes) -> None:
-    """Write the textures of a material by their roles. Those of the class count if the material has none of its own."""
+    """Write the textures of a material by their roles. The class's textures count if the material has none."""
     if next(material.iterchildren("layer"), None) is not None:
         return
     for each in chain(material, classes):
@@ -147,7 +147,7 @@ def without_frames(root: Node) -> None:
 
 
 def keep_files(root: Node, folder: Path, spec: Any) -> dict[str, bytes]:
-    """Return the content of the files by path. Meshes are not among them: they are written anew. Raises OSError."""
+    """Return the content of the files by path. Meshes are not among them: they are written again. Raises OSError."""
     files: dict[str, bytes] = {}
     for element, attribute, name in list(file_attributes(root)):
         if element.tag == "mesh":
@@ -168,7 +168,7 @@ _NOT_IN_FILES = re.compile(r"[^A-Za-z0-9_.-]+")
 
 
 def write_meshes(root: Node, model: Any, names: list[str]) -> dict[str, bytes]:
-    """Make each mesh name its file, and return the files by path. `names` are those of the compiled meshes."""
+    """Make each mesh name its file, and return the files by path. `names` are the names of the compiled meshes."""
     ids = {name: number for number, name in enumerate(names)}
     files: dict[str, bytes] = {}
     for mesh in root.iterfind("asset/mesh"):
@@ -221,7 +221,7 @@ _GAIN = ("gaintype", "gainprm", "biastype", "biasprm", "input")
 def simple_actuators(root: Node, *, any_input: bool = False) -> None:
     """Rename each `general` actuator that has a simpler form.
 
-    MuJoCo 4 records what the control of an actuator means. With `any_input`, its gains alone decide whether it is a
+    MuJoCo 4 records the meaning of an actuator's control. With `any_input`, its gains alone decide whether it is a
     servo.
 
     >>> from lxml import etree

@@ -39,8 +39,8 @@ _RAISED = re.compile(r"[\w.]+(Error|Exception|Exit)\b")
 class Reader:
     """A program that reads models back.
 
-    `program` is both the file in `readers/` and the folder of its environment. `module` is what Python imports, and
-    `packages` are what pip installs. A program that computes in `single` precision gets a larger tolerance.
+    `program` is both the file in `readers/` and the folder of its environment. Python imports `module`, and pip
+    installs `packages`. A program that computes in `single` precision gets a larger tolerance.
     """
 
     target: str
@@ -73,7 +73,7 @@ check_rows("the targets that they read", [name for name in TARGETS if name in RE
 
 
 def interpreter(reader: Reader, environment: Mapping[str, str]) -> str | None:
-    """Return the Python that can import a program: that of its environment, or the current one; None without either."""
+    """Return the Python that can import a program: its environment's, or the current one; None without either."""
     folder = environment.get(CONSUMERS)
     named = Path(folder, reader.program, _INTERPRETER) if folder else None
     for python in (named, Path(sys.executable)):

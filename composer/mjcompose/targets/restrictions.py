@@ -1,4 +1,4 @@
-"""Limits of targets: trees of bodies, actuators, and what is not read."""
+"""Limits of targets: trees of bodies, actuators, and ignored elements."""
 
 from __future__ import annotations
 
@@ -124,7 +124,7 @@ _ZERO = frozenset("0. ")
 
 
 def left_out(feature: str, *paths: str, why: str = "", but: Collection[str] = ()) -> Limit:
-    """Return a limit that removes the elements at these paths, except some tags. `why` says what follows from that."""
+    """Return a limit that removes the elements at these paths, except some tags. `why` names the consequence."""
 
     def apply(draft: Draft) -> None:
         for path in paths:
@@ -288,7 +288,7 @@ def _one_for_each_joint(draft: Draft) -> None:
 
 
 def _at_joints(draft: Draft) -> None:
-    """Multiply each gear into what it changes."""
+    """Multiply each gear into the values that it changes."""
     for actuator in draft.root.iterfind("actuator/*"):
         gear = _gear(actuator)
         if actuator.get("joint") is None or gear in (0, 1):
@@ -330,7 +330,7 @@ def _symmetric(draft: Draft) -> None:
 def _reflected(draft: Draft) -> None:
     """Leave out the armature of joints without an actuator.
 
-    Drake 1.51 reads the armature of a joint as the inertia of the rotor of its actuator. Of several it takes one.
+    Drake 1.51 reads the armature of a joint as the inertia of the rotor of its actuator. It takes one of several.
     """
     driven = {actuator.get("joint") for actuator in draft.root.iterfind("actuator/*")}
     for joint in draft.root.iterfind(".//joint"):
@@ -339,7 +339,7 @@ def _reflected(draft: Draft) -> None:
 
 
 def _carried(draft: Draft) -> None:
-    """Write the greatest force of the actuators of a joint as that of the joint, too."""
+    """Write the greatest force of a joint's actuators as the joint's own, too."""
     for number, joint in draft.of("joint"):
         most = greatest_force(draft.model, number)
         if joint.get("type") in _SINGLE and most is not None and not draft.model.jnt_actgravcomp[number]:
@@ -359,7 +359,7 @@ def greatest_force(model: Any, joint: int) -> float | None:
 
 
 def _greatest(model: Any, actuator: int) -> float | None:
-    """Return the greatest force of an actuator at its joint: by its range, or of a motor by that of its control."""
+    """Return the greatest force of an actuator at its joint: by its range, or of a motor by its control's range."""
     ends = np.array([-np.inf, np.inf])
     if model.actuator_forcelimited[actuator]:
         ends = model.actuator_forcerange[actuator]

@@ -84,7 +84,7 @@ _MESHES = (7, 8)  # mjGEOM_MESH, mjGEOM_SDF
 _SURFACE = "surface"
 _LOOKS = ("tendon_rgba", "tendon_width")  # a fixed tendon has no attributes for them, only its class
 _FIXED = 0  # mjTENDON_FIXED
-_NO_BIAS = 0  # mjBIAS_NONE; with it, a motor of MuJoCo 3.12 keeps what its class gives to positions
+_NO_BIAS = 0  # mjBIAS_NONE; with it, a motor of MuJoCo 3.12 keeps the bias that its class gives to positions
 
 
 def differences(model: Any, again: Any) -> Iterator[str]:

@@ -110,7 +110,7 @@ def features() -> str:
 
 
 def read_back() -> str:
-    """Return the table of what was compared."""
+    """Return the table of comparisons."""
     found = json.loads(READ_BACK.read_text(encoding="utf-8"))
     lines = [f"| compared | {' | '.join(found)} |", f"|---|{'---|' * len(found)}"]
     lines.append(f"| version | {' | '.join(each['version'] for each in found.values())} |")

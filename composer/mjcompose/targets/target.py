@@ -108,9 +108,8 @@ def in_words(title: str, group: list[Loss]) -> str:
 class Draft:
     """The plain text of a model with its files, and the compiled model itself.
 
-    `elements` has the elements of the text by kind, in the order of the compiled model. `files` has the content of
-    the files that the text names, by path. The limits of a target change `root` and record in `losses` what is
-    lost.
+    `elements` has the elements of the text by kind, in the order of the compiled model. `files` has the content of the
+    files that the text names, by path. The limits of a target change `root` and record the losses in `losses`.
     """
 
     mujoco: Any
@@ -192,9 +191,8 @@ class Limit:
 class Target:
     """A program that reads models, or a form in which models are written.
 
-    `words` describe it. `package` is the package on PyPI with which it is tested, or None. `limits` are what it
-    cannot express, in the order in which they change the model. `write` returns the text and the files of what
-    remains, by path.
+    `words` describe it. `package` is the package on PyPI with which it is tested, or None. `limits` are its limits, in
+    the order in which they change the model. `write` returns the remaining text and files, by path.
     """
 
     name: str

@@ -1,7 +1,7 @@
 """The key of a model in the build cache: everything that determines the result besides the contents of files.
 
 The cache is searched twice. The first key, before anything is read, has the path of the recipe, the options and the
-versions, and the recipe is one of the files that must be unchanged; this takes a quarter of the time for reading
+versions, and the recipe is one of the files that must be unchanged. This takes a quarter of the time for reading
 and planning the recipe. The second key, after planning, is `of_plan`, with the concrete recipe instead of the path
 and the given values; it still matches if the recipe file changed in ways that do not matter.
 

@@ -180,7 +180,7 @@ def _report_nothing(editing: Editing, selector: Selector, path: Path) -> None:
 
 
 def _existing(editing: Editing, selector: Selector) -> Iterable[Note]:
-    """Return notes about what exists: elements of the tag, or, if the name matches, the conditions against them."""
+    """Return notes about existing elements: all of the tag, or, if the name matches, the conditions against them."""
     selection = _selection(editing)
     narrowed = any((selector.parent, selector.inside, selector.part, selector.dclass, selector.where))
     wide = Selector(selector.tag, selector.pattern)

@@ -445,7 +445,7 @@ class PlacedModel:
     """A model and its place in the outermost plan: that plan itself, or a base or part of it or of a nested plan.
 
     `outer` is the plan that it is the base or a part of, by `step`; both are None for the outermost plan. `part` is
-    its name in the outermost recipe, empty for that recipe itself; `prefix` starts its names, `keys` the names of
+    its name in the outermost recipe, empty for that recipe itself. `prefix` starts its names, `keys` the names of
     its keyframes, None if they are left out. `others` are longer prefixes that do not belong to it. `is_fixed_in_world`
     is about the final model, `span` is its place in the outermost recipe.
     """

@@ -73,7 +73,7 @@ def plan_what_remains(
 ) -> Plan | None:
     """Return the plan without its faulty pieces, so later stages can find more errors; None without a base.
 
-    `name` is the name of a cell of the matrix; without it, the plan has the recipe's name, and the matrix is checked.
+    `name` is the name of a cell of the matrix. Without it, the plan has the recipe's name, and the matrix is checked.
     `sample` selects the draws; 0 has none. With `worlds`, all samples become worlds of the model.
     """
     if use_lock(recipe, context) is None:

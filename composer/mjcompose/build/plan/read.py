@@ -79,7 +79,7 @@ class ValidRecipe(NamedTuple):
 def expanded_recipe(path: Path, given: Given, context: Context) -> Concrete | None:
     """Return the concrete recipe, or None if the file is not a mapping.
 
-    Errors go to the context's sink on each call.
+    The context reports errors on each call.
     """
 
     def work(own: Context) -> Concrete | None:
@@ -90,7 +90,7 @@ def expanded_recipe(path: Path, given: Given, context: Context) -> Concrete | No
 
 
 def validated_recipe(path: Path, given: Given, context: Context) -> ValidRecipe | None:
-    """Return the valid recipe, or None if the file is unreadable. Errors go to the context's sink on each call."""
+    """Return the valid recipe, or None if the file is unreadable. The context reports errors on each call."""
 
     def work(own: Context) -> ValidRecipe | None:
         concrete = expanded_recipe(path, given, own)
@@ -107,7 +107,7 @@ def _values(given: Given) -> tuple[tuple[str, str], ...]:
 
 
 def _once(key: tuple[object, ...], context: Context, work: Callable[[Context], Result]) -> Result:
-    """Return the result of the work, computed only if it is not kept; its diagnostics go to the context's sink."""
+    """Return the result of the work, computed only if it is not kept; the context reports its diagnostics."""
     known = context.concrete.pop(key, None)
     if known is None:
         own = replace(context, sink=Sink())
@@ -194,7 +194,7 @@ _EMPTY = "write `recipe: 1` as its first line; `mjcompose new NAME.yaml` writes 
 def read_recipe(path: Path, context: Context) -> Node | None:
     """Return the tree of a recipe merged with all that it extends, or None after errors.
 
-    Errors go to the context's sink. Each recipe is read once in a run.
+    The context reports errors. Each recipe is read once in a run.
     """
     fetching = context.fetching = context.fetching or Fetching()
     fetching.outer = fetching.outer or path
@@ -352,7 +352,7 @@ FILES = "files"
 
 
 def read_trust(node: Mapping, folder: Path, sink: Sink) -> Trust:
-    """Return the section of a recipe in `folder`; faulty entries go to the sink, and then nothing is allowed."""
+    """Return the section of a recipe in `folder`; faulty entries are reported, and then nothing is allowed."""
     from mjcompose.language.variation import TrustKeys, read  # few recipes have it
 
     written = to_python(node.entries[TRUST][1])

@@ -205,7 +205,7 @@ def _given(
     return found
 
 
-# The numbers of an entry are those of the joint, as with `datasheet`. The force of an actuator moves the joint `gear`
+# The numbers of an entry describe the joint, as with `datasheet`. The force of an actuator moves the joint `gear`
 # times as strong, and its length is `gear` times the position of the joint: the power of the gear by which to multiply.
 _POWERS = {
     "kp": -2,
@@ -460,8 +460,8 @@ def _integral(editing: Editing, model: ActuatorModel) -> dict[str, str]:
 
 def _in_classes(editing: Editing) -> bool:
     """Return whether a class may set attributes of an actuator. All actuator tags share these settings."""
-    # In MuJoCo 4.0 `<default><position kp="50"/></default>` gives a `<general joint="j"/>` a gain of 50, so that what
-    # is not written need not be zero.
+    # In MuJoCo 4.0 `<default><position kp="50"/></default>` gives a `<general joint="j"/>` a gain of 50, so an
+    # attribute that is not written need not be zero.
     tags = tuple(GRAMMAR.section("actuator").children)
     return any(True for section in editing.root.iterchildren("default") for _ in section.iter(*tags))
 

@@ -191,8 +191,8 @@ def set_whole(values: Values, attribute: Attribute, written: Any, at: Path) -> N
     making.made[node] = element
     with editing.writing(node, attribute):
         if attribute.name in ORIENTATIONS or attribute.name == "fromto":
-            # MuJoCo 4.0 takes one orientation ("multiple orientation specifiers are not allowed"), so that the one
-            # before has to go.
+            # MuJoCo 4.0 takes one orientation ("multiple orientation specifiers are not allowed"), so the earlier one
+            # has to go.
             replace(node, dict.fromkeys(ORIENTATIONS))
         update_node(node, element, kind_of(node), making=making)
         settle_joints(making, lambda each: joint_type(each, editing.classes))
@@ -221,7 +221,7 @@ def _read(values: Values, attribute: Attribute, written: Any, at: Path) -> Value
 def check_units(values: Values, wanted: str, written: Mapping[str, Any], at: Path) -> None:
     """Report numbers of a joint that its new type, `wanted`, turns from lengths into angles or back.
 
-    Only those: what is written beside the type is meant for it.
+    Only those: numbers that are written next to the type belong to it.
     """
     editing, joint = values.editing, values.node
     now = joint_type(joint, editing.classes)
@@ -244,7 +244,7 @@ def check_without_ends(values: Values, attribute: Attribute, at: Path) -> None:
     if attribute.name not in ("pos", *ORIENTATIONS):
         return
     editing, node = values.editing, values.node
-    # MuJoCo 4.0 passes over an `euler` beside `fromto` without a word, and refuses a `pos`.
+    # MuJoCo 4.0 silently ignores an `euler` next to `fromto`, and refuses a `pos`.
     ends = editing.effective(node, "fromto")
     if ends and "nan" not in ends.lower():
         message = f"`{attribute.name}` of {editing.called(node)} has no effect: `fromto` says where it is"

@@ -106,9 +106,9 @@ def _errors_text(sink: Sink) -> str:
 class PartQuestion:
     """The question whether a part is unchanged.
 
-    The fields are those of `compare`; the place is given as in a recipe. ``site`` and ``body`` are names in the
-    composition; if both are None, the place is the world. ``pos`` is in meters, in the frame of the place.
-    ``posed=False`` says that the pose is unknown; there is no site then. ``key_prefix`` starts the names of the
+    The fields are the fields of `compare`, and the place is given as in a recipe. ``site`` and ``body`` are names in
+    the composition. If both are None, the place is the world. ``pos`` is in meters, in the frame of the place.
+    ``posed=False`` says that the pose is unknown, and then there is no site. ``key_prefix`` starts the names of the
     part's keys if it is not the one that ``keys`` implies. ``welded`` says that free joints at the part's root were
     removed.
     """

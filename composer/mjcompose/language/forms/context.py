@@ -1,4 +1,4 @@
-"""What validations share: the settings of the recipe, and how faults become errors of pydantic."""
+"""The common context of validations: the settings of the recipe, and how faults become errors of pydantic."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ def validation_error(faults: Sequence[Fault], value: object) -> ValidationError:
 
 
 def validated_with(handler: ValidatorFunctionWrapHandler, value: Any, faults: Sequence[Fault]) -> Any:
-    """Return what pydantic's handler returns. Raise its errors and the faults together, if there are any."""
+    """Return the result of pydantic's handler. Raise its errors and the faults together, if there are any."""
     try:
         result = handler(value)
     except ValidationError as error:

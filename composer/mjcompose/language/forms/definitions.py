@@ -1,4 +1,4 @@
-"""Definitions of the JSON Schema by name: what has a part in several places refers to one."""
+"""Definitions of the JSON Schema by name: several places refer to one definition."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def definition(kind: str) -> Callable[[Callable[[str], Schema]], Callable[[str],
 
 @definition("made")
 def _made(name: str) -> Schema:
-    """Return a reference to what is derived from the whole schema: `InPlace`, `Piece`."""
+    """Return a reference to a definition derived from the whole schema: `InPlace`, `Piece`."""
     return {"$ref": f"#/$defs/{name}"}
 
 

@@ -127,7 +127,7 @@ def of_model(model: type[Model], schema: CoreSchema, handler: GetJsonSchemaHandl
 
 @cache
 def descriptions(model: type[Model]) -> dict[str, str]:
-    """Return what the text below each field says, by its key.
+    """Return the text below each field, by its key.
 
     Pydantic can read these texts too, but does so for each class that a command imports.
     """

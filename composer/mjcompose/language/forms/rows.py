@@ -21,7 +21,7 @@ ELSEWHERE = "mjcompose"
 
 @cache
 def loaded(target: str) -> Any:
-    """Import what `module:Name` names.
+    """Import the object that `module:Name` names.
 
     >>> loaded("mjcompose.language.forms.rows:Lazy").__name__
     'Lazy'
@@ -54,7 +54,7 @@ _ADAPTERS = _Adapters()
 
 
 def validated(form: Any, value: Any, context: Any = None) -> Any:
-    """Return what a form reads. Raises pydantic's ValidationError."""
+    """Return the value that a form reads. Raises pydantic's ValidationError."""
     if isinstance(form, type) and issubclass(form, BaseModel):
         return form.model_validate(value, context=context)
     return _ADAPTERS.of(form).validate_python(value, context=context)

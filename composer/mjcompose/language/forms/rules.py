@@ -17,7 +17,7 @@ class Rule(Protocol):
     """A condition on the keys of a mapping. If one that is `alone` is broken, nothing else is worth saying."""
 
     def faults(self, value: Mapping[str, Any], model: type[Model], context: Settings) -> Iterator[Fault]:
-        """Yield what is wrong with the mapping, with paths below it. `IT` is the mapping."""
+        """Yield the faults of the mapping, with paths below it. `IT` is the mapping."""
 
     def schema(self) -> Iterator[Schema]:
         """Yield conditions for `allOf`."""

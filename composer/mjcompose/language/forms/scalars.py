@@ -151,7 +151,7 @@ class Measure:
         return {"minimum": self._ge, "exclusiveMinimum": self._gt}
 
     def read(self, value: Any) -> float | Angle:
-        """Return what is written, with its unit. Raises PydanticKnownError."""
+        """Return the written value, with its unit. Raises PydanticKnownError."""
         read = Angle.read(value) if isinstance(value, str) else value
         if isinstance(read, bool) or not isinstance(read, int | float | Angle):
             raise PydanticKnownError("float_type")
@@ -220,7 +220,7 @@ class Items:
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         item = handler.generate_schema(get_args(source)[0])
-        # Not a tuple, which pydantic calls too short beside a wrong item.
+        # Not a tuple, which pydantic calls too short next to a wrong item.
         several: CoreSchema = core_schema.list_schema(item, min_length=self.least or None, max_length=self.most)
         if self._single:
             lone = item if self._single is True else handler.generate_schema(self._single)
@@ -267,7 +267,7 @@ def in_order(pair: tuple[Any, ...]) -> Fault | None:
 
 Positive = Annotated[float, Field(gt=0)]
 NotNegative = Annotated[float, Field(ge=0)]
-# `BeforeValidator` stands behind the bounds, which the JSON Schema has only then.
+# `BeforeValidator` comes after the bounds, which the JSON Schema has only then.
 Whole = Annotated[int, BeforeValidator(whole)]
 Count = Annotated[int, Field(ge=0), BeforeValidator(whole)]
 AtLeastOne = Annotated[int, Field(ge=1), BeforeValidator(whole)]

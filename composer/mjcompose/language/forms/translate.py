@@ -1,4 +1,4 @@
-"""Pydantic's errors become faults: where, what is wrong, what is expected, what exists, and what to write."""
+"""Pydantic's errors become faults: the place, the fault, the expected value, the existing names, and the fix."""
 
 from __future__ import annotations
 
@@ -36,14 +36,14 @@ _BOUNDS = {
     "less_than": ("lt", "less than"),
     "less_than_equal": ("le", "at most"),
 }
-# What is meant by `1cm`, `5g` or `2ms` is clear only for numbers in these units, and for plain numbers.
+# The meaning of `1cm`, `5g` or `2ms` is clear only for numbers in these units, and for plain numbers.
 _PLAIN_UNITS = (None, "m", "kg", "s", "N")
 
 
 def faults(error: ValidationError, root: Any, data: Any, start: Path = ()) -> Iterator[Fault]:
     """Yield a fault for each error of a validation of `data` as `root`.
 
-    `start` is the path of the data. Paths of faults begin there too, for messages name what is around a value.
+    `start` is the path of the data. Paths of faults begin there too, because messages name the mapping around a value.
     """
     errors = error.errors(include_url=False)
     meant = {id(each) for each in misspelt(errors, root, data).values()}
@@ -112,7 +112,7 @@ def _owner(place: Spot) -> str:
 
 
 def _filled(fault: Fault, root: Any, loc: Path, data: Any, start: Path) -> Fault:
-    """Return a fault of a rule or validator with its path, and with the names of what it is about."""
+    """Return a fault of a rule or validator with its path, and with the names of its subject."""
     above = loc[: len(loc) - len(fault.at)]
     place = spot(root, above, data, start=start)
     own = place.kind.owner(place.at) if is_model(place.kind) else _owner(place)
@@ -211,7 +211,7 @@ def _type(place: Spot, kind: str, value: Any, message: str) -> Fault:
 
 
 def _as_list(place: Spot, value: Any) -> str | None:
-    """Return how to write a single value as a list of it, or None if it is no item of the list."""
+    """Return how to write a single value as a list of it, or None if it is not an item of the list."""
     item = inside(place.kind, 1)
     if is_model(item) and isinstance(value, dict):
         first = next((key for key in value if key in item.key_names()), None)

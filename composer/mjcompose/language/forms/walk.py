@@ -1,4 +1,4 @@
-"""What the models declare at a path of a recipe: for messages, for editors, and for the order of keys."""
+"""The declarations of the models at a path of a recipe: for messages, for editors, and for the order of keys."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ class Spot:
 
 @dataclass(slots=True)
 class _Way:
-    """The state of a walk: the type at its end, and what annotates it."""
+    """The state of a walk: the type at its end, and its annotations."""
 
     kind: Any
     metadata: list[Any] = field(default_factory=list)
@@ -129,7 +129,7 @@ def _value_at(data: Any, step: str | int) -> Any:
 
 
 def inside(annotation: Any, depth: int) -> Any:
-    """Return the type of what an annotation contains at a depth, without `Annotated` and `Optional`."""
+    """Return the type that an annotation contains at a depth, without `Annotated` and `Optional`."""
     kind = _Way(annotation).plain().kind
     return inside(_inside(kind), depth - 1) if depth else kind
 

@@ -49,7 +49,7 @@ for index in plant.GetJointActuatorIndices(model):
     found["joints"][actuator.joint().name()]["armature"] = reflected
 inspector = scene.model_inspector()
 for body in [plant.world_body(), *bodies.values()]:
-    seen = set()  # what collides is shown, too
+    seen = set()  # colliding shapes are shown, too
     for geometry in (*plant.GetCollisionGeometriesForBody(body), *plant.GetVisualGeometriesForBody(body)):
         if (name := inspector.GetName(geometry)) not in seen:
             seen.add(name)

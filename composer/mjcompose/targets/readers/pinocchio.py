@@ -35,7 +35,7 @@ found = {
 }  # fmt: skip
 frames = [frame for frame in model.frames if frame.type == pin.FrameType.BODY]
 for frame in frames:
-    if frame.parentJoint:  # what is fixed to a body is part of it
+    if frame.parentJoint:  # frames that are fixed to a body are part of it
         inertia = frame.placement.actInv(model.inertias[frame.parentJoint])
         found["bodies"][frame.name] = {
             "mass": inertia.mass, "com": inertia.lever.tolist(), "inertia": inertia.inertia.tolist(),

@@ -18,7 +18,7 @@ with wp.ScopedDevice("cpu"):
 
 
 def array(name):
-    """What a field has for the first world; MuJoCo Warp has no force range of joints by itself."""
+    """The values of a field for the first world; MuJoCo Warp has no force range of joints by itself."""
     found = getattr(on_device, name, None)
     if found is None:
         return getattr(model, name)

@@ -1,6 +1,6 @@
 """Facts of a model as MuJoCo has it, or a simulator that is made of a `mujoco.MjModel`. The names are MuJoCo's.
 
-`composer/mjcompose/targets/judge.py` uses it for what the other programs are compared with.
+`composer/mjcompose/targets/judge.py` compares the other programs with its facts.
 """
 
 import json
@@ -18,7 +18,7 @@ SHAPES = ("plane", "hfield", "sphere", "capsule", "ellipsoid", "cylinder", "box"
 
 
 def write_facts(version, model, array, placed, moved):
-    """Write the facts of a model to `argv[3]`, with those of the questions in `argv[2]`.
+    """Write the facts of a model to `argv[3]`, with the answers to `argv[2]`.
 
     `array(name)` is an array of the simulator's model. `placed(qpos)` gives the positions and the matrices of all
     bodies, `(poses, nbody, 3)` and `(poses, nbody, 3, 3)`, for joint positions `(poses, nq)`. `moved(qpos, steps)` is
@@ -55,7 +55,7 @@ def numbers(model: Any, array: Any) -> Any:
 
 
 def _force(joint, name, model, array):
-    """Return the greatest force at a joint, by its own limit and the sum of those of its actuators; None without."""
+    """Return the greatest force at a joint, by its own limit and the sum of its actuators' limits; None without."""
     drives = [
         actuator(model, array, number)
         for number in range(model.nu)
@@ -135,7 +135,7 @@ def joint(model, array, number):
 
 
 def actuator(model, array, number):
-    """Return what an actuator is at its joint: gains and greatest forces through the gear, of a motor or a servo."""
+    """Return an actuator's facts at its joint: gains and greatest forces through the gear, of a motor or a servo."""
     if model.actuator_trntype[number] != _JOINT:
         return {"joint": None}
     found = {"joint": model.joint(int(model.actuator_trnid[number][0])).name}
