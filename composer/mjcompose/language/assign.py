@@ -186,9 +186,9 @@ Changed: TypeAlias = Iterable[tuple[str | None, str]]
 
 
 class Values(ByGrammar):
-    """The values that `set` or `scale` gives to attributes of what is selected: a mapping from these.
+    """The values that `set` or `scale` gives to attributes of the selected elements: a mapping from these.
 
-    Those of a class or a section have a mapping inside. Values stay as they are written.
+    The attributes of a class or a section have a mapping inside. Values stay as they are written.
     """
 
     def __init__(self, verb: str) -> None:

@@ -92,7 +92,7 @@ class _Something:
 
 
 class Sense(Model):
-    """Sensors between the place and the part, in the axes of the place: they measure what hangs below."""
+    """Sensors between the place and the part, in the axes of the place: they measure the load below."""
 
     rules: ClassVar = (_Something(),)
     example: ClassVar = "[force, torque]"

@@ -294,7 +294,7 @@ KINDS = DISTRIBUTIONS.own
 
 
 class Change(Model):
-    """A distribution of factors, or of what is added."""
+    """A distribution of factors, or of offsets."""
 
     rules: ClassVar = (
         OneOf(*KINDS, lacks="has no distribution", advice="write `{uniform: [0.8, 1.2]}`", noun="distribution"),

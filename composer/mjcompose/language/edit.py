@@ -174,7 +174,7 @@ def _where_selected(tag: str, values: Mapping[str, Schema], forms: Mapping[str, 
 
 
 class Edit(Model):
-    """One entry of `edit`: a selector, and what is done to what it selects."""
+    """One entry of `edit`: a selector, and the changes to its elements."""
 
     rules: ClassVar = (_DoesSomething(), _ByTag())
     example: ClassVar = "{select: {TAG: NAME}, set: {ATTRIBUTE: VALUE}}"

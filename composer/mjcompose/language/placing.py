@@ -94,7 +94,7 @@ Place = Annotated[
 
 
 class Inline:
-    """The rule that a recipe in the place of a part has `model` above it."""
+    """The rule that a recipe that is written as a part has `model` above it."""
 
     alone = True
 

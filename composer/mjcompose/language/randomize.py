@@ -31,7 +31,7 @@ _SIGNS = {"set": "=", "scale": "×", "offset": "+"}
 
 
 class DrawField(Model):
-    """An attribute of what is selected, or a parameter, and the distribution from which it is drawn."""
+    """An attribute of the selected elements, or a parameter, and the distribution from which it is drawn."""
 
     rules: ClassVar = (
         Bars("param", *_OF_ELEMENTS, why="draws a parameter"),
@@ -119,7 +119,7 @@ class DrawField(Model):
 
     @property
     def words(self) -> str:
-        """What is drawn, for what, and from which distribution, as `plan` prints it on one line."""
+        """The drawn value, its element, and its distribution, as `plan` prints it on one line."""
         what = f"the parameter {self.param}" if self.param is not None else f"{self.attr} of {self.select}"
         shared = {"sample": ", one for all", "body": ", one a body", "part": ", one a part"}.get(self.per, "")
         grouped = f", with the others of {self.group}" if self.group is not None else ""
@@ -228,7 +228,7 @@ class Randomize(Model):
 
     @property
     def fields(self) -> tuple[DrawField, ...]:
-        """What is drawn, in the order of the file."""
+        """The drawn fields, in the order of the file."""
         return tuple(self.named.values())
 
     @property

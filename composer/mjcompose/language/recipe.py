@@ -96,7 +96,7 @@ def _unknown(name: str, at: Path, kinds: Mapping[str, ElementType], place: str) 
 
 
 class _Added(ByGrammar):
-    """The element of an entry of `add`, which is written by its tag beside the entry's own keys."""
+    """The element of an entry of `add`, which is written by its tag next to the entry's own keys."""
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         return core_schema.with_info_plain_validator_function(self._read)
@@ -186,7 +186,7 @@ def _sequence_fault(text: str) -> Fault | None:
 
 
 class Recipe(Model):
-    """A recipe: what a model is made of.
+    """A recipe: the sources of a model and their changes.
 
     The fields are in the order of the language: that in which `fmt` writes the keys, and in which sections of one
     form are carried out. Sections hold their elements in the order of the file. A section that is not written is None

@@ -26,13 +26,13 @@ Value = Single | tuple[Single, ...]
 class Element:
     """An element with its children, and its attributes in the order of the file.
 
-    `at` is its path from the top of the recipe: `locate(node, at)` is its place, and `locate(node, (*at, name))`
-    that of an attribute. An element that the recipe names by its key has that name as its attribute `name`, whose
-    place is `locate(node, at, key=True)`.
+    `at` is its path from the top of the recipe: `locate(node, at)` is its place, and `locate(node, (*at, name))` is an
+    attribute's. An element that the recipe names by its key has that name as its attribute `name`, whose place is
+    `locate(node, at, key=True)`.
 
-    With `xml`, the element is that fragment of MJCF, checked against the grammar and kept as text. Then `tag` is
-    that of the fragment, there are no `children`, and `attributes` has at most the name that a key gives. Paths of
-    files are relative to the recipe.
+    With `xml`, the element is that fragment of MJCF, checked against the grammar and kept as text. Then `tag` is the
+    fragment's tag, there are no `children`, and `attributes` has at most the name that a key gives. Paths of files are
+    relative to the recipe.
     """
 
     tag: str
@@ -61,7 +61,7 @@ FULL_TURN = 6.2832
 def bare_angle(attribute: Attribute, value: Value, joint: str | None, at: Path, owner: str) -> Fault | None:
     """Return the fault of a value that is an angle, is not zero, and has no unit. None if there is none.
 
-    `joint` is the type of the joint that has the attribute. If it is None, attributes of joints are not judged: the
+    `joint` is the type of the joint that has the attribute. If it is None, attributes of joints are not checked: the
     caller has to look at their classes.
     """
     items = value if isinstance(value, tuple) else (value,)

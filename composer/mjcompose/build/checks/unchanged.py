@@ -42,7 +42,7 @@ def _known(name: str) -> Fault | None:
 
 
 class Unchanged(Check):
-    """A part is what its source is when MuJoCo compiles that alone."""
+    """A part is identical to its source compiled alone."""
 
     word: ClassVar = "unchanged"
     is_in_mujoco: ClassVar = False

@@ -21,7 +21,7 @@ class Attribute(ByGrammar):
     """The value of an attribute of an element, by the path of the element in the grammar.
 
     With `computed`, `${…}` is computed for each element, and a value that has it stays as it is written. Otherwise the
-    value is what MJCF means by it: a list is a tuple.
+    value is the value in MJCF: a list is a tuple.
 
     ``pos: Annotated[Vector | None, Attribute("frame", "pos")] = None``
     """
@@ -57,7 +57,7 @@ class Selects(ByGrammar):
 
 
 def _is_computed(value: Any, faults: list[Fault]) -> bool:
-    """Return whether a value has `${…}`. What cannot be parsed is a fault."""
+    """Return whether a value has `${…}`. Text that cannot be parsed is a fault."""
     found = False
     for index, each in enumerate(value) if isinstance(value, list) else ((None, value),):
         if isinstance(each, str) and is_template(each):

@@ -1,7 +1,7 @@
 """The base class of every mapping of the language, and how its validation reports faults.
 
-A message is written by `translate.py`, which knows where a value stands. Therefore the faults of rules and validators
-have marks for what they cannot know: `IT` is the value itself, `OWNER` the mapping around it, `KEY` its key.
+A message is written by `translate.py`, which knows the place of a value. Therefore the faults of rules and validators
+have marks for facts that they cannot know: `IT` is the value itself, `OWNER` the mapping around it, `KEY` its key.
 """
 
 from __future__ import annotations
@@ -77,7 +77,7 @@ class Model(BaseModel):
 
     @property
     def at(self) -> Path:
-        """The path from the top of the recipe, empty for what was made in Python."""
+        """The path from the top of the recipe, empty for values from Python."""
         return self._at
 
     @classmethod
@@ -89,7 +89,7 @@ class Model(BaseModel):
 
     @classmethod
     def owner(cls, at: Path) -> str:
-        """Return to what messages say that a key belongs; empty for nothing."""
+        """Return the owner of a key in messages; empty for nothing."""
         return cls.subject(at)
 
     @classmethod
@@ -107,7 +107,7 @@ class Model(BaseModel):
         return cls.key_names()
 
     def contradictions(self, context: Settings) -> Iterable[Fault]:
-        """Yield faults of values that are right alone and wrong together. Only a model without others is asked."""
+        """Yield faults of values that are right alone and wrong together. Only a model without other faults has any."""
         return ()
 
     @model_validator(mode="wrap")
@@ -185,7 +185,7 @@ def _with_exact_words(model: type[Model], value: dict[str, Any]) -> dict[str, An
 
 
 class Rest:
-    """A mark of a field that reads the whole mapping: what its keys without a field of their own mean together.
+    """A mark of a field that reads the whole mapping: the joint meaning of its keys without a field of their own.
 
     The field has an alias in angle brackets. `fmt` writes the keys of the fields before it first.
     """

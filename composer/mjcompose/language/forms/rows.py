@@ -41,7 +41,7 @@ def first_line(text: str) -> str:
 
 
 class _Adapters(dict[int, tuple[Any, TypeAdapter[Any]]]):
-    """The validators of forms, each built when it is first asked for."""
+    """The validators of forms, each built on first use."""
 
     def of(self, form: Any) -> TypeAdapter[Any]:
         found = self.get(id(form))
@@ -91,9 +91,9 @@ class Lazy:
 class Rows:
     """The words of a table are keys of the mapping; each row is the form of its value, or its `module:Name`.
 
-    The field has an alias in angle brackets, for nobody writes it, and becomes a mapping from words to what their forms
-    have read, in the order of the table. `table` returns the table, so that it may be declared later. `selects` is the
-    field that these values are about; they find it in the context, as `settings(context).selected`.
+    The field has an alias in angle brackets, for nobody writes it, and becomes a mapping from words to the values of
+    their forms, in the order of the table. `table` returns the table, so it may be declared later. `selects` is
+    the field that these values are about; they find it in the context, as `settings(context).selected`.
 
     ``verbs: Annotated[Mapping[str, Verb], Rows(lambda: VERBS, selects="select")] = Field({}, alias="<verbs>")``
     """

@@ -14,7 +14,7 @@ from mjcompose.language.wording import EXCLUSIVE
 
 
 class Rule(Protocol):
-    """A condition on the keys of a mapping. If one that is `alone` is broken, nothing else is worth saying."""
+    """A condition on the keys of a mapping. If one that is `alone` is broken, no other fault is reported."""
 
     def faults(self, value: Mapping[str, Any], model: type[Model], context: Settings) -> Iterator[Fault]:
         """Yield the faults of the mapping, with paths below it. `IT` is the mapping."""
@@ -52,9 +52,9 @@ class Exclusive:
 
 
 class OneOf(Exclusive):
-    """Exactly one of some keys is written, or `unless`. Without any, `lacks` says what is missing, and `advice` helps.
+    """Exactly one of some keys is written, or `unless`. Without any, `lacks` names the keys, and `advice` helps.
 
-    `noun` is what a note calls the keys that exist; without it there is no note.
+    `noun` is the word of a note for the keys that exist; without it there is no note.
     """
 
     exclusive = True
@@ -90,7 +90,7 @@ class OneOf(Exclusive):
 
 
 class AnyOf(OneOf):
-    """At least one of some keys is written. Without any, `lacks` says what is missing, and `advice` helps."""
+    """At least one of some keys is written. Without any, `lacks` names the missing keys, and `advice` helps."""
 
     exclusive = False
 

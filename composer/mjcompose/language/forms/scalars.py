@@ -33,7 +33,7 @@ from mjcompose.text.node import is_template
 
 @dataclass(frozen=True, slots=True)
 class Expects:
-    """What a value should be, in messages and in editors; `example` is one, as it is written."""
+    """The expected value, in messages and in editors; `example` is one, as it is written."""
 
     what: str
     example: str | None = None
@@ -53,9 +53,9 @@ class Unit:
 
 
 class Checked:
-    """An annotation that checks a value: `fault` returns what is wrong with it, or None.
+    """An annotation that checks a value: `fault` returns its fault, or None.
 
-    It does so after the type of the value, or `first`: then pydantic does not judge a value with a fault.
+    It does so after the type of the value, or `first`: then pydantic does not check a value with a fault.
 
     >>> from pydantic import TypeAdapter
     >>> short = Checked(lambda text: Fault("bad-name", f"{IT} is too long") if len(text) > 3 else None)
@@ -210,7 +210,7 @@ BYTES: Mapping[str, float] = {
 class Items:
     """A list of `least` to `most` values, read as a tuple; with `single`, one value is a list of one.
 
-    `single` is the type of such a value, or True for that of the items.
+    `single` is the type of such a value, or True for the items' type.
 
     `Annotated[tuple[Glob, ...], Items(1, single=True)]` has its items' form in its own type.
     """

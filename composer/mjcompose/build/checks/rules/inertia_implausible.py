@@ -14,7 +14,7 @@ from mjcompose.language.forms.scalars import Expects, Items, Name, NotNegative, 
 
 
 class InertiaImplausible(Rule):
-    """Masses and inertias could be those of the bodies, as far as their geoms show."""
+    """Masses and inertias could belong to the bodies, as far as their geoms show."""
 
     word: ClassVar = "inertia-implausible"
     kinds: ClassVar = ("body",)
