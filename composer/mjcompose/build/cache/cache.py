@@ -1,6 +1,6 @@
 """The build cache: a model is built again, and an output written again, only if something that it depends on changed.
 
-    asked/    by the digest of a key, the files that were read and their hashes → a record; the last key of a
+    asked/    by the digest of a key, the files that were read and their hashes → a record, the last key of a
               subject; the last content of an output
     built/    records of successful builds (`entry.py`)
     raw/      files without a source, such as `model.xml`, by their sha256

@@ -61,7 +61,7 @@ class Spheres(Model):
 
 
 class Collision(Verb):
-    """convex shapes for what it touches with, made of its mesh"""
+    """convex shapes for its contacts, made of its mesh"""
 
     rules: ClassVar = (
         For("geom", what="for geoms, and `{tag}` is not a geom", help="select the geoms of the meshes"),

@@ -16,12 +16,12 @@ if TYPE_CHECKING:
 
 
 class Scale(Verb):
-    """attributes and what they are multiplied with"""
+    """attributes and their factors"""
 
     values: ClassVar = "scalable"
 
     written: Annotated[dict[str, Any], Values("scale")] = Field(alias=WHOLE)
-    """attributes and what they are multiplied with"""
+    """attributes and their factors"""
 
     def carry_out(self, entry: Entry, at: Path) -> None:
         from mjcompose.build.compose.keys import report_only_zeros, zero_attributes

@@ -54,7 +54,7 @@ class Exclusive:
 class OneOf(Exclusive):
     """Exactly one of some keys is written, or `unless`. Without any, `lacks` names the keys, and `advice` helps.
 
-    `noun` is the word of a note for the keys that exist; without it there is no note.
+    `noun` is a note's word for the keys that exist; without it there is no note.
     """
 
     exclusive = True
