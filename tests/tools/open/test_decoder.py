@@ -155,7 +155,6 @@ def test_another_decoder_of_recipes_is_an_error_and_not_the_end_of_the_process(f
 import ctypes
 from mjcompose.tools.open import decoder
 kept = mujoco._mjcompose; del mujoco._mjcompose
-decoder.CONTENT_TYPE = b"other"
 try: mujoco_plugin.register()
 except Exception as error: print(error.diagnostics[0].message)
 """

@@ -7,6 +7,7 @@ the handler of SIGINT raise only in code below its `try`.
 
 from __future__ import annotations
 
+import contextlib
 import ctypes
 import glob
 import os
@@ -26,6 +27,7 @@ from mjcompose.sources import package
 from mjcompose.sources.lock import resolve
 from mjcompose.sources.reference import SourceError
 from mjcompose.tools.open.recipe import text_of
+from mjcompose.tools.open.shim import library_in
 
 OLDEST = (4, 0)
 """The first MuJoCo whose decoders have these arguments."""
@@ -89,11 +91,12 @@ def register() -> None:
             f"MuJoCo {mujoco.__version__} cannot open recipes: its decoders are older than those of MuJoCo 4.0",
             "use `mjcompose.spec(recipe)`, or install `mujoco>=4`",
         )
-    library = _library(Path(mujoco.__file__).parent)
+    folder = Path(mujoco.__file__).parent
+    if _has_plugin(folder):
+        return
+    library = _library(folder)
     probe = _Resource(name=b"x.yaml")
-    if known := library.mjp_findDecoder(ctypes.byref(probe), b""):
-        if ctypes.cast(known, ctypes.POINTER(_Decoder)).contents.content_type == CONTENT_TYPE:
-            return  # `mjcompose plugin install` has put it into MuJoCo's folder
+    if library.mjp_findDecoder(ctypes.byref(probe), b""):
         raise _error(
             "another package already opens `.yaml` files in this process, and MuJoCo allows one decoder",
             "use `mjcompose.spec(recipe)`",
@@ -110,7 +113,17 @@ def is_registered() -> bool:
     """Return whether MuJoCo opens recipes in this process."""
     import mujoco
 
-    return hasattr(mujoco, _MARK)
+    return hasattr(mujoco, _MARK) or _has_plugin(Path(mujoco.__file__).parent)
+
+
+def _has_plugin(folder: Path) -> bool:
+    """Return whether this process has loaded the library of `mjcompose plugin install`."""
+    if sys.platform != "linux":
+        return False
+    with contextlib.suppress(OSError):
+        ctypes.CDLL(str(library_in(folder)), mode=os.RTLD_NOLOAD)
+        return True
+    return False
 
 
 def _error(message: str, help: str) -> MjcomposeError:
