@@ -109,7 +109,7 @@ class PartQuestion:
     The fields are the fields of `compare`, and the place is given as in a recipe. ``site`` and ``body`` are names in
     the composition. If both are None, the place is the world. ``pos`` is in meters, in the frame of the place.
     ``posed=False`` says that the pose is unknown, and then there is no site. ``key_prefix`` starts the names of the
-    part's keys if it is not the one that ``keys`` implies. ``welded`` says that free joints at the part's root were
+    part's keys if ``keys`` implies another prefix. ``welded`` says that free joints at the part's root were
     removed.
     """
 

@@ -35,7 +35,7 @@ SETTINGS = ("option", "visual", "statistic")
 class Change:
     """One difference.
 
-    ``kind`` is MJCF's word for the element, or one of ``SETTINGS``; ``name`` is its name in B, or in A if B lacks it.
+    ``kind`` is MJCF's word for the element, or one of ``SETTINGS``. ``name`` is its name in B, or in A if B lacks it.
     An unnamed element is reported by its place. ``field`` is the array of `mjModel`, or the setting; it is empty if the
     element itself is ``added``, ``removed`` or ``renamed``. ``form`` is the type of the joint that determines the unit.
     ``entry`` names the owner of a number in a keyframe. ``index`` are the ids in A and B, -1 for none. ``follows`` says
