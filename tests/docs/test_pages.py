@@ -17,7 +17,7 @@ from PIL import Image
 ROOT = Path(__file__).resolve().parents[2]
 HOW_TO = (
     "combine", "xacro", "merged_by_hand", "keyframes", "torque_control", "force_torque", "option_conflicts", "unstable",
-    "friction", "train", "mjx", "open_in_mujoco", "simulators", "teams", "from_robosuite",
+    "train", "randomize", "open_in_mujoco", "simulators", "teams", "from_robosuite",
 )  # fmt: skip
 PAGES = [
     *sorted((ROOT / "docs" / "tutorials").glob("*.md")),

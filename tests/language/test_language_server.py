@@ -146,7 +146,7 @@ HOVERED = [
     ("base: {sub|tree: a, model: b}", "The body of the model"),
     ("attach: {arm: {model: a, ma|te: b}}", "is to coincide with that place"),
     ("attach: {arm: {model: a, replicate: [{co|unt: 3}]}}", "how many"),
-    ("edit: [{sel|ect: {joint: a}, remove: true}]", "which elements are meant"),
+    ("edit: [{sel|ect: {joint: a}, remove: true}]", "the selected elements"),
     ("edit: [{select: {joint: a, wh|ere: {type: hinge}}, remove: true}]", "attributes and their values in effect"),
     ("edit: [{select: {actuator: a}, con|vert: {to: motor}}]", "another kind of actuator"),
     ("edit: [{select: {joint: a}, s|et: {damping: 1}}]", "attributes and their new values"),

@@ -1,7 +1,7 @@
 """Every URDF of a folder as mjcompose reads it, beside MuJoCo's own reader and Pinocchio.
 
 `python tests/urdf/survey.py --write` measures the robots of the package `example-robot-data`, which `make test-targets`
-fetches, and writes the table of `docs/how-to/urdf.md`.
+fetches, and writes the table of `docs/contributing/urdf_robots.md`.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ from mjcompose.urdf.read import UrdfReader  # noqa: E402
 from targets.environments import FOLDER, is_ready, python_of  # noqa: E402
 
 POSES = 50
-PAGE = ROOT / "docs" / "how-to" / "urdf.md"
+PAGE = ROOT / "docs" / "contributing" / "urdf_robots.md"
 BEGIN, END = "<!-- robots -->\n", "<!-- end -->"
 SHOWN = tuple(
     f"/{name}.urdf"
@@ -212,7 +212,7 @@ def main() -> None:
 def put_down(found: list[Found]) -> None:
     """Write the table of the page."""
     lines = [
-        "| robot | comes in | bodies / joints / actuators / equalities / meshes | MuJoCo's own reader | Pinocchio | warnings, and what is not in the model |",
+        "| robot | comes in | bodies / joints / actuators / equalities / meshes | MuJoCo's own reader | Pinocchio | warnings, and elements not in the model |",
         "|---|---|---|---|---|---|",
         *map(row, found),
     ]

@@ -54,7 +54,7 @@ class Axis(Model):
     offset: Annotated[Vector, Attribute("replicate", "offset")] = (0, 0, 0)
     """from each to the next, in the frame of the first"""
     euler: Annotated[Vector, Attribute("replicate", "euler")] = (0, 0, 0)
-    """how each is turned from the one before"""
+    """the rotation from one copy to the next"""
 
     @classmethod
     def subject(cls, at: Path) -> str:
@@ -161,7 +161,7 @@ class Attachment(Model):
     """The folders of `package://NAME` in URDF: a mapping from NAME to a path relative to the recipe; `"*"`
     is a ROS workspace with all of its packages."""
     urdf: UrdfKeys = Field(default_factory=UrdfKeys)
-    """How a URDF is read: visuals, fixed links, actuators."""
+    """The reading of a URDF: visuals, fixed links, actuators."""
     given: Given = Field(default_factory=dict, alias="with")
     """Values of the parameters and variants of a nested recipe, or of the arguments of a xacro template, by name."""
     subtree: Annotated[str, Name("body", inside="model")] | None = None
@@ -202,7 +202,7 @@ class Attachment(Model):
     ] = ()
     """Copies in rows, one axis an entry: `PREFIX0/`, `PREFIX1/`, … or `PREFIX0_0/`, …"""
     keys: Literal["merge", "prefix"] = "merge"
-    """How the part's keyframes are called: merged by name, or kept apart as `PREFIX/NAME`. `drop: [key]` leaves them
+    """The names of the part's keyframes: merged by name, or kept apart as `PREFIX/NAME`. `drop: [key]` leaves them
     out."""
     allow: Codes = ()
     """The codes of warnings about this part that you accept."""

@@ -118,7 +118,7 @@ class CheckEntry(Model):
 
     kinds: Annotated[Mapping[str, Any], Rows(lambda: KINDS)] = Field({}, alias="<kinds>")
     severity: Literal["error", "warning"] = "error"
-    """whether the build fails if the check does not hold, or only warns"""
+    """an error if the check does not hold, or only a warning"""
     when: When = None
 
     @classmethod

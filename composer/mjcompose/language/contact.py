@@ -68,7 +68,7 @@ class Auto(Model):
     samples: Annotated[int, Field(ge=1, le=1_000_000), BeforeValidator(whole)] = SAMPLES
     """in how many random poses nothing may touch"""
     seed: Count = 0
-    """of the poses"""
+    """the seed of the poses"""
 
 
 class Between(Model):

@@ -188,17 +188,17 @@ class Edit(Model):
     id: Text | None = None
     """a name by which a recipe that extends this one can replace the entry"""
     select: Annotated[Selector, Selects()] = Field(examples=["{TAG: NAME}"])
-    """which elements are meant"""
+    """the selected elements"""
     expect: Count | None = None
     """how many elements must be selected"""
     optional: bool = False
-    """whether it may be that nothing is selected"""
+    """allows an empty selection"""
     verbs: Annotated[Mapping[str, Verb], Rows(lambda: VERBS, selects="select")] = Field(
         default_factory=dict, alias="<verbs>"
     )
     """the changes, in the order in which they are carried out"""
     allow: Codes = ()
-    """the codes of warnings about it that are meant to be there"""
+    """the codes of warnings about it that you accept"""
     when: When = None
 
     @classmethod

@@ -115,7 +115,7 @@ def controls_schema(number: Schema, description: str) -> Schema:
                 "properties": {
                     HOLD: {
                         "anyOf": [{"enum": list(WAYS)}, entry],
-                        "description": "how all actuators hold the pose: servos at the pose, or forces that"
+                        "description": "the hold of all actuators: servos at the pose, or forces that"
                         " balance the model there",
                     },
                     JOINT: {"anyOf": [by_name(entry), entry], "description": "numbers, or `hold`, by joint"},

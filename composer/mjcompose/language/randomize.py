@@ -63,7 +63,7 @@ class DrawField(Model):
     scale: Change | None = None
     """a distribution of factors"""
     offset: Change | None = None
-    """a distribution of what is added"""
+    """a distribution of the amount to add"""
     per: Literal["element", "body", "part", "sample"] = "element"
     """a draw for each element, for each body, for each part, or one for all in a sample"""
     group: Annotated[Text, Expects("the name of a group", "wear")] | None = None
@@ -71,7 +71,7 @@ class DrawField(Model):
     expect: Count | None = None
     """how many elements must be selected"""
     optional: bool = False
-    """whether it may be that nothing is selected"""
+    """allows an empty selection"""
 
     @classmethod
     def subject(cls, at: Path) -> str:

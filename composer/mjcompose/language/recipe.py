@@ -212,7 +212,7 @@ class Recipe(Model):
     separator: Literal["/", ":", ".", "-", "_", "__"] = "/"
     """The text between a prefix and a name."""
     conflict: Literal["error", "base", "mujoco"] = "error"
-    """What happens where parts disagree in `option`, `size`, `statistic` or `visual`."""
+    """The treatment of parts that disagree in `option`, `size`, `statistic` or `visual`."""
     params: Annotated[Any, Lazy("mjcompose.language.variation:Params"), Settled()] = None
     """Parameters by name: the values of `${name}`, which --set and `with` may set."""
     base: Annotated[Attachment | None, Start()] = None

@@ -22,17 +22,16 @@ class UrdfKeys(Model):
     """How to read elements that MuJoCo ignores. Omitted keys keep the behavior of the file or of MuJoCo."""
 
     visuals: Literal["keep", "drop"] | None = None
-    """Whether visuals become geoms that touch nothing. Collision geoms are then in group 3, which viewers hide. By
+    """Visuals as geoms that touch nothing. Collision geoms are then in group 3, which viewers hide. By
     default `discardvisual` of the file decides, which is `true` in MuJoCo."""
     fixed: Literal["keep", "fuse"] | None = None
-    """Whether links without a joint of their own stay bodies, or become frames of the one above. By default as
+    """Links without a joint of their own as bodies, or as frames of the link above. By default as
     `fusestatic` in the file says, which MuJoCo takes for `true`."""
     actuators: Literal["declared", "all", "none"] = "declared"
-    """Which joints get an actuator: those that `<ros2_control>` and `<transmission>` command, every joint that moves by
-    itself, or none."""
+    """The joints that get an actuator: joints that `<ros2_control>` and `<transmission>` command, every joint that can
+    move by itself, or none."""
     inertia: Annotated[Literal["repair", "keep"], Keywords({"mend": "repair"})] | None = None
-    """Whether inertias that no body can have, which MuJoCo refuses, are changed as little as possible; each is a
-    warning."""
+    """Changes inertias that no body can have, and that MuJoCo refuses, as little as possible. Each is a warning."""
 
 
 Given = Annotated[dict[str, Written], Expects("a mapping from names to values", "{reach: 0.5}")]
@@ -76,7 +75,7 @@ class Drop(Model):
     expect: Count | None = None
     """how many elements must be selected"""
     optional: bool = False
-    """whether it may be that nothing is selected"""
+    """allows an empty selection"""
     _index: int = PrivateAttr(0)
 
     @property

@@ -117,7 +117,7 @@ class Declaration(Model):
     unit: Text | None = None
     """for readers; `deg` and `rad` make it an angle"""
     doc: str = ""
-    """what it is for"""
+    """its purpose"""
 
     @classmethod
     def subject(cls, at: Path) -> str:

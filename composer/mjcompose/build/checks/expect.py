@@ -138,9 +138,9 @@ class Selector(CheckPart):
 
     tags: Annotated[Mapping[str, Any], Rows(lambda: _BY_TAG)] = Field({}, alias="<tags>")
     parent: Around | None = None
-    """only what has a body of that name right around it"""
+    """only elements directly in a body of that name"""
     inside: Around | None = Field(None, alias="in")
-    """only what has a body of that name somewhere around it"""
+    """only elements somewhere in a body of that name"""
     where: (
         Annotated[
             dict[str, Any], Field(min_length=1), Expects("a mapping from attributes to values", '{"size[0]": 0.1}')
@@ -199,7 +199,7 @@ class Expect(Check):
     instead: ClassVar = {"value": "equals", "expect": "count"}
 
     select: Selector | None = None
-    """which elements; without it, `attr` is a number of the whole model"""
+    """the elements; without it, `attr` is a number of the whole model"""
     count: (
         Annotated[
             tuple[Count, ...],
@@ -216,7 +216,7 @@ class Expect(Check):
     equals: _FIGURES | None = None
     """the value: a number, an angle, a boolean, or a list"""
     tol: Annotated[float | Angle, Measure(ge=0)] | None = None
-    """how far each number may be from `equals`; without it, rounding"""
+    """the allowed difference of each number from `equals`; without it, rounding"""
     range: (
         Annotated[
             tuple[Annotated[float | Angle, Measure()], ...],

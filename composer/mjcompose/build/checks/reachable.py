@@ -24,7 +24,7 @@ class Reachable(Check):
     target: Annotated[tuple[float, ...], Items(3, 3), Expects("a list of 3 numbers", "[0.5, 0, 0.8]")]
     """the point, in meters, in the world of this recipe"""
     tolerance: Annotated[float, Scaled(LENGTHS, gt=0)] = 1e-3
-    """how near it must come, in meters"""
+    """the largest remaining distance, in meters"""
     key: Annotated[str, Name("key", what="the name of a keyframe")] | None = None
     """where everything else is, and the search starts; without it, the reference configuration"""
 

@@ -22,7 +22,7 @@ class Near(CheckPart):
     key: Annotated[str, Name("key", what="the name of a keyframe")] | None = None
     """a keyframe; without it, the one where it starts"""
     within: Positive = Field(examples=["0.05"])
-    """how far a joint may be from where it is there, in m or rad"""
+    """the allowed distance of a joint from where it is there, in m or rad"""
 
 
 class Settles(Check):
@@ -34,7 +34,7 @@ class Settles(Check):
     key: Annotated[str, Name("key", what="the name of a keyframe")] | None = None
     """the start; without it, the reference configuration"""
     seconds: Annotated[Positive, Unit("s")] = 1.0
-    """how long it is simulated"""
+    """the length of the simulation"""
     max_speed: Positive = 0.05
     """the greatest speed of a joint in the last tenth of that time, in m/s or rad/s"""
     near: Near | None = None

@@ -42,11 +42,11 @@ class Decompose(Model):
     parts: _Count | None = None
     """the most pieces (default: no limit)"""
     threshold: Annotated[float, Field(ge=0.01, le=1)] = 0.05
-    """how concave a piece may stay, by CoACD's measure"""
+    """the allowed concavity of a piece, by CoACD's measure"""
     vertices: _Vertices = 256
     """the most vertices of a piece"""
     seed: _Seed = 0
-    """of what is chosen at random"""
+    """the seed of random choices"""
 
 
 class Spheres(Model):
@@ -57,7 +57,7 @@ class Spheres(Model):
     count: _Count = Field(examples=[16])
     """how many"""
     seed: _Seed = 0
-    """of what is chosen at random"""
+    """the seed of random choices"""
 
 
 class Collision(Verb):

@@ -52,7 +52,7 @@ class Datasheet(Verb):
     model: Annotated[str, Name("datasheet", what="the name of a data sheet")] = Field(examples=["NAME"])
     """a data sheet of the section `datasheets`, or one that comes with mjcompose"""
     bandwidth: Annotated[Positive, Unit("Hz")] | None = None
-    """how fast it follows, in Hz: `kp` and `kv` follow from this and from the inertia at the output"""
+    """the bandwidth, in Hz: `kp` and `kv` follow from this and from the inertia at the output"""
     error: Annotated[Positive, Unit("rad")] | None = None
     """the error in rad at which the motor gives its greatest torque, instead of `bandwidth`"""
     damping_ratio: NotNegative | None = None
@@ -60,7 +60,7 @@ class Datasheet(Verb):
     inertia: Annotated[NotNegative, Unit("kg·m²")] | None = None
     """the inertia of the load, without the armature, in kg·m², with `bandwidth`"""
     effort: Literal["peak", "rated"] = "peak"
-    """whether it gives its peak or its rated torque"""
+    """its peak or its rated torque"""
 
     def carry_out(self, entry: Entry, at: Path) -> None:
         from mjcompose.build.verbs.values import SET, Change

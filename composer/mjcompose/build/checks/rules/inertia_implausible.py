@@ -21,13 +21,13 @@ class InertiaImplausible(Rule):
     instead: ClassVar = {"bodies": "body"}
 
     body: Annotated[tuple[Annotated[str, Name("body", glob=True)], ...], Items(1, single=True)] = ()
-    """which bodies; without it, all that have mass and geoms"""
+    """the bodies; without it, all with a mass and geoms"""
     density: Annotated[Range, Expects("a list of 2 numbers", "[100, 9000]"), Unit("kg/m³")] | None = None
     """the least and the most, in kg/m³; without it, any"""
     gyration: Positive = 1.0
     """the largest radius of gyration, relative to the distance of the farthest point from the center of mass"""
     outside: NotNegative = 0.02
-    """how far the center of mass may be outside the box around the geoms, relative to the diagonal of the box"""
+    """the allowed distance of the center of mass outside the box around the geoms, relative to the box's diagonal"""
 
 
 RULE = InertiaImplausible

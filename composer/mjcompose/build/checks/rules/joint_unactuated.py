@@ -19,7 +19,7 @@ class JointUnactuated(Rule):
     instead: ClassVar = {"joints": "joint"}
 
     joint: Annotated[tuple[Annotated[str, Name("joint", glob=True)], ...], Items(1, single=True)] = ()
-    """which joints; without it, all hinges and slides"""
+    """the joints; without it, all hinges and slides"""
 
 
 RULE = JointUnactuated

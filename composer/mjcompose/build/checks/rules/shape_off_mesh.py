@@ -31,13 +31,13 @@ class ShapeOffMesh(Rule):
     )
 
     mesh: Annotated[tuple[Annotated[str, Name("mesh", glob=True)], ...], Items(1, single=True)] = ()
-    """which meshes; without it, all"""
+    """the meshes; without it, all"""
     hausdorff: _Length | None = None
     """the greatest distance of the two from one another, in meters"""
     beyond: _Length | None = None
-    """how far the shapes reach out of the mesh at most, in meters"""
+    """the allowed reach of the shapes out of the mesh, in meters"""
     shortfall: _Length | None = Field(None, alias="short")
-    """how far the mesh reaches out of the shapes at most, in meters"""
+    """the allowed reach of the mesh out of the shapes, in meters"""
     uncovered: NotNegative | None = None
     """the greatest share of the surface outside of the shapes"""
     volume: Annotated[Range, Expects("a list of 2 numbers", "[0.9, 1.2]")] | None = None
