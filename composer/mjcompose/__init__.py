@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from mjcompose.tools.open.recipe import RecipeWarning as RecipeWarning
     from mjcompose.tools.open.recipe import model as model
     from mjcompose.tools.open.recipe import spec as spec
+    from mjcompose.tools.open.stamp import stamp as stamp
     from mjcompose.tools.worlds.load import load as load
     from mjcompose.tools.worlds.many import load_many as load_many
     from mjcompose.tools.worlds.names import BundleWarning as BundleWarning
@@ -45,6 +46,7 @@ _HOMES = {
     "load_many": "mjcompose.tools.worlds.many",
     "model": "mjcompose.tools.open.recipe",
     "spec": "mjcompose.tools.open.recipe",
+    "stamp": "mjcompose.tools.open.stamp",
 }
 
 __all__ = [*_MODULES, *_HOMES]

@@ -179,18 +179,18 @@ def test_a_table_of_samples_needs_several_models() -> None:
 
 # What may be said to every command that does such a thing.
 SAME = {
-    "--output-format": {"list", "build", "check", "verify", "plan", "explain", "lock", "diff", "new", "fmt", "import", "doctor",
+    "--output-format": {"list", "build", "rebuild", "check", "verify", "plan", "explain", "lock", "diff", "new", "fmt", "import", "doctor",
                "render", "view", "tree", "fix", "migrate"},
-    "--quiet": {"list", "build", "check", "verify", "plan", "explain", "lock", "diff", "new", "fmt", "import",
+    "--quiet": {"list", "build", "rebuild", "check", "verify", "plan", "explain", "lock", "diff", "new", "fmt", "import",
                 "render", "view", "tree", "fix", "migrate"},
-    "--output": {"build", "import", "render", "migrate"},
+    "--output": {"build", "rebuild", "import", "render", "migrate"},
     "--pick": {"build", "check", "plan", "explain", "diff", "render", "view", "tree"},
     "--sample": {"build", "check", "plan", "explain", "diff", "render", "view", "tree"},
     "--all": {"build", "check", "render"},
     "--strict": {"build", "check", "verify", "migrate"},
     "--verbose": {"build", "check"},
     "--timeout": {"build", "check", "verify", "diff", "import", "render", "view", "migrate"},
-    "--limit": {"build", "check", "verify", "plan", "explain", "lock", "diff", "import", "render", "view",
+    "--limit": {"build", "rebuild", "check", "verify", "plan", "explain", "lock", "diff", "import", "render", "view",
                 "tree", "fix", "migrate"},
     "--set": {"build", "check", "plan", "explain", "lock", "diff", "render", "view", "tree", "fix"},
 }  # fmt: skip

@@ -22,6 +22,7 @@ _GROUPS = {
         "check": "Check recipes, their models and the checks in them. Write nothing.",
         "plan": "Print the steps of a build.",
         "list": "List the models that `build --all` wrote, or those that match an expression.",
+        "rebuild": "Build the model that a data set records again, to the byte.",
         "verify": "Compare a bundle with its manifest, and its parts with their sources.",
     },
     "Look": {

@@ -83,6 +83,24 @@ def test_takes_values_cells_and_samples(cell: Path) -> None:
     assert mjcompose.model(cell, sample=1).body("table").mass != mjcompose.model(cell).body("table").mass
 
 
+def test_a_cell_has_its_values_and_samples(cell: Path) -> None:
+    cell.write_text(CELL + "matrix: {axes: {kind: [box, sphere]}, name: 'cell-${kind}'}\n")
+    model = mjcompose.model(cell, cell="cell-sphere")
+    assert model.geom("part").type == mujoco.mjtGeom.mjGEOM_SPHERE
+    sample = mjcompose.model(cell, cell="cell-sphere", sample=2)
+    assert sample.geom("part").type == mujoco.mjtGeom.mjGEOM_SPHERE
+    assert sample.body("table").mass != model.body("table").mass
+    assert mjcompose.model(cell, cell="cell-sphere-s0002").body("table").mass == sample.body("table").mass
+    for wrong in (
+        {"cell": "cell-cube"},
+        {"cell": "cell-box", "sample": 11},
+        {"sample": 1},
+        {"cell": "cell-box", "kind": "box"},
+    ):
+        with pytest.raises(mjcompose.BuildError):
+            mjcompose.spec(cell, **wrong)
+
+
 def test_a_wrong_value_is_an_error_with_all_diagnostics(cell: Path) -> None:
     with pytest.raises(mjcompose.BuildError, match=r"size=:1:1: error\[.*") as caught:
         mjcompose.spec(cell, size=7)

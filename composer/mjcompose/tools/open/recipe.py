@@ -8,12 +8,13 @@ import time
 from collections.abc import Mapping
 from os import PathLike
 from pathlib import Path
-from threading import Lock, RLock
+from threading import RLock
 from typing import Any, NamedTuple, TypeAlias
 
 from mjcompose.base.files import Mark, mark_of, read_regular
 from mjcompose.base.log import warn
 from mjcompose.base.report import MjcomposeError, render, short_traceback
+from mjcompose.base.suggest import exists_note
 from mjcompose.build.cache.inputs import Inputs
 from mjcompose.build.plan.read import Given
 from mjcompose.build.stages import Built, Request, build
@@ -96,7 +97,6 @@ _MOST = 64
 """The number of recipes whose text is remembered."""
 _opened: dict[str, _Opened] = {}
 _building = RLock()
-_remembering = Lock()
 
 
 def text_of(
@@ -117,11 +117,10 @@ def text_of(
             opened = _opened.get(key)
             if opened is None or not opened.is_current:
                 opened = _open(Path(path), written, cell, sample=sample, verified=verified)
-        with _remembering:
-            _opened.pop(key, None)
-            _opened[key] = opened
-            while len(_opened) > _MOST:
-                del _opened[next(iter(_opened))]
+                _opened.pop(key, None)
+                _opened[key] = opened
+                while len(_opened) > _MOST:
+                    del _opened[next(iter(_opened))]
     for message in opened.warnings:
         warn(message, RecipeWarning)
     return opened.text
@@ -141,9 +140,9 @@ def _open(recipe: Path, written: Mapping[str, str], cell: str | None, *, sample:
     started = time.time_ns()
     context = Context(fetching=Fetching())
     given = _nodes(written, context)
+    request = request_for(recipe, given, cell, sample=sample, verified=verified, context=context)
     built = None
-    if not context.sink.has_errors:
-        request = Request(recipe, given, name=cell, sample=sample, verified=verified)
+    if request is not None:
         with Session() as session:
             built = build(request, context, session=session)
     if built is None:
@@ -156,6 +155,35 @@ def _open(recipe: Path, written: Mapping[str, str], cell: str | None, *, sample:
     # A file that changed during the build may have been read before: the model is built again at the next call.
     marks |= {path: None for path in files if (mark := marks.get(path)) is not None and mark[0] >= started}
     return _Opened(text, marks, tuple(map(render, context.sink.diagnostics)))
+
+
+def request_for(
+    recipe: Path, given: Given, cell: str | None, *, sample: int, verified: bool, context: Context
+) -> Request | None:
+    """Return the request for a model, a cell or a sample of a recipe, or None if there is none, which is reported."""
+    sink = context.sink
+    if cell is None and sample == 0:
+        return None if sink.errors else Request(recipe, given, verified=verified)
+    from mjcompose.build.cache.cells import cells_of, check_axes_are_free, of_samples, select_cells
+
+    shown = context.shown(recipe)
+    cells = cells_of(recipe, context, dict(given))
+    if not cells and not sink.errors:
+        message = f"`{shown}` has neither `matrix` nor `randomize`: it is one model"
+        sink.error("missing-key", message, help="build it without `cell` and `sample`")
+    chosen = cells if cell is None else select_cells(cells, [cell], sink, recipe=shown)
+    if sample or any(each.is_sample for each in chosen if each.name != cell):
+        chosen = of_samples(chosen, [sample], sink)
+    if len(chosen) > 1:
+        names = [each.name for each in chosen]
+        sink.error(
+            "selector", f"{len(names)} models fit", notes=(exists_note("cell", names),), help="name one as `cell`"
+        )
+    check_axes_are_free(chosen, given, sink, instead="omit `cell`")
+    if sink.errors or not chosen:
+        return None
+    one = chosen[0]
+    return Request(recipe, {**given, **one.given}, name=one.name, sample=one.sample, verified=verified)
 
 
 def _text(built: Built, context: Context) -> tuple[str, list[str]]:

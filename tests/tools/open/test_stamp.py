@@ -1,0 +1,76 @@
+"""A data set's record of its model, and the same model from it."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import mjcompose
+import pytest
+from click.testing import CliRunner
+from mjcompose.cli.main import main
+
+BASE = "<mujoco><worldbody><body name='b'><geom name='g' size='.1'/></body></worldbody></mujoco>"
+RECIPE = """\
+recipe: 1
+angle: degree
+base: ./base.xml
+params: {size: {default: 0.1}, turn: {default: 30, unit: deg}, label: {default: "1.5"}}
+variants: {tool: {box: {}, ball: {edit: [{select: {geom: g}, set: {rgba: [1, 0, 0, 1]}}]}}}
+edit: [{select: {geom: g}, set: {size: ["${size}"]}}, {select: {body: b}, set: {axisangle: [0, 0, 1, "${turn}"]}}]
+"""
+SAMPLES = "randomize: {seed: 7, samples: 4, fields: {mass: {select: {geom: g}, attr: mass, uniform: [1, 2]}}}\n"
+MATRIX = "matrix: {axes: {tool: [box, ball]}, name: 'm-${tool}'}\n"
+
+
+def run(*words: str) -> tuple[int, str]:
+    result = CliRunner().invoke(main, list(words))
+    return result.exit_code, result.output
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    (tmp_path / "base.xml").write_text(BASE)
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.mark.parametrize(
+    ("more", "words"),
+    [
+        ("", []), ("", ["--set", "size=0.2", "--set", "turn=10", "--set", "tool=ball"]), (SAMPLES, ["--sample", "2"]),
+        (MATRIX, ["--pick", "m-ball"]), (MATRIX + SAMPLES, ["--pick", "m-ball-s0003"]), ("", ["--no-compile"]),
+        ("", ["--target", "mjx"]),
+    ],
+)  # fmt: skip
+def test_a_stamp_gives_the_same_bytes(folder: Path, more: str, words: list[str]) -> None:
+    (folder / "cell.yaml").write_text(RECIPE + more)
+    code, output = run("build", "cell.yaml", "-o", "{name}.zip", *words)
+    assert code == 0, output
+    [built] = folder.glob("*.zip")
+    record = mjcompose.stamp(built)
+    assert json.loads(json.dumps(record)) == record
+    (folder / "stamp.json").write_text(json.dumps(record))
+    code, output = run("rebuild", "stamp.json", "-o", "again.zip")
+    assert code == 0, output
+    assert (folder / "again.zip").read_bytes() == built.read_bytes()
+
+
+def test_a_change_is_an_error_that_names_it(folder: Path) -> None:
+    (folder / "cell.yaml").write_text(RECIPE)
+    assert run("build", "cell.yaml", "-o", "cell/")[0] == 0
+    (folder / "stamp.json").write_text(json.dumps(mjcompose.stamp("cell/")))
+    (folder / "base.xml").write_text(BASE.replace("name='b'", "name='b' pos='1 0 0'"))
+    code, output = run("rebuild", "stamp.json", "-o", "again.zip")
+    assert code == 1 and not (folder / "again.zip").exists()
+    assert "error[bundle-changed]: `cell` has other bytes than its stamp records" in output
+    assert "`base.xml` changed" in output and "cell.yaml" not in output
+
+
+@pytest.mark.parametrize("text", ["{}", "[", '{"stamp": 1}'])
+def test_a_file_that_is_not_a_stamp_is_refused(folder: Path, text: str) -> None:
+    (folder / "stamp.json").write_text(text)
+    code, output = run("rebuild", "stamp.json")
+    assert code == 2 and "is not a stamp of mjcompose" in output
+    with pytest.raises(mjcompose.MjcomposeError, match="cannot|no"):
+        mjcompose.stamp("missing.zip")
