@@ -196,7 +196,7 @@ _MEAN = Field(None, description="the middle; by default what changes nothing")
 
 
 class BellOfChange(Written):
-    """A bell about `mean` with the standard deviation `std`."""
+    """Numbers from a normal distribution around `mean`, with the standard deviation `std`."""
 
     instead: ClassVar = {"mu": "mean", **dict.fromkeys(("sigma", "stddev", "sd"), "std"), "low": "min", "high": "max"}
     example: ClassVar = "{mean: 1, std: 0.1}"
@@ -207,7 +207,7 @@ class BellOfChange(Written):
 
 
 class Bell(BellOfChange):
-    """A bell about `mean` with the standard deviation `std`."""
+    """Numbers from a normal distribution around `mean`, with the standard deviation `std`."""
 
     mean: Numbers = Field(examples=["1"])
     """the middle"""

@@ -19,7 +19,9 @@ params: {size: {default: 0.1}, turn: {default: 30, unit: deg}, label: {default: 
 variants: {tool: {box: {}, ball: {edit: [{select: {geom: g}, set: {rgba: [1, 0, 0, 1]}}]}}}
 edit: [{select: {geom: g}, set: {size: ["${size}"]}}, {select: {body: b}, set: {axisangle: [0, 0, 1, "${turn}"]}}]
 """
-SAMPLES = "randomize: {seed: 7, samples: 4, fields: {mass: {select: {geom: g}, attr: mass, uniform: [1, 2]}}}\n"
+SAMPLES = (
+    "randomize: {seed: 7, samples: 4, fields: {mass: {select: {body: b}, attr: mass, scale: {uniform: [1, 2]}}}}\n"
+)
 MATRIX = "matrix: {axes: {tool: [box, ball]}, name: 'm-${tool}'}\n"
 
 
@@ -40,7 +42,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     [
         ("", []), ("", ["--set", "size=0.2", "--set", "turn=10", "--set", "tool=ball"]), (SAMPLES, ["--sample", "2"]),
         (MATRIX, ["--pick", "m-ball"]), (MATRIX + SAMPLES, ["--pick", "m-ball-s0003"]), ("", ["--no-compile"]),
-        ("", ["--target", "mjx"]),
+        ("", ["--target", "mjx"]), (SAMPLES, ["--as", "worlds"]), ("", ["--dedup"]),
     ],
 )  # fmt: skip
 def test_a_stamp_gives_the_same_bytes(folder: Path, more: str, words: list[str]) -> None:

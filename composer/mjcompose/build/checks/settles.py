@@ -20,7 +20,7 @@ class Near(CheckPart):
     example: ClassVar = "{key: …, within: 0.05}"
 
     key: Annotated[str, Name("key", what="the name of a keyframe")] | None = None
-    """a keyframe; without it, the one where it starts"""
+    """a keyframe; without it, the keyframe of the start"""
     within: Positive = Field(examples=["0.05"])
     """the allowed distance of a joint from where it is there, in m or rad"""
 

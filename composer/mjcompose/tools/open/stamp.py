@@ -17,7 +17,7 @@ from mjcompose.base.diagnostic import Diagnostic, Note
 from mjcompose.base.files import read_regular
 from mjcompose.base.report import MjcomposeError, short_traceback
 from mjcompose.base.version import __version__
-from mjcompose.build.bundle.bundle import MANIFEST, Bundle
+from mjcompose.build.bundle.bundle import MANIFEST, WORLDS, Bundle
 from mjcompose.build.bundle.manifest import Manifest, from_json
 from mjcompose.build.bundle.read import ReadError, read
 from mjcompose.build.stages import build
@@ -41,6 +41,8 @@ class Stamp(BaseModel):
     params: dict[str, Any] = {}
     target: str | None = None
     deduplicated: bool = False
+    pictured: bool = False
+    worlds: bool = False
     mjcompose: str
     mujoco: str | None = None
     read: dict[str, str] = {}
@@ -75,6 +77,7 @@ def _stamp(bundle: Bundle, manifest: Manifest) -> Stamp:
         name=manifest.name, bundle=bundle.sha256, recipe=manifest.recipe.path, cell=manifest.cell,
         sample=manifest.sample or 0, variants=manifest.variants, params=manifest.params,
         target=None if manifest.target is None else manifest.target.name, deduplicated=bool(manifest.merged),
+        pictured=manifest.picture is not None, worlds=WORLDS in bundle.files,
         mjcompose=manifest.mjcompose, mujoco=manifest.mujoco,
         read={manifest.recipe.path: manifest.recipe.sha256, **{each.path: each.sha256 for each in manifest.read}},
     )  # fmt: skip
@@ -102,7 +105,8 @@ def rebuild(record: Stamp, recipe: Path, context: Context) -> Bundle | None:
     )  # fmt: skip
     if request is None:
         return None
-    built = build(replace(request, target=record.target, deduplicated=record.deduplicated), context)
+    options = {name: getattr(record, name) for name in ("target", "deduplicated", "pictured", "worlds")}
+    built = build(replace(request, **options), context)
     if built is None:
         return None
     if built.bundle.sha256 == record.bundle:
