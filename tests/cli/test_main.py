@@ -246,6 +246,7 @@ def test_too_little_memory_is_reported_where_the_process_begins(folder: Path, mo
 
 
 def test_mcp_without_its_extra_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "mcp", None)
+    for name in ("mcp", "mcp.server.lowlevel", "mcp.server.stdio", "mcp_types"):  # some may be imported already
+        monkeypatch.setitem(sys.modules, name, None)
     result = run("mcp")
     assert result.exit_code == 2 and 'pip install "mjcompose[mcp]"' in result.stderr

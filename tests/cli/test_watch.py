@@ -100,6 +100,7 @@ def test_it_checks_again_from_a_recipe_that_fails_at_first(folder: Path, watch: 
     assert command.interrupt() == 0
 
 
+@pytest.mark.own_children
 def test_all_runs_have_one_process_for_mujoco(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     started: list[Session] = []
     spawn = Session._spawn

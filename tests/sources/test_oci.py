@@ -83,7 +83,7 @@ def test_a_login_is_not_supported(web: Any, answer: Any, refused: Any, realm: st
     id = push(web, (FILE, b"<mujoco/>", "arm.xml"))
     web.pages = dict.fromkeys(web.pages, lambda request: answer(request, b"", status=401, WWW_Authenticate=realm))
     error = refused(f"{id}#arm.xml")
-    assert error.code == "source-fetch" and "wants a login" in error.message
+    assert error.code == "source-fetch" and "requires a login" in error.message
 
 
 @pytest.mark.parametrize("what", ["manifests", "blobs"])

@@ -192,7 +192,7 @@ def test_models_share_what_is_equal(tmp_path: Path) -> None:
     assert len(list((tmp_path / "assets").iterdir())) == 4
     assert not (tmp_path / "a" / "assets").exists()
     write_shared(bundle(), tmp_path / "a")
-    with pytest.raises(OutputError, match="is that of the assets"):
+    with pytest.raises(OutputError, match="is for assets"):
         write_shared(bundle(), tmp_path / "assets")
 
 
