@@ -129,6 +129,10 @@ def advice(name: str, needed: float | None = None) -> Advice:
     >>> advice("copies", 12000).in_python
     'to allow it, raise the limit: `with mjcompose.base.limits.allow(copies=12000):`'
     """
+    if needed is not None and not needed < 1e18:  # an int that no float can hold, too, and NaN
+        given = Advice("no limit allows that many: write a smaller number")
+        given.in_python = str(given)
+        return given
     attribute = name.replace("-", "_")
     value = 2 * getattr(in_force(), attribute) if needed is None else needed
     given = Advice(f"to allow it, raise the limit: `--limit {name}={written(name, value)}`")

@@ -366,7 +366,8 @@ def check_reserved(unit: Unit, elements: int, sink: Sink) -> bool:
         total += count
         if total > most:
             span = unit.origins.span(node, unit.file, attribute)
-            message = f"`<{node.tag}>` reserves {count} numbers; a model may reserve {most}"
+            numbers = str(count) if count < 10**18 else "more than 10^18"
+            message = f"`<{node.tag}>` reserves {numbers} numbers; a model may reserve {most}"
             sink.error(CODE, message, span, help=advice("reserved", total))
             return False
     return True
