@@ -41,7 +41,8 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     ("more", "words"),
     [
         ("", []), ("", ["--set", "size=0.2", "--set", "turn=10", "--set", "tool=ball"]), (SAMPLES, ["--sample", "2"]),
-        (MATRIX, ["--pick", "m-ball"]), (MATRIX + SAMPLES, ["--pick", "m-ball-s0003"]), ("", ["--no-compile"]),
+        (MATRIX, ["--pick", "m-ball"]), (MATRIX, ["--pick", "m-ball", "--set", "size=0.3"]),
+        (SAMPLES.replace("mass: {select: {body: b}, attr: mass,", "drawn: {param: size,"), ["--sample", "2"]), (MATRIX + SAMPLES, ["--pick", "m-ball-s0003"]), ("", ["--no-compile"]),
         ("", ["--target", "mjx"]), (SAMPLES, ["--as", "worlds"]), ("", ["--dedup"]),
     ],
 )  # fmt: skip

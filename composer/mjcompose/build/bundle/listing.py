@@ -139,7 +139,7 @@ def _readable(file: str) -> Iterator[None]:
     try:
         yield
     except (OSError, UnicodeError, csv.Error, TypeError, AttributeError) as error:
-        reason = getattr(error, "strerror", None) or "it is no table of models"
+        reason = getattr(error, "strerror", None) or "it is not a table of models"
         if isinstance(error, TooLarge):
             reason = str(error)
         raise ListingError("file-unreadable", f"`{file}` cannot be read: {reason}") from error

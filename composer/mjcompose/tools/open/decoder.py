@@ -31,7 +31,6 @@ from mjcompose.tools.open.shim import library_in
 
 OLDEST = (4, 0)
 """The first MuJoCo whose decoders have these arguments."""
-CONTENT_TYPE = b"application/x-mjcompose"
 EXTENSIONS = b".yaml|.yml"
 PROVIDERS = ("menagerie", "package")
 _LONGEST = 1024
@@ -243,7 +242,7 @@ def _decoder(library: Any) -> _Decoder:
             _write(place, size, reason)
 
     return _Decoder(
-        content_type=CONTENT_TYPE, extension=EXTENSIONS, can_decode=_OPEN(_Safe(lambda resource: 1, 1)),
+        content_type=b"application/x-mjcompose", extension=EXTENSIONS, can_decode=_OPEN(_Safe(lambda resource: 1, 1)),
         decode=_DECODE(_Safe(decode, None, explain)),
     )  # fmt: skip
 

@@ -235,6 +235,11 @@ def _as_json(values: Mapping[str, Any]) -> dict[str, str]:
     return {name: json.dumps(value, default=plain, ensure_ascii=False) for name, value in sorted(values.items())}
 
 
+def nodes_of(values: Mapping[str, Any], context: Context) -> Given:
+    """Return values of Python as values of parameters and variants. Raises TypeError."""
+    return _nodes(_as_json(values), context)
+
+
 def _nodes(written: Mapping[str, str], context: Context) -> Given:
     nodes = {name: load(text, f"{name}=", context.sink) for name, text in written.items()}
     return {name: node for name, node in nodes.items() if node is not None}

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import json
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import replace
 from os import PathLike
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import pydantic
 from pydantic import BaseModel, ConfigDict
@@ -20,10 +19,9 @@ from mjcompose.base.version import __version__
 from mjcompose.build.bundle.bundle import MANIFEST, WORLDS, Bundle
 from mjcompose.build.bundle.manifest import Manifest, from_json
 from mjcompose.build.bundle.read import ReadError, read
-from mjcompose.build.stages import build
+from mjcompose.build.stages import Request, build
 from mjcompose.sources.context import Context
-from mjcompose.text.load import load
-from mjcompose.tools.open.recipe import request_for
+from mjcompose.tools.open.recipe import nodes_of
 
 
 class Stamp(BaseModel):
@@ -31,7 +29,7 @@ class Stamp(BaseModel):
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
-    stamp: int = 1
+    stamp: Literal[1] = 1
     name: str
     bundle: str
     recipe: str
@@ -73,9 +71,12 @@ def stamp(bundle: str | PathLike[str]) -> dict[str, Any]:
 
 def _stamp(bundle: Bundle, manifest: Manifest) -> Stamp:
     assert manifest.recipe is not None
+    drawn = {each.attribute for each in manifest.draws if each.element is None}  # the recipe draws them again
     return Stamp(
         name=manifest.name, bundle=bundle.sha256, recipe=manifest.recipe.path, cell=manifest.cell,
-        sample=manifest.sample or 0, variants=manifest.variants, params=manifest.params,
+        sample=manifest.sample or 0,
+        variants={name: value for name, value in manifest.variants.items() if name not in drawn},
+        params={name: value for name, value in manifest.params.items() if name not in drawn},
         target=None if manifest.target is None else manifest.target.name, deduplicated=bool(manifest.merged),
         pictured=manifest.picture is not None, worlds=WORLDS in bundle.files,
         mjcompose=manifest.mjcompose, mujoco=manifest.mujoco,
@@ -97,16 +98,10 @@ def read_stamp(file: Path) -> Stamp:
 def rebuild(record: Stamp, recipe: Path, context: Context) -> Bundle | None:
     """Build the model of a stamp again; None after an error in the context's sink, also if its bytes would differ."""
     sink = context.sink
-    values: Mapping[str, Any] = {**record.params, **record.variants}
-    given = {name: load(json.dumps(value), f"{name}=", sink) for name, value in values.items()}
-    request = request_for(
-        recipe, {name: node for name, node in given.items() if node is not None and record.cell is None}, record.cell,
-        sample=record.sample, verified=record.mujoco is not None, context=context,
-    )  # fmt: skip
-    if request is None:
-        return None
+    given = nodes_of({**record.params, **record.variants}, context)
+    request = Request(recipe, given, name=record.cell, sample=record.sample, verified=record.mujoco is not None)
     options = {name: getattr(record, name) for name in ("target", "deduplicated", "pictured", "worlds")}
-    built = build(replace(request, **options), context)
+    built = None if sink.has_errors else build(replace(request, **options), context)
     if built is None:
         return None
     if built.bundle.sha256 == record.bundle:
