@@ -16,8 +16,8 @@ from PIL import Image
 
 ROOT = Path(__file__).resolve().parents[2]
 HOW_TO = (
-    "combine", "xacro", "merged_by_hand", "keyframes", "torque_control", "force_torque", "option_conflicts", "unstable",
-    "train", "randomize", "open_in_mujoco", "simulators", "teams", "from_robosuite",
+    "combine", "urdf", "split", "keyframes", "actuators", "force_torque", "unstable", "train", "worlds", "randomize",
+    "open_in_mujoco", "simulators", "teams", "from_robosuite",
 )  # fmt: skip
 PAGES = [
     *sorted((ROOT / "docs" / "tutorials").glob("*.md")),

@@ -116,7 +116,8 @@ def table() -> str:
     for name, motor in library().items():
         numbers = (motor.effort, motor.rated, motor.speed, motor.reflected)
         shown = ["" if each is None else f"{each:.4g}" for each in numbers]
-        source = _ADDRESS.sub(lambda found: f"<{found.group()}>", motor.source)
+        address = _ADDRESS.search(motor.source)
+        source = f"<{address.group()}>" if address else motor.source
         lines.append(f"| `{name}` | {motor.maker or ''} | {' | '.join(shown)} | {source} |")
     return "\n".join(lines) + "\n"
 
