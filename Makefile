@@ -133,6 +133,7 @@ schemas: $(STAMP)
 	  $(BIN)/mjcompose schema $$what > build/$$what.schema.json && mv build/$$what.schema.json schemas/ || exit 1; \
 	done
 	@$(BIN)/python -m mjcompose.language.reference_page docs/reference/keys
+	@$(BIN)/python -m mjcompose.build.lint.pages docs/rules
 	@$(BIN)/python -m mjcompose.mjcf.stub
 	@$(BIN)/python -m mjcompose.targets.table
 	@$(BIN)/python -m mjcompose.language.datasheets

@@ -123,8 +123,7 @@ def test_version_and_help_as_commands() -> None:
 
 
 @pytest.mark.parametrize(
-    ("word", "command"),
-    [("init", "new"), ("validate", "check"), ("lint", "check"), ("format", "fmt"), ("show", "tree")],
+    ("word", "command"), [("init", "new"), ("validate", "check"), ("format", "fmt"), ("show", "tree")]
 )
 def test_what_other_tools_call_it(word: str, command: str) -> None:
     result = run(word, "x")
@@ -179,9 +178,9 @@ def test_a_table_of_samples_needs_several_models() -> None:
 
 # What may be said to every command that does such a thing.
 SAME = {
-    "--output-format": {"list", "build", "rebuild", "check", "verify", "plan", "explain", "lock", "diff", "new", "fmt", "import", "doctor",
+    "--output-format": {"lint", "list", "build", "rebuild", "check", "verify", "plan", "explain", "lock", "diff", "new", "fmt", "import", "doctor",
                "render", "view", "tree", "fix", "migrate"},
-    "--quiet": {"list", "build", "rebuild", "check", "verify", "plan", "explain", "lock", "diff", "new", "fmt", "import",
+    "--quiet": {"lint", "list", "build", "rebuild", "check", "verify", "plan", "explain", "lock", "diff", "new", "fmt", "import",
                 "render", "view", "tree", "fix", "migrate"},
     "--output": {"build", "rebuild", "import", "render", "migrate"},
     "--pick": {"build", "check", "plan", "explain", "diff", "render", "view", "tree"},
@@ -189,8 +188,8 @@ SAME = {
     "--all": {"build", "check", "render"},
     "--strict": {"build", "check", "verify", "migrate"},
     "--verbose": {"build", "check"},
-    "--timeout": {"build", "check", "verify", "diff", "import", "render", "view", "migrate"},
-    "--limit": {"build", "rebuild", "check", "verify", "plan", "explain", "lock", "diff", "import", "render", "view",
+    "--timeout": {"lint", "build", "check", "verify", "diff", "import", "render", "view", "migrate"},
+    "--limit": {"lint", "build", "rebuild", "check", "verify", "plan", "explain", "lock", "diff", "import", "render", "view",
                 "tree", "fix", "migrate"},
     "--set": {"build", "check", "plan", "explain", "lock", "diff", "render", "view", "tree", "fix"},
 }  # fmt: skip

@@ -15,7 +15,7 @@ import pytest
 import yaml
 
 ROOT = Path(__file__).resolve().parents[2]
-BESIDE = {"errors", "examples", "pictures", "live"}
+BESIDE = {"rules", "errors", "examples", "pictures", "live"}
 TYPED = (
     "domain randomization", "combine robots", "quickstart", "headless", "namespace", "end effector", "Isaac Lab",
     "sim-to-real", "macOS", "troubleshooting",

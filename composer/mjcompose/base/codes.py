@@ -171,6 +171,9 @@ BY_TOPIC: dict[str, dict[str, str]] = {
 
 CODES = dict(sorted((code, summary) for codes in BY_TOPIC.values() for code, summary in codes.items()))
 
+PAGES: dict[str, str] = {}
+"""The pages of codes that are not in a file of their own: the rules of the linter add theirs, and their codes."""
+
 OF_FILES = ("source-", "archive-", "store-", "lock-", "file-")
 """Prefixes of the codes about files and addresses that do not exist or are out of reach."""
 
@@ -193,6 +196,8 @@ def code_of(text: str) -> str | None:
 
 def page(code: str) -> str:
     """Return the page as Markdown: the copy next to this file in an installed package, `docs/errors` in a clone."""
+    if code in PAGES:
+        return PAGES[code]
     here = Path(__file__).resolve()
     installed = here.with_name("pages") / f"{code}.md"
     path = installed if os.path.exists(installed) else here.parents[3] / "docs" / "errors" / installed.name
@@ -204,7 +209,7 @@ def address(code: str, urls: Iterable[str] | None = None) -> str | None:
     for each in _urls() if urls is None else urls:
         label, _, url = each.partition(", ")
         if label.lower() == "documentation":
-            return f"{url.rstrip('/')}/errors/{code}.html"
+            return f"{url.rstrip('/')}/{'rules' if code in PAGES else 'errors'}/{code}.html"
     return None
 
 

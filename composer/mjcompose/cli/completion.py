@@ -157,7 +157,9 @@ def files(ctx: click.Context, parameter: click.Parameter, incomplete: str) -> li
 def models_and_codes(ctx: click.Context, parameter: click.Parameter, incomplete: str) -> list[CompletionItem]:
     """Complete files and codes of faults."""
     from mjcompose.base.codes import CODES
+    from mjcompose.build.lint.rule import rules
 
+    rules()  # which adds its codes
     codes = [CompletionItem(code) for code in CODES if code.startswith(incomplete)]
     return [*codes, *files(ctx, parameter, incomplete)]
 

@@ -42,7 +42,11 @@ def explain(options: Options, run: Run) -> Answer:
       'option timestep'             a setting
       'gripper.xml:12'              the element on that line
     """  # noqa: D301  (a backspace, by which click keeps the lines)
+    from mjcompose.build.lint.rule import rules
+
     model, query = options.model, options.query
+    if options.codes or (model is not None and not model.suffix):
+        rules()  # which adds its codes
     if options.codes:
         width = max(map(len, CODES))
         return Answer("\n".join(f"{code:{width}}  {summary}" for code, summary in CODES.items()), dict(CODES))

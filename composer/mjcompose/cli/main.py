@@ -20,6 +20,7 @@ _GROUPS = {
     "Build": {
         "build": "Build the model of a recipe: one MJCF file and its assets.",
         "check": "Check recipes, their models and the checks in them. Write nothing.",
+        "lint": "Find mistakes in models, recipes and bundles that MuJoCo accepts.",
         "plan": "Print the steps of a build.",
         "list": "List the models that `build --all` wrote, or those that match an expression.",
         "rebuild": "Build the model that a data set records again, to the byte.",
@@ -59,7 +60,7 @@ _VERBS = {name: words for group in _GROUPS.values() for name, words in group.ite
 # Names of verbs in other tools, and the corresponding command here.
 _CALLED = {
     **dict.fromkeys(("init", "create", "start"), "mjcompose new"),
-    **dict.fromkeys(("validate", "lint", "test"), "mjcompose check"),
+    **dict.fromkeys(("validate", "test"), "mjcompose check"),
     "format": "mjcompose fmt",
     **dict.fromkeys(("compile", "make", "compose", "generate"), "mjcompose build"),
     **dict.fromkeys(("merge", "attach", "combine"), "mjcompose build RECIPE"),

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import re
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import field, replace
 from pathlib import Path
 
@@ -43,7 +43,7 @@ def edit_of(diagnostic: Diagnostic, source: str) -> Edit | None:
     fix, span = diagnostic.fix, place_of(diagnostic)
     if fix is None or span is None:
         return None
-    bounds = _bounds(span, source)
+    bounds = _bounds(span, source, is_verbatim=fix.replaces is None and fix.span is not None)
     if bounds is None:
         return None
     start, end = bounds
@@ -82,16 +82,20 @@ def applied(source: str, edits: Iterable[Edit]) -> str:
     return result + source[done:]
 
 
-def _bounds(span: Span, source: str) -> tuple[int, int] | None:
-    """Return the positions of a span on one line, or None if it has several; a span without an end is empty."""
-    if span.end_line not in (None, span.line):
+def _bounds(span: Span, source: str, is_verbatim: bool = False) -> tuple[int, int] | None:
+    """Return the positions of a span, or None for several lines of a text that is not replaced verbatim.
+
+    A span without an end is empty.
+    """
+    last = span.end_line or span.line
+    if last != span.line and not is_verbatim:
         return None
     begins = [0, *(found.end() for found in re.finditer(r"\r\n|\n|\r", source))]
-    if not 1 <= span.line <= len(begins):
+    if not 1 <= span.line <= last <= len(begins):
         return None
     start = begins[span.line - 1] + span.column - 1
-    end = start if span.end_column is None else begins[span.line - 1] + span.end_column - 1
-    line_end = begins[span.line] if span.line < len(begins) else len(source)
+    end = start if span.end_column is None else begins[last - 1] + span.end_column - 1
+    line_end = begins[last] if last < len(begins) else len(source)
     return (start, end) if start <= end <= line_end else None
 
 
@@ -125,14 +129,21 @@ def fix(recipe: Path, context: Context, given: Given | None = None) -> Fixed:
 
     A fix that does not remove its fault is reverted. MuJoCo compiles only the units that the linker has to measure.
     """
-    return _Fixing(recipe, context, given or {}).fixed()
+
+    def look(context: Context) -> list[Diagnostic]:
+        build(Request(recipe, given or {}, verified=False), context)
+        return context.sink.sorted()
+
+    return Fixing(look, context).fixed()
 
 
 @dataclass(slots=True)
-class _Fixing:
-    recipe: Path
+class Fixing:
+    """Applies the fixes of the diagnostics that `look` finds, in files with these suffixes."""
+
+    look: Callable[[Context], list[Diagnostic]]
     context: Context
-    given: Given
+    suffixes: tuple[str, ...] = RECIPES
     now: dict[Path, bytes] = field(default_factory=dict)
     before: dict[Path, bytes] = field(default_factory=dict)
     useless: set[tuple[str, str, str]] = field(default_factory=set)
@@ -166,12 +177,11 @@ class _Fixing:
         return result
 
     def found(self) -> list[Diagnostic]:
-        """Return the diagnostics of the recipe in its current state."""
+        """Return the diagnostics for the current texts."""
         texts = {os.path.realpath(path): text for path, text in self.now.items()}
         context = replace(self.context, sink=Sink(), recipes={}, concrete={})
         with unsaved(texts):
-            build(Request(self.recipe, self.given, verified=False), context)
-        return context.sink.sorted()
+            return self.look(context)
 
     def carry_out(self, found: list[Diagnostic]) -> list[Diagnostic]:
         """Apply the fixes that fit and do not overlap; return their diagnostics."""
@@ -196,15 +206,15 @@ class _Fixing:
 
     def text(self, path: Path) -> bytes:
         if path not in self.now:
-            self.now[path] = read_regular(path, in_force().recipe_size)
+            self.now[path] = read_regular(path, in_force().xml_size)
         self.before.setdefault(path, self.now[path])
         return self.now[path]
 
     def is_own(self, path: Path) -> bool:
-        """Return whether it is the user's own recipe, and not one that was fetched or installed."""
+        """Return whether it is the user's own file, and not one that was fetched or installed."""
         fetching = self.context.fetching
         fetched = fetching is not None and fetching.around(path) is not None
-        return path.suffix.lower() in RECIPES and os.path.isfile(path) and not fetched
+        return path.suffix.lower() in self.suffixes and os.path.isfile(path) and not fetched
 
 
 def _identity(diagnostic: Diagnostic) -> tuple[str, str, str]:

@@ -85,6 +85,29 @@ class SourceText:
         start, end = (found.names if key else found.values)[name]
         return self._stretch(start, end) if end > start and "\n" not in self._text[start:end] else None
 
+    def whole(self, tag: str, line: int, attributes: Mapping[str, str]) -> tuple[Stretch, Stretch] | None:
+        """Return the first and the last character of an element with its content; whole lines if it is alone on them.
+
+        Return None if the end is not found.
+        """
+        found = self._find(tag, line, attributes)
+        if found is None:
+            return None
+        start, last, depth = found.start, found.end + 1, 0 if self._bare[found.end - 1] == "/" else 1
+        ends = last
+        for tags in re.finditer(rf"""<(/?){re.escape(tag)}(?=[\s/>])(?:"[^"]*"|'[^']*'|[^"'>])*>""", self._bare[ends:]):
+            if depth == 0:
+                break
+            depth += -1 if tags[1] else 0 if tags[0].endswith("/>") else 1
+            last = ends + tags.end()
+        if depth:
+            return None
+        before = self._text.rfind("\n", 0, start) + 1
+        after = self._text.find("\n", last)
+        if after >= 0 and not self._text[before:start].strip() and not self._text[last:after].strip():
+            start, last = before, after + 1
+        return self._stretch(start, start + 1), self._stretch(last, last)
+
     def items(
         self, tag: str, line: int, attributes: Mapping[str, str], name: str, first: int, last: int
     ) -> tuple[Stretch, Stretch, str] | None:

@@ -1,0 +1,1 @@
+"""The linter: rules for MuJoCo models, one file a family."""

@@ -1,0 +1,261 @@
+"""Rules of the linter: how one is written, the model that it reads, and its findings.
+
+A rule is a function with a decorator, in the file of its family. Its docstring is its page: the first line is the
+summary. It gets a `Subject` and yields findings. A rule that needs MuJoCo runs next to the compiled model in a child
+process; any other rule reads only the elements.
+"""
+
+from __future__ import annotations
+
+import importlib
+import inspect
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from functools import cache, cached_property
+from typing import TYPE_CHECKING, Any
+
+from mjcompose.base.codes import CODES, PAGES
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.suggest import did_you_mean
+from mjcompose.tree.classes import Classes, class_in_force, text_in_effect
+from mjcompose.tree.names import NameIndex
+from mjcompose.tree.select import kind_of
+
+if TYPE_CHECKING:
+    from lxml.etree import _Element as Node
+
+    from mjcompose.mujoco.attributes import NameTable
+    from mjcompose.tree.unit import Unit
+
+FAMILIES = ("dead", "ranges", "order", "physics", "contact", "units", "names", "portable", "files")
+"""The modules of rules, in this folder."""
+
+
+@dataclass(frozen=True, slots=True)
+class Edit:
+    """An exact change of an element: attributes to set or, with None, to remove; or the removal of the element."""
+
+    attributes: tuple[tuple[str, str | None], ...] = ()
+    removes: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """A finding of a rule about an element, or about the model as a whole with the element None.
+
+    `attribute` is the attribute that the message is about, if it is written there. `help` says what to write. `edit`
+    is the exact change that `help` describes, if the meaning of the model stays or is what the author meant.
+    """
+
+    element: Node | None
+    message: str
+    attribute: str | None = None
+    help: str | None = None
+    edit: Edit | None = None
+
+
+Found = Iterator[Finding]
+
+
+@dataclass(frozen=True, slots=True)
+class Rule:
+    """A rule. `profiles` are those that include it; a rule that is not `usual` runs only if it is selected."""
+
+    code: str
+    family: str
+    run: Callable[[Subject], Found]
+    summary: str
+    page: str
+    in_mujoco: bool
+    usual: bool
+    profiles: Mapping[str, str]
+
+
+_RULES: dict[str, Rule] = {}
+
+
+def rule(
+    code: str, *, in_mujoco: bool = False, usual: bool = True, profiles: Mapping[str, str] | None = None
+) -> Callable[[Callable[[Subject], Found]], Callable[[Subject], Found]]:
+    """Return a decorator that makes a function the rule `code`.
+
+    `profiles` are the profiles that include it, each with its source: the sentence or section that asks for it.
+    """
+
+    def decorate(function: Callable[[Subject], Found]) -> Callable[[Subject], Found]:
+        text = inspect.cleandoc(function.__doc__ or "")
+        summary = text.partition("\n")[0].rstrip(".")
+        family = function.__module__.rpartition(".")[2]
+        _RULES[code] = Rule(
+            code, family, function, summary=summary, page=text, in_mujoco=in_mujoco, usual=usual,
+            profiles=profiles or {},
+        )  # fmt: skip
+        CODES[code] = summary[:1].lower() + summary[1:]
+        PAGES[code] = f"# {code}\n\n{text}\n"
+        return function
+
+    return decorate
+
+
+@cache
+def rules() -> Mapping[str, Rule]:
+    """Return all rules by code, family by family."""
+    for family in FAMILIES:
+        importlib.import_module(f"mjcompose.build.lint.{family}")
+    return dict(sorted(_RULES.items(), key=lambda each: (FAMILIES.index(each[1].family), each[0])))
+
+
+class UnknownRuleError(ValueError):
+    """There is no rule, family or profile of that name; `name` is the name, `help` the question for a near one."""
+
+    def __init__(self, name: str, known: Iterable[str]) -> None:
+        super().__init__(f"there is no rule or family `{name}`")
+        self.name, self.help = name, did_you_mean(name, known)
+
+
+def chosen(select: Collection[str] = (), ignore: Collection[str] = (), profile: str | None = None) -> list[Rule]:
+    """Return the rules that codes and families select: without any, the usual rules or those of a profile.
+
+    `all` selects every rule. Raises UnknownRuleError.
+    """
+    every = rules()
+    for name in (*select, *ignore):
+        if name not in every and name not in FAMILIES and name != "all":
+            raise UnknownRuleError(name, [*every, *FAMILIES, "all"])
+
+    def named(each: Rule, names: Collection[str]) -> bool:
+        return each.code in names or each.family in names or "all" in names
+
+    def starts(each: Rule) -> bool:
+        if select:
+            return named(each, select)
+        return each.usual if profile is None else profile in each.profiles
+
+    return [each for each in every.values() if starts(each) and not (each.code in ignore or each.family in ignore)]
+
+
+class Subject:
+    """The model that rules read.
+
+    `root` is its tree without includes. `unit` is the model with its files; None in the child process, where `mujoco`
+    and `model` are the module and the compiled model. `is_part` is False for a bundle or recipe, which nothing else
+    completes.
+    """
+
+    def __init__(
+        self, root: Node, unit: Unit | None = None, mujoco: Any = None, model: Any = None, is_part: bool = True
+    ) -> None:
+        self.root, self.unit, self.mujoco, self.model, self.is_part = root, unit, mujoco, model, is_part
+
+    @cached_property
+    def classes(self) -> Classes:
+        return Classes(self.root)
+
+    @cached_property
+    def names(self) -> NameIndex:
+        return NameIndex.of(self.root)
+
+    def each(self, *tags: str) -> Iterator[Node]:
+        """Yield the elements with these tags, except those in `<default>`, in document order."""
+        for element in self.root.iter(*tags):
+            if next(element.iterancestors("default"), None) is None and element.tag != "default":
+                yield element
+
+    def value(self, element: Node, attribute: str) -> str | None:
+        """Return the value in effect: of the element, its classes or MuJoCo's default; None if nothing sets it."""
+        return text_in_effect(element, kind_of(element), attribute, classes=self.classes)
+
+    def given(self, element: Node, attribute: str) -> str | None:
+        """Return the value of the element or of its classes; None for MuJoCo's default."""
+        own = element.get(attribute)
+        if own is not None:
+            return str(own)
+        found = self.classes.get(class_in_force(element).name).lookup(str(element.tag), attribute)
+        return None if found is None else found[0]
+
+    def numbers(self, element: Node, attribute: str) -> list[float] | None:
+        """Return the numbers in effect of an attribute; None if there are none."""
+        try:
+            return [float(word) for word in (self.value(element, attribute) or "").split()] or None
+        except ValueError:
+            return None
+
+    @staticmethod
+    def called(element: Node) -> str:
+        """Return an element in words: joint `elbow`, or an unnamed geom of body `arm`."""
+        name = element.get("name")
+        if name:
+            return f"{element.tag} `{name}`"
+        around = next((each for each in element.iterancestors("body") if each.get("name")), None)
+        return f"an unnamed {element.tag}" + (f" of body `{around.get('name')}`" if around is not None else "")
+
+    # In the child process
+
+    @cached_property
+    def roster(self) -> NameTable:
+        from mjcompose.mujoco.attributes import NameTable
+
+        return NameTable(self.model)
+
+    @cached_property
+    def rows(self) -> dict[Node, int]:
+        """The number of every element among the compiled ones of its kind, as far as that is certain."""
+        from mjcompose.mujoco.order import compiled_order, rows
+
+        return rows(compiled_order(self.root), self.roster)
+
+    @cached_property
+    def _nodes(self) -> dict[tuple[str, int], Node]:
+        from mjcompose.mujoco.order import compiled_kind
+
+        return {(compiled_kind(node) or "", row): node for node, row in self.rows.items()}
+
+    def node(self, kind: str, row: int) -> Node | None:
+        """Return the element that became this row of a kind, such as `joint`; None if that is not certain."""
+        return self._nodes.get((kind, row))
+
+    def name(self, kind: str, row: int) -> str:
+        """Return a compiled element in words: joint `elbow`, or geom #2 of body `hand`."""
+        described = self.roster.describe(kind, row)
+        return f"{kind} `{described}`" if self.roster.names[kind][row] else f"{kind} {described}"
+
+    @cached_property
+    def data(self) -> Any:
+        """An mjData after `mj_forward` at the reference configuration. A rule does not change it."""
+        data = self.mujoco.MjData(self.model)
+        self.mujoco.mj_forward(self.model, data)
+        return data
+
+    def at_keys(self) -> Iterator[tuple[int, str, Any]]:
+        """Yield number, name and an mjData after `mj_forward` of each keyframe."""
+        for row in range(self.model.nkey):
+            data = self.mujoco.MjData(self.model)
+            self.mujoco.mj_resetDataKeyframe(self.model, data, row)
+            self.mujoco.mj_forward(self.model, data)
+            yield row, self.name("key", row).replace("key ", "keyframe ", 1), data
+
+
+def found(subject: Subject, selected: Iterable[Rule]) -> Iterator[tuple[Rule, Finding]]:
+    """Yield the findings of rules, each with its rule."""
+    for each in selected:
+        for finding in each.run(subject):
+            yield each, finding
+
+
+def in_child(mujoco: Any, model: Any, asked: Mapping[str, Any]) -> list[list[Any]]:
+    """Return the findings of the rules `codes` on `text` and its compiled model; runs under `mujoco.engine.call`.
+
+    Each is code, number of the element in document order or None, attribute, message, help and edit.
+    """
+    from lxml import etree
+
+    parser = etree.XMLParser(remove_blank_text=True, resolve_entities=False, no_network=True, huge_tree=True)
+    root = etree.fromstring(asked["text"].encode(), parser)
+    places = {element: at for at, element in enumerate(root.iter("*"))}
+    every = rules()
+    subject = Subject(root, mujoco=mujoco, model=model, is_part=asked["is_part"])
+    answer: list[list[Any]] = []
+    for each, finding in found(subject, [every[code] for code in asked["codes"]]):
+        edit = None if finding.edit is None else [list(map(list, finding.edit.attributes)), finding.edit.removes]
+        at = None if finding.element is None else places[finding.element]
+        answer.append([each.code, at, finding.attribute, finding.message, finding.help, edit])
+    return answer

@@ -1,0 +1,62 @@
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from build.lint.test_dead import CLASSES
+from cli.shell import run
+
+
+@pytest.fixture
+def models(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    (tmp_path / "arms").mkdir()
+    (tmp_path / "arms" / "arm.xml").write_text(CLASSES, encoding="utf-8")
+    (tmp_path / "arms" / "part.xml").write_text("<mujoco><asset/></mujoco>", encoding="utf-8")
+    (tmp_path / "scene.xml").write_text('<mujoco><include file="arms/arm.xml"/></mujoco>', encoding="utf-8")
+    (tmp_path / "cell.yaml").write_text("recipe: 1\nbase: arms/arm.xml\n", encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def test_a_folder_reports_each_place_once(models: Path) -> None:
+    result = run("lint", ".", "--select", "unused-class")
+    assert result.exit_code == 1
+    assert result.stderr.count("no element uses the class `outer`") == 1
+    assert "arms/arm.xml:6:21: warning[unused-class]" in result.stderr
+    assert "1 finding in 2 models; --fix fixes 1 of them" in result.stdout
+
+
+def test_json_and_sarif(models: Path) -> None:
+    lines = run("lint", "arms/arm.xml", "--select", "dead", "--output-format", "json").stdout.splitlines()
+    assert [json.loads(line)["code"] for line in lines] == ["unused-class"]
+    sarif = json.loads(run("lint", "arms/arm.xml", "--select", "dead", "--output-format", "sarif").stdout)
+    assert sarif["runs"][0]["results"][0]["ruleId"] == "unused-class"
+
+
+def test_fix_changes_the_file_and_is_done_once(models: Path) -> None:
+    assert run("lint", "arms/arm.xml", "--select", "dead", "--fix").exit_code == 0
+    text = (models / "arms" / "arm.xml").read_text(encoding="utf-8")
+    assert "outer" not in text and 'class="used"' in text
+    assert run("lint", "arms/arm.xml", "--select", "dead").exit_code == 0
+
+
+def test_a_recipe_is_linted_at_its_sources(models: Path) -> None:
+    assert "arms/arm.xml:6:21" in run("lint", "cell.yaml", "--select", "dead").stderr
+
+
+def test_wrong_words(models: Path) -> None:
+    result = run("lint", "arms/arm.xml", "--select", "unused-clas")
+    assert result.exit_code == 2 and "unused-class" in result.stderr
+    assert run("lint").exit_code == 2
+    assert run("lint", "gone.xml").exit_code == 2
+    broken = models / "broken.xml"
+    broken.write_text("<mujoco><worldbody><geom/></worldbody></mujoco>", encoding="utf-8")
+    result = run("lint", "broken.xml")
+    assert result.exit_code == 1 and "broken.xml:1:20: error[mujoco-rejects]" in result.stdout + result.stderr
+
+
+def test_pages_and_lists(models: Path) -> None:
+    assert "unused-class" in run("lint", "--rules").stdout
+    assert "A default class that no element uses" in run("explain", "unused-class").stdout
+    assert "unused-class" in run("explain", "--codes").stdout
