@@ -38,7 +38,7 @@ READS_ITSELF = {
         build/bundle/listing.py:_rows_at build/bundle/read.py:_read_archive build/bundle/remote.py:manifest_at
         build/bundle/write.py:_manifest build/bundle/bundle.py:with_moment build/cache/cache_key.py:_sha256
         sources/blobs.py:sha256_of sources/git_command.py:Git.run sources/git_command.py:_listed
-        sources/git_command.py:_contents sources/bucket.py:_download sources/web_archive.py:unpack sources/web_archive.py:_zip_members
+        sources/git_command.py:_contents sources/archives.py:_download sources/web_archive.py:unpack sources/web_archive.py:_zip_members
         tools/worlds/worlds.py:read""",
     "files of this package or project": """
         build/cache/cache_key.py:tool_version tools/cluster/probe.py:versions base/codes.py:page
@@ -55,7 +55,7 @@ READS_ITSELF = {
         mujoco/pictures.py:sheet targets/export.py:aimed targets/read_back.py:placed targets/export.py:export
         targets/plain.py:keep_files targets/plain.py:plain targets/read_back.py:read_back
         build/verify/draws.py:with_worlds build/verify/draws.py:compute_worlds build/verify/draws.py:compare_world
-        cli/mcp.py:_call""",
+        cli/servers.py:_call""",
     "what was checked, in a folder of ours, as MuJoCo's process opens it": "mujoco/convert.py:_read tools/worlds/load.py:_compiled",
     "the entry points of installed packages, as Python's own reader does": "base/extensions.py:_are_there",
     "runs in an environment of its own, on a model in a folder of ours": """
@@ -74,7 +74,7 @@ WRITES_ITSELF = {
         tools/worlds/worlds.py:write_parquet tools/worlds/worlds.py:write""",
     "into memory": "urdf/converting.py:_look",
     "into a folder of ours": """
-        cli/doctor.py:_mujoco build/compose/mesh_jobs.py:MeshWorkshop._make tools/diff/sides.py:_recipe_of
+        cli/about.py:_mujoco build/compose/mesh_jobs.py:MeshWorkshop._make tools/diff/sides.py:_recipe_of
         tools/diff/sides.py:_beside_the_same mujoco/child.py
         mujoco/engine.py:Session._spawn link/measure.py:folder_of mujoco/pictures.py:pictures base/scratch.py
         mujoco/scene.py:Blobs.put mujoco/scene.py:describe targets/read_back.py:placed targets/export.py:_put
@@ -89,9 +89,9 @@ WRITES_ITSELF = {
         tools/cluster/client.py:_token tools/cluster/uploads.py:lay_out tools/cluster/worker.py:_keep""",
     "the store": """
         sources/blobs.py:held sources/blobs.py:complete sources/blobs.py:gate sources/blobs.py:hold
-        sources/blobs.py:is_left sources/bucket.py:_write sources/blobs.py:write_whole sources/download.py:_Download._write
+        sources/blobs.py:is_left sources/archives.py:_write_archive sources/blobs.py:write_whole sources/download.py:_Download._write
         sources/git_command.py:write_tree sources/git_lfs.py:replace_by_local
-        sources/git_lfs.py:_Server.fill sources/oci.py:_Artifact._fill sources/store.py sources/web_archive.py:_write""",
+        sources/git_lfs.py:_Server.fill sources/archives.py:_Artifact._fill sources/store.py sources/web_archive.py:_write""",
     "the standard output of a process, and trials of what it may": """
         mujoco/child.py:main base/sandbox.py:main base/sandbox.py:probe base/worker.py:main""",
     "pages of this project, for `make schemas`": """
@@ -106,7 +106,7 @@ WRITES_ITSELF = {
 OF_THE_ENGINE = ("mujoco/convert.py", "mujoco/engine.py")
 GIVEN_TO_MUJOCO = {
     "build/bundle/staging.py": "a bundle, whose files all came through the door",
-    "cli/doctor.py": "a model of this package",
+    "cli/about.py": "a model of this package",
     "build/compose/load.py": "a model without files",
     "tools/diff/sides.py": "asks `all_admitted`",
     "tools/importing/recover.py": "models that `recover` asks `all_admitted` of",

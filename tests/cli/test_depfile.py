@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from cli.shell import RECIPE, run
 from mjcompose.build.bundle.bundle import OutputError
-from mjcompose.cli.depfile import render
+from mjcompose.cli.build_records import render_depfile
 
 INPUTS = {"cell.yaml", "models/arm.xml", "models/tool.xml", "models/meshes/cover.obj", "models/LICENSE"}
 
@@ -61,7 +61,7 @@ def test_a_failed_build_writes_none(folder: Path) -> None:
 
 def test_no_name_with_a_line_break() -> None:
     with pytest.raises(OutputError, match="line break"):
-        render(["a\nb"], [])
+        render_depfile(["a\nb"], [])
 
 
 @pytest.mark.skipif(shutil.which("make") is None, reason="there is no make")

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from cli.shell import run
 from mjcompose.base import sandbox
-from mjcompose.cli.doctor import Finding, _store, _templates
+from mjcompose.cli.about import Finding, _store, _templates
 from mjcompose.sources.blobs import put
 
 

@@ -45,7 +45,7 @@ def test_it_writes(broken: Path, option: str) -> None:
 
 @pytest.mark.parametrize(("answer", "code"), [("y\n", 0), ("n\n", 1)])
 def test_on_a_terminal_it_asks(broken: Path, monkeypatch: pytest.MonkeyPatch, answer: str, code: int) -> None:
-    monkeypatch.setattr("mjcompose.cli.fix.is_asked", lambda: True)
+    monkeypatch.setattr("mjcompose.cli.fmt.is_asked", lambda: True)
     result = run("fix", "broken.yaml", input=answer)
     assert result.exit_code == code and "write 1 fault in 1 file?" in result.stderr
     assert ("flange}" in broken.read_text()) is (code == 0)

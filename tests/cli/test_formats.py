@@ -7,7 +7,7 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
-from base.test_sarif import check_document
+from base.test_report_data import check_document
 from cli.shell import run
 
 VERBS = [["build"], ["check"], ["plan"], ["tree"], ["lock"], ["fix"], ["fmt", "--check"]]

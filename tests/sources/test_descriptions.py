@@ -106,7 +106,7 @@ def test_says_why_a_fetch_failed() -> None:
 
 
 def test_without_the_package(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("mjcompose.sources.descriptions.folders", lambda _: [])
+    monkeypatch.setattr("mjcompose.sources.packages.folders", lambda _: [])
     error = fail("descriptions:arm_mj_description")
     assert error.code == "source-not-found"
     assert error.help == "run `pip install robot_descriptions`"

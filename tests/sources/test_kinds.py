@@ -22,8 +22,8 @@ def test_every_row_is_listed() -> None:
         importlib.import_module(f"mjcompose.sources.{each.name}")
         for each in pkgutil.iter_modules(mjcompose.sources.__path__)
     ]
-    rows = [row for module in modules if isinstance(row := getattr(module, "KIND", None), SourceKind)]
-    assert sorted(row.name for row in rows) == sorted(row.name for row in KINDS)
+    rows = {row.name for module in modules for row in vars(module).values() if isinstance(row, SourceKind)}
+    assert sorted(rows) == sorted(row.name for row in KINDS)
 
 
 @pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.name)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import sys
+import warnings
 from collections.abc import Callable, Iterable
 from dataclasses import field, replace
 from enum import StrEnum
@@ -252,3 +253,29 @@ class Fault:
     def all_notes(self) -> list[Note]:
         """Return the notes, followed by the related ones without their places."""
         return [*self.notes, *(Note(message) for message, _ in self.related)]
+
+
+def log(message: str, *arguments: object, level: int = 20) -> None:
+    """Log a message under `mjcompose`. The default level is that of `logging.INFO`; 10 is `logging.DEBUG`.
+
+    >>> import logging
+    >>> handler = logging.StreamHandler(sys.stdout)
+    >>> logger = logging.getLogger("mjcompose")
+    >>> logger.addHandler(handler)
+    >>> log("built %s", "cell", level=logging.WARNING)
+    built cell
+    >>> logger.removeHandler(handler)
+    """
+    logging = sys.modules.get("logging")
+    if logging is not None:
+        logging.getLogger("mjcompose").log(level, message, *arguments)
+
+
+def warn(message: str, category: type[Warning]) -> None:
+    """Warn at the innermost line of the call stack outside of this package, as Python's own warnings do."""
+    frame = caller()
+    module = str(frame.f_globals.get("__name__", "<unknown>"))
+    registry = frame.f_globals.setdefault("__warningregistry__", {})
+    warnings.warn_explicit(
+        message, category, frame.f_code.co_filename, frame.f_lineno, module=module, registry=registry
+    )

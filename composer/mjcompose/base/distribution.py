@@ -7,7 +7,7 @@ from abc import ABC, abstractmethod
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Protocol
 
-from mjcompose.base import float_math
+from mjcompose.base import draw_stream
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.draw_stream import FARTHEST, exp, log, probability
 
@@ -23,7 +23,7 @@ CHOICE = "choice"
 
 
 class Arithmetic(Protocol):
-    """The operations of distributions: those of `float_math.py` on numbers, or of `array_math.py` on arrays."""
+    """The operations of distributions: those of `draw_stream.py` on numbers, or of `array_math.py` on arrays."""
 
     def fraction(self, bits: Any, /) -> Any: ...
     def below(self, bits: Any, count: int, /) -> Any: ...
@@ -37,7 +37,7 @@ class Distribution(ABC):
 
     def draw(self, bits: int) -> float:
         """Return the number for 64 random bits."""
-        number: float = self._draw(bits, float_math)
+        number: float = self._draw(bits, draw_stream)
         return number
 
     def draw_all(self, bits: NDArray[Any]) -> NDArray[Any]:

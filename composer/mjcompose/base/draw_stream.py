@@ -34,6 +34,11 @@ def below(bits: int, count: int) -> int:
     return bits * count >> BITS
 
 
+def within(value: float, low: float, high: float) -> float:
+    """Limit a value to the bounds, which rounding might exceed."""
+    return min(max(value, low), high)
+
+
 # Results are rounded correctly to 40 digits, and then to a double.
 _EXACT_DIGITS = Context(prec=40, Emin=-999_999, Emax=999_999)
 

@@ -25,7 +25,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from mjcompose.base.dataclass import dataclass
-from mjcompose.base.log import log
+from mjcompose.base.diagnostic import log
 from mjcompose.build.bundle.assemble import ManifestInput, add_manifest, assemble, renamed_in
 from mjcompose.build.bundle.bundle import Bundle
 from mjcompose.build.compose.compose import Composed, ComposeOptions, Composer

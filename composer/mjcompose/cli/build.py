@@ -94,18 +94,18 @@ def build(options: Options, run: Run) -> int:
     """Build the model of RECIPE: one MJCF file and its assets, compiled in MuJoCo before it is written."""
     code = _build(options, run)
     if code == 0 and options.depfile is not None:
-        from mjcompose.cli.depfile import write
+        from mjcompose.cli.build_records import write_depfile
 
         context = run.new_context()
         inputs = [*noted_files(), *options.choices.set_files]
-        write(options.depfile, noted_outputs(), inputs, context=context)
+        write_depfile(options.depfile, noted_outputs(), inputs, context=context)
         run.report(context)
         code = FINDINGS if context.sink.has_errors else 0
     if code == 0 and options.sbom is not None:
-        from mjcompose.cli import sbom
+        from mjcompose.cli.build_records import write_sbom
 
         context = run.new_context()
-        sbom.write(options.sbom, noted_outputs()[0], context)
+        write_sbom(options.sbom, noted_outputs()[0], context)
         run.report(context)
         code = FINDINGS if context.sink.has_errors else 0
     return code

@@ -1,4 +1,4 @@
-"""`mjcompose explain`: an element, an attribute or a code."""
+"""`explain` and `tree`: an element, an attribute or a code; and all parts, bodies and joints of a model."""
 
 from __future__ import annotations
 
@@ -10,15 +10,16 @@ import click
 
 from mjcompose.base.codes import CODES, address, code_of, in_terminal, page
 from mjcompose.base.dataclass import dataclass
+from mjcompose.base.files import STDIN
 from mjcompose.cli import completion
 from mjcompose.cli.cells import ModelOptions
 from mjcompose.cli.options import did_you_mean
 from mjcompose.cli.reporting import USAGE, source_reader, use_color
-from mjcompose.cli.run import RECIPE_PATH, Answer, Run, Stop, argument, command, flag
+from mjcompose.cli.run import RECIPE_PATH, Answer, Run, Stop, argument, command, flag, option
 
 
 @dataclass(frozen=True, slots=True)
-class Options(ModelOptions):
+class ExplainOptions(ModelOptions):
     model: Path | None = argument(
         metavar="MODEL|CODE", type=RECIPE_PATH, required=False, shell_complete=completion.models_and_codes
     )
@@ -27,8 +28,8 @@ class Options(ModelOptions):
     codes: bool = flag("--codes", help="List all error codes.")
 
 
-@command(Options)
-def explain(options: Options, run: Run) -> Answer:
+@command(ExplainOptions)
+def explain(options: ExplainOptions, run: Run) -> Answer:
     """Show where an element or attribute of MODEL, a recipe or an MJCF file, came from and what changed it.
 
     With only an error CODE such as `bare-angle`, print what the error means and how to fix it.
@@ -107,3 +108,33 @@ def _no_code(word: Path) -> str:
         )
     hint = did_you_mean(str(word), CODES, " `mjcompose explain --codes` lists them.")
     return f"`{word}` is neither a code nor a file that exists.{hint}"
+
+
+@dataclass(frozen=True, slots=True)
+class TreeOptions(ModelOptions):
+    model: str = argument(type=type(RECIPE_PATH)(path_type=str), shell_complete=completion.files)
+    places: bool = flag("--places", help="List the places where a part can be attached, as written in a recipe.")
+    depth: int | None = option("--depth", type=click.IntRange(min=1), metavar="N", help="Show only N levels of bodies.")
+
+
+@command(TreeOptions)
+def tree(options: TreeOptions, run: Run) -> Answer:
+    """Show the parts, bodies and joints of MODEL: a recipe, a bundle, a model file, or a reference to one.
+
+    Poses are in the reference configuration. Joint ranges are in degrees and meters, in JSON in radians and meters.
+    """
+    from mjcompose.tools.outline import as_data, outline, render, render_places
+
+    model = Path(options.model)
+    is_recipe = options.model == STDIN or model.suffix.lower() in (".yaml", ".yml")
+    given = options.choices.given(run)
+    options.cell.check(model, is_recipe=is_recipe)
+    given, sample = options.cell.values(model, given, run=run, verb="show")
+    found = run.need(outline(options.model, run.context, given, sample=sample), model)
+    show = render_places if options.places else render
+    return Answer(
+        lambda: show(found, options.depth, use_color(out=True)),
+        lambda: as_data(found, options.depth),
+        code=0,
+        reports=not is_recipe,  # `check` and `build` report warnings of a recipe
+    )

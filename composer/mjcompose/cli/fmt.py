@@ -1,4 +1,4 @@
-"""`mjcompose fmt`: format recipes in their canonical layout."""
+"""`fmt` and `fix`: format recipes in their canonical layout, and apply the exact fixes of messages."""
 
 from __future__ import annotations
 
@@ -20,25 +20,27 @@ from mjcompose.base.dataclass import dataclass
 from mjcompose.base.files import read_regular
 from mjcompose.base.limits import in_force
 from mjcompose.base.report import Paint, counted, printable
-from mjcompose.cli.options import ReportOptions
-from mjcompose.cli.reporting import FINDINGS, say, use_color
-from mjcompose.cli.run import Run, argument, command, flag, group
+from mjcompose.cli.options import RECIPE, RecipeOptions, ReportOptions
+from mjcompose.cli.reporting import FINDINGS, on_terminal, say, use_color
+from mjcompose.cli.run import Run, argument, command, flag, group, option
 
 if TYPE_CHECKING:
     from mjcompose.sources.context import Context
+    from mjcompose.tools.fix import Fixed
+
 
 STDIN = "-"
 
 
 @dataclass(frozen=True, slots=True)
-class Options:
+class FmtOptions:
     recipes: tuple[str, ...] = argument(nargs=-1, required=True)
     reporting: ReportOptions = group(ReportOptions)
     check: bool = flag("--check", help="Write nothing. Print the changes, and exit with 1 if there are any.")
 
 
-@command(Options)
-def fmt(options: Options, run: Run) -> int:
+@command(FmtOptions)
+def fmt(options: FmtOptions, run: Run) -> int:
     """Format each of RECIPES in the canonical layout. `-` formats standard input to standard output.
 
     Comments, blank lines, anchors and the choice between block and bracket style are kept. Before a file is written,
@@ -135,3 +137,65 @@ def difference(source: bytes, result: bytes, shown: str, done: str) -> str:
     before, after = (each.decode("utf-8").splitlines(keepends=True) for each in (source, result))
     lines = difflib.unified_diff(before, after, shown, f"{shown} ({done})")
     return "".join(line if line.endswith("\n") else f"{line}\n\\ No newline at end of file\n" for line in lines)
+
+
+@dataclass(frozen=True, slots=True)
+class FixOptions(RecipeOptions):
+    recipe: Path = RECIPE
+    write: bool | None = option(
+        "--write/--diff", default=None, help="Write the changes without asking, or only show them."
+    )
+    yes: bool = flag("-y", "--yes", help="The same as --write.")
+
+
+@command(FixOptions)
+def fix(options: FixOptions, run: Run) -> int:
+    """Apply the exact fixes of error messages to RECIPE: misspelled names and keys, quotes, units, numbers.
+
+    The changes are shown first. On a terminal, the command asks before it writes; elsewhere it writes only with
+    --write. Comments and layout are kept. Errors that need a decision are reported as by `check`.
+
+    Exit codes: 0 no errors are left, 1 fixes are not written or errors need a decision, 2 wrong usage.
+    """
+    from mjcompose.tools.fix import fix
+
+    context = run.context
+    found = fix(options.recipe, context, options.choices.given(run))
+    for diagnostic in found.left:
+        context.sink.add(diagnostic)
+    writes = True if options.yes else options.write
+    if run.form != "json":
+        show_differences(found.files, context, done="fixed")
+        if writes is None and found.files and is_asked():
+            writes = click.confirm(f"write {_amount(found)}?", err=True)
+    done = [rewrite(path, after, context) for path, (_, after) in found.files.items()] if writes else [False]
+    written = all(done)
+    if run.form == "json":
+        _say_data(found, context, written=written)
+    elif found.files:
+        say(f"{'fixed' if written else 'can fix'} {_amount(found)}{'' if written else '; --write does it'}")
+    elif not context.sink.has_errors:
+        say("nothing to fix")
+    if not written:
+        run.texts = {context.shown(path): text for path, (_, text) in found.files.items()}
+    if context.sink.has_errors:
+        return run.code_of_failure(options.recipe)
+    return FINDINGS if found.files and not written else 0
+
+
+def is_asked() -> bool:
+    """Return whether there is a person who can answer."""
+    return sys.stdin is not None and sys.stdin.isatty() and on_terminal()
+
+
+def _say_data(found: Fixed, context: Context, *, written: bool) -> None:
+    for path, (before, after) in found.files.items():
+        shown = context.shown(path)
+        answer = {"file": shown, "written": written, "diff": difference(before, after, shown, done="fixed")}
+        click.echo(json.dumps(answer))
+    fixed = [{"code": each.code, "message": each.message} for each in found.fixed]
+    click.echo(json.dumps({"fixed": fixed, "left": len(found.left)}))
+
+
+def _amount(found: Fixed) -> str:
+    return f"{counted(len(found.fixed), 'fault')} in {counted(len(found.files), 'file')}"

@@ -56,6 +56,15 @@ _GROUPS = {
     },
 }
 _VERBS = {name: words for group in _GROUPS.values() for name, words in group.items()}
+# Modules with several commands; the module of any other command has its name.
+_MODULES = {
+    **dict.fromkeys(("doctor", "help", "schema", "version"), "about"),
+    **dict.fromkeys(("list", "rebuild", "verify"), "bundles"),
+    **dict.fromkeys(("lsp", "mcp", "plugin"), "servers"),
+    **dict.fromkeys(("cache", "lock"), "sources"),
+    "fix": "fmt",
+    "tree": "explain",
+}
 
 # Names of verbs in other tools, and the corresponding command here.
 _CALLED = {
@@ -111,8 +120,7 @@ class _Verbs(click.Group):
         if cmd_name not in _VERBS:
             return _extension(ctx, cmd_name)
         room = f"{cmd_name}_" if keyword.iskeyword(cmd_name) else cmd_name
-        module = importlib.import_module(f"mjcompose.cli.{room}")
-        command = getattr(module, room)
+        command = getattr(importlib.import_module(f"mjcompose.cli.{_MODULES.get(cmd_name, room)}"), room)
         assert isinstance(command, click.Command)
         return command
 

@@ -116,7 +116,7 @@ def rendered(found: Sequence[Diagnostic], form: str, read: text.ReadSource, suit
         errors = [each for each in found if each.severity is Severity.ERROR]
         return junit_text(suites or [Suite(verb, [Case(verb, "command", errors)])], read)
     if form == "sarif":
-        from mjcompose.base.sarif import render_sarif
+        from mjcompose.base.report_data import render_sarif
 
         return f"{render_sarif([_exact(each, read) for each in found])}\n"
     if not found:

@@ -7,8 +7,7 @@ from collections.abc import Collection, Iterator, Mapping
 
 from lxml.etree import _Element as Node
 
-from mjcompose.base.diagnostic import call_site
-from mjcompose.base.log import warn
+from mjcompose.base.diagnostic import call_site, warn
 from mjcompose.base.suggest import did_you_mean
 from mjcompose.mjcf.asset import as_name, wrong_argument
 from mjcompose.mjcf.compile import settings

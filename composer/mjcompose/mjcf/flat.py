@@ -14,8 +14,7 @@ from lxml import etree
 from lxml.etree import _Element as Node
 
 from mjcompose.base.dataclass import dataclass
-from mjcompose.base.diagnostic import Cause, Diagnostic, Note
-from mjcompose.base.log import warn
+from mjcompose.base.diagnostic import Cause, Diagnostic, Note, warn
 from mjcompose.base.report import render
 from mjcompose.base.sink import Sink
 from mjcompose.build.bundle.collect import collect, read

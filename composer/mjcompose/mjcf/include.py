@@ -10,8 +10,7 @@ from typing import NamedTuple
 
 from lxml.etree import _Element as Node
 
-from mjcompose.base.diagnostic import Note, call_site
-from mjcompose.base.log import warn
+from mjcompose.base.diagnostic import Note, call_site, warn
 from mjcompose.base.sink import Sink
 from mjcompose.mjcf.asset import Asset, add_files, asset_of, place_asset
 from mjcompose.mjcf.copies import duplicate

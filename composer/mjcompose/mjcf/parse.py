@@ -10,8 +10,7 @@ from pathlib import Path
 from typing import IO, Any, cast
 
 from mjcompose.base.access import Door
-from mjcompose.base.diagnostic import call_site
-from mjcompose.base.log import warn
+from mjcompose.base.diagnostic import call_site, warn
 from mjcompose.base.report import short_traceback
 from mjcompose.base.sink import Sink
 from mjcompose.build.bundle.bundle import MODEL, Bundle, BundleError, OutputError, check_paths

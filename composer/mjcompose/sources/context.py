@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from mjcompose.base.access import Door, door_of_user
 from mjcompose.base.dataclass import dataclass
-from mjcompose.base.log import log
+from mjcompose.base.diagnostic import log
 from mjcompose.base.sink import Sink
 
 if TYPE_CHECKING:

@@ -7,11 +7,12 @@ import re
 from mjcompose.base.diagnostic import DiagnosticError, hide
 from mjcompose.base.extensions import Table, is_registered, refuse
 from mjcompose.base.suggest import closest
-from mjcompose.sources import archive, bucket, descriptions, git, hf, menagerie, oci, package, path
+from mjcompose.sources import archives, git, packages, path
 from mjcompose.sources.reference import CONTROL, Reference, SourceError, SourceKind, is_this_machine
 
 KINDS: tuple[SourceKind, ...] = (
-    path.KIND, package.KIND, menagerie.KIND, descriptions.KIND, git.KIND, archive.KIND, hf.KIND, bucket.KIND, oci.KIND,
+    path.KIND, packages.PACKAGE, packages.MENAGERIE, packages.DESCRIPTIONS, git.GIT, archives.ARCHIVE, git.HF,
+    archives.BUCKET, archives.OCI,
 )  # fmt: skip
 """A kind exists if its row is here; messages and docs list kinds in this order."""
 

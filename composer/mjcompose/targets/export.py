@@ -26,9 +26,10 @@ from mjcompose.mujoco.attributes import NameTable
 from mjcompose.mujoco.index import Index, index
 from mjcompose.mujoco.order import compiled_order
 from mjcompose.sources.context import Context
+from mjcompose.targets.consumers import PLAIN
 from mjcompose.targets.plain import CannotBePlain, plain
 from mjcompose.targets.same import differences
-from mjcompose.targets.table import FEATURES, PLAIN, TARGETS
+from mjcompose.targets.table import FEATURES, TARGETS
 from mjcompose.targets.target import Loss, grouped, in_words
 from mjcompose.tree.unit import Unit
 

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from mjcompose.base.extensions import Table, check_rows
-from mjcompose.targets.consumers import drake, genesis, isaac, mjx, newton, pinocchio, plain, pybullet, urdf, warp
+from mjcompose.targets.consumers import ALL
 from mjcompose.targets.names import MUJOCO, NAMES
 from mjcompose.targets.target import Outcome, Target
 
@@ -74,9 +74,7 @@ COMPARED: Mapping[str, str] = {
 """The words for quantities that are compared when a model is read back, by name."""
 
 
-PLAIN = plain.TARGET
-_ALL = (plain, drake, pinocchio, pybullet, newton, genesis, mjx, warp, isaac, urdf)
-TARGETS: Table[Target] = Table("targets", {each.TARGET.name: each.TARGET for each in _ALL}, "TARGET", kind=Target)
+TARGETS: Table[Target] = Table("targets", {each.name: each for each in ALL}, "TARGET", kind=Target)
 
 check_rows("the targets of composer/mjcompose/targets/table.py", [MUJOCO, *TARGETS.own], NAMES)
 check_rows(

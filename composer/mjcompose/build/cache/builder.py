@@ -11,9 +11,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 from mjcompose.base.dataclass import dataclass
-from mjcompose.base.diagnostic import Severity
+from mjcompose.base.diagnostic import Severity, log
 from mjcompose.base.files import STDIN
-from mjcompose.base.log import log
 from mjcompose.build.cache.cache import LOST, Facts, KeptFile, KeptRecipe, Record
 from mjcompose.build.cache.cache_key import BuildOptions, CacheKey, now
 from mjcompose.sources.blobs import key_of

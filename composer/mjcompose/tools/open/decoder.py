@@ -23,7 +23,7 @@ from typing import Any
 from mjcompose.base.diagnostic import Diagnostic, DiagnosticError
 from mjcompose.base.files import read_regular
 from mjcompose.base.report import MjcomposeError, render
-from mjcompose.sources import package
+from mjcompose.sources import packages
 from mjcompose.sources.lock import resolve
 from mjcompose.sources.reference import SourceError
 from mjcompose.tools.open.recipe import text_of
@@ -301,7 +301,7 @@ def _provider(scheme: str) -> _Provider:
 def _folder(scheme: str, owner: str) -> Path:
     """Return the folder of a robot or a package. Raises SourceError."""
     if scheme == "package":
-        if found := package.folders(owner):
+        if found := packages.folders(owner):
             return found[0]
         raise SourceError("source-not-found", f"the Python package `{owner}` is not installed")
     source = resolve(f"{scheme}:{owner}", relative_to=Path.cwd(), environment=dict(os.environ))

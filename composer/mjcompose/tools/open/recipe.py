@@ -11,8 +11,8 @@ from pathlib import Path
 from threading import RLock
 from typing import Any, NamedTuple, TypeAlias
 
+from mjcompose.base.diagnostic import warn
 from mjcompose.base.files import Mark, mark_of, read_regular
-from mjcompose.base.log import warn
 from mjcompose.base.report import MjcomposeError, render, short_traceback
 from mjcompose.base.suggest import exists_note
 from mjcompose.build.cache.inputs import Inputs

@@ -15,10 +15,9 @@ from threading import Lock
 from typing import Any, NamedTuple, TypeAlias
 
 from mjcompose.base.dataclass import dataclass
-from mjcompose.base.diagnostic import Diagnostic, hide
+from mjcompose.base.diagnostic import Diagnostic, hide, warn
 from mjcompose.base.files import read_regular
 from mjcompose.base.limits import in_force
-from mjcompose.base.log import warn
 from mjcompose.base.report import short_traceback
 from mjcompose.base.scratch import scratch
 from mjcompose.base.sink import Sink

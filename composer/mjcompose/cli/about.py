@@ -1,4 +1,4 @@
-"""`mjcompose doctor`: the state of this installation."""
+"""`doctor`, `version`, `help` and `schema`: this installation and its documentation."""
 
 from __future__ import annotations
 
@@ -11,11 +11,15 @@ from collections.abc import Iterator
 from dataclasses import asdict
 from importlib import metadata
 
+import click
+
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.scratch import scratch
+from mjcompose.base.version import __version__
+from mjcompose.cli import completion
 from mjcompose.cli.options import formats
 from mjcompose.cli.reporting import FINDINGS
-from mjcompose.cli.run import Answer, Run, command
+from mjcompose.cli.run import Answer, Run, argument, command
 
 _CORE = ("numpy", "pydantic", "lxml", "pyyaml", "click", "platformdirs", "filelock", "urllib3", "regex")
 _MODEL = "<mujoco><worldbody><geom size='1'/></worldbody></mujoco>"
@@ -172,3 +176,60 @@ def _version(name: str) -> str | None:
         return metadata.version(name)
     except metadata.PackageNotFoundError:
         return None
+
+
+@dataclass(frozen=True, slots=True)
+class HelpOptions:
+    names: tuple[str, ...] = argument(metavar="[COMMAND]...", nargs=-1, shell_complete=completion.commands)
+
+
+@command(HelpOptions)
+def help(options: HelpOptions, run: Run) -> Answer:
+    """Print the help of COMMAND, or the list of commands."""
+    context = click.get_current_context()
+    about = context.find_root()
+    for name in options.names:
+        group = about.command
+        if not isinstance(group, click.Group):
+            raise click.UsageError(f"`{group.name}` has no commands of its own", context)
+        found, command, _ = group.resolve_command(about, [name])
+        assert command is not None
+        about = click.Context(command, info_name=found, parent=about)
+    return Answer(about.get_help())
+
+
+@dataclass(frozen=True, slots=True)
+class VersionOptions:
+    """`version` has no options."""
+
+
+@command(VersionOptions)
+def version(options: VersionOptions, run: Run) -> Answer:
+    """Print the version. `mjcompose doctor` prints the versions of all dependencies."""
+    return Answer(f"mjcompose, version {__version__}")
+
+
+@dataclass(frozen=True, slots=True)
+class SchemaOptions:
+    what: str = argument(type=click.Choice(["recipe", "manifest", "diagnostics", "reference"]), default="recipe")
+
+
+@command(SchemaOptions)
+def schema(options: SchemaOptions, run: Run) -> Answer:
+    """Print a JSON Schema for editors and other tools, or the reference page of all keys.
+
+    The schema is that of recipes, of the manifests in bundles, or of the lines of --output-format json.
+    """
+    if options.what == "manifest":
+        from mjcompose.build.bundle.manifest import schema as text
+    elif options.what == "diagnostics":
+        from mjcompose.base.report_data import schema_text as text
+    elif options.what == "reference":
+        from mjcompose.language.reference_page import page as text
+    else:
+        from mjcompose.build.plan.extensions import load_all
+        from mjcompose.language.schema import text
+
+        for error in load_all():
+            click.echo(error.message, err=True)
+    return Answer(text().removesuffix("\n"))

@@ -1,6 +1,6 @@
-"""`mjcompose mcp`: the commands that read and check recipes, as tools for agents.
+"""`lsp`, `mcp` and `plugin`: mjcompose for editors, for agents and for MuJoCo's plugins.
 
-Each call is a process of the command in the folder of the server, which may see no other folder of the user's.
+Each call of an agent runs a command in the folder of the server. It may read no other folder of the user.
 """
 
 from __future__ import annotations
@@ -10,20 +10,23 @@ import os
 import re
 import sys
 from base64 import b64encode
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.scratch import scratch
 from mjcompose.base.version import __version__
-from mjcompose.cli.run import Run, command
+from mjcompose.cli.options import formats
+from mjcompose.cli.reporting import USAGE
+from mjcompose.cli.run import PATH, Answer, Run, Stop, command, flag, option
 
 if TYPE_CHECKING:
     from mcp_types import CallToolResult
+
 
 _MOST = 40_000
 _INSTRUCTIONS = (
@@ -67,12 +70,12 @@ _KINDS = {"string": str, "boolean": bool, "integer": int, "object": dict}
 
 
 @dataclass(frozen=True, slots=True)
-class Options:
+class McpOptions:
     pass
 
 
-@command(Options)
-def mcp(options: Options, run: Run) -> None:
+@command(McpOptions)
+def mcp(options: McpOptions, run: Run) -> None:
     """Serve tools to AI agents: tree, plan, check, fix, explain, render and reference, over standard input and output.
 
     An agent starts it, in the folder of the recipes. Tools read no other folder, except installed packages and sources
@@ -189,3 +192,85 @@ async def _run(root: Path, words: list[str]) -> tuple[int, str]:
     text = (done.stdout + done.stderr).decode(errors="replace").strip() or "no errors"
     more = len(text) - _MOST
     return done.returncode, text if more <= 0 else f"{text[:_MOST]}\n… {more} more characters: ask for less"
+
+
+_EXTRA = ("pygls", "lsprotocol", "cattrs", "attrs", "attr")
+
+
+@dataclass(frozen=True, slots=True)
+class LspOptions:
+    stdio: bool = flag("--stdio", help="Use standard input and output. This is always the case; the option exists"
+                       " because many editors pass it.")  # fmt: skip
+
+
+@command(LspOptions)
+def lsp(options: LspOptions, run: Run) -> None:
+    """Run the language server, which gives an editor errors, completion and more while you write a recipe.
+
+    An editor starts it and uses the Language Server Protocol over standard input and output. docs/how-to/editors.md
+    has the settings for each editor. The server completes names in the models, shows the element and its origin, jumps
+    to its line, renames parts, and reports the same errors as `check`. It fetches nothing and writes nothing.
+
+    It needs the extra `lsp`: pip install "mjcompose[lsp]".
+    """
+    try:
+        from mjcompose.lsp.server import serve
+    except ImportError as error:
+        if (error.name or "").partition(".")[0] not in _EXTRA:
+            raise
+        raise click.UsageError(
+            "The language server needs `mjcompose[lsp]`, which is not installed: there is no Python package"
+            f' `{error.name}`. Run `pip install "mjcompose[lsp]"`.'
+        ) from None
+    serve()
+
+
+Result = TypeVar("Result")
+
+
+@click.group()
+def plugin() -> None:
+    """Let MuJoCo open recipes in every program that loads its plugins: C++ programs, Studio, ROS 2 control.
+
+    Python programs need no plugin: use `mjcompose.spec(RECIPE)` or `mjcompose.mujoco_plugin.register()`.
+    """
+
+
+@dataclass(frozen=True, slots=True)
+class PluginOptions:
+    mujoco: Path | None = option("--mujoco", type=PATH, metavar="FOLDER", help="A MuJoCo release. Default: the package"
+                                 " `mujoco` of this Python.")  # fmt: skip
+    form: str = formats("text", "json")
+
+
+@command(PluginOptions, within=plugin)
+def install(options: PluginOptions, run: Run) -> Answer:
+    """Compile the plugin and copy it to MuJoCo's plugin folder.
+
+    It needs a C compiler and MuJoCo 4.0. It runs the mjcompose of this Python; MJCOMPOSE_PYTHON names another.
+    """
+    from mjcompose.tools.open import shim
+
+    place = _done(run, lambda: shim.install(shim.mujoco_folder(options.mujoco)))
+    return Answer(f"installed {place}", {"installed": str(place)}, is_outcome=True)
+
+
+@command(PluginOptions, within=plugin)
+def remove(options: PluginOptions, run: Run) -> Answer:
+    """Remove the plugin from MuJoCo's plugin folder."""
+    from mjcompose.tools.open import shim
+
+    place = _done(run, lambda: shim.remove(shim.mujoco_folder(options.mujoco)))
+    removed = None if place is None else str(place)
+    return Answer(f"removed {removed}" if removed else "the plugin is not installed", {"removed": removed},
+                  is_outcome=True)  # fmt: skip
+
+
+def _done(run: Run, work: Callable[[], Result]) -> Result:
+    from mjcompose.base.diagnostic import DiagnosticError
+
+    try:
+        return work()
+    except DiagnosticError as error:
+        run.context.sink.add(error.diagnostic)
+        raise Stop(USAGE) from None

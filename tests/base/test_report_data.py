@@ -6,7 +6,7 @@ import json
 from typing import Any
 
 from mjcompose.base.diagnostic import Diagnostic, Fix, Note, Severity, Span
-from mjcompose.base.sarif import render_sarif
+from mjcompose.base.report_data import render_sarif
 
 SPAN = Span("my arm.yaml", 3, 5, 3, 9)
 

@@ -1,4 +1,4 @@
-"""`mjcompose cache`: look at what was fetched and built, make it smaller, see that it is whole."""
+"""`cache` and `lock`: the store of fetched sources and built models, and the lock file of a recipe."""
 
 from __future__ import annotations
 
@@ -11,13 +11,14 @@ import click
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.report import counted
-from mjcompose.cli.options import ReportOptions, formats
+from mjcompose.cli.options import RECIPE, RecipeOptions, ReportOptions, formats
 from mjcompose.cli.reporting import FINDINGS, USAGE, say
 from mjcompose.cli.run import Answer, Run, Stop, command, flag, group, option
 
 if TYPE_CHECKING:
     from mjcompose.sources.reference import SourceError
     from mjcompose.sources.store import Store
+
 
 _FIX = "run `mjcompose cache verify --fix`, which removes it; the next command that needs it fetches it again"
 
@@ -182,3 +183,33 @@ def _bytes(size: float) -> str:
             return f"{size:.0f} {unit}" if unit == "B" else f"{size:.1f} {unit}"
         size /= 1024
     return f"{size:.1f} GiB"
+
+
+@dataclass(frozen=True, slots=True)
+class LockOptions(RecipeOptions):
+    recipe: Path = RECIPE
+    upgrade: bool = flag("--upgrade", help="Lock all sources as they are now: the newest commits of branches, and"
+                         " archives as served now.")  # fmt: skip
+    upgrade_sources: tuple[str, ...] = option(
+        "--upgrade-source", multiple=True, metavar="NAME",
+        help="Lock this source as it is now: the prefix of a part, `base`, or a source as named in the lock.",
+    )  # fmt: skip
+
+
+@command(LockOptions)
+def lock(options: LockOptions, run: Run) -> Answer:
+    """Lock the sources of RECIPE: write their commits, hashes and licenses to a file next to it.
+
+    The lock of ARM.yaml is ARM.lock. Sources that are already locked keep their entries, unless you upgrade them. New
+    sources are added, your own files are hashed again, and sources that are no longer used are removed.
+    """
+    from mjcompose.tools.lock import write_lock
+
+    names = () if options.upgrade else options.upgrade_sources or None
+    made = write_lock(options.recipe, names, run.context, given=options.choices.given(run))
+    if made is None and any(each.code == "unknown-name" for each in run.context.sink.errors):
+        raise Stop(USAGE)
+    path, changes = run.need(made, options.recipe)
+    done = f"wrote {path}" if changes else f"{path} is up to date"
+    words = "\n".join([*(f"  {line}" for line in changes), done])
+    return Answer(words, {"lock": path, "changes": changes}, is_outcome=True)

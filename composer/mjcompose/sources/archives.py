@@ -1,4 +1,7 @@
-"""Model references to artifacts of OCI registries, by the digest of their manifest."""
+"""Model references to archives on the web and in object stores, and to artifacts of OCI registries.
+
+A lock pins them by their sha256. `fsspec` reads object stores with the user's own credentials.
+"""
 
 from __future__ import annotations
 
@@ -12,27 +15,158 @@ from urllib.parse import urlencode
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import hide
+from mjcompose.base.limits import advice, in_force, written
 from mjcompose.sources.blobs import files_below, sha256_of
 from mjcompose.sources.fetching import Lookup, not_at_hand, source_in, unlocked
 from mjcompose.sources.reference import (
     Form,
+    Library,
     Origin,
     Reference,
     Source,
     SourceError,
     SourceKind,
+    always,
     bare,
     check_secrets,
+    host_of_url,
     is_this_machine,
     malformed,
     never,
+    no_host,
     take_apart,
-)
+)  # fmt: skip
 
 if TYPE_CHECKING:
+    from mjcompose.sources.download import Version
     from mjcompose.sources.store import Entry, Store
 
-_FORM = Form(
+
+_ARCHIVE_FORM = Form(
+    "https://host/archive.zip#path/model.xml", "a file in a zip or tar (plain, gz, bz2, xz) on the web"
+)
+_PINNED = Form("https://host/archive.zip@sha256:HEX#path/model.xml", "the same; another archive there is an error")
+
+
+def _parse_archive(text: str) -> Reference:
+    scheme, _, rest = text.partition(":")
+    location, _, path = rest.partition("#")
+    host, _, archive = location.removeprefix("//").partition("/")
+    check_secrets(text, host)
+    archive, _, sha256 = archive.partition("@sha256:")
+    if not host or not archive:
+        raise malformed(text, _ARCHIVE_FORM, "does not say the archive")
+    if take_apart(f"{scheme}://{host}/") is None:
+        raise malformed(text, _ARCHIVE_FORM, "names a host that cannot be one")
+    if not path:
+        raise malformed(text, _ARCHIVE_FORM, "does not say the file inside the archive")
+    _check_pin(text, _ARCHIVE_FORM, location, sha256)
+    return Reference(text, ARCHIVE, f"{scheme}://{host}/{archive}", path=path, revision=sha256)
+
+
+def _check_pin(text: str, form: Form, location: str, sha256: str) -> None:
+    if "@sha256:" in location and not re.fullmatch("[0-9a-f]{64}", sha256):
+        raise malformed(text, form, "has a sha256 that is not 64 digits of 0-9 and a-f")
+
+
+def _resolve(reference: Reference, lookup: Lookup) -> Source:
+    from mjcompose.sources.web_archive import resolve  # a model that the cache knows is not fetched
+
+    return resolve(reference, lookup, _download) if reference.kind is BUCKET else resolve(reference, lookup)
+
+
+ARCHIVE = SourceKind(
+    name="archive", forms=(_ARCHIVE_FORM, _PINNED), local_schemes=("http",), separator="#", is_local=False,
+    is_fetched=True, runs_code=False, pins=frozenset({"sha256"}), variables=(), libraries=(), parse=_parse_archive,
+    resolve=_resolve, host=host_of_url, is_of_this_machine=never,
+)  # fmt: skip
+
+
+_S3 = Form("s3://bucket/archive.zip#path/model.xml", "a file in a zip or tar in a bucket of S3")
+_GS = Form(
+    "gs://bucket/archive.zip#path/model.xml", "the same in Google Cloud Storage; `@sha256:HEX` pins it, as above"
+)
+_PACKAGES = {"s3": "s3fs", "gs": "gcsfs"}
+_PLACE = re.compile(r"//([a-z0-9][a-z0-9._-]+)/([^?\\]+)")
+_CHUNK = 1024 * 1024
+
+
+def _parse_bucket(text: str) -> Reference:
+    form = _S3 if text.startswith("s3:") else _GS
+    location, _, path = text.partition("#")
+    address, _, sha256 = location.partition("@sha256:")
+    check_secrets(text, address.partition("//")[2].partition("/")[0])
+    place = _PLACE.fullmatch(address.partition(":")[2])
+    # `::` is how fsspec chains file systems, so it could name files of this machine.
+    if place is None or "::" in address or {"", ".", ".."} & {*place[2].split("/")}:
+        raise malformed(text, form, "does not say the bucket and the archive")
+    _check_pin(text, form, location, sha256)
+    if not path:
+        raise malformed(text, form, "does not say the file inside the archive")
+    return Reference(text, BUCKET, address, path=path, revision=sha256)
+
+
+def _download(url: str, partial: Path, known: Version, *, lookup: Lookup) -> Version | None:
+    """Download an archive to `partial`; return None if it still has the version `known`. Raises SourceError."""
+    from mjcompose.sources.download import Version, forget
+
+    package = _PACKAGES[url.partition(":")[0]]
+    try:
+        import fsspec
+
+        fs, path = fsspec.core.url_to_fs(url)
+    except ImportError:
+        message = f"`{url}` needs the Python packages `fsspec` and `{package}`, and one of them is not installed"
+        raise SourceError("source-fetch", message, help=f'run `pip install "mjcompose[remote]" {package}`') from None
+    except Exception as error:  # each file system raises its own exceptions
+        raise _failed(url, error) from error
+    try:
+        fs.invalidate_cache()
+        about = fs.info(path)
+        if about.get("type") == "directory":
+            raise FileNotFoundError(path)
+        # A store without etags is asked for the bytes in every build.
+        version = Version(etag=str(about.get("ETag") or about.get("etag") or ""))
+        if version.etag and version == known:
+            return None
+        with fs.open(path, "rb") as stream:
+            _write_archive(stream, partial, url)
+    except SourceError:
+        forget(partial)
+        raise
+    except FileNotFoundError:
+        raise SourceError("source-not-found", f"`{url}` does not exist, or you may not read it") from None
+    except Exception as error:
+        raise _failed(url, error) from error
+    return version
+
+
+def _write_archive(stream: Any, partial: Path, url: str) -> None:
+    size, most = 0, in_force().source_size
+    with partial.open("wb") as file:
+        while chunk := stream.read(_CHUNK):
+            size += len(chunk)
+            if size > most:
+                message = f"`{url}` is larger than {written('source-size', most)}"
+                raise SourceError("archive-refused", message, help=advice("source-size"))
+            file.write(chunk)
+
+
+def _failed(url: str, error: Exception) -> SourceError:
+    said = " ".join(str(error).split()) or type(error).__name__
+    help = "see that your credentials for the store are right; with `--offline` mjcompose uses the store"
+    return SourceError("source-fetch", f"`{url}` cannot be fetched", notes=(hide(said)[:300],), help=help)
+
+
+BUCKET = SourceKind(
+    name="bucket", forms=(_S3, _GS), local_schemes=(), separator="#", is_local=False, is_fetched=True,
+    runs_code=False, pins=frozenset({"sha256"}), variables=(), libraries=(Library("fsspec", "remote"),),
+    # The credentials are of this machine: a fetched recipe must not use them.
+    parse=_parse_bucket, resolve=_resolve, host=no_host, is_of_this_machine=always,
+)  # fmt: skip
+
+
+_OCI_FORM = Form(
     "oci:registry.io/repo@sha256:HEX#path/model.xml",
     "a file of an artifact in an OCI registry, in a layer that is a tar or a file; HEX is the digest of the manifest",
 )
@@ -45,22 +179,22 @@ _TITLE = "org.opencontainers.image.title"
 _MOST_LAYERS = 1000
 
 
-def _parse(text: str) -> Reference:
-    location, _, path = bare(text, _FORM).partition("#")
+def _parse_oci(text: str) -> Reference:
+    location, _, path = bare(text, _OCI_FORM).partition("#")
     address, _, digest = location.partition("@")
     registry, _, repository = address.partition("/")
     check_secrets(text, "")
     is_host = "." in registry or ":" in registry or registry == "localhost"
     if not is_host or take_apart(f"https://{registry}/") is None or not _REPOSITORY.fullmatch(repository):
-        raise malformed(text, _FORM, "does not say the registry and the repository")
+        raise malformed(text, _OCI_FORM, "does not say the registry and the repository")
     if (found := _DIGEST.fullmatch(digest)) is None:
-        raise malformed(text, _FORM, "does not say the digest, which is sha256: and 64 digits of 0-9 and a-f")
+        raise malformed(text, _OCI_FORM, "does not say the digest, which is sha256: and 64 digits of 0-9 and a-f")
     if not path:
-        raise malformed(text, _FORM, "does not say the file inside the artifact")
-    return Reference(text, KIND, address, path=path, revision=found[1])
+        raise malformed(text, _OCI_FORM, "does not say the file inside the artifact")
+    return Reference(text, OCI, address, path=path, revision=found[1])
 
 
-def _resolve(reference: Reference, lookup: Lookup) -> Source:
+def _resolve_oci(reference: Reference, lookup: Lookup) -> Source:
     """Return the file, from the store or else from the registry. Raises SourceError."""
     from mjcompose.sources.store import Store, name_of  # a model that the cache knows is not fetched
 
@@ -188,8 +322,8 @@ class _Artifact:
             raise SourceError("source-changed", message, notes=(f"sha256 {wanted} is pinned, {there} is there",))
 
 
-KIND = SourceKind(
-    name="oci", forms=(_FORM,), local_schemes=(), separator="#", is_local=False, is_fetched=True, runs_code=False,
-    pins=frozenset({"sha256"}), variables=(), libraries=(), parse=_parse, resolve=_resolve,
+OCI = SourceKind(
+    name="oci", forms=(_OCI_FORM,), local_schemes=(), separator="#", is_local=False, is_fetched=True, runs_code=False,
+    pins=frozenset({"sha256"}), variables=(), libraries=(), parse=_parse_oci, resolve=_resolve_oci,
     host=lambda reference: reference.name.partition("/")[0], is_of_this_machine=never,
 )  # fmt: skip

@@ -1,1 +1,0 @@
-"""The programs that read models, one file each."""
