@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from mjcompose.tools.open.recipe import spec as spec
     from mjcompose.tools.open.stamp import stamp as stamp
     from mjcompose.tools.worlds.load import load as load
-    from mjcompose.tools.worlds.many import load_many as load_many
+    from mjcompose.tools.worlds.load import load_many as load_many
     from mjcompose.tools.worlds.names import BundleWarning as BundleWarning
     from mjcompose.tools.worlds.names import LoadError as LoadError
     from mjcompose.tools.worlds.names import UnknownNameError as UnknownNameError
@@ -43,7 +43,7 @@ _HOMES = {
     "UnknownNameError": "mjcompose.tools.worlds.names",
     "__version__": "mjcompose.base.version",
     "load": "mjcompose.tools.worlds.load",
-    "load_many": "mjcompose.tools.worlds.many",
+    "load_many": "mjcompose.tools.worlds.load",
     "model": "mjcompose.tools.open.recipe",
     "spec": "mjcompose.tools.open.recipe",
     "stamp": "mjcompose.tools.open.stamp",

@@ -90,8 +90,8 @@ WRITES_ITSELF = {
     "the store": """
         sources/blobs.py:held sources/blobs.py:complete sources/blobs.py:gate sources/blobs.py:hold
         sources/blobs.py:is_left sources/archives.py:_write_archive sources/blobs.py:write_whole sources/download.py:_Download._write
-        sources/git_command.py:write_tree sources/git_lfs.py:replace_by_local
-        sources/git_lfs.py:_Server.fill sources/archives.py:_Artifact._fill sources/store.py sources/web_archive.py:_write""",
+        sources/git_command.py:write_tree sources/git_repository.py:replace_by_local
+        sources/git_repository.py:_Server.fill sources/archives.py:_Artifact._fill sources/store.py sources/web_archive.py:_write""",
     "the standard output of a process, and trials of what it may": """
         mujoco/child.py:main base/sandbox.py:main base/sandbox.py:probe base/worker.py:main""",
     "pages of this project, for `make schemas`": """

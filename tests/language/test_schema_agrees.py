@@ -19,7 +19,7 @@ from mjcompose.language.expand import expand
 from mjcompose.language.validate import validate
 from mjcompose.text.load import load
 from mjcompose.text.node import Mapping, Node, Sequence, to_python
-from mjcompose.tree.selector import known_tags
+from mjcompose.tree.pattern import known_tags
 
 ROOT = Path(__file__).parents[2]
 RECIPES = [

@@ -8,7 +8,7 @@ from mjcompose.base.rotation import quat_from_axisangle
 from mjcompose.link.keyframes import part_keys
 from mjcompose.link.linking import Joint
 from mjcompose.mujoco.keyframes import Keys
-from mjcompose.tree.key_policy import KeyPolicy
+from mjcompose.tree.merged_settings import KeyPolicy
 from mjcompose.tree.unit import texts
 
 ARM = """

@@ -3,7 +3,7 @@ from __future__ import annotations
 import mujoco
 import numpy as np
 import pytest
-from mjcompose.mujoco.facts import place
+from mjcompose.mujoco.attributes import place
 
 MANY = "".join(f'<body pos="{n} 0 0"><geom size="0.1"/></body>' for n in range(3000))
 

@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 from mjcompose.sources.fetching import Fetching, Lookup
-from mjcompose.sources.git_lfs import pointers_in, replace_pointers
+from mjcompose.sources.git_repository import pointers_in, replace_pointers
 from mjcompose.sources.reference import SourceError
 
 CONTENT = b"v 0 0 0\n" * 400

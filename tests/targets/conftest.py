@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import mujoco
 import pytest
-from mjcompose.mujoco.facts import save_digits
+from mjcompose.mujoco.attributes import save_digits
 
 
 @pytest.fixture(autouse=True)

@@ -41,7 +41,7 @@ from mjcompose.sources.context import Context
 from mjcompose.text.node import locate
 
 if TYPE_CHECKING:
-    from mjcompose.build.verify.outcome import Outcome
+    from mjcompose.build.bundle.bundle import Outcome
     from mjcompose.link.files import Merged
     from mjcompose.mujoco.engine import Compiled, Limits, Session
 

@@ -22,9 +22,9 @@ from mjcompose.cli.reporting import FINDINGS, exit_code, note_files, progress, s
 from mjcompose.cli.run import RECIPE_PATH, Run, argument, command, flag, option
 
 if TYPE_CHECKING:
+    from mjcompose.build.bundle.bundle import Outcome
     from mjcompose.build.cache.builder import Maker
     from mjcompose.build.cache.cell_run import RecipeResult
-    from mjcompose.build.verify.outcome import Outcome
     from mjcompose.sources.context import Context
 
 

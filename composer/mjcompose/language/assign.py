@@ -22,7 +22,7 @@ from mjcompose.language.wording import EXCLUSIVE, kind_of, shown
 from mjcompose.text.expression_values import Angle
 from mjcompose.text.node import is_template
 from mjcompose.tree.grammar import GRAMMAR, Attribute, ElementType
-from mjcompose.tree.selector import Selector, paths_of
+from mjcompose.tree.pattern import Selector, paths_of
 
 MASS = "mass"
 

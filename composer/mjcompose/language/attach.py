@@ -34,7 +34,7 @@ from mjcompose.language.placing import ORIENTATIONS, Inline, JointField, JointWo
 from mjcompose.language.used_model import Drops, Given, UrdfKeys
 from mjcompose.language.value import Element, Single
 from mjcompose.language.wording import is_unprintable, unprintable
-from mjcompose.tree.key_policy import KeyPolicy
+from mjcompose.tree.merged_settings import KeyPolicy
 
 RESERVED = "base"
 PATH_LIKE = ("/", ":")

@@ -20,7 +20,7 @@ from mjcompose.language.forms.rows import Rows, first_line
 from mjcompose.language.forms.scalars import Count, Expects, Items, Text, When
 from mjcompose.language.select import NARROWING, kinds_of
 from mjcompose.language.wording import EXCLUSIVE, shown
-from mjcompose.tree.selector import Selector
+from mjcompose.tree.pattern import Selector
 
 if TYPE_CHECKING:
     from mjcompose.build.verbs.values import Entry

@@ -24,7 +24,7 @@ from mjcompose.language.select import NARROWING, advice_on_narrowing, kinds_of
 from mjcompose.language.value import attribute_and_index, must_not_be_negative
 from mjcompose.language.variation import NO_EMIT
 from mjcompose.language.wording import shown
-from mjcompose.tree.selector import Selector
+from mjcompose.tree.pattern import Selector
 
 _OF_ELEMENTS = ("select", "attr", "per", "expect", "optional")
 _SIGNS = {"set": "=", "scale": "×", "offset": "+"}

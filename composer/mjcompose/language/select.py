@@ -15,8 +15,16 @@ from mjcompose.text.evaluate import Template
 from mjcompose.text.expression import ExpressionError
 from mjcompose.text.node import is_template
 from mjcompose.tree.grammar import GRAMMAR, ElementType
-from mjcompose.tree.pattern import fault_of, is_pattern, is_regular, length_fault, stray_brace
-from mjcompose.tree.selector import Selector, known_tags, paths_of
+from mjcompose.tree.pattern import (
+    Selector,
+    fault_of,
+    is_pattern,
+    is_regular,
+    known_tags,
+    length_fault,
+    paths_of,
+    stray_brace,
+)
 
 GLOB: Schema = {
     "type": "string",

@@ -15,7 +15,7 @@ from mjcompose.language.forms.model import IT, Model, Rest
 from mjcompose.language.forms.scalars import Checked, Count, Expects, Items, Keywords, Written
 from mjcompose.language.select import GLOB, NARROWING, read_selector
 from mjcompose.tree.grammar import GRAMMAR
-from mjcompose.tree.selector import EVERYTHING, Selector, known_tags, paths_of
+from mjcompose.tree.pattern import EVERYTHING, Selector, known_tags, paths_of
 
 
 class UrdfKeys(Model):

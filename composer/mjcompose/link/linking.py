@@ -17,7 +17,7 @@ from mjcompose.base.diagnostic import Span
 from mjcompose.base.rotation import Pose
 from mjcompose.base.sink import Sink
 from mjcompose.link.key_layout import Holder, Layout, Slot
-from mjcompose.tree.key_policy import KeyPolicy
+from mjcompose.tree.merged_settings import KeyPolicy
 from mjcompose.tree.names import Names, may_be_generated
 from mjcompose.tree.unit import Key, PartKeys, Unit, Watch, nobody
 

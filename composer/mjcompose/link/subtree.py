@@ -22,7 +22,7 @@ from mjcompose.link.unit_keys import VECTORS, keys_of, layout_of, remove_keys
 from mjcompose.tree.classes import childclass_of
 from mjcompose.tree.edit import attached_notes, bones, is_rod, twisted_by
 from mjcompose.tree.files import written_path
-from mjcompose.tree.key_policy import KeyPolicy
+from mjcompose.tree.merged_settings import KeyPolicy
 from mjcompose.tree.names import GENERATORS, WORLD, declaration, references, word
 from mjcompose.tree.select import section_of
 from mjcompose.tree.unit import KeyRecord, Number, Unit, texts

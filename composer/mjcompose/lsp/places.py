@@ -19,9 +19,8 @@ from mjcompose.lsp.cursor import Path
 from mjcompose.lsp.language import Form, kinds_of
 from mjcompose.tree.grammar import GRAMMAR
 from mjcompose.tree.names import WORLD
-from mjcompose.tree.pattern import BadPattern
+from mjcompose.tree.pattern import BadPattern, paths_of
 from mjcompose.tree.select import Selection, name_of
-from mjcompose.tree.selector import paths_of
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as Node

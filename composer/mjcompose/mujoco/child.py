@@ -104,15 +104,15 @@ def _spec(request: dict[str, Any], mujoco: Any) -> Any:
 
 
 def _described(request: dict[str, Any], mujoco: Any, model: Any) -> dict[str, Any]:
-    from mjcompose.mujoco import facts
+    from mjcompose.mujoco import attributes
     from mjcompose.mujoco.index import index
 
     wants = request["wants"]
-    answer: dict[str, Any] = {"sizes": facts.sizes(model)}
+    answer: dict[str, Any] = {"sizes": attributes.sizes(model)}
     if "index" in wants:
         answer["index"] = json.dumps(asdict(index(model, mujoco)))
     if "names" in wants:
-        answer["names"] = facts.all_names(model)
+        answer["names"] = attributes.all_names(model)
     if request["mjb"]:
         mujoco.mj_saveModel(model, request["mjb"])
         if not os.path.isfile(request["mjb"]):
@@ -123,7 +123,7 @@ def _described(request: dict[str, Any], mujoco: Any, model: Any) -> dict[str, An
     if request["arrays"]:
         import numpy
 
-        numpy.savez(request["arrays_file"], **facts.arrays(request["arrays"], model, data))
+        numpy.savez(request["arrays_file"], **attributes.arrays(request["arrays"], model, data))
         answer["arrays"] = True
     return answer
 

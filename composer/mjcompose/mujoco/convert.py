@@ -15,8 +15,8 @@ from xml.sax.saxutils import escape
 from mjcompose.base.access import Door
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.scratch import scratch
+from mjcompose.mujoco.attributes import save_digits
 from mjcompose.mujoco.engine import Limits, Session, call, without_folder
-from mjcompose.mujoco.facts import save_digits
 
 PACKAGE = "package://"
 

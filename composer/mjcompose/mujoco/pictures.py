@@ -11,9 +11,8 @@ from typing import Any
 import numpy as np
 
 from mjcompose.base.dataclass import dataclass
-from mjcompose.mujoco.attributes import names
+from mjcompose.mujoco.attributes import names, place
 from mjcompose.mujoco.controls import advance
-from mjcompose.mujoco.facts import place
 from mjcompose.mujoco.film import NoEncoder, encoder, gif, png, write_mp4
 
 SKYLESS = (235, 235, 235, 1)

@@ -11,8 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from mjcompose.mujoco.attributes import NameTable
-from mjcompose.mujoco.facts import place
+from mjcompose.mujoco.attributes import NameTable, place
 from mjcompose.mujoco.film import png
 
 _DIGITS = 24

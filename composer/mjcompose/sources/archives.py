@@ -60,11 +60,11 @@ def _parse_archive(text: str) -> Reference:
         raise malformed(text, _ARCHIVE_FORM, "names a host that cannot be one")
     if not path:
         raise malformed(text, _ARCHIVE_FORM, "does not say the file inside the archive")
-    _check_pin(text, _ARCHIVE_FORM, location, sha256)
+    _check_pin(text, _ARCHIVE_FORM, location=location, sha256=sha256)
     return Reference(text, ARCHIVE, f"{scheme}://{host}/{archive}", path=path, revision=sha256)
 
 
-def _check_pin(text: str, form: Form, location: str, sha256: str) -> None:
+def _check_pin(text: str, form: Form, *, location: str, sha256: str) -> None:
     if "@sha256:" in location and not re.fullmatch("[0-9a-f]{64}", sha256):
         raise malformed(text, form, "has a sha256 that is not 64 digits of 0-9 and a-f")
 
@@ -100,7 +100,7 @@ def _parse_bucket(text: str) -> Reference:
     # `::` is how fsspec chains file systems, so it could name files of this machine.
     if place is None or "::" in address or {"", ".", ".."} & {*place[2].split("/")}:
         raise malformed(text, form, "does not say the bucket and the archive")
-    _check_pin(text, form, location, sha256)
+    _check_pin(text, form, location=location, sha256=sha256)
     if not path:
         raise malformed(text, form, "does not say the file inside the archive")
     return Reference(text, BUCKET, address, path=path, revision=sha256)

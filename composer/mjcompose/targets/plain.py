@@ -18,8 +18,7 @@ from lxml import etree
 from lxml.etree import _Element as Node
 
 from mjcompose.mujoco.arrays import words
-from mjcompose.mujoco.attributes import NameTable
-from mjcompose.mujoco.facts import save_digits
+from mjcompose.mujoco.attributes import NameTable, save_digits
 from mjcompose.mujoco.order import compiled_order
 from mjcompose.targets.target import Draft
 from mjcompose.tree.classes import ORIENTATIONS, Classes, chain, given, text_in_effect

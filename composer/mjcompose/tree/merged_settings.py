@@ -1,10 +1,10 @@
-"""Settings on which parts agree, and what was read of a source that is not MJCF."""
+"""Settings on which parts agree, how their keys are copied, and facts of a source that is not MJCF."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from functools import partial
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Span
@@ -85,3 +85,7 @@ class ReadRow:
         lacks = more.removeprefix("without ")
         inside = f" without `<{lacks}>`" if lacks != more else f" `{more}`" if more else ""
         return f"`{''.join(f'<{tag}>' for tag in tags.split('/'))}`{inside} ({self.count})"
+
+
+KeyPolicy = Literal["merge", "prefix", "none"]
+"""Merged by name, kept apart by their prefix, or not at all."""

@@ -16,8 +16,7 @@ from mjcompose.tree.classes import MAIN, Classes, chain
 from mjcompose.tree.files import NAMED_AFTER_FILE
 from mjcompose.tree.grammar import GRAMMAR, Attribute, ElementType
 from mjcompose.tree.names import WORLD, own_name
-from mjcompose.tree.pattern import fitter, is_pattern, matcher
-from mjcompose.tree.selector import EVERYTHING, Selector, paths_of
+from mjcompose.tree.pattern import EVERYTHING, Selector, fitter, is_pattern, matcher, paths_of
 from mjcompose.tree.values import NOT_XML
 
 ROOT = "mujoco"

@@ -16,8 +16,8 @@ from pathlib import Path
 import pytest
 from cli.shell import environment, process, run, snapshot
 from mjcompose.base.diagnostic import Diagnostic, Note, Severity, Span
+from mjcompose.build.bundle.bundle import Outcome
 from mjcompose.build.cache.cache import Record, from_json, to_json
-from mjcompose.build.verify.outcome import Outcome
 from sampling import rest_slow
 
 

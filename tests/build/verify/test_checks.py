@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 from mjcompose.base.diagnostic import Note
+from mjcompose.build.bundle.bundle import Outcome
 from mjcompose.build.bundle.manifest import from_json
 from mjcompose.build.stages import Built, Request, build
-from mjcompose.build.verify.outcome import Outcome
 from mjcompose.mujoco.engine import Limits, Session
 from mjcompose.sources.context import Context
 

@@ -17,7 +17,7 @@ from mjcompose.build.stages import Request, build
 from mjcompose.build.verify.stored import VerifiedBundle, verify_stored
 from mjcompose.mujoco.engine import Session
 from mjcompose.sources.context import Context
-from mjcompose.tree.selector import Selector
+from mjcompose.tree.pattern import Selector
 
 PART = """
 <mujoco model="part">

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from mjcompose import worlds
 from mjcompose.mujoco.attributes import NameTable
-from mjcompose.tools.worlds.union_values import references, referring_bodies, words
+from mjcompose.tools.worlds.union import references, referring_bodies, words
 from tools.worlds.studies import differing
 from tools.worlds.test_join import run
 

@@ -37,7 +37,7 @@ from mjcompose.tree.xml_text import write
 if TYPE_CHECKING:
     from pydantic import BaseModel
 
-    from mjcompose.build.verify.outcome import Outcome
+    from mjcompose.build.bundle.bundle import Outcome
     from mjcompose.mujoco.engine import Compiled
     from mjcompose.mujoco.index import Index
 

@@ -1,4 +1,4 @@
-"""A finished model as files by path, its form, its place, its names and its licenses."""
+"""A finished model as files by path, its form, its place, its names, its licenses, and the outcomes of its checks."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ from io import BytesIO
 from os import PathLike, fspath
 from pathlib import Path
 from types import MappingProxyType
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 from mjcompose.base.dataclass import dataclass
-from mjcompose.base.diagnostic import DiagnosticError
+from mjcompose.base.diagnostic import Diagnostic, DiagnosticError, Severity, Span
 from mjcompose.base.files import read_regular
 
 
@@ -353,3 +353,18 @@ def license_folder(label: str) -> str:
 def _segment(name: str) -> str:
     """Return a name as a path segment that is valid on every file system."""
     return _UNSAFE.sub("_", name).strip(".") or "_"
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """A check that ran: its name in the outermost recipe (`left/reach`), kind, place, diagnostics and values."""
+
+    name: str
+    kind: str
+    span: Span
+    diagnostics: tuple[Diagnostic, ...]
+    values: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def holds(self) -> bool:
+        return not any(each.severity is Severity.ERROR for each in self.diagnostics)

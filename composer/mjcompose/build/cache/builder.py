@@ -18,7 +18,7 @@ from mjcompose.build.cache.cache_key import BuildOptions, CacheKey, now
 from mjcompose.sources.blobs import key_of
 
 if TYPE_CHECKING:
-    from mjcompose.build.bundle.bundle import Bundle, Location
+    from mjcompose.build.bundle.bundle import Bundle, Location, Outcome
     from mjcompose.build.bundle.licenses import Row
     from mjcompose.build.bundle.write import BackgroundPacker, Packed
     from mjcompose.build.cache.cache import Answer, Cache
@@ -26,7 +26,6 @@ if TYPE_CHECKING:
     from mjcompose.build.compose.load import Library
     from mjcompose.build.plan.plan import Plan
     from mjcompose.build.stages import Built
-    from mjcompose.build.verify.outcome import Outcome
     from mjcompose.link.linking import FileUse
     from mjcompose.mujoco.engine import Session
     from mjcompose.sources.context import Context

@@ -23,10 +23,9 @@ from typing import TYPE_CHECKING, Any
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Diagnostic, Fix, Note, Severity, Span
 from mjcompose.base.files import read_regular
-from mjcompose.build.bundle.bundle import is_address
+from mjcompose.build.bundle.bundle import Outcome, is_address
 from mjcompose.build.bundle.licenses import Row
 from mjcompose.build.cache.cache_key import CacheKey, Files, FileState, differences, file_state, stamp_of
-from mjcompose.build.verify.outcome import Outcome
 from mjcompose.sources import blobs
 from mjcompose.sources.blobs import key_of
 from mjcompose.sources.store import ENTRY, KINDS, Store

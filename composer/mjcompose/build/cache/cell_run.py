@@ -15,6 +15,7 @@ from mjcompose.base.limits import Limits, allow, in_force
 from mjcompose.base.processes import Died, Pool, cores
 from mjcompose.base.runtime import interruptible
 from mjcompose.base.sink import Sink
+from mjcompose.build.bundle.bundle import Outcome
 from mjcompose.build.cache.builder import (
     BuildResult,
     Maker,
@@ -25,7 +26,6 @@ from mjcompose.build.cache.builder import (
 )
 from mjcompose.build.cache.cache import Cache, Package, Record, open_cache
 from mjcompose.build.cache.cache_key import BuildOptions, CacheKey, FileState
-from mjcompose.build.verify.outcome import Outcome
 from mjcompose.language.expand import Cell
 from mjcompose.mujoco.engine import Session
 from mjcompose.sources.context import Context

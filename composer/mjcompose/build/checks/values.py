@@ -13,7 +13,7 @@ from mjcompose.build.checks.check import Scope
 from mjcompose.mujoco.arrays import JOINT_TYPES, words
 from mjcompose.mujoco.attributes import ANGLES, ENUMERATED, array_of
 from mjcompose.tree.grammar import GRAMMAR
-from mjcompose.tree.selector import paths_of
+from mjcompose.tree.pattern import paths_of
 from mjcompose.tree.values import is_in_degrees
 
 SUBTREE_MASS = "subtree_mass"

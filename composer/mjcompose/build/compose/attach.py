@@ -32,7 +32,7 @@ from mjcompose.text.node import locate
 from mjcompose.tree.classes import MAIN
 from mjcompose.tree.cost import scaled_above
 from mjcompose.tree.files import read_settings
-from mjcompose.tree.selector import Selector
+from mjcompose.tree.pattern import Selector
 from mjcompose.tree.unit import Unit
 
 # These three change every body of the model, in every part.

@@ -31,9 +31,8 @@ from mjcompose.tree.edit import changing, names_in
 from mjcompose.tree.files import written_path
 from mjcompose.tree.grammar import Attribute
 from mjcompose.tree.names import WORLD, NameIndex
-from mjcompose.tree.pattern import is_regular
+from mjcompose.tree.pattern import Selector, is_regular
 from mjcompose.tree.select import kind_of, name_of, section_of
-from mjcompose.tree.selector import Selector
 
 # Measured: in the 0.1 ms in which a value is written, a selector visits 30 elements, 100 characters of a condition are
 # evaluated, and 100 values are drawn, or 30 for a table. A regular expression may take 2 s, and costs 500 values.

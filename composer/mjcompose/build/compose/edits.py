@@ -31,8 +31,8 @@ from mjcompose.link.linking import Linking, Request
 from mjcompose.link.subtree import DroppedElement
 from mjcompose.link.unit_keys import keys_of, layouts, remove_keys
 from mjcompose.text.node import locate, texts
+from mjcompose.tree.pattern import paths_of
 from mjcompose.tree.select import section_of
-from mjcompose.tree.selector import paths_of
 from mjcompose.tree.unit import Key, PartKeys, Unit
 
 if TYPE_CHECKING:

@@ -23,7 +23,7 @@ from mjcompose.sources.context import Context
 from mjcompose.sources.reference import Source
 from mjcompose.sources.ros import UrdfChoices
 from mjcompose.text.node import Mapping, locate
-from mjcompose.tree.key_policy import KeyPolicy
+from mjcompose.tree.merged_settings import KeyPolicy
 from mjcompose.tree.parse import all_admitted, parse_file
 from mjcompose.tree.unit import Unit, Watch, element_at, nobody
 from mjcompose.tree.xml_text import write

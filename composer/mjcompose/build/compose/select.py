@@ -18,9 +18,8 @@ from mjcompose.text.evaluate import Template
 from mjcompose.text.expression import ExpressionError
 from mjcompose.text.expression_values import Angle, Value
 from mjcompose.tree.grammar import GRAMMAR, Attribute
-from mjcompose.tree.pattern import BadPattern, is_glob, is_pattern, matcher
+from mjcompose.tree.pattern import BadPattern, Selector, is_glob, is_pattern, matcher, paths_of
 from mjcompose.tree.select import Selection, kind_of
-from mjcompose.tree.selector import Selector, paths_of
 from mjcompose.tree.values import is_in_degrees
 
 _SHOWN = 12

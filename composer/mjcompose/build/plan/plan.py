@@ -33,8 +33,7 @@ from mjcompose.sources.reference import ReadAs, Source
 from mjcompose.text.expression_values import Value
 from mjcompose.text.node import Mapping as Located
 from mjcompose.tree.grammar import number_text
-from mjcompose.tree.key_policy import KeyPolicy
-from mjcompose.tree.merged_settings import Adopted, ReadRow
+from mjcompose.tree.merged_settings import Adopted, KeyPolicy, ReadRow
 
 if TYPE_CHECKING:
     from mjcompose.language.distribution import Operation

@@ -15,10 +15,9 @@ from mjcompose.base.diagnostic import Note, Span
 from mjcompose.base.diagnostic import Path as KeyPath
 from mjcompose.base.files import own_name
 from mjcompose.base.limits import advice, in_force
-from mjcompose.build.plan.inner import inner_recipes
 from mjcompose.build.plan.locked import use_lock
 from mjcompose.build.plan.matrix import draw_parameters, read_matrix
-from mjcompose.build.plan.parts import check_part_names, check_pieces, copies, without_rings
+from mjcompose.build.plan.parts import check_part_names, check_pieces, copies, inner_recipes, without_rings
 from mjcompose.build.plan.plan import BASE, AttachPart, Drawn, Plan
 from mjcompose.build.plan.read import Given, ValidRecipe, files_of_recipe, folder_of, validated_recipe
 from mjcompose.build.plan.step_table import steps_of

@@ -23,7 +23,7 @@ from mjcompose.mujoco.keyframes import Keys, Roots
 from mjcompose.mujoco.match import EXTRA, MISSING, Difference, Mount, Value
 from mjcompose.mujoco.unchanged import compare
 from mjcompose.sources.context import Context
-from mjcompose.tree.key_policy import KeyPolicy
+from mjcompose.tree.merged_settings import KeyPolicy
 from mjcompose.tree.parse import parse_file
 from mjcompose.tree.xml_text import write
 

@@ -16,8 +16,7 @@ from mjcompose.base.files import read_regular
 from mjcompose.base.rotation import Pose
 from mjcompose.base.sink import Sink
 from mjcompose.build.bundle.bundle import MANIFEST, Bundle, OutputError
-from mjcompose.build.bundle.integrity import check_files, check_index, manifest_of
-from mjcompose.build.bundle.manifest import Input, Manifest, index_of
+from mjcompose.build.bundle.manifest import Input, Manifest, check_files, check_index, index_of, manifest_of
 from mjcompose.build.bundle.read import ReadError, read
 from mjcompose.build.plan.plan import PartRecord
 from mjcompose.build.plan.planner import make_plan

@@ -14,7 +14,7 @@ from mjcompose.language.value import bare_angle, read_value
 from mjcompose.text.node import is_template
 from mjcompose.tree.grammar import GRAMMAR
 from mjcompose.tree.grammar import Attribute as Declared
-from mjcompose.tree.selector import Selector
+from mjcompose.tree.pattern import Selector
 
 
 class Attribute(ByGrammar):

@@ -19,7 +19,7 @@ from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Fault
 from mjcompose.base.suggest import closest
 from mjcompose.language.forms.definitions import Schema
-from mjcompose.tree.selector import Selector
+from mjcompose.tree.pattern import Selector
 
 DEFAULT_SEPARATOR = "/"
 

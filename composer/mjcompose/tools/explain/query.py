@@ -21,9 +21,8 @@ from mjcompose.tools.explain.explanation import Reason
 from mjcompose.tools.explain.trace_words import derived_names
 from mjcompose.tree.grammar import GRAMMAR, ElementType
 from mjcompose.tree.names import WORLD
-from mjcompose.tree.pattern import fitter, is_pattern
+from mjcompose.tree.pattern import EVERYTHING, fitter, is_pattern
 from mjcompose.tree.select import kind_of, naming_attribute, query, tags_of
-from mjcompose.tree.selector import EVERYTHING
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as Node

@@ -1,4 +1,4 @@
-"""Load a bundle as a model in this process, with its manifest and an index of its names."""
+"""Load one bundle, or many, as models in this process, with the manifest and an index of names."""
 
 from __future__ import annotations
 
@@ -21,13 +21,14 @@ from mjcompose.base.limits import in_force
 from mjcompose.base.report import short_traceback
 from mjcompose.base.scratch import scratch
 from mjcompose.base.sink import Sink
-from mjcompose.build.bundle.bundle import LARGEST_MANIFEST, MANIFEST, Bundle, is_address
-from mjcompose.build.bundle.integrity import check_files, check_index, manifest_of
-from mjcompose.build.bundle.manifest import Manifest, index_of
+from mjcompose.build.bundle.bundle import LARGEST_MANIFEST, MANIFEST, Bundle, Location, is_address
+from mjcompose.build.bundle.listing import Condition, ListingError, rows
+from mjcompose.build.bundle.manifest import Manifest, check_files, check_index, index_of, manifest_of
 from mjcompose.build.bundle.read import ReadError, ReadLimits, files_outside, named_model, read
 from mjcompose.build.bundle.staging import manifest_beside, write_files
 from mjcompose.mujoco.attributes import names
 from mjcompose.mujoco.index import index as compiled_index
+from mjcompose.text.expression_values import Value
 from mjcompose.tools.worlds.names import BundleWarning, Index, LoadError, failure
 
 Model: TypeAlias = Any
@@ -271,3 +272,40 @@ def _raise_or_warn(faults: Sequence[Diagnostic], allowed: bool) -> None:
         raise LoadError(faults)
     for each in faults:
         warn(each.message, BundleWarning)
+
+
+@dataclass(frozen=True, slots=True)
+class Listed:
+    """A model of an index that is not loaded yet: its name, its place, and its values.
+
+    `values` are the columns of the index: values of the matrix and of draws, sizes, the sha256.
+    """
+
+    name: str
+    path: Location
+    values: Mapping[str, Value]
+
+    def load(self, *, allow_changes: bool = False) -> Loaded:
+        """Load the model as `mjcompose.load` does. Raises LoadError."""
+        return load(self.path, allow_changes=allow_changes)
+
+
+def load_many(path: str | PathLike[str], where: str | None = None) -> Iterator[Listed]:
+    """Yield the models that `mjcompose build --all` wrote to a folder, one after another, without loading them.
+
+        for each in mjcompose.load_many("build/study", where="payload > 2"):
+            model, manifest, index = each.load()
+
+    `path` may be an address, such as `s3://bucket/study`, or the index itself. `where` is an expression as in
+    recipes, on the columns of the index. Raises LoadError, at the first model.
+    """
+    try:
+        condition = None if where is None else Condition(where)
+        shown = os.fspath(path)
+        for row in rows(shown if is_address(shown) else Path(path), shown):
+            if condition is None or condition.holds(row):
+                yield Listed(str(row.values.get("model", "")), row.file, row.values)
+        if condition is not None:
+            condition.check()
+    except ListingError as error:
+        raise LoadError([error.diagnostic]) from error

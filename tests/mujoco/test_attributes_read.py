@@ -6,7 +6,7 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
-from mjcompose.mujoco import facts
+from mjcompose.mujoco import attributes
 
 mujoco = pytest.importorskip("mujoco")
 
@@ -34,7 +34,7 @@ def test_every_kind_of_name_is_the_one_mujoco_gives() -> None:
         "tendon": "TENDON", "equality": "EQUALITY", "actuator": "ACTUATOR", "sensor": "SENSOR", "key": "KEY",
         "numeric": "NUMERIC", "text": "TEXT", "tuple": "TUPLE",
     }  # fmt: skip
-    found = facts.all_names(compiled)
+    found = attributes.all_names(compiled)
     for kind, word in objects.items():
         kind_id = getattr(mujoco.mjtObj, f"mjOBJ_{word}")
         assert found[kind], kind
@@ -43,4 +43,4 @@ def test_every_kind_of_name_is_the_one_mujoco_gives() -> None:
 
 
 def test_a_version_that_counts_no_actuators_apart_from_controls() -> None:
-    assert facts.sizes(SimpleNamespace(nq=0, nu=2)) == {"nq": 0, "nu": 2, "nactuator": 2}
+    assert attributes.sizes(SimpleNamespace(nq=0, nu=2)) == {"nq": 0, "nu": 2, "nactuator": 2}
