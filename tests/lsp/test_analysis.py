@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import pytest
-from mjcompose.lsp.analysis import column_of, lines_of, moved, units
+from mjcompose.lsp.analysis import column_of, moved, units
+from mjcompose.text.insert import lines_of
 
 LINE = "a🤖é\u2028: x"
 

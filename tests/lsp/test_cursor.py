@@ -10,8 +10,8 @@ import pytest
 from lsp.client import MARK
 from mjcompose.base.diagnostic import Span
 from mjcompose.base.sink import Sink
-from mjcompose.lsp.analysis import lines_of
 from mjcompose.lsp.cursor import Cursor, cursor_at
+from mjcompose.text.insert import lines_of
 from mjcompose.text.load import load
 from mjcompose.text.node import Node, Scalar, Sequence
 

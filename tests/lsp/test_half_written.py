@@ -11,12 +11,13 @@ import pytest
 from lsp.conftest import RECIPES
 from mjcompose.base.diagnostic import Span
 from mjcompose.lsp.actions import Offer, actions
-from mjcompose.lsp.analysis import Analysis, Question, lines_of, units
+from mjcompose.lsp.analysis import Analysis, Question, units
 from mjcompose.lsp.completion import complete
 from mjcompose.lsp.desk import Workspace, uses_of
 from mjcompose.lsp.hover import hover
 from mjcompose.lsp.navigation import definition, folds, formatted, hints, lenses, references, symbols
 from mjcompose.lsp.rename import rename, renameable
+from mjcompose.text.insert import lines_of
 
 SHIPPED = sorted(RECIPES.glob("*.yaml"))
 QUICK = [RECIPES / name for name in ("demo.yaml", "payload_study.yaml", "hoist.yaml")]

@@ -131,6 +131,58 @@ def quat_from_zaxis(axis: Sequence[float]) -> Quat:
     return quat_from_axisangle(turn, math.atan2(sine, z))
 
 
+def euler_of(quat: Quat, sequence: str, near: Sequence[float] = (0.0, 0.0, 0.0)) -> Vec3 | None:
+    """Return the Euler angles of a rotation that are the nearest to `near`; at gimbal lock, the first stays there.
+
+    None if the sequence turns twice in a row about one axis, and so has no angles for most rotations.
+
+    >>> [round(math.degrees(each), 6) for each in euler_of(quat_from_euler([0.0, math.pi / 2, 0.0], "xyz"), "xyz")]
+    [0.0, 90.0, 0.0]
+    """
+    order: list[int] = []  # of the same turns about moving axes
+    for at, letter in enumerate(sequence):
+        order = [*order, at] if letter.islower() else [at, *order]
+    k, j, i = (_AXES[sequence[at].lower()] for at in order)
+    if k == j or j == i:
+        return None
+    is_proper = i == k
+    k = 6 - i - j if is_proper else k
+    sign = (i - j) * (j - k) * (k - i) / 2
+    q = normalize(quat)
+    a, b, c, d = q[0], q[i], q[j], q[k] * sign
+    if not is_proper:
+        a, b, c, d = a - c, b + d, c + a, d - b
+    half = math.atan2(math.hypot(c, d), math.hypot(a, b))
+    plus, minus = math.atan2(b, a), math.atan2(d, c)
+    scale, shift = (1.0, 0.0) if is_proper else (sign, math.pi / 2)
+    wanted = [near[at] for at in reversed(order)]
+    if math.sin(2 * half) < _PARALLEL:
+        first, is_low = wanted[0], half < math.pi / 4
+        found = [(first, 2 * half - shift, scale * (2 * plus - first if is_low else 2 * minus + first))]
+    else:
+        first, second, third = plus - minus, 2 * half - shift, scale * (plus + minus)
+        other = -second if is_proper else math.pi - second
+        found = [(first, second, third), (first + math.pi, other, third + math.pi)]
+    turn = 2 * math.pi
+    shifted = [[a + turn * round((b - a) / turn) for a, b in zip(one, wanted, strict=True)] for one in found]
+    best = min(shifted, key=lambda one: sum(abs(a - b) for a, b in zip(one, wanted, strict=True)))
+    angles = [0.0, 0.0, 0.0]
+    for at, each in zip(reversed(order), best, strict=True):
+        angles[at] = each
+    return (angles[0], angles[1], angles[2])
+
+
+def axisangle_of(quat: Quat, near: Sequence[float] = (0.0, 0.0, 1.0)) -> tuple[Vec3, float]:
+    """Return the axis and the angle of a rotation, along `near` and not against it; `near` itself without a turn."""
+    w, *axis = normalize(quat)
+    size = math.hypot(*axis)
+    if size < _TINY:
+        return unit(near), 0.0
+    sign = -1.0 if sum(a * b for a, b in zip(axis, near, strict=True)) < 0 else 1.0
+    x, y, z = (sign * each / size for each in axis)
+    return (x, y, z), 2 * math.atan2(size, sign * w)
+
+
 def unit(vec: Sequence[float]) -> Vec3:
     """Return `vec` at unit length; unchanged if it has that already."""
     x, y, z = vec

@@ -36,6 +36,9 @@ class Options:
                        " on. With another one, people who know the token can view the model too.")  # fmt: skip
     port: int = option("--port", type=click.IntRange(0, 65535), default=0, metavar="PORT",
                        help="The port to listen on. Default: a free one.")  # fmt: skip
+    read_only: bool = flag(
+        "--read-only", help="Do not let the page change the recipe. With another --host it never can."
+    )
     no_open: bool = flag("--no-open", help="Do not open a browser.")
     editor: str | None = option("--editor", metavar="ADDRESS", help="The link that opens a line in your editor, with"
                                 " {file}, {line} and {column}. Default: the environment variable MJCOMPOSE_EDITOR, or"
@@ -75,7 +78,9 @@ def view(options: Options, run: Run) -> Answer | int:
                 words=words_of, key=options.key,
                 editor=options.editor or os.environ.get("MJCOMPOSE_EDITOR") or EDITOR,
             )  # fmt: skip
-            return _live(workshop, Service(options.host, options.port, not options.no_open), run)
+            return _live(
+                workshop, Service(options.host, options.port, not options.no_open, writes=not options.read_only), run
+            )
         if options.physics:
             operand = as_recipe(operand, opened)
         words = _page(operand, html, options, given=given, session=session)

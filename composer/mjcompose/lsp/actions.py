@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from collections.abc import Sequence as Lines
 from functools import cached_property
 from pathlib import Path
 
@@ -11,7 +10,7 @@ from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Diagnostic, Severity, Span
 from mjcompose.base.suggest import closest
 from mjcompose.language.codes import ALLOW
-from mjcompose.lsp.analysis import Action, Analysis, Change, Question
+from mjcompose.lsp.analysis import Action, Analysis, Question
 from mjcompose.lsp.completion import complete
 from mjcompose.lsp.cursor import Path as Steps
 from mjcompose.lsp.hover import SECTIONS
@@ -19,67 +18,9 @@ from mjcompose.sources.fetching import model_files
 from mjcompose.text.decode import position
 from mjcompose.text.expression_values import Angle
 from mjcompose.text.faults import quoted, word
-from mjcompose.text.node import Mapping, Node, Sequence, find, spans
+from mjcompose.text.insert import Change, with_item, with_key
+from mjcompose.text.node import Mapping, find
 from mjcompose.tools.fix import edit_of, place_of
-
-
-def with_key(tree: Mapping, lines: Lines[str], file: str, path: Steps, value: str) -> Change | None:
-    """Return the change that writes `path: value` with the missing keys, or None if the path leads through a value."""
-    holder: Node = tree
-    for depth, step in enumerate(path):
-        if not isinstance(holder, Mapping):
-            return None
-        below = find(holder, (step,))
-        if below is None:
-            *outer, last = map(str, path[depth:])
-            text = "".join(f"{step}: {{" for step in outer) + f"{last}: {value}" + "}" * len(outer)
-            return _added(holder, lines, file, text, top=depth == 0)
-        holder = below
-    if holder.span.end_column is None or isinstance(holder, Mapping | Sequence):
-        return None
-    return Change(holder.span, value)
-
-
-def with_item(tree: Mapping, lines: Lines[str], file: str, key: str, value: str) -> Change | None:
-    """Return the change that appends a value to the list below a key of the recipe, or creates the list; or None."""
-    found = tree.entries.get(key)
-    if found is None:
-        return _added(tree, lines, file, f"{key}: [{value}]", top=True)
-    node = found[1]
-    if not isinstance(node, Sequence) or not node.items:
-        return None
-    last = node.items[-1].span
-    if _is_flow(node, lines):
-        return _insert(file, last.end_line or last.line, last.end_column or last.column, f", {value}")
-    line, indent = last.line, lines[last.line - 1].index("-")
-    return _insert(file, line, len(lines[line - 1]) + 1, f"\n{' ' * indent}- {value}")
-
-
-def _added(holder: Mapping, lines: Lines[str], file: str, text: str, top: bool) -> Change:
-    if not top and _is_flow(holder, lines):
-        line, column = _end(holder, file)
-        at = lines[line - 1].find("}", column - 1) + 1 or column
-        return _insert(file, line, at, f", {text}" if holder.entries else text)
-    line, _ = _end(holder, file)
-    while line < len(lines) and lines[line].strip() and lines[line].startswith(" ") and top:
-        line += 1  # in a block of text: the tree knows only its first line
-    first = next(iter(holder.entries.values()), None)
-    indent = 0 if top or first is None else first[0].span.column - 1
-    return _insert(file, line, len(lines[line - 1]) + 1, f"\n{' ' * indent}{text}")
-
-
-def _is_flow(node: Node, lines: Lines[str]) -> bool:
-    row = lines[node.span.line - 1] if node.span.line <= len(lines) else ""
-    return row[node.span.column - 1 : node.span.column] in ("{", "[")
-
-
-def _end(node: Node, file: str) -> tuple[int, int]:
-    own = [span for span in spans(node) if span.file == file]
-    return max((each.end_line or each.line, each.end_column or each.column) for each in own[1:] or own)
-
-
-def _insert(file: str, line: int, column: int, text: str) -> Change:
-    return Change(Span(file, line, column, line, column), text)
 
 
 @dataclass(frozen=True)

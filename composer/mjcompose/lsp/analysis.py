@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from collections.abc import Mapping as Entries
 from dataclasses import field, replace
@@ -20,6 +19,7 @@ from mjcompose.build.plan.plan import BASE, PlacedModel, Plan
 from mjcompose.lsp.cursor import Cursor, Path, cursor_at
 from mjcompose.lsp.language import Form, forms_at
 from mjcompose.sources.reference import Source
+from mjcompose.text.insert import Change, lines_of
 from mjcompose.text.load import load
 from mjcompose.text.node import Mapping, Node, find, to_python
 from mjcompose.tree.names import WORLD, NameIndex
@@ -76,17 +76,11 @@ def _files(key: Key, unit: Unit) -> set[PathlibPath]:
     return {key[0], *(text.path or PathlibPath(name) for name, text in unit.origins.texts.items())}
 
 
-_LINE_BREAK = re.compile(r"\r\n|\n|\r")
 _UNITS: dict[str, Callable[[str], int]] = {
     "utf-8": lambda character: len(character.encode("utf-8", "surrogatepass")),
     "utf-16": lambda character: 2 if ord(character) > 0xFFFF else 1,
     "utf-32": lambda character: 1,
 }
-
-
-def lines_of(text: str) -> list[str]:
-    """Return the lines without their ends. `str.splitlines` also splits at characters that editors and YAML do not."""
-    return _LINE_BREAK.split(text)
 
 
 def units(line: str, column: int, encoding: str = "utf-16") -> int:
@@ -134,14 +128,6 @@ def span_after(span: Span, lines: Entries[int, int]) -> Span | None:
     if line is None or (span.end_line is not None and end is None):
         return None
     return replace(span, line=line + 1, end_line=None if end is None else end + 1)
-
-
-@dataclass(frozen=True, slots=True)
-class Change:
-    """A replacement of a stretch of text. With an empty span, the text is inserted there."""
-
-    span: Span
-    text: str
 
 
 @dataclass(frozen=True, slots=True)

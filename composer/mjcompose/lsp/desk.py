@@ -23,10 +23,11 @@ from mjcompose.build.plan.planner import plan_what_remains
 from mjcompose.build.stages import Request, build
 from mjcompose.link.measure import measure_with
 from mjcompose.link.source_check import check_source
-from mjcompose.lsp.analysis import Analysis, Model, Shelf, is_saved, lines_of, moved, shown, span_after
+from mjcompose.lsp.analysis import Analysis, Model, Shelf, is_saved, moved, shown, span_after
 from mjcompose.mujoco.engine import Session
 from mjcompose.sources.context import Context
 from mjcompose.sources.fetching import Fetching, model_files
+from mjcompose.text.insert import lines_of
 from mjcompose.text.load import load
 from mjcompose.tools.explain.explain import Traced
 from mjcompose.tools.explain.trace import Trace

@@ -16,11 +16,12 @@ from mjcompose.build.plan.plan import Plan
 from mjcompose.language.expand import cells
 from mjcompose.language.value import angle_places
 from mjcompose.lsp import subject
-from mjcompose.lsp.analysis import Analysis, Change, Fold, Hint, Hover, Known, Lens, Question, Symbol, lines_of, shown
+from mjcompose.lsp.analysis import Analysis, Fold, Hint, Hover, Known, Lens, Question, Symbol, shown
 from mjcompose.lsp.cursor import Path
 from mjcompose.lsp.hover import describe, values_of
 from mjcompose.lsp.language import Form, kinds_of
 from mjcompose.lsp.places import PART, is_selector, label, matches, part_called, part_of_reference
+from mjcompose.text.insert import Change, lines_of
 from mjcompose.text.layout import format_recipe
 from mjcompose.text.node import Mapping, Node, Scalar, Sequence, find, is_template, locate, spans
 from mjcompose.tree.names import NameIndex

@@ -24,6 +24,7 @@ from mjcompose.base.diagnostic import Diagnostic, Severity, Span
 from mjcompose.base.processes import Process
 from mjcompose.base.report import printable
 from mjcompose.lsp import analysis
+from mjcompose.text.insert import Change
 
 _LENGTH = b"content-length"
 _MOST_LINE = 1 << 16
@@ -222,13 +223,13 @@ class Converter:
         place = None if found.span is None else self.range(found.span)
         return lsp.Hover(lsp.MarkupContent(lsp.MarkupKind.Markdown, found.text), place)
 
-    def edit(self, changes: Iterable[analysis.Change]) -> lsp.WorkspaceEdit:
+    def edit(self, changes: Iterable[Change]) -> lsp.WorkspaceEdit:
         files: dict[str, list[lsp.TextEdit]] = {}
         for each in changes:
             files.setdefault(self.uri(each.span), []).append(self.text_edit(each))
         return lsp.WorkspaceEdit(changes=files)
 
-    def text_edit(self, change: analysis.Change) -> lsp.TextEdit:
+    def text_edit(self, change: Change) -> lsp.TextEdit:
         return lsp.TextEdit(self.range(change.span), change.text)
 
     def action(self, found: analysis.Action, path: Path) -> lsp.CodeAction:

@@ -12,10 +12,11 @@ from mjcompose.base.sink import Sink
 from mjcompose.build.plan.plan import Plan
 from mjcompose.language.attach import RESERVED
 from mjcompose.lsp import subject
-from mjcompose.lsp.analysis import Analysis, Change, Question
+from mjcompose.lsp.analysis import Analysis, Question
 from mjcompose.lsp.cursor import Path
 from mjcompose.lsp.places import PART, part_called
 from mjcompose.text.faults import quoted, word
+from mjcompose.text.insert import Change
 from mjcompose.text.load import load
 from mjcompose.text.node import Mapping, Scalar, find, locate, walk
 

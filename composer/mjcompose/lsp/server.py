@@ -25,12 +25,13 @@ from mjcompose.base.files import read_regular, unsaved
 from mjcompose.base.version import __version__
 from mjcompose.lsp import language, navigation
 from mjcompose.lsp.actions import Offer, actions
-from mjcompose.lsp.analysis import Analysis, Question, lines_of
+from mjcompose.lsp.analysis import Analysis, Question
 from mjcompose.lsp.completion import complete
 from mjcompose.lsp.desk import Desk, Document
 from mjcompose.lsp.hover import hover
 from mjcompose.lsp.protocol import Converter, Errands, Frames
 from mjcompose.lsp.rename import Refused, rename, renameable
+from mjcompose.text.insert import lines_of
 
 _TURN = 0.001  # how many seconds an analysis may keep Python for itself while an editor waits for an answer
 _WATCHED = "**/*.{yaml,yml,xml,mjcf,urdf,xacro,lock}"

@@ -360,3 +360,60 @@ def test_there_are_only_so_many_pages() -> None:
 def test_the_table_is_read_once(served: Server, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(server, "BUILT", Path("nowhere"))
     assert {asked(served, token(served) + name)[0] for name in (b"page.js", b"page.css")} == {200}
+
+
+CHANGE = b'{"kind": "undo", "digests": {}}'
+
+
+def _origin(served: Server) -> str:
+    return f"Origin: http://{urlsplit(served.address).netloc}"
+
+
+def test_a_recipe_is_changed_only_by_a_page_of_this_server(served: Server) -> None:
+    """Without a browser nothing says where a request comes from, so it has to say it itself."""
+    own, origin = token(served) + b"change", _origin(served)
+    assert asked(served, own, origin, method="POST", body=CHANGE)[0] == 200
+    assert asked(served, own, origin, "Sec-Fetch-Site: same-origin", method="POST", body=CHANGE)[0] == 200
+    for headers in (
+        [], ["Origin: null"], ["Origin: http://evil.example"], [origin, origin], [origin, "Sec-Fetch-Site: cross-site"],
+        [origin, "Sec-Fetch-Site: same-site"], [origin, "Sec-Fetch-Site: none"], [origin, "Sec-Fetch-Site: "],
+        [origin, "Sec-Fetch-Site: same-origin", "Sec-Fetch-Site: cross-site"],
+    ):  # fmt: skip
+        assert asked(served, own, *headers, method="POST", body=CHANGE)[0] == 403, headers
+    assert asked(served, b"/change", origin, method="POST", body=CHANGE)[0] == 403
+    assert asked(served, b"/wrong/change", origin, method="POST", body=CHANGE)[0] == 403
+    assert asked(served, own, origin)[0] == 404
+    for method in ("PUT", "PATCH", "DELETE"):
+        assert asked(served, own, origin, method=method, body=CHANGE)[0] == 403
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        "{}", "[]", "null", "1", '"undo"', '{"kind": "write"}', '{"kind": ["undo"]}', '{"kind": "place", "digests": {}}',
+        '{"kind": "place", "at": ["model.xml", NaN, 1], "digests": {}}', "[" * 100_000,
+        '{"kind": "keyframe", "name": "\\ud800", "digests": []}', '{"kind": "attach", "digests": {}}',
+    ],
+)  # fmt: skip
+def test_a_change_that_is_none_is_a_bad_request_or_refused(served: Server, body: str) -> None:
+    status, said = asked(served, token(served) + b"change", _origin(served), method="POST", body=body.encode())
+    assert status == 400 or (status == 200 and b"refused" in said), said
+
+
+def test_a_change_has_a_size(served: Server) -> None:
+    headers = [_origin(served), "Content-Type: application/json", f"Content-Length: {2 << 20}"]
+    assert asked(served, token(served) + b"change", *headers, method="POST")[0] == 400
+
+
+@pytest.mark.parametrize(
+    ("host", "writes", "expected"),
+    [
+        ("127.0.0.1", True, True), ("localhost", True, True), ("::1", True, True), ("127.0.0.1", False, False),
+        ("0.0.0.0", True, False), ("::", True, False), ("", True, False), ("192.168.1.5", True, False),
+        ("robot.lab", True, False),
+    ],
+)  # fmt: skip
+def test_who_shares_a_page_or_says_read_only_writes_nothing(host: str, writes: bool, expected: bool) -> None:
+    guard = Guard(host, 8080, "secret", writes=writes)
+    assert guard.may_write([f"http://{host}:8080"], ["same-origin"]) is expected
+    assert not guard.may_write([], ["same-origin"])

@@ -14,7 +14,8 @@ from threading import Event, Lock, RLock, Thread
 from typing import TYPE_CHECKING, Any
 
 from mjcompose.base.dataclass import dataclass
-from mjcompose.base.files import Mark, mark_of
+from mjcompose.base.files import Mark, mark_of, read_regular
+from mjcompose.base.limits import in_force
 from mjcompose.mujoco import engine
 from mjcompose.mujoco.controls import advance as simulate
 from mjcompose.sources.context import Context
@@ -22,6 +23,7 @@ from mjcompose.text.node import texts
 from mjcompose.tools.diff.sides import Operand, Side, load, read_operand
 from mjcompose.tools.view.page import Asked, choices, described
 from mjcompose.tools.view.render import check_given
+from mjcompose.tools.view.targets import Targets, movable
 
 if TYPE_CHECKING:
     from mjcompose.mujoco.engine import Session
@@ -104,13 +106,15 @@ class Shown:
     title: str = ""
     fault: str | None = None
     seconds: float = 0.0
+    targets: Targets = Targets()
 
 
 class Workshop:
     """Builds the models that the page shows.
 
     `open` returns a new context for each build, `words` the terminal's text for its faults. A build takes `lock` while
-    the engine works. `shown` and `inputs`, the files to watch, are replaced as a whole.
+    the engine works. `shown` and `inputs`, the files to watch, are replaced as a whole. If it `writes`, the page
+    learns what it can move.
     """
 
     def __init__(
@@ -119,6 +123,7 @@ class Workshop:
     ) -> None:  # fmt: skip
         self.target, self.asked, self.session = target, asked, session
         self.key, self.editor = key, editor
+        self.writes = False
         self._open, self._words = open, words
         self.lock = RLock()
         self.shown = Shown()
@@ -133,28 +138,37 @@ class Workshop:
         """Build and show the result; after a fault the previous model stays."""
         with self.lock, ExitStack() as opened:
             started = time.monotonic()
-            context, asked = self._open(), self.asked
+            context, asked, before = self._open(), self.asked, (time.time_ns(), marks(self.inputs))
             operand = read_operand(self.target, context, opened)
             made, is_new, old = None, False, self.shown
             if operand is not None and check_given(operand, asked.given):
                 made = load(operand, KEPT, self.session, given=asked.given, pick=asked.pick, sample=asked.sample)
                 made = None if operand.context.sink.has_errors else made
-                is_new = made is not None and self._describe(made, operand, old)
+                is_new = made is not None and self._describe(made, operand, old, before=before)
             if operand is not None:
                 operand.report(context.sink)
             self._watch(operand, made, context)
             if not is_new:
                 self.shown = Shown(old.version, old.text, old.blobs, title=old.title, fault=self._words(context))
+                self.shown.targets = old.targets
             self.shown.seconds = time.monotonic() - started
             return self.shown
 
-    def _describe(self, side: Side, operand: Operand, old: Shown) -> bool:
-        menus = choices(operand, self.asked)
-        found = described(side, self.session, old.blobs, editor=self.editor, key_named=self.key, choices=menus)
+    def _describe(self, side: Side, operand: Operand, old: Shown, before: tuple[int, dict[Path, Mark]]) -> bool:
+        menus, targets = choices(operand, self.asked), Targets()
+
+        def extend(scene: dict[str, Any]) -> None:
+            nonlocal targets
+            if self.writes:
+                scene["move"], targets = movable(side, scene, _recipes(operand.context, before))
+
+        found = described(
+            side, self.session, old.blobs, editor=self.editor, extend=extend, key_named=self.key, choices=menus
+        )
         if found is None or (old.version < 0 and not found.has_key(self.key, operand.context.sink)):
             return False
         blobs = {name: found.blobs.get(name) or old.blobs[name] for name in found.used}
-        self.shown = Shown(old.version + 1, found.text, blobs, title=found.title)
+        self.shown = Shown(old.version + 1, found.text, blobs, title=found.title, targets=targets)
         return True
 
     def _watch(self, operand: Operand | None, side: Side | None, context: Context) -> None:
@@ -164,6 +178,24 @@ class Workshop:
         if operand is not None:
             files.add(context.folder / operand.path.with_suffix(".lock"))
         self.inputs = frozenset(files)
+
+
+def _recipes(context: Context, before: tuple[int, dict[Path, Mark]]) -> dict[str, bytes | None]:
+    """Return the recipes of a build by their name in messages, each with its text, or None if it may have changed.
+
+    `before` are the time when the build began, and the marks of files then.
+    """
+    begun, earlier = before
+    found: dict[str, bytes | None] = {}
+    for recipe, read in context.recipes.items():
+        for path in (context.folder / recipe, *(source.path for source, _ in read.extended)):
+            mark, text = mark_of(path), None
+            with contextlib.suppress(OSError):
+                text = read_regular(path, in_force().recipe_size)
+                is_same = earlier.get(path) == mark or os.stat(path).st_mtime_ns < begun
+                text = text if is_same and mark_of(path) == mark else None
+            found[context.shown(path)] = text
+    return found
 
 
 _RATE = 30

@@ -23,17 +23,18 @@ _PATIENCE = 0.5
 
 @dataclass(frozen=True, slots=True)
 class Service:
-    """The address for a page, and whether a browser opens it."""
+    """The address for a page, whether a browser opens it, and whether the page may change recipes."""
 
     host: str = "127.0.0.1"
     port: int = 0
     opens: bool = True
+    writes: bool = True
 
 
 def started(workshop: Workshop, service: Service, context: Context) -> Server | None:
     """Return a listening server, or None if it cannot listen, which is reported."""
     try:
-        return Server(workshop, service.host, service.port)
+        return Server(workshop, service.host, service.port, writes=service.writes)
     except (OSError, OverflowError) as error:
         reason = (getattr(error, "strerror", None) or str(error)).lower()
         help = "omit `--port` for a free one" if service.port else "omit `--host`"

@@ -8,7 +8,7 @@ import json
 import lzma
 import os
 import zlib
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Sequence
 from collections.abc import Mapping as AbcMapping
 from dataclasses import field, replace
 from itertools import islice
@@ -123,6 +123,17 @@ class Names:
 KINDS = ("body", "joint", "geom", "site", "camera", "light", "tendon", "actuator", "key", "skin", "flex")
 _MOST_CHANGES = 12
 
+
+def nodes_of(kind: str, names: Sequence[str], traced: Traced) -> list[Any]:
+    """Return the node of each element of a kind, or None: copies made by MuJoCo have no node of their own."""
+    asked = query.read(kind, None, Sink())
+    nodes = [] if asked is None else query.find(asked, traced.model.root, traced.separator)
+    if len(nodes) == len(names):
+        return nodes
+    known = {name: node for node in nodes if (name := query.name_of(node)) is not None}
+    return [known.get(name) for name in names]
+
+
 Place = list[int] | None  # the number of a file, a line and a column
 
 
@@ -160,13 +171,8 @@ class Origins:
         return rows
 
     def _of_kind(self, kind: str, names: Sequence[str], traced: Traced) -> list[Any]:
-        asked = query.read(kind, None, Sink())
-        nodes = [] if asked is None else query.find(asked, traced.model.root, traced.separator)
-        if len(nodes) == len(names):
-            return [self._element(node, traced) for node in nodes]
-        # Copies made by MuJoCo have no node of their own.
-        known = {name: node for node in nodes if (name := query.name_of(node)) is not None}
-        return [self._element(known[name], traced) if name in known else None for name in names]
+        nodes = nodes_of(kind, names, traced)
+        return [None if node is None else self._element(node, traced) for node in nodes]
 
     def _element(self, node: Any, traced: Traced) -> list[Any]:
         life = traced.watch.life(node)
@@ -215,13 +221,14 @@ class Description:
 
 def described(
     side: Side, session: Session, known: Collection[str] = (), editor: str | None = None, names: Names | None = None,
-    **more: Any,
+    extend: Callable[[dict[str, Any]], object] | None = None, **more: Any,
 ) -> Description | None:  # fmt: skip
     """Return the description of a model that `session` keeps, or None if MuJoCo fails, which is reported.
 
     Blobs in `known` are not created again. With an `editor` address, in which `{file}`, `{line}` and `{column}`
     are a place, it has paths of this machine; without it there are none, and the same model gives the same bytes.
-    `names` are the file names shared with another model on the page. `more` is added to the JSON.
+    `names` are the file names shared with another model on the page. `more` is added to the JSON, and `extend` adds to
+    it.
     """
     with scratch("scene") as folder:
         answer = engine.call(session, describe, [side.kept], argument={"folder": str(folder), "known": sorted(known)})
@@ -244,6 +251,8 @@ def described(
         scene["editor"] = {"template": editor, "files": origins.absolute}
     scene["made"] = f"mjcompose {__version__}"
     scene |= more
+    if extend is not None:
+        extend(scene)
     text = json.dumps(scene, ensure_ascii=False, separators=(",", ":"), allow_nan=False)
     return Description(title, text, used, blobs=blobs, keys=tuple(scene["key"]["name"]))
 

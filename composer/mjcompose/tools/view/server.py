@@ -23,6 +23,7 @@ from typing import Any
 from mjcompose.base.dataclass import dataclass
 from mjcompose.tools.view.builder import Physics, Shown, Workshop
 from mjcompose.tools.view.page import BUILT, live
+from mjcompose.tools.view.writing import Writer
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,6 +33,7 @@ class Guard:
     host: str
     port: int
     token: str
+    writes: bool = False
 
     @property
     def address(self) -> str:
@@ -63,6 +65,22 @@ class Guard:
         own = f"/{self.token}/"
         head, key = target[: len(own)], target[len(own) :]
         return key if hmac.compare_digest(head.encode("utf-8", "surrogatepass"), own.encode()) else None
+
+    def may_write(self, origins: Sequence[str], sites: Sequence[str]) -> bool:
+        """Return whether an answered request may change a recipe: it has to come from a page of this server itself.
+
+        `origins` has passed `key_of`; `sites` are the values of `Sec-Fetch-Site`, which a browser sends. Only a server
+        that nobody else can reach writes at all.
+        """
+        return self.writes and self.is_private and len(origins) == 1 and list(sites) in ([], ["same-origin"])
+
+    @property
+    def is_private(self) -> bool:
+        """Whether only this machine can connect."""
+        try:
+            return self.host == "localhost" or ip_address(self.host).is_loopback
+        except ValueError:
+            return False
 
     def _is_everywhere(self) -> bool:
         """Return whether the server listens on all addresses of this machine."""
@@ -160,8 +178,8 @@ _FILES = {"page.js": "text/javascript; charset=utf-8", "page.css": "text/css; ch
 class Server:
     """Serves one workshop. `address` contains the token, without which nothing is answered."""
 
-    def __init__(self, workshop: Workshop, host: str, port: int) -> None:
-        self.workshop, self.hub = workshop, Hub()
+    def __init__(self, workshop: Workshop, host: str, port: int, writes: bool = False) -> None:
+        self.workshop, self.hub, self.writer = workshop, Hub(), Writer(workshop)
         self.files = {name: (BUILT / name).read_bytes() for name in _FILES}
         server = self
 
@@ -169,7 +187,8 @@ class Server:
             owner = server
 
         self._http = _Http((host, port), Handler)
-        self.guard = Guard(host, self._http.server_address[1], secrets.token_urlsafe(16))
+        self.guard = Guard(host, self._http.server_address[1], secrets.token_urlsafe(16), writes=writes)
+        workshop.writes = writes and self.guard.is_private
         self.address = self.guard.address
         self.physics = Physics(workshop, lambda state: self.hub.send("state", state))
 
@@ -325,7 +344,11 @@ class _Handler(BaseHTTPRequestHandler):
         if (key := self._key()) is None:
             return
         try:
-            wish = self._wish(key, self._said())
+            said = self._said()
+            if key == "change":
+                self._change(said)
+                return
+            wish = self._wish(key, said)
         except OSError:
             raise
         except Exception:  # a request that cannot be read
@@ -365,6 +388,14 @@ class _Handler(BaseHTTPRequestHandler):
             raise ValueError
         self._asked.left += size
         return json.loads(self.rfile.read(size))
+
+    def _change(self, said: Any) -> None:
+        """Let a page change a recipe, and answer what came of it."""
+        origins, sites = (self.headers.get_all(name, []) for name in ("origin", "sec-fetch-site"))
+        if not self.owner.guard.may_write(origins, sites):
+            self._refuse(HTTPStatus.FORBIDDEN)
+            return
+        self._send(json.dumps(self.owner.writer.answer(said)).encode(), "application/json")
 
     def _wish(self, key: str, said: Any) -> Callable[[], object] | None:
         physics = self.owner.physics

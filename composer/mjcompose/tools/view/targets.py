@@ -1,0 +1,181 @@
+"""Parts and added elements whose place a recipe says, so that the page can move them."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterator, Mapping
+from dataclasses import field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.diagnostic import Path as Steps
+from mjcompose.base.diagnostic import Span
+from mjcompose.base.rotation import Pose
+from mjcompose.build.plan.plan import Plan
+from mjcompose.build.plan.steps import AddElement
+from mjcompose.link.bodies import effective_pose
+from mjcompose.link.numbers import pose_in_world, read_pose
+from mjcompose.text.node import Mapping as Located
+from mjcompose.text.node import find, walk
+from mjcompose.tools.diff.sides import Side
+from mjcompose.tools.view.page import nodes_of
+from mjcompose.tree.classes import through_frames
+from mjcompose.tree.files import read_settings
+
+if TYPE_CHECKING:
+    from lxml.etree import _Element as Node
+
+    from mjcompose.link.linking import Part
+
+KINDS = ("body", "geom", "site", "camera")
+_RECIPES = (".yaml", ".yml")
+
+
+@dataclass(frozen=True, slots=True)
+class Target:
+    """A part or an added element: the recipe that says its place, and the path of its mapping there.
+
+    `outer` are the prefixes that the names of its recipe have in the model, one for each use of the recipe.
+    """
+
+    label: str
+    plan: Plan
+    at: Steps
+    span: Span
+    outer: tuple[str, ...] = ()
+
+    @property
+    def mapping(self) -> Located:
+        found = find(self.plan.document, self.at)
+        return found if isinstance(found, Located) else Located({}, self.span)
+
+
+@dataclass(frozen=True, slots=True)
+class Targets:
+    """All targets of a model by the place of their key, and the text of each recipe by its name in messages.
+
+    `texts` has None for a recipe that changed during the build, and `paths` only the recipes of the user's own.
+    """
+
+    recipe: str = ""
+    by_place: Mapping[tuple[str, int, int], Target] = field(default_factory=dict)
+    texts: Mapping[str, bytes | None] = field(default_factory=dict)
+    paths: Mapping[str, Path] = field(default_factory=dict)
+    plan: Plan | None = None
+
+
+def digest(text: bytes | None) -> str:
+    """Return the digest by which a page says which text it shows; empty for an unknown text."""
+    return "" if text is None else hashlib.sha256(text).hexdigest()
+
+
+def movable(side: Side, scene: Mapping[str, Any], texts: Mapping[str, bytes | None]) -> tuple[dict[str, Any], Targets]:
+    """Return what the page has to know to move things, and what the server has to know to write that."""
+    operand = side.operand
+    if side.plan is None or side.traced is None or operand.revision or operand.path.suffix.lower() not in _RECIPES:
+        return {"why": "only a recipe can be changed here: write one with `base: ./MODEL.xml`"}, Targets()
+    if not (operand.context.folder / side.plan.file).samefile(operand.context.folder / operand.label):
+        return {"why": "only a recipe can be changed here: write one with `base: ./MODEL.xml`"}, Targets()
+    found = _Movable(side, scene)
+    rows = [*found.parts(), *found.additions()]
+    paths = {name: path for name in texts if operand.fetched(path := operand.context.folder / name) is None}
+    names = list(texts)
+    for row in rows:
+        row["at"][0] = names.index(row["at"][0])
+    page = {"files": [[name, digest(text)] for name, text in texts.items()], "targets": rows, "framed": found.framed()}
+    return page, Targets(side.plan.file, found.targets, texts, paths=paths, plan=side.plan)
+
+
+class _Movable:
+    def __init__(self, side: Side, scene: Mapping[str, Any]) -> None:
+        assert side.traced is not None and side.plan is not None
+        self.traced, self.plans = side.traced, list(side.plan.plans())
+        self.numbers = {
+            node: (kind, number)
+            for kind in KINDS
+            for number, node in enumerate(nodes_of(kind, scene[kind]["name"], side.traced))
+            if node is not None
+        }
+        settings = read_settings(side.traced.model.root)
+        self.units = settings.angle == "degree", settings.eulerseq
+        self.targets: dict[tuple[str, int, int], Target] = {}
+
+    def parts(self) -> Iterator[dict[str, Any]]:
+        """Yield a row for each part and each of its copies."""
+        steps = {step.span: (plan, step.at) for plan in self.plans for step in plan.parts}
+        parts = dict.fromkeys(part for node in self.numbers for part in self.traced.watch.life(node).parts)
+        for part in parts:
+            if part.content is None or part.span not in steps or not part.span.file:
+                continue
+            content, moves = part.content, bool(part.joints or part.mocap)
+            top = content.getparent() if moves and content.tag == "frame" else content
+            if top is None or top.tag not in ("frame", "body"):
+                continue
+            plan, at = steps[part.span]
+            final = content.get("childclass") or part.prefix
+            is_outer = plan is self.plans[0] or not str(final).endswith(part.prefix)
+            outer = "" if is_outer else str(final).removesuffix(part.prefix)
+            earlier = self.targets.get((part.span.file, part.span.line, part.span.column))
+            outers = {outer: None} if earlier is None else {**dict.fromkeys(earlier.outer), outer: None}
+            target = Target(part.key, plan, at, span=part.span, outer=tuple(outers))
+            nodes = [top] if moves else list(through_frames(top))
+            yield self._row(target, "part", nodes, place=self._place(part, top))
+
+    def additions(self) -> Iterator[dict[str, Any]]:
+        """Yield a row for each element that `add` writes."""
+        known = {}
+        for plan in self.plans:
+            for path, key, node in walk(find(plan.document, ("add",)) or Located({}, plan.span), ("add",)):
+                if isinstance(node, Located) and len(path) > 2:
+                    span = node.span if key is None else key.span
+                    known[span.file, span.line, span.column] = plan, path
+        for node, (kind, _) in self.numbers.items():
+            life = self.traced.watch.life(node)
+            if life.made_by is None or not isinstance(life.made_by.done, AddElement):
+                continue
+            written = next((each.span for each in self.traced.written(life) if each.span is not None), None)
+            if written is not None and (found := known.get((written.file, written.line, written.column))) is not None:
+                target = Target(str(node.get("name") or kind), *found, span=written)
+                yield self._row(target, kind, [node], place=(node.getparent(), Pose()))
+
+    def framed(self) -> dict[str, list[int]]:
+        """Return the elements in frames of their source, whose own `pos` is not their place in the body."""
+        found: dict[str, list[int]] = {}
+        for node, (kind, number) in self.numbers.items():
+            parent = node.getparent()
+            if parent is not None and parent.tag in ("frame", "replicate"):
+                found.setdefault(kind, []).append(number)
+        return found
+
+    def _place(self, part: Part, top: Node) -> tuple[Node | None, Pose]:
+        """Return the element in which the offset of a part counts, and the pose of the place there."""
+        mount, kind = part.mount, part.place.kind
+        if kind == "world" or mount is None or (part.sense is not None and not part.floats):
+            return top.getparent(), Pose()
+        start, pose = mount, Pose()
+        if kind == "site":
+            parent = mount.getparent()
+            if parent is None:
+                return None, pose
+            start, pose = parent, read_pose(effective_pose(mount, self.traced.classes), *self.units)
+        if part.floats:
+            return top.getparent(), pose_in_world(start, *self.units) @ pose
+        return start, pose
+
+    def _row(self, target: Target, kind: str, nodes: list[Node], place: tuple[Node | None, Pose]) -> dict[str, Any]:
+        at = (target.span.file, target.span.line, target.span.column)
+        self.targets[at] = target
+        moved: dict[str, list[int]] = {}
+        for node in nodes:
+            if node in self.numbers:
+                moved.setdefault(self.numbers[node][0], []).append(self.numbers[node][1])
+        start, pose = place
+        while start is not None and start.tag == "frame":
+            pose, start = read_pose(start, *self.units) @ pose, start.getparent()
+        mount = None if start is None else self.numbers.get(start)
+        frame = None if mount is None or not pose.is_finite else [*pose.pos, *pose.quat]
+        return {
+            "at": list(at), "label": target.label, "kind": kind, "mount": mount[1] if mount else 0, "frame": frame,
+            "moved": moved,
+        }  # fmt: skip

@@ -1,0 +1,432 @@
+"""The changes to recipes that a page may ask for: each is checked, and changes one file or nothing."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import math
+import os
+import re
+import stat
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from threading import Lock
+from typing import Any
+
+from mjcompose.base.access import Door, door_of_user, folder_of_recipe
+from mjcompose.base.diagnostic import Path as Steps
+from mjcompose.base.diagnostic import Span
+from mjcompose.base.files import read_regular
+from mjcompose.base.limits import in_force
+from mjcompose.base.rotation import Pose, normalize
+from mjcompose.base.sink import Sink
+from mjcompose.build.bundle.bundle import OutputError
+from mjcompose.build.bundle.staging import staged_file
+from mjcompose.build.plan.steps import AngleSettings
+from mjcompose.language.attach import PLACES, prefix_fault
+from mjcompose.language.forms.context import Settings
+from mjcompose.language.placing import ORIENTATIONS
+from mjcompose.sources.fetching import model_files
+from mjcompose.text.evaluate import Template
+from mjcompose.text.expression import ExpressionError
+from mjcompose.text.insert import Change
+from mjcompose.text.load import load
+from mjcompose.text.node import Mapping, Scalar, find, is_template, to_python, walk
+from mjcompose.text.node import Sequence as List
+from mjcompose.tools.view.builder import Workshop
+from mjcompose.tools.view.draft import Draft, Refused, Written, name_text, short
+from mjcompose.tools.view.offset import Offset
+from mjcompose.tools.view.targets import Target, digest
+from mjcompose.tree.pattern import is_pattern
+
+_MOST = 1e4
+"""No number of a page may be larger."""
+_MOST_DONE = 200
+_MOST_RECIPES, _MOST_SIZE = 2000, 1 << 18
+_WIDTHS, _HINGE = (7, 4, 1, 1), 3
+_RECIPES = (".yaml", ".yml")
+_STALE = "`{}` has changed since this model was built, so nothing is written"
+_BREAK = re.compile(r"\r\n|\n|\r")
+Answer = dict[str, Any]
+Done = tuple[str, bytes, bytes, str]
+"""A file, its text before and after, and what was done."""
+
+
+class Writer:
+    """Changes the recipes of a workshop's model. A page asks with the digests of the texts that it shows."""
+
+    def __init__(self, workshop: Workshop) -> None:
+        self.workshop = workshop
+        self._lock = Lock()
+        self._targets: object = None
+        self._texts: dict[str, bytes | None] = {}
+        self._in_editor: dict[str, bytes] = {}
+        self._done: list[Done] = []
+        self._undone: list[Done] = []
+        self._scene: tuple[int, Any] = (-1, None)
+
+    def answer(self, said: Any) -> Answer:
+        """Return what the page gets to know; `refused` says why nothing has changed."""
+        acts: dict[str, Callable[[Any], Answer]] = {
+            "look": self._look, "place": self._place, "edit": self._edit, "keyframe": self._keyframe,
+            "free": self._free, "attach": self._attach, "models": self._models, "parameter": self._parameter,
+            "undo": self._undo, "redo": self._redo,
+        }  # fmt: skip
+        act = acts[said["kind"]]
+        with self._lock:
+            if self._targets is not (now := self.workshop.shown.targets):
+                self._targets, self._texts = now, dict(now.texts)
+            try:
+                found = act(said)
+            except Refused as refused:
+                return {"refused": str(refused), **refused.more}
+            except OutputError as error:
+                return {"refused": error.diagnostic.message}
+            except OSError as error:
+                return {"refused": f"the recipe cannot be read: {(error.strerror or str(error)).lower()}"}
+            undo, redo = (stack[-1][3] if stack else None for stack in (self._done, self._undone))
+            digests = {name: digest(text) for name, text in self._texts.items()}
+            return {**found, "undo": undo, "redo": redo, "digests": digests}
+
+    # -- what the page shows -------------------------------------------------------------------------------------------
+
+    @property
+    def scene(self) -> Any:
+        shown = self.workshop.shown
+        if self._scene[0] != shown.version:
+            self._scene = shown.version, json.loads(shown.text)
+        return self._scene[1]
+
+    def _name(self, kind: str, number: Any) -> str:
+        names = self.scene[kind]["name"]
+        if type(number) is not int or not 0 <= number < len(names) or not names[number]:
+            raise Refused(f"this {kind} has no name by which a recipe could mean it")
+        return str(names[number])
+
+    def _own(self, file: str) -> Path:
+        """Return the path of a recipe that may be written: one of the user's own, in the folder of the project."""
+        targets = self.workshop.shown.targets
+        path, recipe = (targets.paths.get(each) for each in (file, targets.recipe))
+        if path is not None and recipe is not None and path.suffix.lower() in _RECIPES:
+            doors = Door.of([folder_of_recipe(recipe)]), door_of_user()
+            if all(door.sees(path) for door in doors):
+                return path
+        raise Refused(f"it is written in `{file}`, which is not a recipe of your project")
+
+    def _draft(self, file: str, said: Any) -> Draft:
+        """Return the draft of a recipe whose text the page shows, with the text that an editor has of it."""
+        path, known = self._own(file), self._texts.get(file)
+        raw = read_regular(path, in_force().recipe_size)
+        if known is None or raw != known or said["digests"].get(file) != digest(known):
+            raise Refused(_STALE.format(file), stale=True)
+        for name, text in (said.get("texts") or {}).items():
+            if os.path.realpath(name) == os.path.realpath(path) and text != raw.decode("utf-8-sig"):
+                raw = text.encode()
+        return Draft.of(file, path, raw)
+
+    def _recipe(self, said: Any) -> Draft:
+        return self._draft(self.workshop.shown.targets.recipe, said)
+
+    def _offset(self, target: Target, said: Any) -> Offset:
+        """Return what a recipe says of the place of a target, in the file that says it."""
+        mapping = target.mapping
+        spans = [mapping.entries[key][1].span for key in ("pos", *ORIENTATIONS) if key in mapping.entries]
+        files = list(dict.fromkeys(span.file for span in spans)) or [target.span.file]
+        if len(files) > 1:
+            raise Refused(f"{' and '.join(f'`{each}`' for each in files)} say this place together: change it there")
+        draft = self._draft(files[0], said)
+        holder = self._raw_path(spans[0], key=False)[:-1] if spans else self._raw_path(target.span, key=True)
+        shown = self._texts.get(draft.file) if self._in_editor.get(draft.file) != draft.raw else draft.raw
+        before = find(load(shown or b"", draft.file, Sink()) or draft.tree, holder)
+        now = find(draft.tree, holder)
+        if before is None or not isinstance(now, Mapping) or to_python(now) != to_python(before):
+            raise Refused("your unsaved text says another place: save it first", stale=True)
+        if "fromto" in now.entries:
+            raise Refused("`fromto` says this place: change its numbers")
+        context = target.plan.angle_context
+        found = Offset(draft, holder, context.others.get(draft.file, context.whole))
+        if computed := found.computed:
+            key, text = computed[0]
+            raise Refused(f"`{key}` is computed: `{text}`", parameters=self._parameters_in(text, said))
+        return found
+
+    def _raw_path(self, span: Span, key: bool) -> Steps:
+        """Return the path in its own file, as it was built, of a key or a value."""
+        built = self.workshop.shown.targets.texts.get(span.file)
+        visits = [] if built is None else list(walk(load(built, span.file, Sink()) or Mapping({}, span)))
+        at = span.line, span.column
+        keys = [each.path for each in visits if each.key and (each.key.span.line, each.key.span.column) == at]
+        values = [each.path for each in visits if (each.node.span.line, each.node.span.column) == at]
+        found = keys if key and keys else [each for each in values if len(each) == min(map(len, values))]
+        if not found:
+            raise Refused(_STALE.format(span.file), stale=True)
+        if len(found) > 1:
+            raise Refused("an alias repeats this entry: write it out first")
+        return found[0]
+
+    def _parameters_in(self, text: str, said: Any) -> list[list[str]]:
+        """Return the parameters in an expression that the recipe says as a number, each with its number."""
+        with contextlib.suppress(ExpressionError, Refused, OSError):
+            tree = self._recipe(said).tree
+            names = dict.fromkeys(each.name for each in Template.parse(text).names())
+            return [[name, str(to_python(node))] for name in names if (node := _parameter(tree, name)[1]) is not None]
+        return []
+
+    def _also(self, file: str) -> str:
+        """Return which other recipes and parts use a recipe, in words."""
+        targets = self.workshop.shown.targets
+        if file == targets.recipe or targets.plan is None:
+            return ""
+        uses = sum(each.file == file for each in targets.plan.plans())
+        top, name, others, seen = folder_of_recipe(targets.paths[targets.recipe]), os.path.basename(file), 0, 0
+        for folder, folders, files in os.walk(top):
+            folders[:] = [each for each in folders if not each.startswith(".")]
+            for each in files:
+                path = Path(folder, each)
+                if path.suffix.lower() not in _RECIPES or (seen := seen + 1) > _MOST_RECIPES:
+                    continue
+                with contextlib.suppress(OSError):
+                    is_other = path not in (targets.paths[file], targets.paths[targets.recipe])
+                    others += is_other and name.encode() in read_regular(path, _MOST_SIZE)
+        words = [f"{uses} parts of this model"] * (uses > 1)
+        words += [f"{others} other recipe{'s' * (others > 1)}"] * (others > 0)
+        return f"also changes {' and '.join(words)}" if words else ""
+
+    # -- changes -------------------------------------------------------------------------------------------------------
+
+    def _look(self, said: Any) -> Answer:
+        """Say where a target is now, or why it cannot be moved."""
+        target = self._target(said)
+        offset = self._offset(target, said)
+        pose, draft = offset.pose, offset.draft
+        return {
+            "pos": pose.pos, "quat": pose.quat, "also": self._also(draft.file),
+            "where": f"{draft.file}:{offset.mapping.span.line}",
+        }  # fmt: skip
+
+    def _place(self, said: Any) -> Answer:
+        target = self._target(said)
+        offset = self._offset(target, said)
+        if said.get("site") is None:
+            written = offset.move(_pose(said))
+        else:
+            written = [self._to_site(offset, target, self._name("site", said["site"]))]
+            written += offset.move(Pose(), anew=True)
+        return self._finish(offset.draft, f"{target.label}: {', '.join(written)}", said)
+
+    def _target(self, said: Any) -> Target:
+        name, line, column = said["at"]
+        target = self.workshop.shown.targets.by_place.get((str(name), int(line), int(column)))
+        if target is None:
+            raise Refused("the model has changed: select it again", stale=True)
+        return target
+
+    def _to_site(self, offset: Offset, target: Target, name: str) -> str:
+        """Write another site of a part."""
+        draft, holder = offset.draft, offset.holder
+        if "attach" not in target.at[-2:-1]:
+            raise Refused("only a part can be attached to a site")
+        outer = next((each for each in target.outer if name.startswith(each)), None)
+        if outer is None:
+            raise Refused(f"`{name}` is outside the recipe that says the place of this part")
+        text = name_text(name.removeprefix(outer))
+        said = next((each for each in PLACES if each in target.mapping.entries), None)
+        node = None if said is None else find(offset.mapping, (said,))
+        if said is not None and (not isinstance(node, Scalar) or is_template(node.text)):
+            raise Refused(f"`{said}` is computed, or another file says it: change it there")
+        draft.write((*holder, said or "site"), text)
+        if said not in (None, "site"):
+            draft.rename((*holder, str(said)), "site")
+        return f"site: {text}"
+
+    def _edit(self, said: Any) -> Answer:
+        """Write an entry of `edit` that moves an element of a source; without `confirmed`, say which."""
+        kind = str(said["of"])
+        if kind not in ("body", "site", "camera"):
+            raise ValueError
+        name, pose, draft = self._name(kind, said["index"]), _pose(said), self._recipe(said)
+        if is_pattern(name):
+            raise Refused(f"`{name}` would be a pattern in `select`")
+        items = find(draft.tree, ("edit",))
+        for at, item in enumerate(items.items if isinstance(items, List) else ()):
+            entry = find(item, ("set",))
+            if isinstance(entry, Mapping) and to_python(find(item, ("select",)) or item) == {kind: name}:
+                offset = Offset(draft, ("edit", at, "set"), AngleSettings("radian"))
+                if offset.form in (None, "quat") and "pos" in entry.entries and not offset.computed:
+                    return self._finish(draft, f"{name}: {', '.join(offset.move(pose))}", said)
+        numbers = {"pos": [short(each, 5) for each in pose.pos], "quat": [short(each, 6) for each in pose.quat]}
+        values = ", ".join(f"{key}: [{', '.join(each)}]" for key, each in numbers.items())
+        text = f"{{select: {{{kind}: {name_text(name)}}}, set: {{{values}}}}}"
+        if said.get("confirmed") is not True:
+            return {"offer": f"edit:\n  - {text}", "where": draft.file}
+        draft.append("edit", text)
+        return self._finish(draft, f"{name}: an entry of `edit`", said)
+
+    def _keyframe(self, said: Any) -> Answer:
+        """Write the pose of the page as a keyframe."""
+        scene, draft, name = self.scene, self._recipe(said), str(said["name"])
+        if find(draft.tree, ("keyframe", name)) is not None:
+            raise Refused(f"there is a keyframe `{name}`: choose another name")
+        entry: dict[str, Written] = {}
+        qpos, joint = _numbers(said["qpos"], len(scene["qpos0"])), scene["joint"]
+        moved: dict[str, Written] = {}
+        unnamed = 0
+        for label, kind, at in zip(joint["name"], joint["type"], joint["qpos"], strict=True):
+            now, still = (values[at : at + _WIDTHS[kind]] for values in (qpos, scene["qpos0"]))
+            if math.dist(now, still) > 1e-9:
+                unnamed += not label
+                moved |= {label: _joint_text(kind, now)} if label else {}
+        entry |= {"qpos": moved} if moved else {}
+        if said.get("hold") is True and scene["actuator"]["name"]:
+            entry["ctrl"] = "hold"
+        bodies = [(at, number) for number, at in enumerate(scene["body"]["mocap"]) if at >= 0]
+        for key, width, still in (("mpos", 3, scene["body"]["pos"]), ("mquat", 4, scene["body"]["quat"])):
+            values = _numbers(said[key], width * len(bodies))
+            now_at: dict[str, Written] = {
+                self._name("body", number): _list(now)
+                for at, number in bodies
+                if math.dist(now := values[width * at :][:width], still[width * number :][:width]) > 1e-9
+            }
+            entry |= {key: now_at} if now_at else {}
+        draft.write(("keyframe", name), entry)
+        draft.notes += [f"{unnamed} joints without a name are not in it"] if unnamed else []
+        return self._finish(draft, f"keyframe {name}", said)
+
+    def _free(self, said: Any) -> Answer:
+        """Write the place of a free body into a keyframe of the recipe."""
+        draft, key = self._recipe(said), str(said["key"])
+        if not isinstance(find(draft.tree, ("keyframe", key)), Mapping):
+            raise Refused(f"`{draft.file}` does not write the keyframe `{key}`: save the pose under another name")
+        name, values = self._name("joint", said["joint"]), _numbers(said["qpos"], 7)
+        draft.numbers(("keyframe", key, "qpos", name), [short(each, 6) for each in values])
+        return self._finish(draft, f"{name} in keyframe {key}", said)
+
+    def _attach(self, said: Any) -> Answer:
+        """Write a new part at a site."""
+        draft, prefix, model = self._recipe(said), str(said["prefix"]), str(said["model"])
+        plan = self.workshop.shown.targets.plan
+        fault = prefix_fault(prefix, Settings(separator=plan.separator if plan else "/"))
+        if fault is not None:
+            raise Refused(fault.message)
+        if find(draft.tree, ("attach", prefix)) is not None:
+            raise Refused(f"there is a part `{prefix}`: choose another name")
+        if model not in self._models(said)["models"]:
+            raise Refused(f"`{model}` is not a model of this folder, and no part of the recipe has it")
+        site = name_text(self._name("site", said["site"]))
+        draft.write(("attach", prefix), f"{{model: {name_text(model)}, site: {site}}}")
+        return self._finish(draft, f"attach {prefix}", said)
+
+    def _models(self, said: Any) -> Answer:
+        """Say which models can be attached: those of the folder, and those that the recipe uses."""
+        targets = self.workshop.shown.targets
+        if targets.plan is None:
+            raise Refused("only a recipe can be changed here")
+        used = (find(targets.plan.document, (*step.at, "model")) for step in targets.plan.parts)
+        texts = [each.text for each in used if isinstance(each, Scalar)]
+        files = [f"./{each}" for each in model_files(targets.paths[targets.recipe].parent)]
+        return {"models": list(dict.fromkeys([*texts, *files]))}
+
+    def _parameter(self, said: Any) -> Answer:
+        """Give a parameter of the recipe another number."""
+        draft, name = self._recipe(said), str(said["name"])
+        path, node = _parameter(draft.tree, name)
+        (value,) = _numbers([said["value"]], 1)
+        if node is None:
+            raise Refused(f"`{draft.file}` does not say `{name}` as a number")
+        draft.set(path, float(short(value, 6)), Change(node.span, short(value, 6)))
+        return self._finish(draft, f"params: {name}: {short(value, 6)}", said)
+
+    def _undo(self, said: Any) -> Answer:
+        return self._back(self._done, self._undone, said)
+
+    def _redo(self, said: Any) -> Answer:
+        return self._back(self._undone, self._done, said)
+
+    def _back(self, stack: list[Done], other: list[Done], said: Any) -> Answer:
+        """Restore the text from before the last change exactly, if nothing else has changed the file."""
+        if not stack:
+            raise Refused("there is nothing to undo or redo")
+        file, before, after, words = stack[-1]
+        draft = self._draft(file, said)
+        if draft.raw != after and draft.raw != after.removeprefix(b"\xef\xbb\xbf"):
+            raise Refused(f"`{file}` has changed since: undo it in your editor", stale=True)
+        found = self._put(draft, before, said)
+        stack.pop()
+        other.append((file, after, before, words))
+        return {**found, "said": f"{'undone' if stack is self._done else 'done again'}: {words}"}
+
+    def _finish(self, draft: Draft, words: str, said: Any) -> Answer:
+        after = draft.result()
+        if after == draft.raw:
+            return {"said": "it is written like this already"}
+        found = self._put(draft, after, said)
+        self._done = [*self._done[1 - _MOST_DONE :], (draft.file, draft.raw, after, words)]
+        self._undone.clear()
+        return {**found, "said": "; ".join([words, *draft.notes]), "file": draft.file}
+
+    def _put(self, draft: Draft, after: bytes, said: Any) -> Answer:
+        """Write a text, or tell the editor what to replace, as it may have text that is not saved."""
+        if said.get("texts") is not None:
+            if draft.raw == self._texts.get(draft.file):
+                self._texts[draft.file] = after  # which the editor saves
+            else:
+                self._in_editor[draft.file] = after
+            edit = _difference(draft.text, after.decode("utf-8-sig"))
+            return {"edits": [{"file": os.path.realpath(draft.path), **edit}]}
+        with staged_file(draft.path, rewrites=True) as stage:
+            stage.write_bytes(after)
+            with contextlib.suppress(OSError):
+                stage.chmod(stat.S_IMODE(os.stat(draft.path).st_mode))
+            self._own(draft.file)
+            if read_regular(draft.path, in_force().recipe_size) != draft.raw:
+                raise Refused(_STALE.format(draft.file), stale=True)
+        self._texts[draft.file] = after
+        return {}
+
+
+def _parameter(tree: Mapping, name: str) -> tuple[Steps, Scalar | None]:
+    """Return the path of a parameter's number, and its node."""
+    path: Steps = ("params", name)
+    if isinstance(find(tree, path), Mapping):
+        path = (*path, "default")
+    node = find(tree, path)
+    is_number = isinstance(node, Scalar) and isinstance(node.value, int | float) and not isinstance(node.value, bool)
+    return path, node if isinstance(node, Scalar) and is_number else None
+
+
+def _numbers(values: Any, count: int) -> list[float]:
+    """Return the numbers of a page: as many, finite, and of a size that a place can have."""
+    found = [float(each) for each in values]
+    if len(found) != count or not all(math.isfinite(each) and abs(each) <= _MOST for each in found):
+        raise ValueError
+    return found
+
+
+def _pose(said: Any) -> Pose:
+    x, y, z = _numbers(said["pos"], 3)
+    quat = _numbers(said["quat"], 4)
+    if math.hypot(*quat) < 1e-6:
+        raise ValueError
+    return Pose((x, y, z), normalize(quat))
+
+
+def _list(values: Sequence[float]) -> str:
+    return f"[{', '.join(short(each, 6) for each in values)}]"
+
+
+def _joint_text(kind: int, values: Sequence[float]) -> str:
+    if kind == _HINGE:
+        return f"{short(math.degrees(values[0]), 4)}deg"
+    return short(values[0], 6) if len(values) == 1 else _list(values)
+
+
+def _difference(before: str, after: str) -> Answer:
+    """Return what to replace: lines and columns from 0, in units of UTF-16, as editors count."""
+    most = min(len(before), len(after))
+    head = next((at for at in range(most) if before[at] != after[at]), most)
+    tail = next((at for at in range(most - head) if before[-1 - at] != after[-1 - at]), most - head)
+    ends = []
+    for at in (head, len(before) - tail):
+        *above, last = _BREAK.split(before[:at])
+        ends += [len(above), len(last.encode("utf-16-le")) // 2]
+    return {"range": ends, "text": after[head : len(after) - tail]}
