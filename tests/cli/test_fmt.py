@@ -60,16 +60,45 @@ def test_standard_input(folder: Path) -> None:
 def test_faults_leave_the_file_alone_and_the_others_are_formatted(folder: Path) -> None:
     (folder / "untidy.yaml").write_text(UNTIDY)
     (folder / "broken.yaml").write_text("name: [\n")
-    result = run("fmt", "broken.yaml", "absent.yaml", "models", "untidy.yaml")
+    (folder / "empty").mkdir()
+    result = run("fmt", "broken.yaml", "absent.yaml", "empty", "untidy.yaml")
     assert result.exit_code == 2  # one of them does not exist
     assert result.stdout == "formatted untidy.yaml\n"
     for code in (
         "broken.yaml:2:1: error[yaml-syntax]",
         "error[file-not-found]: `absent.yaml`",
-        "error[file-unreadable]: `models`",
+        "error[file-not-found]: `empty` has no recipe and no MJCF file",
     ):
         assert code in result.stderr
     assert (folder / "broken.yaml").read_text() == "name: [\n"
+
+
+UNTIDY_MODEL = '<mujoco>\n<worldbody><geom size=".1" name="a"/></worldbody>\n</mujoco>\n'
+TIDY_MODEL = '<mujoco>\n  <worldbody>\n    <geom name="a" size=".1"/>\n  </worldbody>\n</mujoco>\n'
+
+
+def test_models(folder: Path) -> None:
+    (folder / "untidy.xml").write_text(UNTIDY_MODEL)
+    result = run("fmt", "--check", "untidy.xml")
+    assert result.exit_code == 1 and '-<worldbody><geom size=".1" name="a"/></worldbody>\n' in result.stdout
+    assert run("fmt", "untidy.xml").stdout == "formatted untidy.xml\n"
+    assert (folder / "untidy.xml").read_text() == TIDY_MODEL
+    assert run("fmt", "--check", "untidy.xml").exit_code == 0
+    assert process("fmt", "-", input=UNTIDY_MODEL.encode()).stdout == TIDY_MODEL.encode()
+
+
+def test_a_folder_is_its_recipes_and_models(folder: Path) -> None:
+    below = folder / "lab" / "deep"
+    (below / ".hidden").mkdir(parents=True)
+    for path in (below / "a.xml", below / ".hidden" / "b.xml"):
+        path.write_text(UNTIDY_MODEL)
+    (below / "arm.urdf.xml").write_text(robot := "<robot   name='arm'/>")
+    (below / "ci.yml").write_text(other := "on:   push\n")
+    (folder / "lab" / "untidy.yaml").write_text(UNTIDY)
+    result = run("fmt", "lab")
+    assert (result.exit_code, result.stdout) == (0, "formatted lab/untidy.yaml\nformatted lab/deep/a.xml\n")
+    assert (below / "a.xml").read_text() == TIDY_MODEL and (below / ".hidden" / "b.xml").read_text() == UNTIDY_MODEL
+    assert ((below / "arm.urdf.xml").read_text(), (below / "ci.yml").read_text()) == (robot, other)
 
 
 def test_no_recipe_is_a_usage_error() -> None:

@@ -158,5 +158,6 @@ def test_where_the_text_has_errors_there_is_no_model_for_mujoco_to_judge(editor:
 
 def test_a_file_that_is_there_to_be_included_is_no_model_by_itself(editor: Editor, small: Path) -> None:
     uri = editor.open("small/inner.xml", "<mujocoinclude><worldbody/></mujocoinclude>")
-    editor.diagnostics(editor.open("demo.yaml"))
-    assert uri not in editor.published
+    assert editor.diagnostics(uri) == []
+    editor.change(uri, "<mujocoinclude><worldbody></mujocoinclude>")
+    assert [each["code"] for each in editor.wait(uri, bool)] == ["xml-syntax"]

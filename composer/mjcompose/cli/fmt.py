@@ -1,4 +1,4 @@
-"""`fmt` and `fix`: format recipes in their canonical layout, and apply the exact fixes of messages."""
+"""`fmt` and `fix`: format recipes and MJCF files, and apply the exact fixes of messages."""
 
 from __future__ import annotations
 
@@ -34,46 +34,71 @@ STDIN = "-"
 
 @dataclass(frozen=True, slots=True)
 class FmtOptions:
-    recipes: tuple[str, ...] = argument(nargs=-1, required=True)
+    files: tuple[str, ...] = argument(nargs=-1, required=True)
     reporting: ReportOptions = group(ReportOptions)
     check: bool = flag("--check", help="Write nothing. Print the changes, and exit with 1 if there are any.")
 
 
 @command(FmtOptions)
 def fmt(options: FmtOptions, run: Run) -> int:
-    """Format each of RECIPES in the canonical layout. `-` formats standard input to standard output.
+    """Format each of FILES in the canonical layout: recipes, MJCF models, and both in folders.
 
-    Comments, blank lines, anchors and the choice between block and bracket style are kept. Before a file is written,
-    its values are read again and compared.
+    `-` formats standard input to standard output. Comments and blank lines are kept, and so is the text of values in
+    models. Before a file is written, its values are read again and compared.
     """
     from mjcompose.text.layout import format_recipe
+    from mjcompose.tree.xml_layout import format_mjcf
+    from mjcompose.tree.xml_pieces import MODELS, root_of
 
-    context, recipes, check = run.context, options.recipes, options.check
+    context, check = run.context, options.check
+    files = [file for given in options.files for file in _inside(given, context)]
     differing, unchanged = 0, 0
-    for recipe in recipes:
-        source = _read(recipe, context)
-        shown = "<stdin>" if recipe == STDIN else context.shown(Path(recipe))
-        result = None if source is None else format_recipe(source, shown, context.sink)
-        if source is None or result is None:
+    for file in files:
+        is_model = file.lower().endswith(MODELS)
+        source = _read(file, context, in_force().xml_size if is_model else in_force().recipe_size)
+        shown = "<stdin>" if file == STDIN else context.shown(Path(file))
+        if source is None:
+            continue
+        is_model = is_model or (file == STDIN and root_of(source.decode("utf-8", "replace")) is not None)
+        result = (format_mjcf if is_model else format_recipe)(source, shown, context.sink)
+        if result is None:
             continue
         differing += result != source
         unchanged += result == source
-        if recipe == STDIN and not check:
+        if file == STDIN and not check:
             if sys.stdout is None:
                 raise OSError("standard output is closed")
             sys.stdout.buffer.write(result)
         elif result != source and check:
             _report(shown, difference(source, result, shown, done="formatted"), run.form)
-        elif result != source and rewrite(Path(recipe), result, context):
+        elif result != source and rewrite(Path(file), result, context):
             _report(shown, None, run.form)
-    if unchanged and run.form == "text" and STDIN not in recipes:
+    if unchanged and run.form == "text" and STDIN not in files:
         say(f"{counted(unchanged, 'file')} left unchanged")
     run.report()
     if check and differing:
-        click.echo(f"{differing} of {len(recipes)} would change", err=True)
+        click.echo(f"{differing} of {len(files)} would change", err=True)
     if context.sink.has_errors:
-        return run.code_of_failure(*(Path(each) for each in recipes if each != STDIN))
+        return run.code_of_failure(*(Path(each) for each in files if each != STDIN))
     return FINDINGS if check and differing else 0
+
+
+def _inside(given: str, context: Context) -> list[str]:
+    """Return the recipes and MJCF files in a folder, in the order of their names; the file itself if it is a file."""
+    from mjcompose.tree.files import RECIPES
+    from mjcompose.tree.xml_pieces import MODELS, kind_of
+
+    if given == STDIN or not os.path.isdir(given):
+        return [given]
+    found = []
+    for folder, below, names in os.walk(given):
+        below[:] = sorted(each for each in below if not each.startswith((".", "__")))
+        for path in (Path(folder, name) for name in sorted(names) if name.lower().endswith((*RECIPES, *MODELS))):
+            text = (_read(str(path), context, in_force().xml_size) or b"").decode("utf-8", "replace")
+            found += [str(path)] if kind_of(path, text) else []
+    if not found:
+        context.sink.error("file-not-found", f"`{given}` has no recipe and no MJCF file")
+    return found
 
 
 def _report(file: str, difference: str | None, form: str) -> None:
@@ -88,18 +113,18 @@ def _report(file: str, difference: str | None, form: str) -> None:
         click.echo(printable(difference, colors=True), nl=False)
 
 
-def _read(recipe: str, context: Context) -> bytes | None:
-    if recipe == STDIN and sys.stdin is None:
+def _read(file: str, context: Context, most: int) -> bytes | None:
+    if file == STDIN and sys.stdin is None:
         context.sink.error("file-unreadable", "standard input is closed")
         return None
-    if recipe == STDIN:
-        return sys.stdin.buffer.read(in_force().recipe_size + 1)
+    if file == STDIN:
+        return sys.stdin.buffer.read(most + 1)
     try:
-        return read_regular(recipe, in_force().recipe_size)
+        return read_regular(file, most)
     except OSError as error:
         code = "file-not-found" if isinstance(error, FileNotFoundError) else "file-unreadable"
         reason = (error.strerror or str(error)).lower()
-        context.sink.error(code, f"`{recipe}` cannot be read: {reason}")
+        context.sink.error(code, f"`{file}` cannot be read: {reason}")
         return None
 
 

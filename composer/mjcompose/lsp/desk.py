@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import os
-import re
 import traceback
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -31,8 +30,10 @@ from mjcompose.text.insert import lines_of
 from mjcompose.text.load import load
 from mjcompose.tools.explain.explain import Traced
 from mjcompose.tools.explain.trace import Trace
-from mjcompose.tree.parse import parse_text
+from mjcompose.tree.files import RECIPES
+from mjcompose.tree.parse import parse_text, parse_xml
 from mjcompose.tree.unit import Watch, nobody
+from mjcompose.tree.xml_pieces import kind_of, root_of
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as Node
@@ -110,14 +111,6 @@ class Verifier:
                 context.sink = too_many.sink
             self._shelf.note(texts)
         return tuple(context.sink.sorted())
-
-
-RECIPES = (".yaml", ".yml")
-_RECIPE = re.compile(r"^(?:recipe|extends)\s*:", re.MULTILINE)
-
-
-def is_recipe(path: Path, text: str) -> bool:
-    return path.suffix.lower() in RECIPES and bool(_RECIPE.search(text) or path.stem.endswith(".recipe"))
 
 
 _MOST_TEXT = 1_000_000
@@ -225,13 +218,16 @@ class Workspace:
                     text = read_regular(other).decode("utf-8")
             except (OSError, UnicodeDecodeError):
                 continue
-            if path.name in text and is_recipe(other, text):
+            if path.name in text and kind_of(other, text) == "recipe":
                 found.append(self.analyze(other, text, texts))
         return found
 
     def check_model(self, path: Path, text: str) -> tuple[Diagnostic, ...]:
         sink = Sink()
         content, file = text.encode("utf-8", "replace"), shown(path, self.folder)
+        if root_of(text) == "mujocoinclude":  # a piece of other models
+            parse_xml(content, file, sink)
+            return tuple(sink.sorted())
         unit = parse_text(content, sink, file=file, directory=path.parent, label=path.stem)
         if unit is not None:
             check_source(unit, sink)
@@ -239,8 +235,6 @@ class Workspace:
 
 
 PAUSE = 0.4  # seconds without typing before MuJoCo builds the model
-_MODELS = (".xml", ".mjcf")
-_MODEL = re.compile(r"<mujoco[\s>]")  # the mark of a complete model; other files include those with `<mujocoinclude>`
 
 
 @dataclass(eq=False)
@@ -291,14 +285,14 @@ class Desk:
         self._reported: dict[Path, dict[str, list[Diagnostic]]] = {}
 
     def take(self, path: Path, text: str, version: int | None = None) -> None:
-        self.documents[path] = Document(path, text, _kind(path, text), version)
+        self.documents[path] = Document(path, text, kind_of(path, text), version)
         self._touched(path)
 
     def change(self, path: Path, text: str, version: int | None = None) -> None:
         document = self.documents[path]
         document.text, document.version, document.count = text, version, document.count + 1
         if document.kind == "":
-            document.kind = _kind(path, text)
+            document.kind = kind_of(path, text)
         self._touched(path)
 
     def close(self, path: Path) -> None:
@@ -445,9 +439,3 @@ class Desk:
         """End the processes that work for this one, and remove their folders."""
         self.workspace.close()
         self.verifier.close()
-
-
-def _kind(path: Path, text: str) -> str:
-    if is_recipe(path, text):
-        return "recipe"
-    return "model" if path.suffix.lower() in _MODELS and _MODEL.search(text[:20_000]) else ""

@@ -1,0 +1,218 @@
+"""An MJCF file in the layout of MuJoCo Menagerie's files, with its comments and the text of its values."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from functools import cache
+from typing import TYPE_CHECKING
+
+from mjcompose.base.diagnostic import Note, Span
+from mjcompose.base.sink import Sink
+from mjcompose.tree.classes import ORIENTATIONS
+from mjcompose.tree.grammar import GRAMMAR, ElementType
+from mjcompose.tree.parse import parse_xml
+from mjcompose.tree.xml_pieces import Piece, Written, pieces, root_of
+
+if TYPE_CHECKING:
+    from lxml.etree import _Element as Node
+
+WIDTH = 120
+"""The most characters of a line, without the end of its tag."""
+
+
+@cache
+def attribute_order(kind: ElementType) -> Mapping[str, int]:
+    """Return the place of each attribute: the order of the grammar, with the orientation behind the position."""
+    names = list(kind.attributes)
+    if "pos" in names:
+        names = [each for each in names if each not in ORIENTATIONS]
+        at = names.index("pos") + 1
+        names[at:at] = [each for each in ORIENTATIONS if each in kind.attributes]
+    return {name: at for at, name in enumerate(names)}
+
+
+def place_of_fragment(tags: set[str]) -> Mapping[str, ElementType]:
+    """Return the children that are allowed where a file with these outermost tags can be included."""
+    kinds = (GRAMMAR.root, *map(GRAMMAR.element, ("body", *GRAMMAR.paths)))
+    return next((kind.children for kind in kinds if tags <= set(kind.children)), GRAMMAR.root.children)
+
+
+def outermost(parts: list[Piece]) -> set[str]:
+    """Return the tags of the children of the root."""
+    depth, found = 0, set()
+    for each in parts:
+        if each.kind == "start" and depth == 1 and each.tag not in ("", "include"):
+            found.add(each.tag)
+        depth += (each.kind == "start" and not each.closed) - (each.kind == "end")
+    return found
+
+
+class Unusual(Exception):
+    """Something that has no place in the layout, at a character of the text."""
+
+    def __init__(self, message: str, at: int) -> None:
+        super().__init__(message)
+        self.at = at
+
+
+class _Layout:
+    def __init__(self, text: str) -> None:
+        self.text, self.parts = text, list(pieces(text))
+        self.lines: list[str] = []
+        self.kinds: list[Mapping[str, ElementType]] = []
+        self.before: Piece | None = None
+        """The piece before the next one, without blank text."""
+        self.breaks = 0
+        """How many line breaks are between the two."""
+
+    def write(self) -> str:
+        at = 0
+        while at < len(self.parts):
+            piece = self.parts[at]
+            if piece.kind == "text" and not self.text[piece.start : piece.end].strip():
+                self.breaks = self.text.count("\n", piece.start, piece.end)
+                at += 1
+                continue
+            if piece.kind == "start":
+                at += self.start(piece, at)
+            elif piece.kind == "end":
+                self.end(piece)
+            elif piece.kind == "comment":
+                self.comment(piece)
+            elif piece.kind == "other" and self.text.startswith("<?", piece.start):
+                self.line(self.text[piece.start : piece.end])
+                self.before = piece
+            else:
+                raise Unusual("a text between elements, a CDATA section or a `<!DOCTYPE>`", piece.start)
+            self.breaks = 0
+            at += 1
+        return "\n".join([*self.lines, ""])
+
+    def line(self, text: str, blank: bool = False) -> None:
+        is_first = self.before is None or (self.before.kind == "start" and not self.before.closed)
+        if self.lines and not is_first and (blank or self.breaks > 1):
+            self.lines.append("")
+        self.lines.append("  " * len(self.kinds) + text)
+
+    def start(self, piece: Piece, at: int) -> int:
+        """Write a start tag, and the rest of its element if that has no elements. Return how many pieces that are."""
+        around = self.kinds[-1] if self.kinds else {"mujoco": GRAMMAR.root}
+        inner = at + 1
+        while inner < len(self.parts) and self.parts[inner].kind in ("text", "cdata"):
+            inner += 1
+        is_leaf = not piece.closed and inner < len(self.parts) and self.parts[inner].kind == "end"
+        content = self.text[piece.end : self.parts[inner].start] if is_leaf else ""
+        content = content if content.strip() else ""
+        piece = piece._replace(closed=piece.closed or (is_leaf and not content))
+        kind, before = around.get(piece.tag), self.before
+        is_section = len(self.kinds) == 1 and before is not None and before.kind != "comment"
+        is_section = is_section and piece.tag in GRAMMAR.root.children
+        alike = before is not None and before.closed and piece.closed and before.tag == piece.tag
+        self.line(self.tag(piece, kind), blank=is_section and not alike)
+        self.before = piece
+        if content:
+            self.lines[-1] += content + f"</{piece.tag}>"
+            self.before = self.parts[inner]
+        elif piece.tag == "mujocoinclude" and not self.kinds and not piece.closed:
+            self.kinds.append(place_of_fragment(outermost(self.parts)))
+        elif not piece.closed:
+            self.kinds.append({} if kind is None else kind.children)
+        return inner - at if is_leaf else 0
+
+    def end(self, piece: Piece) -> None:
+        self.kinds.pop()
+        self.breaks, self.before = 0, piece
+        self.line(f"</{piece.tag}>")
+
+    def comment(self, piece: Piece) -> None:
+        text = self.text[piece.start : piece.end]
+        line = self.text.rfind("\n", 0, piece.start) + 1
+        indent = self.text[line : piece.start]
+        # Lines below the first one move with it; MuJoCo copies the first comment in the root, if it saves a model.
+        if not indent.strip() and len(self.kinds) > 1:
+            text = text.replace(f"\n{indent}", f"\n{'  ' * len(self.kinds)}")
+        if self.lines and not self.breaks:
+            self.lines[-1] += f" {text}"
+            return
+        is_section = len(self.kinds) == 1 and self.before is not None and self.before.kind != "comment"
+        self.line(text, blank=is_section and self._leads(piece))
+        self.before = piece
+
+    def _leads(self, piece: Piece) -> bool:
+        """Return whether a comment is directly above a section."""
+        after = self.text[piece.end :].lstrip(" \t")
+        return re.match(r"\n[ \t]*(<!--.*?-->\s*)*<(?!/)", after, re.DOTALL) is not None
+
+    def tag(self, piece: Piece, kind: ElementType | None) -> str:
+        if not piece.complete:
+            raise Unusual(f"the tag `<{piece.tag}` has no end", piece.start)
+        order = {} if kind is None else attribute_order(kind)
+        indent = "  " * len(self.kinds)
+        text, width, several = f"<{piece.tag}", len(indent) + 1 + len(piece.tag), False
+        attributes = sorted(piece.attributes, key=lambda each: order.get(each.name, len(order)))
+        for at, each in enumerate(attributes):
+            shown = f"{each.name}={self.quoted(each)}"
+            if at and (several or "\n" in shown or width + 1 + len(shown) > WIDTH):
+                text, width = f"{text}\n{indent}  {shown}", len(indent) + 2 + len(shown)
+            else:
+                text, width = f"{text} {shown}", width + 1 + len(shown)
+            several = "\n" in shown
+        return text + ("/>" if piece.closed else ">")
+
+    def quoted(self, written: Written) -> str:
+        if written.value is None:
+            raise Unusual(f"the attribute `{written.name}` has no value", written.at)
+        quote = '"' if '"' not in written.value else "'"
+        return f"{quote}{written.value}{quote}"
+
+
+def format_mjcf(source: bytes, file: str, sink: Sink) -> bytes | None:
+    """Return the file in its canonical layout, or None if it is not MJCF or would lose something.
+
+    Attributes are sorted, and sections parted by blank lines. Comments, the text of values, a byte order mark and
+    the line breaks (those of the first line) are kept. The result is parsed again and compared. No I/O.
+    """
+    tree = parse_xml(source, file, sink)
+    if tree is None:
+        return None
+    mark = "\ufeff" if source.startswith(b"\xef\xbb\xbf") else ""
+    text = source.decode("utf-8", "surrogateescape").removeprefix(mark)
+    end = "\r\n" if text.partition("\n")[0].endswith("\r") else "\n"
+    text = text.replace("\r\n", "\n").replace("\r", "\n")
+    if root_of(text) is None:
+        message = f"`{file}` is not MJCF: its root is `<{tree.tag}>`, not `<mujoco>` or `<mujocoinclude>`"
+        sink.error("not-mjcf", message, Span(file, 1, 1))
+        return None
+    try:
+        result = _Layout(text).write()
+    except Unusual as unusual:
+        line, column = text.count("\n", 0, unusual.at) + 1, unusual.at - text.rfind("\n", 0, unusual.at)
+        message = f"`{file}` is left unchanged: {unusual} has no place in the layout"
+        help = "remove it, or write it as a comment: `<!-- … -->`"
+        sink.error("cannot-format", message, Span(file, line, column), help=help)
+        return None
+    data = (mark + result.replace("\n", end)).encode("utf-8", "surrogateescape")
+    again = parse_xml(data, file, Sink())
+    if again is None or list(_content(tree)) != list(_content(again)):
+        message = f"`{file}` is left unchanged: the canonical layout would change its meaning"
+        notes = () if again is not None else (Note("it could not be read again"),)
+        help = "please report it: this is a bug of `mjcompose fmt`, not of the model"
+        sink.error("cannot-format", message, Span(file, 1, 1), notes=notes, help=help)
+        return None
+    return data
+
+
+def _content(root: Node) -> Iterator[tuple[object, ...]]:
+    """Yield what a file says: elements with their depth, attributes and text, and comments without their indents."""
+    yield from (_words(each) for each in reversed(list(root.itersiblings(preceding=True))))
+    for node in root.iter():
+        depth = sum(1 for _ in node.iterancestors())
+        attributes = sorted(node.items()) if isinstance(node.tag, str) else []
+        yield node.tag, depth, *attributes, _words(node), (node.tail or "").split()
+    yield from (_words(each) for each in root.itersiblings())
+
+
+def _words(node: Node) -> tuple[object, ...]:
+    text = str(node.text or "")
+    return (text,) if isinstance(node.tag, str) and text.strip() else tuple(text.split())
