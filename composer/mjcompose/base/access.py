@@ -1,7 +1,7 @@
 """Which folders the author of a path may see.
 
-Code that follows a path from a model or a recipe asks the door of that model or recipe. A path is judged by its
-real target: symbolic links are resolved first.
+Code that follows a path from a model or a recipe asks the door of that model or recipe. The
+door checks the real target of a path: it resolves symbolic links first.
 """
 
 from __future__ import annotations
@@ -82,7 +82,7 @@ class Door:
         return Passed(text)
 
     def admit_listed(self, paths: Iterable[str]) -> dict[str, Passed]:
-        """Return those paths that one look at each folder shows to be ordinary files; `admit` judges the others."""
+        """Return the paths that are ordinary files by one look at each folder. `admit` decides about the others."""
         passed = {
             path: Passed(path)
             for folder, found in files.files_among(paths)
@@ -135,7 +135,7 @@ class Door:
     def _is_seen(self, path: str, mode: int) -> bool:
         try:
             return self._leads_inside(path, mode)
-        except Exception:  # what cannot be judged is outside
+        except Exception:  # unknown means outside
             return False
 
     def _leads_inside(self, path: str, mode: int) -> bool:
@@ -175,7 +175,7 @@ SERVED = os.environ.get("MJCOMPOSE_SERVED")
 
 
 def door_of_user() -> Door:
-    """Return what the user's own recipes may name."""
+    """Return the door of the user's own recipes."""
     return ALL if SERVED is None else Door.of([SERVED], f"`{SERVED}`, the only folder that `mjcompose mcp` reads")
 
 
@@ -234,7 +234,7 @@ def folder_of_recipe(path: str | os.PathLike[str]) -> str:
 def own_door(
     model: str | os.PathLike[str], also: Iterable[str | os.PathLike[str]] = (), recipe: str | None = None
 ) -> Door:
-    """Return the door of the user's own model; `also` are more folders, `recipe` that of the recipe that names it."""
+    """Return the door of the user's own model. `also` are more folders, `recipe` is the folder of its recipe."""
     if SERVED is not None:
         also = ()
         if (served := door_of_user()).sees(model):

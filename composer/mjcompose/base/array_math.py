@@ -117,7 +117,7 @@ def _exp(x: Floats) -> Pair:
 
 
 def _log(x: Floats) -> Pair:
-    """One step of Newton's method from what the C library knows, whatever that is."""
+    """One step of Newton's method from the result of the C library."""
     near = np.log(x)
     (high, low), powers = _scaled_exp(-near)
     mantissa, exponent = np.frexp(x)

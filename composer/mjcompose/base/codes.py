@@ -185,7 +185,7 @@ _ITEM = re.compile(r"(?:[-*]|\d+\.) ")
 
 
 def code_of(text: str) -> str | None:
-    """Return the code in a text, also in the form that messages show; None if there is no such code.
+    """Return the code in a text, with or without the decoration of messages. None if it does not exist.
 
     >>> code_of("error[bare-angle]:"), code_of("bare-angle"), code_of("arm.yaml")
     ('bare-angle', 'bare-angle', None)

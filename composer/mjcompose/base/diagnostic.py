@@ -35,8 +35,8 @@ class Span:
 class Fix:
     """A replacement for a stretch of text.
 
-    If `replaces` is set, it is the name to replace, without quotes; the new name gets quotes if it needs them.
-    Otherwise `replacement` is verbatim text. `span` is None for the place of the diagnostic; an empty span is a
+    If `replaces` is set, it is the name to replace, without quotes. The new name gets quotes if it needs them.
+    Otherwise `replacement` is verbatim text. `span` is None for the place of the diagnostic. An empty span is a
     place to insert at.
     """
 
@@ -73,12 +73,12 @@ def hide(text: str, shown: Callable[[str], str] = lambda secret: "…") -> str:
 
 
 def masked(line: str) -> str:
-    """Return a source line with secrets as asterisks, so that its length stays the same. No I/O."""
+    """Return a source line with secrets as asterisks. Its length stays the same. No I/O."""
     return hide(line, lambda secret: "*" * len(secret))
 
 
 def caller() -> FrameType:
-    """Return the innermost frame of the call stack outside of this package: that of the program."""
+    """Return the innermost frame of the call stack outside of this package: the program's."""
     frame = sys._getframe(1)
     while frame.f_back is not None and f"{frame.f_globals.get('__name__', '')}.".startswith("mjcompose."):
         frame = frame.f_back
@@ -152,14 +152,13 @@ class Cause:
 
 @dataclass(frozen=True, slots=True)
 class Diagnostic:
-    """A message with its code, its place, what exists instead (`notes`) and what to write (`help`).
+    """A message with its code, its place, remarks such as the existing names (`notes`), and instructions (`help`).
 
-    `code` is one of `CODES`. The first line of `help` is a sentence; further lines are text to paste into the file.
-    `others` lists further places with the same cause. `cells` are the models that it is about, in a run over
-    several models of a recipe; it is empty if the diagnostic is about the recipe as a whole. `recipes` are those that
-    it was found for, in a run over several. `subjects` are the
-    names that it is about: if an earlier error removed one of them, this error only follows from that one. `fix` is
-    the exact change that `help` describes, if there is one.
+    `code` is one of `CODES`. The first line of `help` is a sentence, and further lines are text to paste into the file.
+    `others` lists further places with the same cause. `cells` are the models that it is about, in a run over several
+    models of a recipe. It is empty if the diagnostic is about the recipe as a whole. `recipes` are its recipes, in a
+    run over several. `subjects` are the names that it is about: if an earlier error removed one of them, this error
+    only follows from that one. `fix` is the exact change that `help` describes, if there is one.
     """
 
     code: str

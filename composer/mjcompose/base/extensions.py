@@ -1,7 +1,7 @@
 """Rows of tables that other packages bring, by entry points.
 
-A table of ours is asked first. Only a word that it lacks is looked for among the installed packages, and only the one
-module that the entry point names is imported. A package registers a module like one of ours::
+A lookup starts with our own table. If the table lacks the word, the lookup searches the installed packages, and imports
+only the module that the entry point names. A package registers a module like one of ours::
 
     [project.entry-points."mjcompose.checks"]
     height = "mjcompose_lab.height"
@@ -76,11 +76,11 @@ def load(group: str, word: str) -> Any | None:
 
 
 class Table(dict[str, Row]):
-    """Our rows by their words, to which a word that is asked for by `[]` adds the row of another package.
+    """Our rows by their words; `[]` adds the row of another package if we have none.
 
-    `in` and `get` know only what is there, so a recipe loads nothing by itself. `attribute` is the name of the row in
-    the module of an extension, or empty if the entry point names the row itself; `kind` is the class of the row. Our
-    rows may be `modules` too, in which the row has the same name; `[]` imports one.
+    `in` and `get` load nothing, so a recipe loads nothing by itself. `attribute` is the name of the row in the module
+    of an extension, or empty if the entry point names the row itself. `kind` is the class of the row. Our rows may be
+    `modules` too, in which the row has the same name. `[]` imports one.
 
     >>> table = Table("checks", {"mass": 1}, "KIND", kind=int)
     >>> table["mass"], "height" in table
@@ -191,7 +191,7 @@ def _entries(group: str, path: tuple[str, ...]) -> dict[str, list[EntryPoint]]:
 
 
 def _files(module: str) -> Iterator[str]:
-    """Yield the Python files beside an imported module, which may import them."""
+    """Yield the Python files next to an imported module, which may import them."""
     file = getattr(sys.modules.get(module), "__file__", None)
     if file is None:
         return

@@ -96,7 +96,7 @@ def parted(path: str) -> tuple[str, str]:
 
 
 def files_among(paths: Iterable[str]) -> Iterator[tuple[str, list[str]]]:
-    """Yield folders, and those of the paths in them that one look at the folder shows to be ordinary files.
+    """Yield folders, with the paths in each that one look at the folder shows to be ordinary files.
 
     It misses links, single files in a folder, and files far down in a long folder. Asking for sixty files one by
     one takes ten times as long.
@@ -161,7 +161,7 @@ class Refused(OSError):
         self, sink: Sink, span: Span | None, notes: Iterable[Note] = (),
         shown: Callable[[Path], str] | None = None,
     ) -> None:  # fmt: skip
-        """Report it to the sink, at the place that names the file."""
+        """Report it to a `sink`, at the place that names the file."""
         from pathlib import Path
 
         from mjcompose.base.diagnostic import Cause
@@ -205,8 +205,8 @@ def _irregular(mode: int) -> str | None:
 def read_regular(path: str | os.PathLike[str], most: int | None = None, *, is_source: bool = True) -> bytes:
     """Return the bytes of an ordinary file, or the text of an editor that has not saved it.
 
-    A source of the run is noted: no output takes its place. Raises Refused for other kinds of files, and OSError, also
-    for more than `most` bytes; without `most` the limit is that of a whole bundle.
+    A source of the run is noted: no output replaces it. Raises Refused for other kinds of files, and OSError, even for
+    more than `most` bytes. By default `most` is the limit of a whole bundle.
     """
     most = in_force().output_size if most is None else most
     if (kept := unsaved_text(path)) is not None:
@@ -224,7 +224,7 @@ def read_regular(path: str | os.PathLike[str], most: int | None = None, *, is_so
 
 
 def read_argument(path: str | os.PathLike[str], most: int) -> bytes:
-    """Read a file that an argument of the command names: standard input and `<(command)` are no files, and are meant.
+    """Read a file that an argument of the command names: standard input and `<(command)` are allowed, too.
 
     Returns at most one byte more than `most` of them.
     """
@@ -352,7 +352,7 @@ class Run:
                 self._above[above] = path
 
     def _all_named(self) -> Mapping[Identity, str]:
-        """Return the files that the recipes and their models name without reading them, such as those of a variant."""
+        """Return the files that the recipes and their models name but do not read, such as the files of a variant."""
         while self._unscanned:
             path = self._unscanned[-1]  # until it is scanned
             own = _identity(path)
@@ -415,7 +415,7 @@ def _with_above(path: str) -> Iterator[str]:
 
 
 def _identity(path: str) -> Identity | None:
-    """Return what a file is under each of its names; None if it does not exist. Raises OSError and ValueError."""
+    """Return the identity of a file, which all of its names share, or None. Raises OSError and ValueError."""
     try:
         found = os.stat(path)
     except OSError as error:
@@ -461,7 +461,7 @@ def own_name(path: PurePath) -> str:
 
 @contextmanager
 def unsaved(texts: Mapping[str, bytes]) -> Iterator[None]:
-    """Within the block, read `texts`, by real path, in place of files."""
+    """Within the block, read `texts`, by real path, instead of files."""
     token = _TEXTS.set({**(_TEXTS.get() or {}), **texts})
     try:
         yield
@@ -470,7 +470,7 @@ def unsaved(texts: Mapping[str, bytes]) -> Iterator[None]:
 
 
 def unsaved_text(path: str | os.PathLike[str]) -> bytes | None:
-    """Return the text to read in place of a file, or None if there is none."""
+    """Return the text to read instead of a file, or None."""
     if _piped and (kept := _piped.get(os.fspath(path))) is not None:
         return kept
     texts = _TEXTS.get()

@@ -249,7 +249,7 @@ class Pool(Generic[Task, Result]):
     """Runs this many workers, which import `modules` when the pool is created, and end with the block.
 
     A worker that dies is replaced, and its task is tried once more. For each process, at most `_AHEAD` tasks are
-    started before the first result is taken, so that memory depends only on the number of workers.
+    started before the first result is taken, so memory depends only on the number of workers.
     """
 
     def __init__(self, workers: int, modules: Sequence[str] = ()) -> None:

@@ -288,7 +288,7 @@ _NO_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
 @dataclass(frozen=True, slots=True)
 class Case:
-    """One test: `kind` says what it tests, `errors` are its failures; none means that it passes."""
+    """One test: `kind` is the kind of test, `errors` are its failures. Without errors it passes."""
 
     name: str
     kind: str

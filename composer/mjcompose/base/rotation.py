@@ -1,7 +1,7 @@
 """Rotations and poses as MuJoCo computes them, in plain floats.
 
 Quaternions are ``(w, x, y, z)``, positions are in meters, angles in radians. The arithmetic follows MuJoCo's own
-order of operations, so that a quaternion written in place of Euler angles compiles to the same bits.
+order of operations, so a quaternion compiles to the same bits as the Euler angles that it replaces.
 
 No numpy: its import does not pay off for a few floats.
 """
@@ -66,7 +66,7 @@ def multiply(a: Quat, b: Quat) -> Quat:
 
 
 def normalize(quat: Sequence[float]) -> Quat:
-    """Return ``quat`` at unit length; unchanged if it has that already, as in MuJoCo, so that no bit changes."""
+    """Return ``quat`` at unit length; unchanged if it has that already, to the bit, as in MuJoCo."""
     w, x, y, z = quat
     norm = math.sqrt(w * w + x * x + y * y + z * z)
     if norm < _TINY:
@@ -77,7 +77,7 @@ def normalize(quat: Sequence[float]) -> Quat:
 
 
 def rotate(quat: Quat, vec: Sequence[float]) -> Vec3:
-    """``vec`` turned by ``quat``, by way of its matrix: so MuJoCo puts one frame into another, to the bit."""
+    """Return ``vec`` turned by ``quat``, through its matrix: the same bits as in MuJoCo."""
     w, x, y, z = quat
     a, b, c = vec
     if quat == IDENTITY_QUAT:

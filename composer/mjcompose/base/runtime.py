@@ -79,7 +79,7 @@ def deferred(number: int) -> bool:
 
 
 def patience(most: float) -> float:
-    """Return how many seconds to wait for others to end: `most`, or what is left of less if a signal has come."""
+    """Return how many seconds to wait for others to end: at most `most`, and less after a signal."""
     return min(most, max(0.0, _heard[0] + _SECONDS - time.monotonic())) if _heard else most
 
 

@@ -242,7 +242,7 @@ def _may_be_read(kernel: _Kernel, rules: int, path: str) -> None:
     try:
         place = os.open(path, os.O_PATH | os.O_CLOEXEC)
     except (OSError, ValueError):
-        return  # what cannot be opened needs no right
+        return  # without access, no right is needed
     try:
         is_folder = stat.S_ISDIR(os.fstat(place).st_mode)
         rights = _READ_FILE | (_READ_FOLDER if is_folder else 0)
@@ -286,7 +286,7 @@ _ALLOW, _KILL, _REFUSE = 0x7FFF0000, 0x80000000, 0x00050000
 
 
 def filter_program(machine: str) -> bytes | None:
-    """The program by which Linux judges each call of the system; None for machines whose calls are not known here."""
+    """The program that decides about each system call in Linux; None for machines whose calls are not known here."""
     if machine not in _MACHINES:
         return None
     kind, column = _MACHINES[machine]
@@ -315,7 +315,7 @@ def _seccomp(kernel: _Kernel) -> str | None:
     program = filter_program(kernel.machine)
     if program is None:
         return None
-    if there != -errno.EFAULT:  # what it says of a filter that is not there
+    if there != -errno.EFAULT:  # the error for a missing filter
         raise Unconfined(f"seccomp: {os.strerror(-there)}")
     steps = kernel.bytes(program)
     head = (len(program) // 8).to_bytes(2, sys.byteorder) + bytes(6)

@@ -47,7 +47,7 @@ def is_scratch(path: str) -> bool:
 
 def sweep_temporary() -> Path:
     """Remove leftovers of killed processes from the folder for temporary files and return it; once in this process."""
-    import tempfile  # the names of outputs are judged without it
+    import tempfile  # few calls need it
 
     parent = Path(tempfile.gettempdir())
     sweep_once(parent, _is_ours)
@@ -80,7 +80,7 @@ def locked_folder(folder: Path) -> Iterator[Path]:
 
 
 def sweep_once(parent: Path, is_ours: Callable[[str], bool], save: Callable[[Path], None] | None = None) -> None:
-    """Remove locked folders whose process has ended, once in this process; `save` rescues what is in them."""
+    """Remove locked folders whose process has ended, once in this process; `save` rescues their contents."""
     key = str(parent), getattr(is_ours, "__qualname__", "")
     if key in _swept:
         return

@@ -1,4 +1,4 @@
-"""The sink that collects the diagnostics of all stages, so that one run reports all of them."""
+"""A `Sink` collects the diagnostics of all stages, so one run reports all of them."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ class Sink:
         return forget
 
     def fork(self) -> Sink:
-        """Return an empty sink that suppresses the same names."""
+        """Return an empty `Sink` that suppresses the same names."""
         sink = Sink()
         sink.suppress_about(self._lost)
         return sink
@@ -124,12 +124,12 @@ class Sink:
     def add_of_cell(self, cell: CellName, diagnostic: Diagnostic) -> None:
         """Add a finding of one cell; those of several cells with one code and place become one that lists the cells.
 
-        Its `others` have what is said of a cell in other words, such as with another number. Diagnostics about the
-        recipe as a whole stay without a cell.
+        Its `others` have messages about a cell that differ, for example in a number. Diagnostics about the recipe as a
+        whole stay without a cell.
         """
         if diagnostic in self._found and diagnostic not in self._cells:
             return
-        place = diagnostic.span or diagnostic.help  # without a place, what helps says what it is about
+        place = diagnostic.span or diagnostic.help  # without a place, the help identifies it
         kin = [] if place is None else self._kin.setdefault((diagnostic.code, diagnostic.severity, place), [])
         first = next((each for each in kin if cell not in self._cells.get(each, ())), None)
         if diagnostic in self._found or first is None:
@@ -142,7 +142,7 @@ class Sink:
         self.error_count += diagnostic.severity is Severity.ERROR
         self._cells[first][cell] = None
         said = diagnostic.message
-        if said == first.message:  # what exists instead may be something else there
+        if said == first.message:  # the notes may list other names there
             said = "; ".join(note.message for note in diagnostic.notes if note not in first.notes)
         more = [Note(f"{cell.name}: {said}")] if said else []
         self._found[first].update(dict.fromkeys([*more, *diagnostic.others]))

@@ -1,4 +1,4 @@
-"""The wording of "X does not exist": what exists, and what was probably meant."""
+"""The wording of "X does not exist", with the existing names and the probable one."""
 
 from __future__ import annotations
 
@@ -82,7 +82,7 @@ def did_you_mean(name: str, candidates: Iterable[str], written: str = "{}") -> s
 
 
 def exists_note(kind: str, candidates: Iterable[str], near: str | None = None) -> Note:
-    """Return a note that lists what exists, cut if it is long; with `near`, the most similar names come first.
+    """Return a note that lists the existing names, cut if it is long. With `near`, the most similar names come first.
 
     `kind` is a singular noun.
 
@@ -256,8 +256,8 @@ def unknown_name(
     """Return the diagnostic for a name that no `body` or other kind has; `known` are the names that exist.
 
     `purpose` continues the sentence, `message` replaces it. `written` is the format of the name in the file. `help`
-    and `fix` replace the suggestion, `otherwise` is the help if no name is similar. `notes` follow the note that
-    lists what exists; `about` are further subjects.
+    and `fix` replace the suggestion, `otherwise` is the help if no name is similar. `notes` follow the note with
+    the existing names, and `about` are further subjects.
 
     >>> unknown_name("site", "tpi", ["tip"], purpose=" to attach `a` to", written="site: {}").help
     'did you mean `site: tip`?'

@@ -157,7 +157,7 @@ def _extras() -> Iterator[Finding]:
 
 
 def _extensions() -> Iterator[Finding]:
-    """Yield what other packages bring; each is loaded, which shows whether it can be."""
+    """Yield the extensions of other packages. Each is loaded to see whether that works."""
     from mjcompose.base.diagnostic import DiagnosticError
     from mjcompose.base.extensions import GROUPS, load, names
 

@@ -1,4 +1,4 @@
-"""`mjcompose build`: the model of a recipe, written where the user wants it."""
+"""`mjcompose build`: build the model of a recipe and write it."""
 
 from __future__ import annotations
 

@@ -71,7 +71,7 @@ def build_cells(task: Task, options: Options) -> int:
         CellRun(CellMaker(maker, task.given, task.session, finish=putting), workers.jobs, crew) as running,
     ):
         try:
-            # A crew records what it has done, and may wait long for it.
+            # Workers record their results, and may wait long for that.
             patience = deferring() if crew is None else nullcontext()
             ended = _take_all(running, chosen, results, patience=patience, maker=maker)
         finally:  # also after an interruption
@@ -297,7 +297,7 @@ class _Worlds:
         return shelf.take(each.result, each.cell)
 
     def write(self, first: Cell, study: Worlds, bundle: Bundle | None) -> None:
-        """Write the bundle, and then the table; report what cannot be written."""
+        """Write the bundle, and then the table. Report errors of writing."""
         try:
             words = self._put_first(first) if bundle is None else self._put(bundle, study)
             worlds.write(self.context.folder / self.table, study.nominal, study.table, option="--worlds")

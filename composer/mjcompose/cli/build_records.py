@@ -42,7 +42,7 @@ def _escaped(path: str) -> str:
 
 
 def write_depfile(file: Path, outputs: Iterable[str], inputs: Iterable[Path], context: Context) -> None:
-    """Write the file completely; an error goes to the context's sink. A folder is its model."""
+    """Write the file completely. Report an error to the context. A folder is its model."""
     from mjcompose.build.bundle.staging import staged_file
 
     def named(output: str) -> str:
@@ -92,7 +92,7 @@ def _component(part: Input, ref: str) -> dict[str, Any]:
 
 
 def write_sbom(file: Path, bundle: str, context: Context) -> None:
-    """Write the parts of the bundle at a path; an error goes to the context's sink."""
+    """Write the parts of the bundle at a path. Report an error to the context."""
     from mjcompose.build.bundle.staging import staged_file
 
     try:

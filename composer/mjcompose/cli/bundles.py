@@ -37,8 +37,8 @@ class VerifyOptions:
 def verify(options: VerifyOptions, run: Run) -> int:
     """Verify each BUNDLE: a folder, .zip or .mjz.
 
-    A bundle is valid if its files have the hashes in the manifest, MuJoCo compiles it, the order of joints, actuators,
-    sensors and keyframes is that of the manifest, and every part is the same as its source alone.
+    A bundle is valid if its files have the hashes in the manifest, MuJoCo compiles it, its joints, actuators,
+    sensors and keyframes have the order of the manifest, and every part is the same as its source alone.
     """
     from mjcompose.build.verify.stored import verify_stored
     from mjcompose.mujoco.engine import Session

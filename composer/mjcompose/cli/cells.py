@@ -77,7 +77,7 @@ class CellOptions:
         return cell
 
     def values(self, recipe: Path, given: dict[str, Node], run: Run, verb: str) -> tuple[dict[str, Node], int]:
-        """Return the values with those of the chosen cell, and the number of the sample."""
+        """Return the values, the chosen cell's included, and the number of the sample."""
         cell = self.chosen(recipe, given, run=run, verb=verb)
         return (given, self.sample or 0) if cell is None else ({**given, **cell.given}, cell.sample)
 

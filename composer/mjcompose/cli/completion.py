@@ -1,4 +1,4 @@
-"""`mjcompose completion SHELL`: the line that enables completion, and what is completed from the recipe."""
+"""`mjcompose completion SHELL`: the line that enables completion, and completions from the recipe."""
 
 from __future__ import annotations
 
@@ -185,7 +185,7 @@ samples, parameters, elements, keys, cameras = map(
 
 
 class Bash(BashComplete):
-    """Completion for a bash that ends words at `=`, so that `NAME=VALUE` is completed as a whole."""
+    """Completion for a bash that ends words at `=`: completes `NAME=VALUE` as a whole."""
 
     source_template = BashComplete.source_template.replace(
         "COMP_CWORD=$COMP_CWORD", 'COMP_CWORD=$COMP_CWORD COMP_LINE="$COMP_LINE" COMP_POINT=$COMP_POINT'

@@ -36,9 +36,9 @@ def explain(options: ExplainOptions, run: Run) -> Answer:
 
     \b
     QUERY selects the element or attribute:
-      'geom gripper/pad'            a kind and a name; the name alone if it is unique
+      'geom gripper/pad'            a kind and a name, or a unique name alone
       'geom gripper/pad friction'   one attribute: its value and every default class that may set it
-      'geom gripper/**'             all elements that match the glob; a kind alone selects all of that kind
+      'geom gripper/**'             all elements that match, as does a kind alone
       'geom#3'                      an element without a name, by its index in MuJoCo
       'option timestep'             a setting
       'gripper.xml:12'              the element on that line
@@ -93,7 +93,7 @@ def _page(word: Path) -> Answer:
 
 
 def _check_model(model: Path) -> None:
-    """Raise UsageError for a code in place of a model: no other arguments apply to a code."""
+    """Raise UsageError for a code instead of a model: no other arguments apply to a code."""
     if code_of(str(model)) is not None and not os.path.exists(model):
         raise click.UsageError(
             f"`{model}` is a code, not a model. Write `mjcompose explain {code_of(str(model))}` alone."

@@ -125,7 +125,7 @@ def _refuse_foreign(files: tuple[Path, ...], run: Run) -> None:
 
 
 def _urdf(file: Path, target: Path, run: Run) -> Answer:
-    """Write the recipe that starts from a URDF; return the table of what is read."""
+    """Write the recipe that starts from a URDF. Return the table of the elements that are read."""
     from mjcompose.tools.importing.propose import of_urdf, table
 
     context = run.context

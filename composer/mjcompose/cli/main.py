@@ -1,4 +1,4 @@
-"""The command. Verbs are imported when they are called, so that `--help` is fast."""
+"""The command. It imports a verb only to run it, which keeps `--help` fast."""
 
 from __future__ import annotations
 
@@ -245,7 +245,7 @@ def _say_aside(words: str) -> None:
 
 
 def _with_hint(error: click.NoSuchOption) -> click.NoSuchOption:
-    """Return the error with the options that were probably meant; Click itself only suggests similar spellings."""
+    """Return the error with the probable options. Click itself only suggests similar spellings."""
     from mjcompose.base.suggest import closest
 
     if error.ctx is None:

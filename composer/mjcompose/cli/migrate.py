@@ -106,7 +106,7 @@ def _check_usage(options: Options) -> None:
 
 
 def _written(result: Result, out: str | None, context: Context) -> Path | None:
-    """Write the files, all or none; where the model is now."""
+    """Write the files, all or none. Return the path of the model."""
     from mjcompose.build.bundle.bundle import OutputError
     from mjcompose.build.bundle.staging import staged_folder
     from mjcompose.tools.migrate.migrate import lay_out

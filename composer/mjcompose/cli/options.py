@@ -124,7 +124,7 @@ class Choices:
         return given
 
     def values(self, context: Context) -> dict[str, Node]:
-        """Return the values by name, with options overriding files; errors go to the context's sink."""
+        """Return the values by name, with options overriding files. Report errors to the context."""
         found: dict[str, Node] = {}
         if not (self.sets or self.set_files):
             return found  # without importing anything

@@ -212,7 +212,7 @@ def remarks(result: BuildResult, spec: OutputSpec) -> Iterator[str]:
 
 @dataclass(frozen=True, slots=True)
 class Task:
-    """One run of `build`: who makes the models, where they go, and with which values of parameters."""
+    """One run of `build`: the workers, the outputs, and the values of parameters."""
 
     maker: Maker
     spec: OutputSpec
@@ -262,7 +262,7 @@ def put(
 
 
 def add_picture(result: BuildResult, spec: OutputSpec, context: Context) -> None:
-    """Draw a picture next to a written model with `--picture`; errors go to the context's sink."""
+    """Draw a picture next to a written model with `--picture`. Report errors to the context."""
     if spec.picturing is not None:
         target = spec.target(result.name, result.mujoco)
         spec.picturing.put(target, result.name, is_known=result.is_written, context=context)

@@ -1,4 +1,4 @@
-"""`mjcompose plan`: what a build will do, in words or as JSON."""
+"""`mjcompose plan`: the steps of a build, in words or as JSON."""
 
 from __future__ import annotations
 

@@ -227,7 +227,7 @@ def source_reader(folder: Path, texts: Mapping[str, bytes] | None = None) -> tex
 
 
 def write_junit(suites: Sequence[Suite], out: str, context: Context) -> None:
-    """Write the file completely; an error goes to the context's sink."""
+    """Write the file completely. Report an error to the context."""
     text = junit_text(suites, source_reader(context.folder))
     if out == "-":
         click.echo(text, nl=False)

@@ -85,7 +85,7 @@ def flag(*flags: str, help: str) -> Any:
 
 
 def group(options: type) -> Any:
-    """Declare a field as a group of options: an object of this class, whose `heading` is that of the group."""
+    """Declare a field as a group of options: an object of this class, with the group's `heading`."""
     return _Declared(options)
 
 
@@ -94,8 +94,8 @@ def command(
 ) -> Callable[[Callable[[Options, Run], Answer | int | None]], click.Command]:
     """Return a decorator that makes a function a command, with its docstring as the help text.
 
-    The function gets its options and a `Run`, and returns what is printed after the report, or the exit code, or
-    None: the exit code is then 1 if there are errors. It may raise `Stop`.
+    The function gets its options and a `Run`, and returns the `Answer` to print after the report, or the exit
+    code, or None: the exit code is then 1 if there are errors. It may raise `Stop`.
     """
 
     def decorate(function: Callable[[Options, Run], Answer | int | None]) -> click.Command:
@@ -162,7 +162,7 @@ def _declarations(options: Any) -> Iterator[tuple[str, _Declared]]:
 
 
 class Stop(Exception):
-    """Ends the command: what is in the sink is reported, and the process exits with this code."""
+    """Ends the command: the diagnostics are reported, and the process exits with this code."""
 
     def __init__(self, code: int) -> None:
         super().__init__(code)
@@ -202,7 +202,7 @@ class Answer:
 
 
 class Run:
-    """One run of a command: its context with the sink, the format of its output, and how it ends.
+    """One run of a command: its context with the diagnostics, the format of its output, and its end.
 
     A command whose standard output is a model sets `to_stderr`. `texts` are new contents of files that messages show,
     by their names. `suites` are the results for JUnit. After `is_reported`, the end of the command prints no
@@ -228,7 +228,7 @@ class Run:
         self.context = self.new_context()
 
     def new_context(self) -> Context:
-        """Return a context with a sink of its own and the options of this run."""
+        """Return a context with a `Sink` of its own and the options of this run."""
         if "offline" not in self._given:
             return Context(strict=self.is_strict)
         from mjcompose.sources.fetching import Fetching
@@ -261,7 +261,7 @@ class Run:
         return exit_code(self.context.folder, named)
 
     def end(self, answer: Answer | int | None) -> int:
-        """Report what has not been reported, print the answer, and return the exit code."""
+        """Report the remaining diagnostics, print the answer, and return the exit code."""
         context = self.context
         if not self.is_reported and (not isinstance(answer, Answer) or answer.reports):
             self.report()
@@ -356,7 +356,7 @@ def _wait(before: dict[Path, Mark]) -> None:
     from mjcompose.tools.view.builder import Watch
 
     stop, done = Event(), Event()
-    # Register what stops the thread before it starts: an interrupt in between would wait for it forever.
+    # Register the stop of the thread before it starts: an interrupt in between would wait for it forever.
     with ThreadPoolExecutor(1) as executor, ExitStack() as at_the_end:
         at_the_end.callback(stop.set)
         executor.submit(Watch(stop).wait, before).add_done_callback(lambda _: done.set())

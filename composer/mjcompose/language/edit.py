@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 class For:
     """A verb is for elements of these paths of the grammar alone, or of paths that begin so.
 
-    `what` says it: "for bodies, and `{tag}` is not one".
+    `what` says it: "for bodies, and `{tag}` is not a body".
     """
 
     alone = True

@@ -29,8 +29,8 @@ class Run:
     """Consecutive rows of an array for each element: its first row, and how many.
 
     `first` is an array of `mjModel` with the first rows, negative if the element has none. With `as_row`, a single
-    row is the element's own, as if the array had one for each element. `shape` is that of the rows of one element,
-    if it says more than their number.
+    row is the element's own, as if the array had one for each element. `shape` is the shape of the rows of one
+    element, if it says more than their number.
     """
 
     first: str

@@ -195,12 +195,12 @@ that have it, because no renderer of MuJoCo read them.
 _POSE = "pos quat euler axisangle xyaxes zaxis fromto"
 _TURN = "quat euler axisangle xyaxes zaxis fromto pos"
 
-# arrays | traits | words | unit; unit of hinges | attributes of MJCF, the one with the numbers first
+# arrays | traits | words | unit; unit of hinges | attributes of MJCF, the attribute with the numbers first
 #
-# Traits, besides those above: `rows` and what has several rows for each element (a size of `mjModel` for which
-# `addresses.RUNS` has an entry; an address; or a size and the prefix of arrays of addresses and counts), an enumeration
-# of MuJoCo, and the numbers that say nothing where only one of two versions has the array. An array without a trait
-# has one row for each element, the same alone and composed, bit for bit. Rows that have words stand in the order of
+# Traits, besides those above: `rows` and the index of an array with several rows for each element (a size of `mjModel`
+# for which `addresses.RUNS` has an entry, an address, or a size and the prefix of arrays of addresses and counts), an
+# enumeration of MuJoCo, and the numbers that say nothing where only one of two versions has the array. An array without
+# a trait has one row for each element, the same alone and composed, bit for bit. Rows with words are in the order of
 # reports, arrays of data in the order in which they are compared.
 _TABLE = f"""
 body_mass | body sum | mass | kg | mass
@@ -494,13 +494,13 @@ _UNRANKED = 1 << 16
 
 @dataclass(frozen=True, slots=True)
 class ArrayInfo:
-    """What is known of an array: its row of the table.
+    """An array: its row of the table.
 
     ``treatment`` says how the numbers of a part alone and in a composition are compared, ``single`` how in MuJoCo 3 if
-    that differs, and ``reason`` why. ``rows`` says which rows belong to an element, if it is not one. ``version`` is
-    the reason why the array is not compared between versions of MuJoCo; ``neutral`` are the numbers that say nothing
-    where only one of two versions has the array. ``unit`` is that of slides and of everything except joints,
-    ``angular`` that of hinges if it differs. ``rank`` is the position in reports.
+    that differs, and ``reason`` why. ``rows`` says which rows belong to an element, if there are several. ``version``
+    is the reason why the array is not compared between versions of MuJoCo; ``neutral`` are the numbers that say nothing
+    where only one of two versions has the array. ``unit`` is the unit for slides and for everything except joints,
+    ``angular`` the unit for hinges if it differs. ``rank`` is the position in reports.
     """
 
     name: str
@@ -558,7 +558,7 @@ def _info(array: str, line: str = "", rank: int = _UNRANKED) -> ArrayInfo:
 
 @cache
 def about(field: str) -> ArrayInfo:
-    """Return what is known of an array, which may have an index; one that is not in the table is plain.
+    """Return the row of an array, which may have an index. An array that is not in the table is plain.
 
     >>> about("geom_condim").words, about("jnt_range[1]").unit, about("geom_new").treatment
     ('condim', 'm', <Treatment.PLAIN: 'plain'>)

@@ -212,10 +212,10 @@ def _set_soft_limit(name: str, value: int) -> None:
 
 @contextlib.contextmanager
 def _remembering(mujoco: Any, folder_is_reused: bool) -> Iterator[None]:
-    """Let MuJoCo read and compile each asset once, and keep those of a standing folder for its next model.
+    """Let MuJoCo read and compile each asset once, and keep the assets of a persistent folder for its next model.
 
-    It identifies files by path and time, which files of other folders may share. So what it knows of another folder
-    is forgotten before and after: without capacity the cache is empty.
+    It identifies files by path and time, which files of other folders may share. So the cache is
+    emptied before and after the model of another folder: without capacity it has nothing.
     """
     if not folder_is_reused:
         _set_cache(mujoco, 0)

@@ -20,9 +20,9 @@ Pair = tuple[int, int]
 def touching(mujoco: Any, model: Any, prefixes: list[str]) -> list[dict[str, Any]]:
     """Return the pairs of bodies of different parts that touch or overlap; runs under `mjcompose.mujoco.engine.call`.
 
-    This checks the reference configuration and all keys. `prefixes` are those of the parts. Freely floating bodies
-    are not checked, because they may lie on the other one. Each pair has the names of its `bodies` (empty for unnamed
-    ones), their names for messages, and where they touch.
+    This checks the reference configuration and all keys. `prefixes` are the prefixes of the parts. Freely floating
+    bodies are not checked, because they may lie on the other one. Each pair has the names of its `bodies` (empty for
+    unnamed ones), their names for messages, and where they touch.
     """
     _let_collide(mujoco, model)
     explicit = {frozenset(map(int, pair)) for pair in zip(model.pair_geom1, model.pair_geom2, strict=True)}
@@ -127,7 +127,7 @@ def _checked(mujoco: Any, model: Any) -> Iterator[Pair]:
                 continue
             if welds[one] == welds[other]:
                 continue
-            # MuJoCo never filters what is welded to the world.
+            # MuJoCo never filters geoms that are welded to the world.
             if filters and welds[one] and welds[other] and (above[one] == welds[other] or above[other] == welds[one]):
                 continue
             if any(a & d or c & b for a, b in first for c, d in second):
@@ -173,7 +173,7 @@ def _moved(mujoco: Any, model: Any) -> set[int]:
 
 
 def _are_jaws(model: Any, pair: Pair, moved: set[int]) -> bool:
-    """Return whether neither body carries the other, and actuators move both from what carries them."""
+    """Return whether neither body carries the other, and actuators move both relative to their parents."""
     sides = [set(_chain(model, body)) for body in pair]
     return all(
         any(joint in moved for body in one - other for joint in _joints(model, body))

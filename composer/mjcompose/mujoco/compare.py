@@ -1,7 +1,7 @@
 """Compare two compiled models by the table of arrays: element by element, or every attribute of `mjModel`.
 
-Whoever compares models says which elements belong together, what may differ, and how a difference is told; this says
-where the numbers differ.
+The caller says which elements belong together, which differences are allowed, and how to report a difference. This
+module finds the numbers that differ.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ class Unequal:
 
 
 class Rules:
-    """What may differ: nothing, bit for bit; other rules override this."""
+    """The allowed differences: none, bit for bit. Other rules override this."""
 
     def ignores(self, kind: str, array: str, index: int) -> bool:
         """Return whether an array says nothing of this element of the first model."""
@@ -61,7 +61,7 @@ class Rules:
         return 0.0
 
     def excuses(self, treatment: Treatment, kind: str, array: str, pair: tuple[int, int]) -> bool:
-        """Return whether a difference in a row follows from what the second model is."""
+        """Return whether a difference in a row follows from the second model itself."""
         return False
 
     def run(self, kind: str, array: str, index: int, run: Run) -> tuple[*Run, float] | None:
@@ -72,7 +72,7 @@ class Rules:
 def unequal_elements(matching: Correspondence, rules: Rules) -> Iterator[Unequal]:
     """Yield where elements that both models have differ: array by array, kind by kind, but not in references and keys.
 
-    The rows of degrees of freedom are those of a joint and come last.
+    The rows of degrees of freedom belong to a joint and come last.
     """
     for kind in KINDS:
         if kind != "key":

@@ -4,8 +4,8 @@ MuJoCo computes force = gainprm[0] * input + biasprm[0] + biasprm[1] * length + 
 fixed and the bias affine. The tags `motor`, `position` and `velocity` are special cases of that. The controls of servos
 that hold a pose produce no force there; those that balance gravity and contacts come from `mj_inverse`.
 
-As in MuJoCo, angles are in radians and lengths in meters. The unit of a quaternion is the word itself; `1` is a plain
-number; None means that the unit depends on the model's author.
+As in MuJoCo, angles are in radians and lengths in meters. The unit of a quaternion is the word itself, and `1` is a
+plain number. None means that the unit depends on the model's author.
 """
 
 from __future__ import annotations
@@ -88,7 +88,7 @@ def of_sensor(tag: str, dimension: int, about: str | None) -> str | None:
 
 
 def of_transmission(model: Model, row: int) -> str | None:
-    """Return the unit of an actuator's length: that of its coordinate, unless a gear scales it."""
+    """Return the unit of an actuator's length: its coordinate's, unless a gear scales it."""
     kind, target = int(model.actuator_trntype[row]), int(model.actuator_trnid[row, 0])
     scale, *others = model.actuator_gear[rows_of(model, "actuator", "actuator_gear", index=row).start]
     if abs(scale) != 1 or any(others):
@@ -186,9 +186,9 @@ def hold(mujoco: Any, model: Any, question: dict[str, Any]) -> dict[str, Any]:
     `mjcompose.mujoco.engine.call`.
 
     With `forces`, the actuators balance the forces on the model there. The answer has `ctrl` and `act`, each None
-    where nothing holds; `unlike`, the kind of the actuators without such a control, by the address of their
-    control; `unknown`, the controls of actuators whose law only a plugin or a program knows; and `left`, the force or
-    torque in N or N m that they cannot balance.
+    where nothing holds. `unlike` has the kind of the actuators without such a control, by the address of their control.
+    `unknown` has the controls of actuators whose law only a plugin or a program knows, and `left` the force or torque
+    in N or N m that they cannot balance.
     """
     data = mujoco.MjData(model)
     mujoco.mj_resetDataKeyframe(model, data, question["key"])

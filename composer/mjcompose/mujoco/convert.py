@@ -47,16 +47,16 @@ def convert_urdf(
     made: Mapping[str, Path] | None = None, massless: Sequence[str] = (), shells: Collection[str] = (),
     limits: Limits | None = None, session: Session | None = None,
 ) -> Converted:  # fmt: skip
-    """Convert a file; `packages` has the folders for `package://NAME`, `door` limits what the file may read.
+    """Convert a file. `packages` has the folders for `package://NAME`, `door` limits the files that it may read.
 
-    `text`, if given, is read in place of the file's own content. `made` has the meshes that were made for it, by the
+    `text`, if given, replaces the file's own content. `made` has the meshes that were made for it, by the
     name that the text has for each; in the converted text they have it too. The shapes of the links that are `massless`
     weigh nothing. Of `shells`, meshes by their names in the text, MuJoCo takes the surface where it needs a volume.
 
-    `is_fixed` decides about the root link: if the robot stands in the world, MuJoCo fuses the link with the world,
+    `is_fixed` decides about the root link: if the robot is fixed in the world, MuJoCo fuses the link with the world,
     which has no inertia; a robot that moves or is attached to something keeps it as a body.
 
-    Needs all meshes, because MuJoCo saves only what compiles. Raises Refused for a mesh that the door does not
+    Needs all meshes, because MuJoCo saves only models that compile. Raises Refused for a mesh that the door does not
     admit, before MuJoCo opens any; for no other faults of the file. `limits` apply only without a `session`, which
     has its own.
     """
@@ -89,7 +89,7 @@ def convert_urdf(
 
 
 def _admit(read: Mapping[str, Any], path: Path, door: Door) -> None:
-    """Check the files that MuJoCo would open. Raises Refused, whose `path` is the one that MuJoCo uses."""
+    """Check the files that MuJoCo would open. Raises Refused, whose `path` is the path that MuJoCo uses."""
     for file in read["meshes"]:
         if not file.startswith(PACKAGE) and file not in read["made"]:
             name = file.replace("\\", "/").rpartition("/")[2] if read["strippath"] else file

@@ -60,7 +60,7 @@ WANTS = frozenset({"forward", "index", "names"})
 class Request:
     """Compile `folder/model` and report on it.
 
-    `wants` lists what the answer has besides sizes and warnings: `index` (joints, actuators, sensors with their
+    `wants` lists contents of the answer besides sizes and warnings: `index` (joints, actuators, sensors with their
     addresses), `names` (of every kind of object), `forward` (one mj_forward at the reference configuration).
     `arrays` are attributes of mjModel, or of mjData after mj_forward if written `data.NAME`. `mjb` is the path for
     the compiled model. `keep` is a name under which a session's child keeps the compiled model for `Session.call`.
@@ -86,7 +86,7 @@ class Request:
     def to_json(self, arrays_file: Path, step: float = 0) -> str:
         """Return one line of JSON. All paths in it are absolute, because the child works in another folder.
 
-        `step` is the limit for the forward step in seconds; 0 is no limit.
+        `step` is the limit for the forward step in seconds, 0 without a limit.
         """
         paths = {
             "folder": str(self.folder.absolute()), "mjb": self.mjb and str(self.mjb.absolute()),
@@ -99,7 +99,7 @@ class Request:
 class Compiled:
     """A model that compiled, or why it did not.
 
-    `error` is MuJoCo's own text, or one sentence if MuJoCo gave none; paths in it are relative to the folder.
+    `error` is MuJoCo's own text, or one sentence if MuJoCo gave none. Paths in it are relative to the folder.
     `crash` is set if there is no verdict on the model: `timeout`, `memory`, `signal N`, `exit N`, `missing` (no
     MuJoCo in this Python) or `start` (no child process). `forward` is the error in one mj_forward at the reference
     configuration; None if all numbers are finite, or if it was not requested. `sizes` are all integer sizes of
@@ -159,7 +159,7 @@ class Session:
 
     Use it as a context manager, from one thread at a time. Nothing in the child reaches the caller except the
     answer: no exception, no output, no file. `rendering` lets the child use OpenGL. A session that `remembers` gets
-    almost the same model again and again: it has a standing folder (`standing`).
+    almost the same model again and again, so it has a persistent folder.
     """
 
     def __init__(self, limits: Limits | None = None, *, rendering: bool = False, remembers: bool = False) -> None:
@@ -184,7 +184,7 @@ class Session:
         self.close()
 
     def begin(self) -> None:
-        """Start the child process without waiting for it, so that it imports MuJoCo in parallel."""
+        """Start the child process without waiting for it: it imports MuJoCo in parallel."""
         if self._process is None:
             with contextlib.suppress(OSError, ValueError):  # the first request reports it
                 self._spawn()
@@ -218,7 +218,7 @@ class Session:
         return self._crashed() if answer is None else answer
 
     def standing(self, name: str) -> Path:
-        """Return the folder for files that `name` identifies by their bytes; remove those of other names.
+        """Return the folder for files that `name` identifies by their bytes. Remove the folders of other names.
 
         Raises OSError. The name is in their paths, by which MuJoCo identifies them. The folder does not exist until
         it has files.

@@ -87,7 +87,7 @@ def _palette(frames: Sequence[NDArray[Any]]) -> tuple[NDArray[Any], NDArray[Any]
 
 
 def _cut(colors: NDArray[Any], weights: NDArray[Any]) -> list[NDArray[Any]]:
-    """Return at most 256 boxes of similar colors: the one with the largest error is halved until there are enough."""
+    """Return at most 256 boxes of similar colors: halve the box with the largest error until there are enough."""
     boxes = [np.arange(len(colors))]
     errors = [_error(colors, weights, boxes[0])]
     while len(boxes) < _COLORS and max(errors) > 0:

@@ -2,8 +2,8 @@
 
 `beyond` is how far the shapes reach out of the mesh at most, `short` how far the mesh reaches out of the shapes; the
 greater of the two is the Hausdorff distance of the two solids. `uncovered` is the share of the mesh's surface that is
-outside of all shapes, `volume` that of all shapes together by that of the mesh. All of it is measured at points that a
-fixed seed chooses, and at all vertices.
+outside of all shapes, `volume` the volume of all shapes together divided by the mesh's. All of it is measured at points
+that a fixed seed chooses, and at all vertices.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ _ROUNDS = 20
 
 
 def spheres(mesh: Mesh, wanted: Mapping[str, Any]) -> list[Primitive]:
-    """The wanted number of balls, or fewer if one would be empty: each is the smallest around its nearest surface."""
+    """Return this number of balls, or fewer if one would be empty: each is the smallest around its nearest surface."""
     from scipy.spatial import cKDTree
     from trimesh.nsphere import minimum_nsphere
 
@@ -54,7 +54,7 @@ def spheres(mesh: Mesh, wanted: Mapping[str, Any]) -> list[Primitive]:
 
 
 def _apart(points: numpy.ndarray, count: int) -> numpy.ndarray:
-    """Points far from one another: each is the one that is farthest from those before it."""
+    """Return points far from one another: each is the farthest from the points before it."""
     chosen = [int(numpy.linalg.norm(points - points.mean(axis=0), axis=1).argmax())]
     away = numpy.full(len(points), numpy.inf)
     for _ in range(count - 1):
@@ -70,7 +70,7 @@ _LEAST = 1e-4
 
 
 def fit(mesh: Mesh, wanted: str) -> Primitive:
-    """The primitive of that type, or with `best` the one of the least volume."""
+    """Return the primitive of that type, or with `best` the primitive of the least volume."""
     points = hull_of(mesh.vertices).vertices
     types = PRIMITIVES if wanted == BEST else (wanted,)
     return min((_fitted(each, points) for each in types), key=lambda each: each.volume)
@@ -156,7 +156,7 @@ def simplify(mesh: Mesh, faces: int) -> Mesh:
         return mesh
     fewest = len(mesh.faces)
     for found in _tries(mesh, faces):
-        # What was closed and has a hole now was torn.
+        # A closed surface that has a hole now was torn.
         if len(found.faces) and (found.is_closed or not mesh.is_closed):
             fewest = min(fewest, len(found.faces))
             if 4 <= len(found.faces) <= faces:
@@ -358,5 +358,5 @@ def _made(mesh: Any, method: str, wanted: Any) -> dict[str, Any]:
 
 
 def _digits(error: dict[str, Any]) -> dict[str, Any]:
-    """Four digits, so that they are the same on other machines."""
+    """Return four digits, which are the same on other machines."""
     return {name: float(f"{value:.4g}") if isinstance(value, float) else value for name, value in error.items()}

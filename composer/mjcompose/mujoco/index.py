@@ -36,7 +36,7 @@ class Joint:
 class Actuator:
     """An actuator without activation has `act_address` -1 and `act_size` 0.
 
-    `unit` is that of its only control; `ctrl_ranges` has a range or None for each control, in that unit.
+    `unit` is the unit of its only control. `ctrl_ranges` has a range or None for each control, in that unit.
     """
 
     name: str
@@ -111,8 +111,8 @@ class Index:
 class Ranged(NamedTuple):
     """A number of a keyframe that has a range.
 
-    `kind` and `number` identify its joint or actuator, `vector` is `qpos`, `ctrl` or `act`. `unit` is that of the
-    value and the range. The value of a ball joint is the angle of its rotation, about any axis.
+    `kind` and `number` identify its joint or actuator, `vector` is `qpos`, `ctrl` or `act`. `unit` is the unit of
+    the value and the range. The value of a ball joint is the angle of its rotation, about any axis.
     """
 
     kind: str

@@ -207,10 +207,10 @@ _MOCAP = {"mpos": 3, "mquat": 4}
 def key_rows(mujoco: Any, whole: Model, asked: dict[str, Any]) -> dict[str, Any]:
     """Compile bare models, and describe them and the keys of the whole model.
 
-    `asked` has the texts of the bare models, the last of them that of the whole one, the first letter of names that
-    they give to what has none, and the questions to `hold`. The
-    answer has a description of each bare model, None if MuJoCo refuses it, that of the whole one, with its reference
-    configuration as another key, and the answers of `hold`. It has `unlike` if the last is not like the whole one.
+    `asked` has the texts of the bare models (the whole model's is the last), the first letter of the names that they
+    give to unnamed elements, and the questions to `hold`. The answer has a description of each bare model, None if
+    MuJoCo refuses it, a description of the whole model, with its reference configuration as another key, and the
+    answers of `hold`. It has `unlike` if the last is not like the whole one.
     """
     bare: list[dict[str, Any] | None] = []
     refused = ""

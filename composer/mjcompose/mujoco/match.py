@@ -2,7 +2,7 @@
 
 Named elements are found by their name with the part's prefix. Unnamed ones are found by order: on a body among the
 unnamed elements of that body, elsewhere among those that refer only to the part. If the composition has more of
-them than the part, the most similar ones are taken first, so that a change shows as a change of a field.
+them than the part, the most similar ones are paired first, so a change shows as a change of a field.
 """
 
 from __future__ import annotations
@@ -29,11 +29,11 @@ EXTRA = "extra"
 class Difference:
     """A field of an element that differs.
 
-    ``kind`` is MJCF's word for the element, ``name`` its name in the composition; an unnamed one is reported by its
-    place. ``field`` is the array of `mjModel`, with an index if only one entry is shown, or ``missing`` for an
-    element that the composition lacks, ``extra`` for one that the part lacks. ``expected`` is the value in the part
-    alone, ``actual`` the one in the composition; references are names. ``why`` says in words where MuJoCo itself makes
-    the difference.
+    ``kind`` is MJCF's word for the element, ``name`` its name in the composition. An unnamed element is reported by its
+    place. ``field`` is the array of `mjModel`, with an index if only one entry is shown, or ``missing`` for an element
+    that the composition lacks, ``extra`` for one that the part lacks. ``expected`` is the value in the part alone,
+    ``actual`` the value in the composition. References are names. ``why`` says in words where MuJoCo itself makes the
+    difference.
     """
 
     kind: str
@@ -89,7 +89,7 @@ def values(model: Model, kind: str, index: int) -> Hashable:
 
 
 def shape(model: Model, kind: str, index: int) -> Hashable:
-    """Return what rarely changes of an element: its type; for a body, its joints and the number of its geoms."""
+    """Return the traits of an element that rarely change: its type, or a body's joints and the number of its geoms."""
     if kind == "body":
         first, number = int(model.body_jntadr[index]), int(model.body_jntnum[index])
         types = tuple(model.jnt_type[first : first + number].tolist()) if number else ()
@@ -163,8 +163,8 @@ class Correspondence:
     """For every element of the part alone, the id of its counterpart, or ``ABSENT``.
 
     With ``by_order=False`` unnamed elements are paired by similarity even if both models have the same number. Keys
-    are not matched here, because they may be merged, kept apart or left out. With ``cut`` what names the world may
-    name it in both.
+    are not matched here, because they may be merged, kept apart or left out. With ``cut``, elements
+    that name the world may name it in both.
     """
 
     def __init__(

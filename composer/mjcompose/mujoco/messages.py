@@ -71,10 +71,10 @@ class Topic(Enum):
 class Sentence:
     """A parsed message of MuJoCo; no other code in this package parses messages.
 
-    `attribute` is the one that it names, `unknown_attribute` one that MJCF does not have there, `missing_attribute`
-    and `missing_element` are required ones; `names` are the names in quotes. `size_index` is the size that must be
-    positive, `plugin` the number of the plugin that failed, `section` the section with the faulty setting, `array`
-    the faulty array of the compiled model.
+    `attribute` is the attribute that it names, `unknown_attribute` an attribute that MJCF does not have there,
+    `missing_attribute` and `missing_element` are required ones; `names` are the names in quotes. `size_index` is the
+    size that must be positive, `plugin` the number of the plugin that failed, `section` the section with the faulty
+    setting, `array` the faulty array of the compiled model.
     """
 
     topic: Topic | None = None

@@ -91,7 +91,7 @@ def compiled_order(root: Node) -> Order:
 
 
 def rows(order: Order, roster: NameTable) -> dict[Node, int]:
-    """Return the number of every element among those of its kind, as far as that is certain.
+    """Return the number of every element within its kind, as far as that is certain.
 
     A stretch of elements counts if all names match; if they do not, because MuJoCo has removed or added elements,
     only named ones are found.

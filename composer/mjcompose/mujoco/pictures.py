@@ -146,7 +146,7 @@ def has_sky(mujoco: Any, model: Any) -> bool:
 
 _SHADOWS, _SHADOWS_OF_TILES = 4096, 1024
 _SAMPLES_OF_TILES = 2
-# The mask of the model is this much finer than the picture, so that its edges are smooth.
+# The mask of the model is this much finer than the picture, for smooth edges.
 _FINER = 2
 
 
@@ -197,7 +197,7 @@ class Stage:
         self._scene = mujoco.MjvScene(model, maxgeom=int(most))
 
     def _prepare_buffers(self) -> None:
-        """Raise the model's limits, which are for its author's window, and limit shadows to what this picture needs."""
+        """Raise the model's limits, which are for its author's window, and limit shadows to this picture."""
         limits, quality, look = self.model.vis.global_, self.model.vis.quality, self.look
         limits.offwidth = max(limits.offwidth, look.width * _FINER)
         limits.offheight = max(limits.offheight, look.height * _FINER)
@@ -413,7 +413,7 @@ def sheet(mujoco: Any, asked: Mapping[str, Any]) -> None:
 
 
 def columns_of(count: int, aspect: float) -> int:
-    """Return the number of tiles in a row, so that the sheet is about as wide as high, or a little wider.
+    """Return the number of tiles in a row of a sheet that is about as wide as high, or a little wider.
 
     >>> [columns_of(count, 4 / 3) for count in (1, 2, 6, 16, 100)]
     [1, 2, 3, 4, 11]

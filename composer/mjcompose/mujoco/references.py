@@ -1,4 +1,4 @@
-"""What an element of a compiled model refers to, as kinds and ids."""
+"""References of an element of a compiled model, as kinds and ids."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ DOF = "dof"
 
 @cache
 def _arrays_of(model_type: Hashable) -> dict[str, tuple[str, ...]]:
-    """Return the attributes of a class of models by the word they begin with: that of a kind, or ``dof``."""
+    """Return the attributes of a class of models by the word they begin with: the word of a kind, or ``dof``."""
     words = {kind.arrays: word for word, kind in KINDS.items()} | {DOF: DOF}
     found: dict[str, list[str]] = {}
     for attribute in sorted(dir(model_type)):
@@ -83,7 +83,7 @@ def _widened(array: Array, width: int) -> Array:
 
 
 class World(StrEnum):
-    """What a reference to body 0 of the part means in the composition."""
+    """The meaning of a reference to body 0 of the part in the composition."""
 
     MOUNT = "mount"
     """The parent of the part's roots."""
@@ -148,7 +148,7 @@ _HFIELD, _MESH, _SDF = 1, 7, 8
 
 
 def _shape(model: Model, index: int) -> Iterator[Link]:
-    # MuJoCo 3 leaves the mesh id in primitives that were fitted to it, where it has no meaning.
+    # MuJoCo 3 leaves the meaningless mesh id in primitives that were fitted to a mesh.
     shape = int(model.geom_type[index])
     data = int(model.geom_dataid[index]) if shape in (_HFIELD, _MESH, _SDF) else -1
     yield Link("geom_dataid", "hfield" if shape == _HFIELD else "mesh", data)
@@ -172,7 +172,7 @@ _NO_VERTEX, _TWIST = 3, 7
 
 
 def twists(bending: Array) -> list[int]:
-    """Return the places in a rod's `flex_bending` where the id of a joint stands: that of a bend's second twist."""
+    """Return the places in a rod's `flex_bending` with the id of a joint: a bend's second twist."""
     # Their number comes first, then for each bend of three vertices the vertices, -1, a stiffness and two angles, the
     # joint (-1 if the rod is not twisted), and a stiffness and an angle for the twist. Bends of four vertices have no
     # joint: those of `<flexcomp type="circle" count="5 1 1" dim="1" …/>` begin with 3 0 1 2.
@@ -207,7 +207,7 @@ def twists_a_rod(model: Model, body: int) -> bool:
 
 
 def _flex_materials(model: Model, index: int) -> Iterator[Link]:
-    """Yield materials: since MuJoCo 4 those of a flex's elements, before that the flex's."""
+    """Yield materials: the flex's, and since MuJoCo 4 also its elements'."""
     if len(model.flex_matid) == model.nflexelem:
         return _run("flex_matid", "material", first="flex_elemadr", number="flex_elemnum")(model, index)
     return _row("flex_matid", "material")(model, index)

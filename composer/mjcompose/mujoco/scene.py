@@ -138,7 +138,7 @@ def meshes(model: Any, blobs: Blobs) -> list[str]:
 
 
 def _rows(number: int, values: Any, first: Any, count: Any) -> Any:
-    """Return the rows of an element in an array that has those of all, one element after the other."""
+    """Return the rows of an element in an array with the rows of all elements, one after the other."""
     return values[int(first[number]) : int(first[number]) + int(count[number])]
 
 

@@ -1,6 +1,6 @@
 """Meshes and convex shapes, points on them, and whether a mesh is plausible: enormous, in millimeters, flat or open.
 
-`measures` and `is_flat` run in the child process, where the vertices are; `doubts` judges their answer here.
+`measures` and `is_flat` run in the child process, where the vertices are. `doubts` evaluates their answer here.
 """
 
 from __future__ import annotations
@@ -282,7 +282,8 @@ class Doubt:
         return SIZE if self.kind in _FACTORS else SHAPE
 
     def advice(self, scale: Sequence[float], write: str, between: str = " ") -> str:
-        """Return the help for a wrong size; `write` is what sets the scale of the mesh, with `{}` for the numbers.
+        """Return the help for a wrong size; `write` is the text that sets the scale of the mesh, with `{}` for the
+        numbers.
 
         >>> Doubt("large", "").advice((1, 1, 2), 'scale="{}"')
         'if its file is in millimeters, write `scale="0.001 0.001 0.002"`'
@@ -338,7 +339,7 @@ def measures(vertices: Any, faces: Any) -> dict[str, Any]:
 
 
 def measured(facts: dict[str, Any], scale: Sequence[float]) -> Measured:
-    """Return what `measures` found, for a mesh with this scale."""
+    """Return the result of `measures` for a mesh with this scale."""
     size = math.dist((0, 0, 0), [factor * each for factor, each in zip(scale, facts["extents"], strict=True)])
     return Measured(size, facts["flat"], not facts["open"], open_edges=facts["open"], edges=facts["edges"])
 

@@ -147,7 +147,7 @@ _SHOWN = 12
 
 
 class InComposition(Rules):
-    """What may differ between a part alone and in a composition, by the table of arrays."""
+    """The differences allowed between a part alone and in a composition, by the table of arrays."""
 
     def __init__(self, matching: Correspondence, coupling: Coupling, placing: Placing, tolerance: float) -> None:
         self.matching, self.coupling, self.placing, self.tolerance = matching, coupling, placing, tolerance
@@ -164,7 +164,7 @@ class InComposition(Rules):
         return np.array([self._moved(*pair, theirs[pair[1]]) for pair in pairs])
 
     def _moved(self, index: int, target: int, actual: Array) -> Array:
-        """Return the numbers of an equality, with what they measure in the part's world where the part is."""
+        """Return the numbers of an equality, with positions in the part's world moved to the part."""
         data = np.array(self.alone.eq_data[index])
         first, second = links(self.alone, "equality", index)
         of_world = [link.kind == "body" and link.index == 0 for link in (first, second)]
@@ -233,7 +233,7 @@ class InComposition(Rules):
     def _less_simple(self, kind: str, index: int) -> bool:
         """Return whether only one of the models uses MuJoCo's shortcut for bodies that slide in the world.
 
-        The shortcut's inverse weights differ from those of the whole mass matrix.
+        The shortcut's inverse weights differ from the whole mass matrix's.
         """
         if kind not in ("body", "joint"):
             return False
@@ -244,8 +244,8 @@ class InComposition(Rules):
     def _has_no_direction(self, tendon: int) -> bool:
         """Return whether two neighboring sites of a tendon lie in one point in the reference configuration.
 
-        MuJoCo 4.0 then takes the x axis of the world for the direction between them, or that of a rounding error: what
-        follows from it depends on how the part is turned.
+        MuJoCo 4.0 then takes the x axis of the world, or a rounding error, for the direction between them: the results
+        depend on how the part is turned.
         """
         model = self.alone
         first = int(model.tendon_adr[tendon])
@@ -406,11 +406,11 @@ def compare(
 ) -> list[Difference]:  # fmt: skip
     """Return the differences between a part compiled alone and the same part in a composition.
 
-    The result is empty if the part is unchanged. ``prefix`` includes its separator; the base's is empty.
+    The result is empty if the part is unchanged. ``prefix`` includes its separator, and the base's is empty.
     ``hung_on`` is the place of the part's world: the unmoved world by default. ``renamed`` maps names of the part
     to names in the composition, by kind, if they are not simply prefixed. ``ignore`` are arrays (`geom_friction`),
     or attributes of every kind (`friction`), that were changed on purpose; ``replaced_keys`` are keys of the
-    composition that were written in place of the part's own. With ``others``, the prefixes and models of all other
+    composition that replace the part's own. With ``others``, the prefixes and models of all other
     parts, elements with this part's prefix that belong to no part count as differences too.
 
     ``tolerance`` is relative to the larger of 1 and the value. 0 requires equality bit for bit wherever composition

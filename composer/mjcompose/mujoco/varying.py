@@ -184,7 +184,7 @@ class Recorder:
         return first
 
     def take(self) -> None:
-        """Record the model's state as that of the next world, and restore the nominal model."""
+        """Record the model's state as the next world, and restore the nominal model."""
         row = self.worlds % _BLOCK
         if row == 0:
             self._blocks.append(np.empty((_BLOCK, len(self._words)), np.uint64))
@@ -307,8 +307,8 @@ def put(model: Model, name: str, numbers: Numbers) -> None:
 def stored(model: Model, found: Iterable[tuple[str, Numbers, Numbers]]) -> dict[str, Numbers]:
     """Return the entries of an `.npz` file by key.
 
-    For every array NAME there are `NAME/index`, the numbers' places in the flattened array, `(numbers,)`;
-    `NAME/values`, `(worlds, numbers)`; and for readers `NAME/kind`, `NAME/element` and `NAME/attribute`,
+    For every array NAME there are `NAME/index`, the numbers' places in the flattened array, `(numbers,)`, and
+    `NAME/values`, `(worlds, numbers)`. For readers there are `NAME/kind`, `NAME/element` and `NAME/attribute`,
     `(numbers,)`, with the owner of each number.
     """
     arrays: dict[str, Numbers] = {}

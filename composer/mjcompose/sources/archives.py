@@ -125,7 +125,7 @@ def _download(url: str, partial: Path, known: Version, *, lookup: Lookup) -> Ver
         about = fs.info(path)
         if about.get("type") == "directory":
             raise FileNotFoundError(path)
-        # A store without etags is asked for the bytes in every build.
+        # From a store without etags, every build downloads the bytes again.
         version = Version(etag=str(about.get("ETag") or about.get("etag") or ""))
         if version.etag and version == known:
             return None
@@ -234,7 +234,7 @@ class _Artifact:
         return self.store.add("archive", key, self.reference.id, fill=fill, about={})
 
     def _manifest(self, url: str) -> tuple[bytes, dict[str, str]]:
-        """Return the manifest, and the header with the token that anybody gets, if the registry wants one."""
+        """Return the manifest, and the header with the token that anybody gets, if the registry requires a token."""
         from mjcompose.sources.download import ask
 
         headers: dict[str, str] = {}

@@ -1,7 +1,7 @@
 """Single files of the store, leases on its entries, and the MuJoCos of other versions.
 
-    asked/, built/, raw/, packed/     what the build cache keeps (`composer/mjcompose/build/cache/cache.py`)
-    shapes/                           what was made of meshes (`composer/mjcompose/build/compose/shape_store.py`)
+    asked/, built/, raw/, packed/     entries of the build cache (`composer/mjcompose/build/cache/cache.py`)
+    shapes/                           results for meshes (`composer/mjcompose/build/compose/shape_store.py`)
     writing/                          files being written; they move to their place in one step
     leases/                           one file for each process, which keeps it locked and lists the entries in use
     mujoco/VERSION/                   an environment, complete if it has the file `.ready`, with its size
@@ -9,7 +9,7 @@
 Files need no lock: all writers of a key write the same content, or content that is as good. The system unlocks a lease
 when its process ends for any reason. Looking up or removing an entry happens inside the gate, so no entry is removed
 between the look-up and the lease. An environment cannot be moved, so it is made in its place, under a lock; if a
-killed process left one incomplete, it is made anew, or pruned.
+killed process left one incomplete, it is made again, or pruned.
 """
 
 from __future__ import annotations

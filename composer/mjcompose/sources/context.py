@@ -27,8 +27,8 @@ if TYPE_CHECKING:
 class ReadRecipe:
     """A recipe file that was read, merged over the recipes that it extends, with its diagnostics.
 
-    `extended` are the recipes that it extends, each with the place that names it; `said` has, by file name in
-    messages, what each of these files sets for `angle` and `eulerseq`; `trust` is the union of their `trust`.
+    `extended` are the recipes that it extends, each with the place that names it. `said` has, by file name in
+    messages, the `angle` and `eulerseq` of each of these files. `trust` is the union of their `trust`.
     """
 
     node: Node | None
@@ -40,7 +40,7 @@ class ReadRecipe:
 
 @dataclass(slots=True)
 class Context:
-    """The environment variables, the folder that displayed paths start from, the sink, and how to fetch.
+    """The environment variables, the folder that displayed paths start from, the diagnostics, and how to fetch.
 
     `recipes` are the recipe files read in this run, each read once. `concrete` caches their latest expansions with
     given values, with their diagnostics (`plan/concrete.py`). With `strict`, warnings that are not allowed are
@@ -68,14 +68,14 @@ class Context:
         log("%s: %.3f s", stage, seconds, level=10)
 
     def door_of_text(self, folder: Path) -> Door:
-        """Return what a recipe in a folder may name by a path."""
+        """Return the door of a recipe in a folder, for its own paths."""
         return door_of_user() if self.fetching is None else self.fetching.door_of_text(folder)
 
     def shown(self, path: Path) -> str:
         """Return a path as messages name it: relative to the user's folder if it is below that."""
         absolute = os.path.abspath(os.path.join(self.folder, path))
         if absolute.startswith(below := os.path.join(self.folder, "")):
-            return absolute[len(below) :]  # what `relpath` finds in ten times the time
+            return absolute[len(below) :]  # the result of `relpath`, in a tenth of its time
         relative = os.path.relpath(absolute, self.folder)
         return absolute if relative.startswith("..") else relative
 

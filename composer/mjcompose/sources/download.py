@@ -140,7 +140,7 @@ class _Download:
                 self.progress(f"{last}; trying again" + (f" in {pause:.0f} s" if pause > 5 else ""))
                 time.sleep(max(pause, own))
                 if pause > own:
-                    self.silence.broken()  # the server asked for the pause
+                    self.silence.broken()  # the server requires the pause
             attempt += 1
             try:
                 return self._once()
@@ -254,7 +254,7 @@ class _Download:
         return leads_to
 
     def _check_reach(self, at: str) -> None:
-        """Refuse a server of this machine or its network, also for a name that had no address before."""
+        """Refuse a server of this machine or its network, even for a name that had no address before."""
         if self.is_confined and is_private(urlsplit(at).netloc):
             leads = "" if at == self.url else f" leads to `{hide(at)}`, which"
             message = f"`{self.shown}`, which a fetched recipe names,{leads} is on this machine or in its network"
@@ -309,7 +309,7 @@ class _Download:
         before = size
         with self.partial.open("ab" if size else "wb") as file:
             try:
-                # Read what has arrived, however little: `stream` would wait for a full chunk.
+                # Read any bytes that have arrived: `stream` would wait for a full chunk.
                 while chunk := response.read1(_CHUNK, decode_content=False):
                     size += len(chunk)
                     if max(size, total) > (most := in_force().source_size):

@@ -1,4 +1,4 @@
-"""The rules for fetching in a run, what was fetched, and which model files exist."""
+"""The rules for fetching in a run, the fetched sources, and the existing model files."""
 
 from __future__ import annotations
 
@@ -104,10 +104,10 @@ class Fetching:
     lock does not pin is an error. `remakes_shapes`: the lock is being made, and need not have the shapes of meshes.
     `lock` is the lock of the recipe, `lock_file` its path, whether it exists or not,
     `recipe` the recipe's name in messages. `fresh` are the origins whose pin is ignored, None for all of them.
-    `origins` are the origins resolved in this run, by id, so that all parts see the same commit of a moving branch.
+    `origins` are the origins resolved in this run, by id: all parts see the same commit of a moving branch.
     `first` has the first file requested from each. `digests` has the sha256 of files, `files` the files of sources,
-    computed once for all cells of a matrix. `outer` is the outermost recipe, `trust` what it allows, `doors` what
-    models may read.
+    computed once for all cells of a matrix. `outer` is the outermost recipe, `trust` its `trust`, `doors` the
+    doors of models.
     """
 
     offline: bool = False
@@ -133,7 +133,7 @@ class Fetching:
         return self.digests[path]
 
     def forget(self) -> None:
-        """Forget what was fetched and read, because it is damaged."""
+        """Forget the fetched sources, because one is damaged."""
         for memory in (self.origins, self.first, self.digests, self.files, self.doors):
             memory.clear()
 
@@ -146,12 +146,12 @@ class Fetching:
         return max(found, key=lambda each: len(real_path(each.root)), default=None)
 
     def door_of_text(self, folder: Path) -> Door:
-        """Return what a recipe in a folder may name by path: anything, or the files of its origin."""
+        """Return the door of a recipe in a folder: to anything, or to the files of its origin."""
         origin = self.around(folder)
         return door_of_user() if origin is None else self.door_of_origin(origin)
 
     def door_of_origin(self, origin: Origin) -> Door:
-        """Return what files of an origin may read: all files of the origin."""
+        """Return the door of files of an origin: to all files of the origin."""
         verb = "fetched" if origin.is_fetched else "installed"
         return Door.of(
             (origin.root, *(self.trust.folders if SERVED is None else ())),
@@ -161,7 +161,7 @@ class Fetching:
         )
 
     def door_of_model(self, path: Path) -> Door:
-        """Return what the model at a path may read: its project, that of the recipe, and folders the recipe trusts."""
+        """Return the door of the model at a path: to its project, the recipe's, and folders that the recipe trusts."""
         key = path, self.outer, self.trust
         if key not in self.doors:
             start = None if self.outer is None else os.path.dirname(os.path.abspath(self.outer))
@@ -306,7 +306,7 @@ def _without_folder(text: str, wanted: Path) -> tuple[str, str, str | None]:
 
 
 def nearest(text: str, existing: Iterable[str]) -> str | None:
-    """Return the existing reference that was probably meant."""
+    """Return the most similar existing reference."""
     # Otherwise a dot would count as the end of a prefix, and all `.xml` files as one name with different prefixes.
     flat = {each.removeprefix("./").replace(".", "_"): each for each in existing}
     near = closest(text.replace("\\", "/").removeprefix("./").replace(".", "_"), flat)

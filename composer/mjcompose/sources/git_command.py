@@ -81,7 +81,7 @@ class Git:
 
     @contextmanager
     def open(self, *arguments: str, folder: Path | None = None, asked: bool = False) -> Iterator[Any]:
-        """Run a command and yield it for reading its standard output; with `asked`, also for writing to its input.
+        """Run a command and yield it for reading its output, and with `asked` for writing to its input, too.
 
         The command ends with the block. Raises GitFailure if it fails, and SourceError if git is not installed.
         """
@@ -339,7 +339,7 @@ def _listed(git: Git, repository: Path, commit: str) -> Iterator[_Blob]:
 
 @contextmanager
 def _contents(git: Git, repository: Path) -> Iterator[Contents]:
-    """Yield a function that returns the bytes of a file piece by piece, so that memory never holds a whole file."""
+    """Yield a function that returns the bytes of a file piece by piece: memory never holds a whole file."""
     with git.open("cat-file", "--batch", folder=repository, asked=True) as process:
 
         def content(blob: _Blob) -> Iterator[bytes]:

@@ -33,7 +33,7 @@ _ABBREVIATED = re.compile(r"[0-9a-f]{7,39}")
 
 
 def resolve(reference: Reference, lookup: Lookup) -> Source:
-    """Return the file at a revision, whose commit is that of the lock or the repository. Raises SourceError."""
+    """Return the file at a revision, whose commit the lock or the repository says. Raises SourceError."""
     id, known = reference.id, lookup.fetching.origins
     if id not in known:
         store = Store.of(lookup.environment)

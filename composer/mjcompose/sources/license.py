@@ -53,7 +53,7 @@ _BSD_4 = r"all advertising materials mentioning features"
 
 @lru_cache(maxsize=64)
 def identify(text: str) -> str | None:
-    r"""Return the SPDX identifier of a license text, or None if it is not one of the common licenses. No I/O.
+    r"""Return the SPDX identifier of a license text, or None if it is not a common license. No I/O.
 
     A line `SPDX-License-Identifier: …` takes precedence over the text itself.
 
@@ -173,7 +173,7 @@ def find(model: Path, base: Path | None = None) -> tuple[Path, ...]:
 
 
 def is_license(name: str) -> bool:
-    """Return whether a file name is that of a license or a notice. No I/O."""
+    """Return whether a file with this name is a license or a notice. No I/O."""
     return _NAME.fullmatch(name) is not None and _is_text(name)
 
 

@@ -33,7 +33,7 @@ class _Part(BaseModel):
 
 
 class Locked(_Part):
-    """One source: a repository, an archive, a robot, a package, a file beside the recipe."""
+    """One source: a repository, an archive, a robot, a package, a file next to the recipe."""
 
     kind: str
     commit: _GitHash | None = None
@@ -58,9 +58,9 @@ if missing := {*PINS} - Locked.model_fields.keys():
 class Lock(_Part):
     """All sources of a recipe and its nested recipes, by id; file names are relative to the source.
 
-    `mjcompose` and `mujoco` are the versions that the lock was made with. `shapes` has the sha256 of what was made of
-    each mesh and is kept beside the recipe, by its key. `extensions` has the versions of the other packages whose words
-    the recipe uses, by their names.
+    `mjcompose` and `mujoco` are the versions that the lock was made with. `shapes` has the sha256 of the result for
+    each mesh that is kept next to the recipe, by its key. `extensions` has the versions of the other packages whose
+    words the recipe uses, by their names.
     """
 
     lock: Literal[1] = 1
@@ -256,8 +256,8 @@ def resolve(
 ) -> Source:  # fmt: skip
     """Find the file of a model reference and its licenses; fetch it if necessary.
 
-    `relative_to` is the folder of the file that contains the reference; `environment` replaces the environment of
-    the process; `fetching` has the rules and the memory of the run. A reference in a fetched file may not name
+    `relative_to` is the folder of the file that contains the reference, `environment` replaces the environment of
+    the process, and `fetching` has the rules and the memory of the run. A reference in a fetched file may not name
     anything on this machine. Without `runs_code`, kinds that run code are refused. Raises SourceError.
     """
     fetching = Fetching() if fetching is None else fetching
@@ -272,7 +272,7 @@ def resolve(
         raise SourceError("source-outside", message, help="name the model in your own recipe")
     if not kind.is_fetched:  # another variable could change the result without the build cache noticing
         environment = {name: environment[name] for name in kind.variables if name in environment}
-    if asking is not None and is_confined:  # `check_reach` admits what is trusted
+    if asking is not None and is_confined:  # `check_reach` admits trusted references
         check_reach(parsed, kind, asking, trust=fetching.trust, offline=fetching.offline)
     source = kind.resolve(parsed, Lookup(relative_to, environment, fetching, is_confined=is_confined))
     if source.origin is not None:

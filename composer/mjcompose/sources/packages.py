@@ -87,7 +87,7 @@ def _spec(top: str) -> ModuleSpec | None:
 
 
 def distribution(name: str) -> Distribution | None:
-    """Return the distribution that installed the package `name`, judged by its list of files."""
+    """Return the distribution that installed the package `name`, according to its list of files."""
     from importlib import metadata
 
     top = name.partition(".")[0]
@@ -194,7 +194,7 @@ def _resolve_menagerie(reference: Reference, lookup: Lookup) -> Source:
         message = f"`{folder}` has no `{entry.file}`, which `{reference.text}` stands for"
         notes = (exists_note("XML file", sorted(each.name for each in folder.glob("*.xml"))).message,)
         raise SourceError("source-not-found", message, notes=notes)
-    # The files in a given folder need not be those of the installed version.
+    # The files in a given folder need not belong to the installed version.
     is_own = not environment.get("MENAGERIE_ROOT")
     return Source(
         path, reference.kind, reference.text, package=_MENAGERIE_PACKAGE,

@@ -23,7 +23,7 @@ def _resolve(reference: Reference, lookup: Lookup) -> Source:
     if (left_out := _left_out(reference, lookup.folder, fetching)) is not None:
         raise left_out
     door, wanted = fetching.door_of_text(lookup.folder), os.path.join(lookup.folder, reference.path)
-    if not door.sees(wanted):  # before any message shows what exists
+    if not door.sees(wanted):  # before any message lists existing files
         refused = door.outside(wanted)
         raise SourceError(CODE, refused.message(), refused.help)
     return _with_origin(_file(reference, lookup.folder), fetching, lookup.folder)

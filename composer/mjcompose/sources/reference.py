@@ -40,7 +40,7 @@ def take_apart(url: str, base: str = "") -> SplitResult | None:
 
 
 class SourceError(DiagnosticError):
-    """A fault in a model reference; the notes say what exists, `help` what to write instead."""
+    """A fault in a model reference. The notes list existing names, and `help` says what to write instead."""
 
 
 Pin = Literal["commit", "tree", "sha256", "package", "version"]
@@ -51,7 +51,7 @@ PINS: tuple[Pin, ...] = get_args(Pin)
 
 @dataclass(frozen=True, slots=True)
 class Form:
-    """One way to write a reference: an example for messages and docs, and what it refers to."""
+    """One way to write a reference: an example for messages and docs, and its meaning."""
 
     example: str
     meaning: str
@@ -84,7 +84,7 @@ class Kind:
     | `is_local` | whether the files belong to the user, who may change them |
     | `is_fetched` | whether the files are in mjcompose's store, separate from all other files of this machine |
     | `runs_code` | whether resolving a reference runs code of the source |
-    | `pins` | what a lock records besides the hashes of the files |
+    | `pins` | the facts that a lock records besides the hashes of the files |
     | `variables` | the environment variables that determine the file of a reference |
     | `libraries` | the Python packages that determine it; they need not be installed |
 
@@ -129,9 +129,9 @@ class Reference:
     | menagerie | the robot | the entry, empty for the robot's own model |
     | descriptions | the description | empty |
     | git | the URL of the repository | the file inside of it, at `revision` |
-    | archive | the URL of the archive | the file inside of it; `revision` is its sha256 if it is written |
+    | archive | the URL of the archive | the file inside of it (`revision` is its sha256 if it is written) |
     | bucket | the same in an object store | likewise |
-    | oci | the registry and the repository | the file inside of it; `revision` is the sha256 of the manifest |
+    | oci | the registry and the repository | the file inside of it (`revision` is the sha256 of the manifest) |
     | hf | the repository | the file inside of it, at `revision` |
     """
 
@@ -143,7 +143,7 @@ class Reference:
 
     @property
     def id(self) -> str:
-        """The reference without the file: what is fetched or installed as a whole."""
+        """The reference without the file: a name for everything that is fetched or installed with it."""
         if self.kind.separator == "#":
             return self.text.partition("#")[0]
         return f"{self.text.partition(':')[0]}:{self.name}" if self.name else self.text
@@ -192,9 +192,9 @@ def check_secrets(text: str, host: str) -> None:
 class Origin:
     """A repository at a commit, an archive, a robot of Menagerie, or an installed package.
 
-    `id` is the model reference without the file (`git+https://host/repo@v1`); `root` is the folder that file names
-    are relative to. `commit` and `tree` are git's hashes, `sha256` that of an archive. `without` has the paths that
-    were left out when it was fetched, each with a description; `stored` has the sha256 of every file as it was put
+    `id` is the model reference without the file (`git+https://host/repo@v1`). `root` is the folder that file names
+    are relative to. `commit` and `tree` are git's hashes, `sha256` the hash of an archive. `without` has the paths that
+    were left out when it was fetched, each with a description. `stored` has the sha256 of every file as it was put
     into the store.
     """
 
@@ -249,12 +249,12 @@ ReadAs: TypeAlias = tuple[Path, tuple[tuple[str, Path], ...], UrdfChoices]
 class Source:
     """The model file of a reference.
 
-    `reference` is the text as written. `package` and `version` name the distribution of the file; the version is
-    None if the file may differ from the distribution's; for a repository it is the commit, for an archive its
-    sha256. `licenses` are the license files of the model, sorted by name. `packages` are the folders for
-    `package://NAME` in URDF, if the recipe gives them. `origin` is what the file belongs to, None for a plain path.
-    `license` is the SPDX expression of its package. `door` limits what the model may read.
-    `urdf` is how a URDF is to be read.
+    `reference` is the text as written. `package` and `version` name the distribution of the file. The version is None
+    if the file may differ from the distribution's. For a repository it is the commit, for an archive its sha256.
+    `licenses` are the license files of the model, sorted by name. `packages` are the folders for `package://NAME` in
+    URDF, if the recipe gives them. `origin` is its repository, archive or package, None for a plain path. `license` is
+    the SPDX expression of its package. `door` limits the files that the model may read. `urdf` has the choices for
+    reading a URDF.
     """
 
     path: Path
@@ -284,7 +284,7 @@ class Source:
 
 
 def has_format(path: PurePath) -> bool:
-    """Return whether the suffix is that of a recipe, MJCF or URDF. No I/O."""
+    """Return whether a recipe, MJCF or URDF may have this suffix. No I/O."""
     return path.suffix.lower() in FORMATS
 
 
@@ -292,10 +292,10 @@ def has_format(path: PurePath) -> bool:
 class SourceKind(Kind):
     """A kind of model reference as a row of `mjcompose.sources.kinds.KINDS`. Every field is required.
 
-    `parse` takes the text of a reference apart, without I/O; `resolve` finds its file, and fetches it if necessary.
+    `parse` takes the text of a reference apart, without I/O. `resolve` finds its file, and fetches it if necessary.
     Both raise SourceError for a faulty reference. `host` returns the server of a reference, with its port, or None;
     `is_of_this_machine` returns whether a reference without a server names something that only this machine has.
-    Neither does I/O; they decide whether a fetched recipe may contain the reference.
+    Neither does I/O. They decide whether a fetched recipe may contain the reference.
     """
 
     parse: Callable[[str], Reference]

@@ -19,7 +19,7 @@ Actuators = Literal["declared", "all", "none"]
 
 @dataclass(frozen=True, slots=True)
 class UrdfChoices:
-    """What a recipe says beside a URDF: `arguments` of a xacro template, and the choices of `urdf:`.
+    """Settings of a recipe for a URDF: `arguments` of a xacro template, and the choices of `urdf:`.
 
     None leaves it to the file, and where that says nothing to MuJoCo, which drops visuals and fuses fixed links.
     """
@@ -49,8 +49,8 @@ def packages_in(text: str) -> tuple[str, ...]:
 def folders(names: tuple[str, ...], urdf: Path, given: Mapping[str, Path]) -> dict[str, Path]:
     """Return the folder of each package: the given one, or the nearest folder of that name above the file.
 
-    What a folder's `package.xml` calls it counts first. ROS keeps the description of a robot in the package that its
-    meshes are named by.
+    The name in a folder's `package.xml` counts first. ROS keeps the description of a robot in the package that names
+    its meshes.
     """
     known = all_folders(urdf, given)
     return {name: known[name] for name in names if name in known}
@@ -92,6 +92,6 @@ def _called(folder: Path) -> str | None:
 
 
 def beside(name: str, urdf: Path) -> Path | None:
-    """Return a folder of that name beside one above the file. It is probably meant, but only suggested."""
+    """Return a folder of that name next to a folder above the file, as a suggestion."""
     parents = Path(os.path.abspath(urdf)).parents
     return next((found for folder in parents if os.path.isdir(found := folder / name)), None)

@@ -10,7 +10,7 @@
     locks/                            one for each entry: two processes do not fetch the same thing at once
     leases/                           one for each process that reads entries: these are not pruned
 
-Every other name is a hash, so that no reference can lead out of the store.
+Every other name is a hash, so no reference can lead out of the store.
 """
 
 from __future__ import annotations
@@ -107,7 +107,7 @@ class Store:
             with blobs.gate(self.folder):
                 if (entry := self._read(kind, folder)) is not None:
                     blobs.hold(self.folder, key)
-        except OSError:  # a read-only store, where nothing is removed either
+        except OSError:  # a read-only store, so nothing is removed either
             entry = self._read(kind, folder)
         if entry is not None:
             with contextlib.suppress(OSError):  # the store of another user may be read-only
@@ -118,7 +118,7 @@ class Store:
         """Create an entry: `fill` writes its files into the given empty folder.
 
         `about` is read afterwards. The caller holds the lock of `key`. The entry is added completely or not at all.
-        Raises what `fill` raises, and SourceError for errors of the disk.
+        Raises the errors of `fill`, and SourceError for errors of the disk.
         """
         with self.usable():
             for left in (self.folder / "staging").glob(f"{key}.*"):  # of killed processes: the caller holds the lock
@@ -273,7 +273,7 @@ class Store:
         return sorted(found)
 
     def damage(self, entry: Entry) -> tuple[str, ...]:
-        """Return how an entry differs from what was stored, one line for each file; empty if it is intact."""
+        """Return the damage of an entry, one line for each file; empty if it is intact."""
         there = {}
         for name, path in blobs.files_below(entry.content):
             try:
@@ -283,7 +283,7 @@ class Store:
         return blobs.differences(entry.files, there)
 
     def remember(self, id: str, seen: Mapping[str, str]) -> None:
-        """Record what an origin resolved to; failing to write the record is no error."""
+        """Record the commit or hash of an origin, if possible."""
         path = self.folder / "seen" / f"{name_of(id)}.json"
         with contextlib.suppress(OSError):
             blobs.write_whole(self.folder, path, json.dumps({**seen, "id": id}).encode())
@@ -342,7 +342,7 @@ def name_of(id: str) -> str:
 
 
 def _erase(path: Path) -> None:
-    import shutil  # reading what is there needs none of it
+    import shutil  # most builds remove nothing
 
     if os.path.isdir(path):
         if os.name == "nt":  # Windows does not remove read-only files

@@ -1,4 +1,4 @@
-"""What models and fetched recipes may reach on this machine."""
+"""The files and servers of this machine that models and fetched recipes may reach."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from mjcompose.sources.reference import Origin, Reference, SourceError, SourceKi
 class Trust:
     """The files and references that the outer recipe trusts.
 
-    `files` are folders that the user's own models may read; `references` are what fetched recipes may name. A
+    `files` are folders that the user's own models may read; fetched recipes may name `references`. A
     reference is allowed if it is one of `references`, or continues one of them after a separator:
 
     >>> trust = Trust(references=("git+file:///srv/robots", "package:arms"))
@@ -83,7 +83,7 @@ def check_reach(reference: Reference, kind: SourceKind, origin: Origin, trust: T
 def is_private(host: str, offline: bool = False) -> bool:
     """Return whether a server is on this machine or in its network; a name is resolved unless `offline`.
 
-    So is one that cannot be judged. One whose name has no address is not: nothing can be fetched from it.
+    So is a server that cannot be checked. A server without an address is not: nothing can be fetched from it.
 
     >>> [is_private(host, True) for host in ("localhost:80", "10.1.2.3", "git@[::1]", "example.org", "nas")]
     [True, True, True, False, True]

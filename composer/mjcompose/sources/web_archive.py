@@ -97,7 +97,7 @@ def unpack(archive: Path, target: Path) -> None:
     except _BROKEN as fault:
         raise Unsafe(f"it is broken: {str(fault) or type(fault).__name__}") from fault
     except OSError as fault:
-        # bz2 and zipfile report foreign bytes by an error without a number, or with that of an invalid argument.
+        # bz2 and zipfile report foreign bytes by an error without a number, or with the number of an invalid argument.
         if fault.errno in (None, errno.EINVAL):
             raise Unsafe(f"it is broken: {str(fault).lower()}") from fault
         raise
@@ -217,8 +217,8 @@ def _over_http(url: str, partial: Path, known: Version, *, lookup: Lookup) -> Ve
 def resolve(reference: Reference, lookup: Lookup, download: Download = _over_http) -> Source:
     """Return the file in an archive. Raises SourceError.
 
-    Archives that the lock or the reference pins come from the store, or else are fetched. For unpinned ones the
-    server is asked again, and they are fetched if the server says that they have changed.
+    Archives that the lock or the reference pins come from the store, or else are fetched. Unpinned ones
+    are fetched again if the server says that they have changed.
     """
     id, known = reference.id, lookup.fetching.origins
     if id not in known:

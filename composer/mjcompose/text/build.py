@@ -49,9 +49,9 @@ class _Frame:
     tag: tuple[str, Span] | None = None
     is_key: bool = False
     key: Key | None = None
-    key_end: int | None = None  # where that key ends in the text, if it is written there
+    key_end: int | None = None  # the end of that key in the text, if it is written there
     is_quoted: bool = False  # whether the key is quoted
-    has_lone: bool = False  # whether it contains an entry without a colon, so that the following ones may not be keys
+    has_lone: bool = False  # whether it contains an entry without a colon; the following ones may not be keys then
     height: int = 1  # the nesting depth of collections, including this one
 
 

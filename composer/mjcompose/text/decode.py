@@ -77,7 +77,7 @@ _HARMFUL = frozenset("{}[],:#\"'&*!|>%@`?-\t\\")
 
 
 class Mask:
-    """A text with some characters replaced one for one, so that all positions stay the same.
+    """A text with some characters replaced one for one: all positions stay the same.
 
     The replacements are private-use characters that do not occur in the text, literally or as an escape. From the
     start, characters are masked that are line breaks in YAML 1.1 but not in 1.2.

@@ -97,7 +97,7 @@ class Angle:
 
     @classmethod
     def read(cls, text: str) -> Angle | None:
-        """Return the angle in a text, or None if it is not one.
+        """Return the angle in a text, or None if it is not an angle.
 
         >>> Angle.read("-90deg"), Angle.read("90"), Angle.read("deg")
         (Angle(value=-90.0, unit='deg'), None, None)

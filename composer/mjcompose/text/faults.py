@@ -107,8 +107,8 @@ class SyntaxFault:
 class ParserStop:
     """Where the parser stopped, and its message (`context`, `problem`).
 
-    `at` and `since` are indices into `text`: where it stopped, and the start of what it was reading. `outer` says
-    whether it is inside `[ ]` or `{ }` that began on an earlier line.
+    `at` and `since` are indices into `text`: where it stopped, and where the construct that it was reading starts.
+    `outer` says whether it is inside `[ ]` or `{ }` that began on an earlier line.
     """
 
     text: str
@@ -140,7 +140,7 @@ class ParserStop:
 
     @property
     def sign(self) -> str:
-        """The first character of what the parser was reading."""
+        """The first character of the construct that the parser was reading."""
         return self.text[self.since : self.since + 1]
 
     def line_start(self, index: int) -> int:

@@ -85,7 +85,7 @@ def _by_path(table: dict[str, list[str]]) -> dict[Path, tuple[str, ...]]:
     return {tuple(path.split(".")) if path else (): tuple(keys) for path, keys in table.items()}
 
 
-# Mappings in which all keys have a place; an unknown key stays behind its predecessor.
+# Mappings in which all keys have a place. An unknown key stays after its predecessor.
 WHOLE = _by_path(_TABLES["whole"])
 # Mappings in which some keys come first; the others keep their order.
 FIRST = _by_path(_TABLES["first"])

@@ -320,7 +320,7 @@ class _Writer:
         """How many lines there were behind the last block scalar to which empty lines below it would belong."""
 
     def comments(self, comments: list[Comment], indent: int) -> None:
-        """Write comments on their own lines; deeper indentation than that of the first one is kept."""
+        """Write comments on their own lines. Indentation relative to the first comment is kept."""
         margin = next((comment.column for comment in comments if comment.own_line), 0)
         for comment in comments:
             self.blank(comment.blank_before)
@@ -365,7 +365,7 @@ class _Writer:
         self.beside(entry.trail, shift)
 
     def nested(self, entry: Entry, value: Collection, indent: int) -> None:
-        """Write a block below its key; in a list, beside its dash."""
+        """Write a block below its key, or in a list next to its dash."""
         if entry.key is not None or value.properties or entry.head or entry.inner or value.entries[0].lead:
             self.block(value, indent + INDENT)
             return
@@ -482,7 +482,7 @@ def format_recipe(source: bytes, file: str, sink: Sink) -> bytes | None:
     """Return the text in its canonical layout, or None if it is not YAML or its meaning would change.
 
     Comments, blank lines between entries, anchors, the choice between lines and brackets, a byte order mark and the
-    line breaks (those of the first line) are kept. The result is parsed again and compared: values, the order of
+    line breaks (as in the first line) are kept. The result is parsed again and compared: values, the order of
     keys if it has a meaning, comments. No I/O.
     """
     before = sink.error_count

@@ -32,8 +32,8 @@ def load(text: str | bytes, file: str, sink: Sink, *, empty: str | None = None) 
     """Return the tree of a YAML file; `file` is its path for the user, `empty` the help for an empty file. No I/O.
 
     All faults that can be found in one run go to `sink`. After a fault that leaves the meaning of the rest clear (a
-    duplicate key, a tag, missing quotes) there is still a tree, so that later stages can find more faults;
-    otherwise return None. Never raises on bad input.
+    duplicate key, a tag, missing quotes) there is still a tree, in which later stages can find more faults.
+    Otherwise return None. Never raises on bad input.
     """
     source = decode(text, file, sink)
     if source is None:

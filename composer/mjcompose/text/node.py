@@ -116,7 +116,7 @@ class Scalar:
     """A single value.
 
     `text` is the written text, without quotes and with escapes resolved; `plain` says that it has neither quotes
-    nor a block style, so that `value` follows the rules of the YAML 1.2 core schema. For a literal block (`|`),
+    nor a block style: `value` then follows the rules of the YAML 1.2 core schema. For a literal block (`|`),
     `block` is the line and column where its text begins: each line of `text` is a line of the file.
     """
 

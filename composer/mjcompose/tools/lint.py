@@ -1,4 +1,4 @@
-"""The linter: files become models, rules find what is wrong with them, and findings become diagnostics with fixes."""
+"""The linter: files become models, rules find their faults, and findings become diagnostics with fixes."""
 
 from __future__ import annotations
 
@@ -39,8 +39,8 @@ _HEAD = 1 << 20
 def files_below(paths: Iterable[Path]) -> Iterator[Path]:
     """Yield the models in folders, and all other paths as they are.
 
-    A folder with a manifest is a bundle. Of the files in a folder, an XML or YAML file counts if it is a model or a
-    recipe, but not if another XML file of the folder includes it: it is linted there.
+    A folder with a manifest is a bundle. In another folder, an XML or YAML file counts if it is a model or a recipe,
+    unless another XML file of the folder includes it: it is linted there.
     """
     for path in paths:
         if not path.is_dir() or (path / "manifest.json").is_file():
@@ -87,7 +87,7 @@ class Linted:
 
 
 def lint(path: Path, context: Context, session: Session, selected: Sequence[Rule]) -> Linted:
-    """Return the findings of rules about the model of a file; errors of the model itself go to the context's sink.
+    """Return the findings of rules about the model of a file; errors of the model itself are reported to the context.
 
     `path` is an MJCF or URDF file, a recipe or a bundle. If MuJoCo refuses the model, the rules that need it are left
     out.
@@ -250,6 +250,6 @@ def lint_all(
 
 
 def merged(found: Collection[Diagnostic]) -> Iterator[tuple[Diagnostic, Cause]]:
-    """Yield findings with the cause that makes one block of those of a rule in a file."""
+    """Yield findings with a common cause: the findings of a rule in a file become one block."""
     for each in found:
         yield each, Cause(f"{each.code} {each.span.file if each.span else ''}", each.message)

@@ -22,7 +22,7 @@ NESTED = ("body", "frame", "replicate")
 class DefaultClass:
     """One class: its own settings by element tag; everything else comes from `parent`.
 
-    There is one top class for each top-level `<default>`: a class inherits only what was written before it.
+    There is one top class for each top-level `<default>`: a class inherits only attributes that are written before it.
     """
 
     name: str
@@ -54,7 +54,7 @@ class DefaultClass:
 
 
 def written(element: Node, attribute: str) -> str | None:
-    """Return the value that an element or a class writes; as in MuJoCo, a blank in place of numbers does not count.
+    """Return the value that an element or a class writes; as in MuJoCo, a blank instead of numbers does not count.
 
     >>> from lxml import etree
     >>> geom = etree.fromstring('<geom mass="" material=""/>')
@@ -141,7 +141,7 @@ def default_tag(element: Node) -> str:
 
 
 def childclass_of(element: Node) -> str | None:
-    """Return the childclass in force for `element`: that of the nearest ancestor that has one."""
+    """Return the childclass in force for `element`, from the nearest ancestor that has one."""
     around = (above.get("childclass") for above in element.iterancestors())
     return next((str(value) for value in around if value), None)
 
@@ -329,5 +329,5 @@ def _position(node: Node) -> list[int]:
 
 @cache
 def _common() -> frozenset[str]:
-    """Return the attributes that any actuator of a class sets for all: those of a motor, which has none of its own."""
+    """Return the attributes that any actuator of a class sets for all: a motor's, because it has none of its own."""
     return frozenset(GRAMMAR.element("actuator/motor").attributes)

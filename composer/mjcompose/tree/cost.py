@@ -1,4 +1,4 @@
-"""What a model costs once MuJoCo has expanded it, counted before it is."""
+"""The cost of a model once MuJoCo has expanded it, counted before that."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _HEAD = 24
 
 
 def pixels(element: Node, attribute: str, unit: Unit) -> int:
-    """Those of the file that an attribute names; 0 for one that is no PNG, or is not there."""
+    """Return the pixels of the file that an attribute names; 0 if it is not a PNG or does not exist."""
     path = written_path(unit.settings, element, str(element.get(attribute)))
     held = unit.contents.get(path)
     if isinstance(held, bytes):
@@ -178,7 +178,7 @@ def check_size(
 ) -> None:
     """Report a model that is larger than the limits allow, at the element that makes it so; expand nothing.
 
-    `attached` says what an `<attach>` brings. Without `opens_files` the points of mesh files are not counted:
+    `attached` has the cost of an `<attach>`. Without `opens_files` the points of mesh files are not counted:
     `all_admitted` does so before MuJoCo opens them.
     """
     limits = in_force()
@@ -207,7 +207,7 @@ def _is_small(root: Node, elements: int) -> bool:
     dofs = _MOST_DOFS * sum(1 for _ in root.iter(*_JOINTS))
     if dofs <= limits.dofs and dofs * (dofs + 1) // 2 <= limits.mass_matrix:
         return True
-    # At most all in one tree carry each other: what hangs in the world at different places has nothing in common.
+    # At most all in one tree carry each other: different trees in the world have nothing in common.
     by_default, trees = default_dofs(root), []
     for section in root.iterchildren("*"):
         if section.tag == "worldbody":
@@ -223,7 +223,7 @@ def _holds_joints(above: Node | None) -> bool:
 
 
 def _is_within(unit: Unit, total: Weight, made: dict[Node, Weight], sink: Sink) -> bool:
-    """Return whether the expanded model is within the limits; if not, report what makes most of it.
+    """Return whether the expanded model is within the limits; if not, report its largest element.
 
     MuJoCo 4.0 takes four times as long for twice as many bodies or joints, wherever they are: 15 s for 15,000. The
     matrix takes 5 s where it has two million numbers, and eight times that where each body hangs on twice as many.
@@ -280,7 +280,7 @@ def _made(
     nodes = list(root.iter("*"))
     made: dict[Node, Weight] = {node: NOTHING for node in nodes if node.tag in _EXPANDING}
     below: dict[Node, tuple[int, Weight]] = {}
-    for node in reversed(nodes):  # what is inside comes before what it is in
+    for node in reversed(nodes):  # inner elements come first
         count, inside = below.pop(node, (0, NOTHING))
         tag, above = node.tag, node.getparent()
         if node in made:
@@ -337,7 +337,7 @@ def _points(flexcomp: Node, in_file: Callable[[Node], int]) -> int:
 
 
 def _product(text: str, most: int) -> int:
-    """The product of the first numbers in a text; what is not a number is reported elsewhere and counts as one.
+    """Return the product of the first numbers in a text. Anything else is reported elsewhere and counts as 1.
 
     >>> _product("10 20 1", 3), _product("many", 1)
     (200, 1)
@@ -357,7 +357,7 @@ _OF_A_KEY = 2000
 
 
 def check_reserved(unit: Unit, elements: int, sink: Sink) -> bool:
-    """Return whether a model with so many elements, once expanded, reserves no more than the limits allow.
+    """Return whether an expanded model with this number of elements reserves no more than the limits allow.
 
     If not, report the attribute that reserves too much.
     """
@@ -445,7 +445,7 @@ def check_attributes(root: Node, data: bytes, file: str, sink: Sink) -> bool:
 
 
 def _has_long_tag(data: bytes, length: int) -> bool:
-    """Return whether so many bytes follow one another without a `<`, which in a tag only occurs at its start.
+    """Return whether this number of bytes has no `<`, which in a tag only occurs at its start.
 
     >>> _has_long_tag(b"<a><b/></a>", 4), _has_long_tag(b"<a><b/></a>", 3)
     (False, True)

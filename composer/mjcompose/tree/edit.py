@@ -121,10 +121,10 @@ def attached_notes(unit: Unit, name: str) -> list[Note]:
 
 
 class Lookup(Protocol):
-    """Looks up names in a model and in what is attached to it."""
+    """Looks up names in a model and in the models attached to it."""
 
     def find_node(self, namespace: str, name: str) -> Node | None:
-        """Return the element of that name, in this model or in what is attached to it."""
+        """Return the element of that name, in this model or in a model attached to it."""
 
     def known_names(self, namespace: str) -> Iterable[str]:
         """Return every name of a namespace that the model can refer to."""
@@ -216,7 +216,7 @@ def _is_of_flex(model: Editable, used: str, flex: str) -> bool:
 
 
 def twisted_by(joint: str) -> str:
-    """Return the name of the rod that a joint twists if there is such a rod, judged by its name, or an empty text.
+    """Return the name of the rod that a joint twists according to its name, or an empty text.
 
     >>> twisted_by("rope_twist_0"), twisted_by("rope_twist"), twisted_by("twist")
     ('rope', 'rope', '')
@@ -258,7 +258,7 @@ def unresolved(
 ) -> Diagnostic:  # fmt: skip
     """Return the error for a missing name: existing names, the likely one, and other kinds with the name.
 
-    `written` is the format of a name in the file, `typed_by` the attribute beside it that sets the kind. `purpose`,
+    `written` is the format of a name in the file, `typed_by` the attribute next to it that sets the kind. `purpose`,
     `message` and `help` are as in `unknown_name`; `notes` come first.
     """
     others = [kind for kind in model.kinds_of(name) if kind != namespace]
@@ -326,7 +326,7 @@ class NewName(NamedTuple, Generic[M]):
 class Renaming(Generic[M]):
     """Old and new texts of references to renamed elements, by model and namespace.
 
-    It is created before the first name changes, and applied after all have changed, so that two names can be
+    It is created before the first name changes, and applied after all have changed: two names can be
     swapped.
     """
 
@@ -334,7 +334,7 @@ class Renaming(Generic[M]):
 
     @classmethod
     def of(cls, names: Iterable[NewName[M]]) -> Renaming[M]:
-        """Return the references to these names, including those to what MuJoCo makes of it."""
+        """Return the references to these names, including references to the elements that MuJoCo makes of it."""
         renaming: Renaming[M] = cls()
         for model, namespace, old, new in names:
             for here, prefix, kind, used in uses_of(model, namespace, old):

@@ -55,8 +55,8 @@ NUMERIC = frozenset({"real", "int"})
 class Attribute:
     """MuJoCo's rules for one attribute.
 
-    Lengths count numbers, keywords, names or (for `chars`) characters; `None` is unbounded. `default` is the value,
-    in the last version covered, of an attribute that is not written: a scalar if `max_length` is 1, else a tuple;
+    Lengths count numbers, keywords, names or (for `chars`) characters. `None` is unbounded. `default` is the value,
+    in the last version covered, of an attribute that is not written: a scalar if `max_length` is 1, else a tuple.
     `None` if there is none (names, lists without bound), or if MuJoCo computes it.
     """
 
@@ -164,8 +164,8 @@ def number_text(value: int | float) -> str:
 class Constraint:
     """A rule about the presence of attributes. A bundle is complete if all its attributes are written.
 
-    `exclusive`: attributes of at most one bundle; `together`: all of them or none; `requires`: the first bundle
-    needs the second; `oneof`: at least one bundle is complete.
+    `exclusive`: attributes of at most one bundle. `together`: all of them or none. `requires`: the first bundle
+    needs the second. `oneof`: at least one bundle is complete.
     """
 
     kind: Literal["exclusive", "together", "requires", "oneof"]
@@ -173,7 +173,7 @@ class Constraint:
 
 
 class Children(Mapping[str, "ElementType"]):
-    """Child elements by tag. An element is created on first use, so that recursion costs nothing."""
+    """Child elements by tag. An element is created on first use, so recursion costs nothing."""
 
     __slots__ = ("_paths", "_resolve")
 
@@ -221,7 +221,7 @@ class ElementType:
 
     @property
     def takes_class(self) -> bool:
-        """Whether it takes `class`, so that defaults apply to it."""
+        """Whether it takes `class`, and defaults apply to it."""
         attribute = self.attributes.get("class")
         return attribute is not None and attribute.type == "reference"
 
@@ -299,7 +299,7 @@ class Grammar:
         """Return every element that can occur inside a section, at any depth, by tag.
 
         If a tag has several meanings, the one nearest to the section is used: `geom` within `worldbody` is the geom
-        of a body, not that of a composite.
+        of a body, not of a composite.
         """
         known = self._within.get(section)
         if known is None:
@@ -346,7 +346,7 @@ class Grammar:
         return {tag: tuple(paths) for tag, paths in places.items()}
 
     def _rows(self, path: str, raw: dict[str, Any]) -> Iterable[tuple[str, str, dict[str, Any]]]:
-        """Yield the written attributes of an element: (place, name, row), those of its groups first."""
+        """Yield the written attributes of an element: (place, name, row), starting with its groups."""
         for group in raw.get("groups", ()):
             for name, row in self._data["groups"][group]["attributes"].items():
                 yield group, name, row

@@ -1,4 +1,4 @@
-"""What each version of MuJoCo can read: elements, attributes, and words of attributes."""
+"""Elements, attributes and words of attributes that each version of MuJoCo can read."""
 
 from __future__ import annotations
 
@@ -78,7 +78,7 @@ class Unread:
 
 @cache
 def spans() -> dict[str, Span]:
-    """First and last version of what is not in all of them; made by `tests/tools/migrate/survey.py`."""
+    """First and last version of elements, attributes and words; made by `tests/tools/migrate/survey.py`."""
     text = (Path(__file__).parent / "history.json").read_text(encoding="utf-8")
     return {name: (since, until) for name, (since, until) in json.loads(text)["spans"].items()}
 

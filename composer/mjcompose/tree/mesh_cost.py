@@ -34,7 +34,7 @@ _SMALL = 1 << 15
 
 
 def points_in(data: bytes, kind: str) -> int:
-    r"""At least so many points that a file has, and at least half as many as faces; `kind` is how its name ends.
+    r"""Return a lower bound for the points of a file, and for half of its faces; `kind` is the end of its name.
 
     >>> points_in(b"v 0 0 0\nv 1 0 0\nvn 1 0 0\n", "obj"), points_in(b"$Nodes\n1 8 1 8\n", "msh")
     (2, 8)
@@ -70,7 +70,7 @@ def most_points_in(data: bytes, kind: str) -> int | None:
     """
     if kind != "obj" or len(data) <= _SMALL:
         return most_points(len(data), kind)
-    # A line of so many corners, of two bytes or more, fills at least one of these windows.
+    # A line of this many corners, of two bytes or more, fills at least one of these windows.
     windows = range(0, len(data), _LONG)
     is_long = any(data.find(b"\n", begin, begin + _LONG) < 0 for begin in windows[:-1])
     # Two triangles weigh as much as a point; each has a corner of its own.
@@ -138,7 +138,7 @@ _MOST_KINDS = 16
 
 
 def file_points(element: Node, unit: Unit) -> int:
-    """At least so many points that its file has; 0 for a file that there is not, which is reported elsewhere."""
+    """Return a lower bound for the points of its file; 0 for a missing file, which is reported elsewhere."""
     return _in_file(element, unit, points_in) or 0
 
 
@@ -178,7 +178,7 @@ def check_meshes(unit: Unit, attached: int, sink: Sink, *, opens_files: bool = T
 
     Files are read only if their sizes leave that open, and not at all unless `opens_files`: to ask for the sizes of
     sixty files takes four times as long as to parse the model that names them. Their points are counted only if a quick
-    look leaves it open, too. What is too much is reported at the largest mesh.
+    look leaves it open, too. An excess is reported at the largest mesh.
     """
     most = in_force().mesh_points
     meshes: list[Node] = (_MESHES if opens_files else _WITHOUT_FILE)(unit.root)  # type: ignore[assignment]
@@ -201,7 +201,7 @@ def check_meshes(unit: Unit, attached: int, sink: Sink, *, opens_files: bool = T
 
 
 def mesh_points(unit: Unit) -> int:
-    """At least so many points that all meshes of a model have."""
+    """Return a lower bound for the points of all meshes of a model."""
     return sum(_counted(list(unit.root.iterfind("asset/mesh")), unit).values())
 
 
@@ -220,7 +220,7 @@ def _most(meshes: list[Node], unit: Unit, attached: int) -> float:
 
 
 def _counted(meshes: list[Node], unit: Unit) -> dict[Node, int]:
-    """Return what each counts. MuJoCo 4.0 makes a mesh once that several elements describe in the same words."""
+    """Return the count of each. MuJoCo 4.0 makes a mesh once that several elements describe in the same words."""
     found: dict[Node, int] = {}
     hulled = _hulled(unit.root) if meshes else None
     seen = set()
@@ -285,7 +285,7 @@ def _points(mesh: Node, unit: Unit, count: _Count) -> int | None:
 
 
 def number(text: str | None, least: int = 0) -> int:
-    """Return the number in a text, at least `least`; what is not a number is reported elsewhere.
+    """Return the number in a text, at least `least`. Anything else is reported elsewhere.
 
     >>> number("2e3"), number("many"), number(None, 1)
     (2000, 0, 1)

@@ -236,7 +236,7 @@ class NameIndex(Names):
         return list(self.uses.get(namespace, {}).get(name, ()))
 
     def follow(self, namespace: str, names: Mapping[str, str]) -> None:
-        """Change all references to these names to the new ones, all at once, so that two names can swap."""
+        """Change all references to these names to the new ones, all at once: two names can swap."""
         uses = self.uses.get(namespace, {})
         moved = {old: users for old in names if (users := uses.pop(old, None))}
         lists: dict[Use, None] = {}

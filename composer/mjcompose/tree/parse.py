@@ -44,7 +44,7 @@ def take_header_in(root: Node) -> tuple[Node, ...]:
 
 
 def above(section: Node, header: Container[Node]) -> list[Node]:
-    """Return the comments directly above a section, except those of the header."""
+    """Return the comments directly above a section, without the header's."""
     before = section.itersiblings(preceding=True)
     return list(takewhile(lambda each: isinstance(each, Comment) and each not in header, before))[::-1]
 
@@ -139,8 +139,8 @@ def parse_file(
 ) -> Unit | None:
     """Return the unit of an MJCF file, or None after errors, which go to `sink`.
 
-    `file` is its name in messages, `span` where it is requested; `door` limits what it may read, by default its
-    project.
+    `file` is its name in messages, `span` where it is requested; `door` limits the files that it may read, by default
+    to its project.
     """
     shown, door = file or str(path), door or own_door(path)
     data = read_file(path, sink, door, file=shown, span=span)
@@ -171,7 +171,7 @@ def parse_text(
 ) -> Unit | None:  # fmt: skip
     """Return the unit of MJCF text whose files are relative to `directory`, or found in `contents` first.
 
-    `door` limits what it may read besides `contents`; by default as for a file in `directory`.
+    `door` limits the files that it may read besides `contents`, by default as for a file in `directory`.
     """
     before = sink.error_count
     root = parse_xml(data, file, sink)
@@ -204,7 +204,7 @@ def _unknown_section(section: Node, unit: Unit, sink: Sink) -> None:
     """Report an unknown section.
 
     MuJoCo refuses it too, except bodies and frames, which it (3.2 to 4.0) drops silently. If nothing else were
-    left, the file is meant to be included, and that is an error.
+    left, the file is a fragment for `<include>`, and that is an error.
     """
     tag, known = str(section.tag), list(GRAMMAR.root.children)
     if tag in _DROPPED and any(len(world) for world in unit.root.iterchildren("worldbody")):
@@ -318,7 +318,7 @@ class _Includes:
                 origins.own(child, shown)
 
     def _find(self, name: str, folder: Path) -> Path:
-        """Look in the main file's folder, then in that of the including file."""
+        """Look in the main file's folder, then in the including file's."""
         main = Path(join(str(self.unit.directory), name))
         if name in self.unit.contents or os.path.lexists(main):
             return main
@@ -419,7 +419,7 @@ def _with_undefined_prefixes(data: bytes) -> Node | None:
 
 
 def _as_mujoco_reads(data: bytes) -> bytes:
-    """Make strict what MuJoCo's reader tolerates: `--` in comments, and attributes without space between them."""
+    """Correct faults that MuJoCo's reader tolerates: `--` in comments, and attributes without space between them."""
     text = data.decode("utf-8-sig").replace("\r\n", "\n")
     # Nothing may precede an XML declaration; without one, line numbers stay the same.
     text = _DECLARATION.sub(lambda found: _NOT_BREAK.sub(" ", found.group()), text, count=1)

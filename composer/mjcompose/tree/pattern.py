@@ -137,7 +137,7 @@ class _Name:
 SECONDS = 2.0
 """How much of the processor's time the names of a model may take with one expression."""
 _LONGEST = 10_000
-# Of what Python's `re` takes as text, and `regex` as errors in a name (`{e<=1}`) or a POSIX class.
+# Python's `re` reads these as text, and `regex` as errors in a name (`{e<=1}`) or a POSIX class.
 _MEANT_AS_TEXT = re.compile(r"(\\N\{[^}]*\}|\\.)|(\{(?!\d*,?\d*\})|(?<=\[)\[(?=:))", re.DOTALL)
 
 
@@ -261,7 +261,7 @@ class Selector:
         return not (narrowed or is_pattern(self.pattern))
 
     def all(self) -> Iterator[Selector]:
-        """Yield this selector and those of its parents."""
+        """Yield this selector and its parents'."""
         yield self
         for outer in (self.parent, self.inside):
             if outer is not None:

@@ -99,10 +99,10 @@ class Query:
 
 @cache
 def query(tag: str, section: str | None) -> Query:
-    """Return what `find(tag)` selects, from the root (`section` None) or inside a section.
+    """Return the elements that `find(tag)` selects, from the root (`section` None) or inside a section.
 
-    A family selects all of its tags; any other tag selects itself. From the root, elements of default classes are
-    not selected, because they are not part of the model; inside a section, only the section's own elements of that
+    A family selects all of its tags, any other tag selects itself. From the root, elements of default classes are
+    not selected, because they are not part of the model. Inside a section, only the section's own elements of that
     tag are (`joint` in `tendon` is the joint of a fixed tendon).
     """
     sections = _sections() if section is None else (section,)
@@ -267,7 +267,7 @@ class Selection:
         return MAIN if node.tag == "default" and name == self.base_class else name
 
     def number(self, node: Node) -> int:
-        """Return the number of an element among those of its tag without a name in its parent; -1 if it has a name."""
+        """Return the number of an element among the unnamed elements of its tag in its parent; -1 if it has a name."""
         parent = parent_of(node)
         if parent is None:
             return -1

@@ -77,11 +77,11 @@ Kind = Literal["key", "edited", "entry", "reference", "zero", "mujoco"]
 class KeySource:
     """The origin of numbers of a key.
 
-    - `key`: the attribute `vector` of the `<key>` element `key`, as it was read;
-    - `edited`: the same attribute, changed by an edit after the row was cut;
-    - `entry`: the entry at `span` of the recipe's section `keyframe`;
-    - `reference`: no key; the number is that of the reference configuration (`qpos`, `mpos`, `mquat`);
-    - `zero`: no key; the number is 0 (`qvel`, `act`, `ctrl`);
+    - `key`: the attribute `vector` of the `<key>` element `key`, as it was read.
+    - `edited`: the same attribute, changed by an edit after the row was cut.
+    - `entry`: the entry at `span` of the recipe's section `keyframe`.
+    - `reference`: no key: a number of the reference configuration (`qpos`, `mpos`, `mquat`).
+    - `zero`: no key: the number is 0 (`qvel`, `act`, `ctrl`).
     - `mujoco`: the row of `key` ends in the middle of a joint, and MuJoCo completes it.
 
     `taken` are the `from` entries of recipes that passed the number on, `moved` the parts whose place changed it,
@@ -160,14 +160,14 @@ Place = Callable[[str | None], Span]
 
 @dataclass(slots=True)
 class Origins:
-    """The file of every subtree whose file is not its parent's, and the recipe place of what a recipe wrote.
+    """The file of every subtree whose file is not its parent's, and the recipe place of elements that a recipe wrote.
 
     Line numbers need no storage: lxml keeps the line of each element, and they survive moves and copies. `owners`
-    holds the elements themselves, so that their identity is stable. `texts` has the files that the model was read from,
+    holds the elements themselves, so their identity is stable. `texts` has the files that the model was read from,
     by name in messages, also those without text, such as meshes. `settings` has the attributes that a program or
     the linker has set, each with its place or a function that returns it. `renamed` has each old and new name of an
-    edit. `keys` has the layout of keys that differ from their file. `unread` is what MuJoCo ignores in the files
-    themselves, by file, line and attribute (None: the element). `size` is the bytes of all files.
+    edit. `keys` has the layout of keys that differ from their file. `unread` has faults that MuJoCo ignores in the
+    files themselves, by file, line and attribute (None: the element). `size` is the bytes of all files.
     """
 
     owners: dict[Node, str | Span | Place] = field(default_factory=dict)
@@ -353,12 +353,12 @@ def place_of(root: Node, tag: str) -> int:
 class Unit:
     """One parsed `<mujoco>` tree, with includes expanded.
 
-    `directory` is the folder of the main file, against which MuJoCo resolves every file of the model; `label` names
-    the unit's folder in a bundle; `contents` has, by written path, files that are not found under this path on
-    disk: their bytes, or a path that passed a door; `door` limits what else the model may read; `part_keys` has the
-    keys of each part of a composition, by path (`left/gripper`); `header` are the comments in the root that
-    preceded it; `adopted` are the settings that the parts of a composition agree on; `table` says what was read of a
-    source that is not MJCF, and what was not. Edits change a unit in place
+    `directory` is the folder of the main file, against which MuJoCo resolves every file of the model. `label` names
+    the unit's folder in a bundle. `contents` has, by written path, files that are not found under this path on disk:
+    their bytes, or a path that passed a door. `door` limits the other files that the model may read. `part_keys` has
+    the keys of each part of a composition, by path (`left/gripper`). `header` are the comments in the root that
+    preceded it. `adopted` are the settings that the parts of a composition agree on. `table` lists the elements of a
+    source that is not MJCF: read or not. Edits change a unit in place
     and the linker consumes it: call `copied()` first to keep it.
     """
 
@@ -387,7 +387,7 @@ class Unit:
         self.__dict__.pop("classes", None)
 
     def forget_settings(self, *names: str) -> None:
-        """Remove compiler settings from the unit, so that MuJoCo's defaults apply, and read the rest again."""
+        """Remove compiler settings from the unit in favor of MuJoCo's defaults, and read the rest again."""
         for compiler in self.root.iterchildren("compiler"):
             for name in names:
                 if name in compiler.attrib:

@@ -1,6 +1,6 @@
 """Whether a value fits an attribute, from XML, Python or YAML: the answer is a `Refusal`, or None if it fits.
 
-In XML, numbers are what C's `strtod` accepts, as in MuJoCo. Integers are decimal digits only and fit in 32 bits. Items
+In XML, C's `strtod` defines numbers, as in MuJoCo. Integers are decimal digits only and fit in 32 bits. Items
 are separated by ASCII white space; a comma is never a separator. Names and sibling attributes are not considered.
 """
 
@@ -54,7 +54,7 @@ def items(text: str) -> list[str]:
 
 
 def parse_real(text: str) -> float | None:
-    """Return the number for a single item, or `None` if MuJoCo would refuse it, also for overflow.
+    """Return the number for a single item, or `None` if MuJoCo would refuse it, even for overflow.
 
     >>> parse_real("1e-3"), parse_real("0x1p3"), parse_real("1,5"), parse_real("1e400")
     (0.001, 8.0, None, None)
@@ -90,8 +90,8 @@ class Refusal:
     """The reason why a value is not valid, and what to write instead.
 
     `message` is a lowercase fragment that continues "`size`…": `expects 3 numbers, got 2`. `is_length` says that
-    only the number of items or characters is wrong. `unknown` is an unknown keyword; `lists_keywords` says that the
-    message lists the existing ones. `instead` is the value to write, in YAML; `hint` is any other advice.
+    only the number of items or characters is wrong. `unknown` is an unknown keyword. `lists_keywords` says that the
+    message lists the existing ones. `instead` is the value to write, in YAML. `hint` is any other advice.
 
     >>> str(Refusal("expects numbers, got text", instead="[1, 2]"))
     'expects numbers, got text; write [1, 2]'
@@ -141,7 +141,7 @@ def check_value(attribute: Attribute, text: str) -> Refusal | None:
 def check_python(attribute: Attribute, value: object) -> Refusal | None:
     """Check a Python or YAML value: a scalar, or a list of numbers, keywords or names.
 
-    `None` is never a value. For text in place of a list of numbers, the message says how to write the list.
+    `None` is never a value. For text instead of a list of numbers, the message says how to write the list.
     """
     kind = attribute.type
     if value is None:

@@ -46,7 +46,7 @@ _HOLDERS = ("body", *BLIND)
 def unread(root: Node, version: str | None = None) -> Iterator[tuple[Node, str | None]]:
     """Yield each element with each of its attributes that MuJoCo ignores; None if it ignores the element itself.
 
-    Without a `version` of MuJoCo, yield what any version ignores.
+    Without a `version` of MuJoCo, yield faults that any version ignores.
 
     >>> from lxml import etree
     >>> root = etree.fromstring("<mujoco><worldbody><frame><geom x='1'><y/></geom></frame></worldbody></mujoco>")
@@ -107,7 +107,7 @@ def ignored(element: Node, name: str | None, unit: Unit) -> Diagnostic:
 
 
 def note_unread(unit: Unit) -> None:
-    """Remember what MuJoCo ignores in a source by itself, if it is only known later that this has no effect."""
+    """Remember the faults that MuJoCo ignores in a source by itself, until it is known that they have no effect."""
     unit.origins.unread |= {_place(node, name, unit) for node, name in unread(unit.root)}
 
 

@@ -1,4 +1,4 @@
-"""Actuators, friction, springs and mimicry of a URDF, and the report of what was read."""
+"""Actuators, friction, springs and mimicry of a URDF, and the table of the elements that were read."""
 
 from __future__ import annotations
 
@@ -167,14 +167,14 @@ _FRICTION = ("1", "0.005", "0.0001")
 
 @dataclass(slots=True)
 class Extras:
-    """`made` has the elements that MuJoCo made from elements of the URDF. Methods return what an element became."""
+    """`made` has the elements that MuJoCo made from elements of the URDF. Methods return the result for an element."""
 
     robot: Unit
     unit: Unit
     made: dict[Node, list[Node]]
 
     def add(self) -> dict[Node, str]:
-        """Add everything; return the URDF elements that were read, and what they became."""
+        """Add everything. Return the URDF elements that were read, and their results."""
         links = {str(each.get("name")): each for each in self.robot.root.iterchildren("link")}
         joints = {str(each.get("name")): each for each in self.robot.root.iterchildren("joint")}
         read: dict[Node, str] = {}
@@ -293,7 +293,7 @@ _UNREAD = {
 
 
 def read_rows(unit: Unit, keeps_visuals: bool, known: Mapping[Node, str]) -> tuple[ReadRow, ...]:
-    """Return a row for each kind of element in a URDF; `known` has what mjcompose made of elements."""
+    """Return a row for each kind of element in a URDF; `known` has mjcompose's results for elements."""
     rows: dict[tuple[str, bool], ReadRow] = {}
     for what, element, became, why in _fates(unit.root, keeps_visuals, known):
         key = what, bool(why)

@@ -1,8 +1,8 @@
 """Runs in a confined process: xacro makes the text of a URDF, reads files through the door, and evaluates nothing.
 
-xacro evaluates `${…}` as Python without builtins, which is no sandbox: attributes lead from any value to all of Python.
-So each expansion replaces this evaluation by `evaluating.py`, and closes all other ways of xacro to evaluate text. It
-does not read the environment.
+xacro evaluates `${…}` as Python without builtins, which does not confine it: attributes lead from any value to all of
+Python. So each expansion replaces this evaluation by `evaluating.py`, and closes all other ways of xacro to evaluate
+text. It does not read the environment.
 """
 
 from __future__ import annotations
@@ -52,7 +52,7 @@ def expand(argument: dict[str, Any]) -> dict[str, Any]:
 
 
 def _forget() -> None:
-    """Let the next import of xacro start anew: expansions share nothing."""
+    """Let the next import of xacro start again: expansions share nothing."""
     for name in [each for each in sys.modules if each.partition(".")[0] == "xacro"]:
         del sys.modules[name]
 

@@ -34,7 +34,7 @@ _NO_VOLUME = 1e-12
 
 @dataclass(slots=True)
 class Meshes:
-    """The meshes of one robot; faults go to the sink. `files` are converted files, which the model no longer names."""
+    """The meshes of one robot. Faults go to `sink`. `files` are converted files, which the model no longer names."""
 
     robot: Robot
     session: Session

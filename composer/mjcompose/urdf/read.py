@@ -39,7 +39,7 @@ Shown = Callable[[Path], str]
 
 @dataclass(slots=True)
 class UrdfReader:
-    """Reads URDF for one caller: faults go to the sink, with a note at `asked`, where the recipe names the file.
+    """Reads URDF for one caller. Faults go to `sink`, with a note at `asked`, where the recipe names the file.
 
     `missing` reports missing meshes; it gets the robot and MuJoCo's answer. `relative` returns a folder as the caller
     writes it.

@@ -57,7 +57,7 @@ def name_fused_links(root: Node) -> None:
 def locate_in_urdf(unit: Unit, robot: Node, written: Origins) -> list[tuple[Node, Node]]:
     """Give every element of `unit`, converted from `robot`, its place in the URDF, where `written` finds it.
 
-    The pairs are those elements with the ones that they come from.
+    The pairs are these elements with their origins.
     """
     unit.origins.texts.update(written.texts)
     pairs = list(_Sources(robot).of(unit.root))

@@ -15,7 +15,7 @@ def unused_class(subject: Subject) -> Found:
     """A default class that no element uses.
 
     MuJoCo reads the class, and it changes nothing. Often its name is misspelled where it should be used, so the
-    elements have other values than the author meant.
+    elements have other values than intended.
 
     ```xml
     <default>

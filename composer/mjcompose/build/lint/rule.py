@@ -43,7 +43,7 @@ class Finding:
     """A finding of a rule about an element, or about the model as a whole with the element None.
 
     `attribute` is the attribute that the message is about, if it is written there. `help` says what to write. `edit`
-    is the exact change that `help` describes, if the meaning of the model stays or is what the author meant.
+    is the exact change that `help` describes, if it keeps the meaning of the model or restores the intended one.
     """
 
     element: Node | None
@@ -113,7 +113,7 @@ class UnknownRuleError(ValueError):
 
 
 def chosen(select: Collection[str] = (), ignore: Collection[str] = (), profile: str | None = None) -> list[Rule]:
-    """Return the rules that codes and families select: without any, the usual rules or those of a profile.
+    """Return the rules that codes and families select: without any, the usual rules or the rules of a profile.
 
     `all` selects every rule. Raises UnknownRuleError.
     """

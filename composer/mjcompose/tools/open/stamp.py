@@ -1,4 +1,4 @@
-"""What a data set records of its model, and the same model again from that record."""
+"""The record of a model in a data set, and the same model again from that record."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ class Stamp(BaseModel):
 
 @short_traceback
 def stamp(bundle: str | PathLike[str]) -> dict[str, Any]:
-    """Return what a data set should record of its model, as data for JSON.
+    """Return the record of a model for a data set, as data for JSON.
 
         record = mjcompose.stamp("build/cell.zip")
         json.dump(record, open("episodes/model.json", "w"))
@@ -96,7 +96,7 @@ def read_stamp(file: Path) -> Stamp:
 
 
 def rebuild(record: Stamp, recipe: Path, context: Context) -> Bundle | None:
-    """Build the model of a stamp again; None after an error in the context's sink, also if its bytes would differ."""
+    """Build the model of a stamp again. None after an error, even if only its bytes would differ."""
     sink = context.sink
     given = nodes_of({**record.params, **record.variants}, context)
     request = Request(recipe, given, name=record.cell, sample=record.sample, verified=record.mujoco is not None)
