@@ -20,6 +20,8 @@ TYPED = (
     "domain randomization", "combine robots", "quickstart", "headless", "namespace", "end effector", "Isaac Lab",
     "sim-to-real", "macOS", "troubleshooting",
 )  # fmt: skip
+BEGINNERS = ("macOS", "Windows", "quickstart", "headless", "EGL", "pip install")
+"""The page on the installation has these words."""
 FIRST_WORDS = 60
 """A page counts as found if the words are in its path of headings or near the beginning of a section."""
 
@@ -85,6 +87,8 @@ def test_links_lead_somewhere_and_search_finds_the_words_that_people_type() -> N
     assert len(entries) > 300
     lost = [text for text in TYPED if not any(set(text.lower().split()) <= words for words in entries.values())]
     assert not lost, f"no page has these words in a heading or at the beginning of a section: {lost}"
+    install = set[str]().union(*(words for place, words in entries.items() if place.startswith("install.html")))
+    assert not [text for text in BEGINNERS if not set(text.lower().split()) <= install]
 
 
 def _search_index() -> Path:
