@@ -67,4 +67,5 @@ def test_import_prints_the_same_rows(tmp_path: Path) -> None:
     assert [(row.what, row.count, row.became, row.why, f"arm.urdf:{row.span.line}") for row in found.rows] == [
         (row["what"], row["count"], row["became"] or "", row["why"] or "", row["origin"]) for row in rows
     ]
+    assert "mujoco" not in {row.what for row in found.rows}  # mjcompose adds it, the file has none
     assert any("`<joint><limit>` `velocity` (3)" in line for line in table(found.rows))

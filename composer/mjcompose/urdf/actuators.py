@@ -10,7 +10,7 @@ from lxml import etree
 from lxml.etree import _Element as Node
 
 from mjcompose.base.dataclass import dataclass
-from mjcompose.base.diagnostic import Note
+from mjcompose.base.diagnostic import Note, Span
 from mjcompose.base.sink import Sink
 from mjcompose.base.suggest import did_you_mean, exists_note
 from mjcompose.sources.ros import Actuators
@@ -299,8 +299,7 @@ def read_rows(unit: Unit, keeps_visuals: bool, known: Mapping[Node, str]) -> tup
         key = what, bool(why)
         if key in rows:
             rows[key] = replace(rows[key], count=rows[key].count + 1)
-        else:
-            span = unit.origins.span(element, unit.file)
+        elif (span := unit.origins.span(element, unit.file)) != Span(unit.file, 1, 1):  # not `<mujoco>` of our own
             rows[key] = ReadRow(what, 1, became, why=why, span=span, is_minor=what == "joint/limit velocity")
     return tuple(rows.values())
 

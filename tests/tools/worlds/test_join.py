@@ -173,6 +173,12 @@ def test_what_cannot_be(tmp_path: Path, text: str, arguments: tuple[str, ...], c
     assert not (tmp_path / "out").exists() and not (tmp_path / "study.npz").exists()
 
 
+def test_a_fault_of_randomize_is_the_only_error(tmp_path: Path) -> None:
+    text = MATRIX + DRAWN.format(samples=2, field=PARAM.replace("uniform", "uniformly"))
+    output = run(tmp_path, text, "--as", "worlds", "-o", "out/").output
+    assert "has no key `uniformly`" in output and "so it has no worlds" not in output
+
+
 def test_models_of_one_lamp_are_worlds(tmp_path: Path) -> None:
     result = run(tmp_path, HEAD + LAMP, "--worlds", "study.npz", "-o", "out/", "--pick", "lamp=one")
     assert result.exit_code == 0 and len(worlds.load(tmp_path / "out", tmp_path / "study.npz")) == 1

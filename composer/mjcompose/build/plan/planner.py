@@ -227,6 +227,8 @@ class _Planner:
     def _check_worlds(self, path: Path, recipe: Recipe, document: Mapping) -> None:
         """Report a recipe whose samples cannot be worlds: it draws nothing, or parameters."""
         if recipe.randomize is None:
+            if "randomize" in document.entries:  # its fault is reported
+                return
             message = f"`{path.name}` has no `randomize`, so it has no worlds"
             self.sink.error("missing-key", message, document.span, help="build without `--as worlds`")
             return

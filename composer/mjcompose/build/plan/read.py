@@ -320,8 +320,9 @@ def _text(path: Path, context: Context) -> bytes | None:
         _unreadable(path, shown, error, context=context)
         return None
     if text.lstrip().startswith(b"<"):
-        help = f"a recipe names its models: `base: ./{path.with_suffix('.xml').name}`"
-        context.sink.error("source-kind", f"`{shown}` is XML and no recipe", Span(shown, 1, 1), help=help)
+        model = path.name if path.suffix in (".xml", ".urdf", ".xacro") else path.with_suffix(".xml").name
+        help = f"write a recipe that names it, `base: ./{model}`; `mjcompose import` writes one"
+        context.sink.error("source-kind", f"`{shown}` is a model, not a recipe", Span(shown, 1, 1), help=help)
         return None
     return text
 
