@@ -455,7 +455,7 @@ def test_a_mujoco_that_is_too_old_is_an_answer(tmp_path: Path, monkeypatch: pyte
     monkeypatch.setattr("mjcompose.mujoco.engine.OLDEST", "99.1")
     compiled = engine.compile(put_session(tmp_path, GOOD))
     assert compiled.crash == "missing" and compiled.error is not None
-    assert compiled.error.startswith("mjcompose builds models with MuJoCo 99.1 or newer; MuJoCo")
+    assert compiled.error.startswith("mjcompose builds with MuJoCo 99.1 or newer; MuJoCo")
 
 
 def test_a_python_that_cannot_be_started_is_an_answer(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

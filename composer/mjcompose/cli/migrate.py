@@ -171,7 +171,7 @@ def _lines(result: Result, written: Path | None, in_place: bool, context: Contex
             yield f"  not compared because their form differs: {', '.join(outcome.apart)}"
     elif migrated.before != migrated.after:
         lack = " and ".join(result.missing)
-        yield f"not proved: `--prove` compares with MuJoCo {lack}, which it installs once; `--with-python PATH` uses yours"
+        yield f"not proved: `--prove` compares with MuJoCo {lack}, which it installs; `--with-python PATH` uses yours"
 
 
 def _data(result: Result, written: Path | None, context: Context) -> dict[str, Any]:

@@ -265,7 +265,7 @@ class Session:
             return _failure(f"MuJoCo cannot be imported in {sys.executable}: {hello['missing']}", "missing")
         if version_key(hello["mujoco"]) < version_key(OLDEST):
             self._stop()
-            message = f"mjcompose builds models with MuJoCo {OLDEST} or newer; MuJoCo {hello['mujoco']} can only load them"
+            message = f"mjcompose builds with MuJoCo {OLDEST} or newer; MuJoCo {hello['mujoco']} can only load models"
             return _failure(message, "missing")
         self.mujoco_version = hello["mujoco"]
         return None

@@ -109,7 +109,8 @@ def rebuild(record: Stamp, recipe: Path, context: Context) -> Bundle | None:
     now = _stamp(built.bundle, from_json(built.bundle.files[MANIFEST]))
     notes = tuple(map(Note, _differences(record, now))) or (Note("nothing of the stamp explains it"),)
     message = f"`{record.name}` has other bytes than its stamp records"
-    sink.add(Diagnostic("bundle-changed", message, notes=notes, help="use the files and versions of that time: check out that commit of the recipe"))
+    help = "use the files and versions of that time: check out that commit of the recipe"
+    sink.add(Diagnostic("bundle-changed", message, notes=notes, help=help))
     return None
 
 
