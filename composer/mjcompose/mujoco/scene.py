@@ -13,6 +13,7 @@ import numpy as np
 
 from mjcompose.mujoco.attributes import NameTable, place
 from mjcompose.mujoco.film import png
+from mjcompose.mujoco.mesh_bytes import encoded
 
 _DIGITS = 24
 
@@ -45,18 +46,6 @@ def packed(*arrays: Any) -> bytes:
         found += np.ascontiguousarray(each).tobytes()
         found += bytes(-len(found) % 4)
     return bytes(found)
-
-
-def steps(values: Any, bits: int = 16) -> tuple[Any, list[float], list[float]]:
-    """Quantize rows of numbers between the least and the greatest of each column.
-
-    Return the steps, the least and the step.
-    """
-    low, high = values.min(axis=0), values.max(axis=0)
-    most = (1 << bits) - 1
-    step = np.where(high > low, (high - low) / most, 1.0)
-    whole = np.rint((values - low) / step).astype(np.uint16 if bits == 16 else np.uint8)
-    return whole, short(low), short(step)
 
 
 def short(values: Any) -> list[Any]:
@@ -128,12 +117,7 @@ def columns(model: Any) -> dict[str, dict[str, list[Any]]]:
 
 
 def meshes(model: Any, blobs: Blobs) -> list[str]:
-    """Return the hash of each mesh's bytes.
-
-    These are a head of three uint32 (vertices, triangles, whether there are texture coordinates) and six float32
-    (the least vertex and the step), then vertices (three uint16 each), normals (two int8 each, octahedral), texture
-    coordinates (two float32 each) and triangles (three uint32, or uint16 if there are fewer vertices than that).
-    """
+    """Return the hash of each mesh's bytes, which `mjcompose.mujoco.mesh_bytes` describes."""
     return [_mesh(model, number, blobs) for number in range(model.nmesh)]
 
 
@@ -154,46 +138,9 @@ def _mesh(model: Any, number: int, blobs: Blobs) -> str:
         of_flat = rows(model.mesh_facetexcoord, model.mesh_faceadr, model.mesh_facenum)
     mapping = [] if flat is None else [flat, of_flat]
     return blobs.put(
-        "mesh 1", [corners, normals, faces, of_normals, *mapping],
-        lambda: _encoded(corners, normals, faces, of_normals=of_normals, flat=flat, of_flat=of_flat),
+        "mesh 2", [corners, normals, faces, of_normals, *mapping],
+        lambda: encoded(corners, normals, faces, of_normals=of_normals, flat=flat, of_flat=of_flat),
     )  # fmt: skip
-
-
-def _encoded(corners: Any, normals: Any, faces: Any, of_normals: Any, flat: Any, of_flat: Any) -> bytes:
-    index, (corner, normal, *texture) = _unified([faces, of_normals, *([] if flat is None else [of_flat])])
-    whole, low, step = steps(corners)
-    triangles = index.astype(np.uint16 if len(corner) <= 1 << 16 else np.uint32)
-    return packed(
-        np.array([len(corner), len(faces), flat is not None], np.uint32), np.array([*low, *step], np.float32),
-        whole[corner], _octahedral(normals[normal]),
-        *([] if flat is None else [flat[texture[0]].astype(np.float32)]), triangles,
-    )  # fmt: skip
-
-
-def _unified(faces: list[Any]) -> tuple[Any, list[Any]]:
-    """Return one number for each combination of vertex, normal and texture coordinate that a triangle uses.
-
-    The result has the triangles in these numbers, and for each number the rows of vertices, normals and texture
-    coordinates.
-    """
-    flat = [each.ravel().astype(np.int64) for each in faces]
-    if all((each == flat[0]).all() for each in flat[1:]):
-        used = np.arange(int(flat[0].max()) + 1 if len(flat[0]) else 0)
-        return flat[0], [used] * len(flat)
-    key = flat[0]
-    for each in flat[1:]:
-        key = key * (int(each.max()) + 1) + each
-    _, first, index = np.unique(key, return_index=True, return_inverse=True)
-    return index.ravel(), [each[first] for each in flat]
-
-
-def _octahedral(directions: Any) -> Any:
-    """Return unit vectors in two bytes each, by folding the sphere into a square."""
-    length = np.abs(directions).sum(axis=1, keepdims=True)
-    flat = directions[:, :2] / np.maximum(length, 1e-12)
-    turned = (1 - np.abs(flat[:, ::-1])) * np.where(flat >= 0, 1, -1)
-    folded = np.where(directions[:, 2:] < 0, turned, flat)
-    return np.rint(np.clip(folded, -1, 1) * 127).astype(np.int8)
 
 
 def height_fields(model: Any, blobs: Blobs) -> list[dict[str, Any]]:

@@ -186,6 +186,7 @@ export class App {
     this.world.pose.qpos.set(qpos);
     this.world.pose.update();
     this.world.softs.known = null;
+    this.stage.move();
     this.posed();
   }
 

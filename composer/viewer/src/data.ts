@@ -52,8 +52,8 @@ export interface Model { scene: Scene; blobs: Map<string, ArrayBuffer> }
 export interface Element { kind: string; index: number }
 
 export async function unpacked(element: globalThis.Element): Promise<Model> {
-  const text = atob((element.textContent ?? "").replace(/\s/g, ""));
-  const bytes = Uint8Array.from(text, (each) => each.charCodeAt(0));
+  const text = atob((element.textContent ?? "").replace(/\s/g, "")), bytes = new Uint8Array(text.length);
+  for (let k = 0; k < text.length; k++) bytes[k] = text.charCodeAt(k);
   const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"));
   const whole = await new Response(stream).arrayBuffer();
   const all = new Uint8Array(whole);

@@ -1,9 +1,11 @@
 // The surfaces of geoms. Those of one form share a surface and are drawn at once, each scaled to its size.
 import {
   BoxGeometry, BufferAttribute, BufferGeometry, CapsuleGeometry, CircleGeometry, CylinderGeometry, PlaneGeometry,
-  SphereGeometry, Vector3,
+  SphereGeometry,
 } from "three";
 import type { HeightField, Model } from "./data";
+import { rounded } from "./detail";
+import { surface } from "./surface";
 
 export const PLANE = 0, HFIELD = 1, SPHERE = 2, CAPSULE = 3, ELLIPSOID = 4, CYLINDER = 5, BOX = 6, MESH = 7, SDF = 8;
 export const SHAPE_NAMES = ["plane", "height field", "sphere", "capsule", "ellipsoid", "cylinder", "box", "mesh", "SDF"];
@@ -21,16 +23,16 @@ export function shapeOf(model: Model, type: number, size: number[], data: number
       return { key: "plane", scale: [a, b, 1], make: () => new PlaneGeometry(2, 2) };
     }
     case SPHERE:
-      return { key: "sphere", scale: [a, a, a], make: () => upright(new SphereGeometry(1, round, round / 2)) };
+      return { key: "sphere", scale: [a, a, a], make: () => rounded((sides) => upright(new SphereGeometry(1, sides, sides / 2)), round) };
     case ELLIPSOID:
-      return { key: "sphere", scale: [a, b, c], make: () => upright(new SphereGeometry(1, round, round / 2)) };
+      return { key: "sphere", scale: [a, b, c], make: () => rounded((sides) => upright(new SphereGeometry(1, sides, sides / 2)), round) };
     case CAPSULE: {
       const length = Number((2 * b / a).toPrecision(6));
-      const make = () => upright(new CapsuleGeometry(1, length, round / 4, round));
+      const make = () => rounded((sides) => upright(new CapsuleGeometry(1, length, sides / 4, sides)), round);
       return { key: `capsule ${length}`, scale: [a, a, a], make };
     }
     case CYLINDER:
-      return { key: "cylinder", scale: [a, a, b], make: () => upright(new CylinderGeometry(1, 1, 2, round)) };
+      return { key: "cylinder", scale: [a, a, b], make: () => rounded((sides) => upright(new CylinderGeometry(1, 1, 2, sides)), round) };
     case BOX:
       return { key: "box", scale: [a, b, c], make: () => new BoxGeometry(2, 2, 2) };
     case HFIELD:
@@ -38,46 +40,13 @@ export function shapeOf(model: Model, type: number, size: number[], data: number
     default: {
       if (data < 0) return { key: "box", scale: [a, b, c], make: () => new BoxGeometry(2, 2, 2) };
       const blob = model.scene.mesh[data];
-      return { key: `mesh ${blob}`, scale: [1, 1, 1], make: () => mesh(model.blobs.get(blob)!) };
+      return { key: `mesh ${blob}`, scale: [1, 1, 1], make: () => surface(model.blobs.get(blob)!) };
     }
   }
 }
 
 /** three.js has axes of round things along y, MuJoCo along z. */
 const upright = (geometry: BufferGeometry): BufferGeometry => geometry.rotateX(Math.PI / 2);
-
-const padded = (bytes: number): number => (bytes + 3) & ~3;
-
-function mesh(blob: ArrayBuffer): BufferGeometry {
-  const [count, triangles, mapped] = new Uint32Array(blob, 0, 3);
-  const [low0, low1, low2, step0, step1, step2] = new Float32Array(blob, 12, 6);
-  let at = 36;
-  const steps = new Uint16Array(blob, at, 3 * count);
-  at += padded(6 * count);
-  const folded = new Int8Array(blob, at, 2 * count);
-  at += padded(2 * count);
-  const corners = new Float32Array(3 * count), normals = new Float32Array(3 * count);
-  const normal = new Vector3();
-  for (let k = 0; k < count; k++) {
-    corners[3 * k] = low0 + step0 * steps[3 * k];
-    corners[3 * k + 1] = low1 + step1 * steps[3 * k + 1];
-    corners[3 * k + 2] = low2 + step2 * steps[3 * k + 2];
-    let x = folded[2 * k] / 127, y = folded[2 * k + 1] / 127;
-    const z = 1 - Math.abs(x) - Math.abs(y);
-    if (z < 0) [x, y] = [(1 - Math.abs(y)) * Math.sign(x || 1), (1 - Math.abs(x)) * Math.sign(y || 1)];
-    normal.set(x, y, z).normalize().toArray(normals, 3 * k);
-  }
-  const geometry = new BufferGeometry();
-  geometry.setAttribute("position", new BufferAttribute(corners, 3));
-  geometry.setAttribute("normal", new BufferAttribute(normals, 3));
-  if (mapped) {
-    geometry.setAttribute("uv", new BufferAttribute(new Float32Array(blob.slice(at, at + 8 * count)), 2));
-    at += 8 * count;
-  }
-  const index = count <= 1 << 16 ? new Uint16Array(blob, at, 3 * triangles) : new Uint32Array(blob, at, 3 * triangles);
-  geometry.setIndex(new BufferAttribute(index, 1));
-  return geometry;
-}
 
 function heights(model: Model, field: HeightField): BufferGeometry {
   const { rows, columns, size } = field;

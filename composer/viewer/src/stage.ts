@@ -5,6 +5,11 @@ import { type Element, row } from "./data";
 import { rotated } from "./kinematics";
 import type { World } from "./world";
 
+/** How long after a change the page still counts as moving, and what a picture may take then, in milliseconds. */
+const STILL = 180, SLOW = 33, QUICK = 14;
+/** Cells of a surface for each pixel, and pixels of the picture for each of the screen, at rest and at their least. */
+const FINE = 1.5, LEAST_FINE = 0.06, LEAST_RATIO = 0.5;
+
 // Colors go to the screen as MuJoCo has them.
 ColorManagement.enabled = false;
 
@@ -18,6 +23,13 @@ export class Stage {
   through: number | null = null;
   beforeFrame: (() => void) | null = null;
   private due = false;
+  private ease = 0.5;
+  private isMoving = false;
+  /** When the picture before was drawn, if the page moved then. */
+  private drawnAt = 0;
+  private took = 0;
+  private settling = 0;
+  private readonly ratio = Math.min(devicePixelRatio, 2);
   private readonly left: World[] = [];
   frames = 0;
 
@@ -27,11 +39,12 @@ export class Stage {
     this.renderer.toneMapping = NoToneMapping;
     this.renderer.shadowMap.enabled = true;
     this.renderer.shadowMap.type = PCFShadowMap;
-    this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
+    this.renderer.shadowMap.autoUpdate = false;
+    this.renderer.setPixelRatio(this.ratio);
     this.camera.up.set(0, 0, 1);
     this.controls = new OrbitControls(this.camera, canvas);
     this.controls.zoomToCursor = true;
-    this.controls.addEventListener("change", () => this.draw());
+    this.controls.addEventListener("change", () => this.move());
     this.controls.addEventListener("start", () => { this.through = null; });
     new ResizeObserver(() => this.resize()).observe(canvas.parentElement!);
     canvas.addEventListener("webglcontextrestored", () => this.draw());
@@ -49,6 +62,7 @@ export class Stage {
     // The up of three.js is y.
     this.scene.backgroundRotation.set(Math.PI / 2, 0, 0);
     if (first) this.fit();
+    if (first) this.move();
     if (before) this.left.push(before);
     this.draw();
   }
@@ -140,6 +154,14 @@ export class Stage {
     this.draw();
   }
 
+  /** Draw what moves: with less detail if this machine is slow, and once more with all of it afterwards. */
+  move(): void {
+    this.isMoving = true;
+    clearTimeout(this.settling);
+    this.settling = window.setTimeout(() => { this.isMoving = false; this.draw(); }, Math.max(STILL, 3 * this.took));
+    this.draw();
+  }
+
   draw(): void {
     if (this.due) return;
     this.due = true;
@@ -152,10 +174,25 @@ export class Stage {
     this.beforeFrame?.();
     this.follow();
     this.world.headlight.position.copy(this.camera.position);
+    this.suit(performance.now());
     this.renderer.render(this.scene, this.camera);
     // Only now: what models have in common, such as programs of the GPU, is used again.
     for (const world of this.left.splice(0)) world.dispose();
     this.frames++;
     document.documentElement.dataset.frames = String(this.frames);
+  }
+
+  /** Choose the detail of the next picture by how long the ones before took. */
+  private suit(now: number): void {
+    if (this.isMoving && this.drawnAt) {
+      const took = this.took = Math.min(now - this.drawnAt, 1000);
+      this.ease = Math.min(1, Math.max(0, this.ease + (took > 3 * SLOW ? -0.3 : took > SLOW ? -0.1 : took < QUICK ? 0.05 : 0)));
+    }
+    this.drawnAt = this.isMoving ? now : 0;
+    const share = this.isMoving ? this.ease : 1, ratio = this.ratio * Math.max(LEAST_RATIO, share);
+    if (this.renderer.getPixelRatio() !== ratio) this.renderer.setPixelRatio(ratio);
+    this.world!.suit(this.camera, this.canvas.clientHeight * this.ratio, FINE * (LEAST_FINE / FINE) ** (1 - share));
+    this.renderer.shadowMap.needsUpdate ||= this.world!.isShadowOld;
+    this.world!.isShadowOld = false;
   }
 }

@@ -1,8 +1,9 @@
 // The model as three.js draws it. Things of one form and material are drawn at once; the pose moves them.
 import {
   AmbientLight, Box3, BufferGeometry, Color, DirectionalLight, DynamicDrawUsage, Group, InstancedMesh, Matrix4,
-  Mesh, MeshBasicMaterial, Object3D, PointLight, Quaternion, Raycaster, SpotLight, Vector3, type Material,
+  Mesh, MeshBasicMaterial, Object3D, PerspectiveCamera, PointLight, Quaternion, Raycaster, SpotLight, Vector3, type Material,
 } from "three";
+import { shade, suit } from "./detail";
 import { row, type Columns, type Element, type Model } from "./data";
 import { Pose } from "./kinematics";
 import { colourOf, Painter } from "./paint";
@@ -30,6 +31,8 @@ export class World {
   private readonly marked: { mesh: Mesh; kind: Drawn; index: number }[] = [];
   private readonly tinted: { mesh: Mesh; kind: Drawn; index: number }[] = [];
   private readonly far: number;
+  /** Whether shadows differ from those that were drawn last. */
+  isShadowOld = true;
   readonly headlight = new PointLight(0xffffff, 0, 0, 0);
   private readonly followers: { light: PointLight | SpotLight | DirectionalLight; index: number }[] = [];
 
@@ -79,9 +82,11 @@ export class World {
       if (!found.has(key)) {
         found.set(key, { members: [], batch, make: () => {
           const paint = this.painter.material(material, rgba[3], measure, endless);
+          paint.flatShading = !this.form(shape).hasAttribute("normal");
           const mesh = new InstancedMesh(this.form(shape), paint, found.get(key)!.members.length);
           mesh.castShadow = rgba[3] >= 1 && type !== PLANE;
           mesh.receiveShadow = true;
+          shade(mesh);
           mesh.visible = rgba[3] > 0;
           mesh.renderOrder = rgba[3] < 1 ? 1 : 0;
           return mesh;
@@ -179,6 +184,7 @@ export class World {
     for (const { mesh, kind, index } of [...this.marked, ...this.tinted]) this.matrixOf(kind, index, mesh.matrix);
     for (const { light, index } of this.followers) this.follow(light, index);
     this.softs.update();
+    this.isShadowOld = true;
   }
 
   private follow(light: PointLight | SpotLight | DirectionalLight, index: number): void {
@@ -230,11 +236,17 @@ export class World {
     return found;
   }
 
+  /** Leave out triangles that nobody sees. */
+  suit(camera: PerspectiveCamera, pixels: number, fine: number): void {
+    for (const { mesh } of this.batches) if (mesh.visible) suit(mesh, camera, pixels, fine);
+  }
+
   show(visible: (kind: Drawn, group: number, collides: boolean) => boolean): void {
     for (const each of this.batches) {
       const material = each.mesh.material as Material;
       each.mesh.visible = material.opacity > 0 && visible(each.kind, each.group, each.collides);
     }
+    this.isShadowOld = true;
   }
 
   pick(ray: Raycaster): Element | null {

@@ -32,7 +32,9 @@ def page_of(target: str, folder: Path, session: Session, key: str | None = None,
 def unpacked(page: str) -> list[str]:
     """The descriptions of the models in a page, as JSON."""
     found = []
-    for data in re.findall(r"<script type=\"application/octet-stream\"[^>]*>(.*?)</script>", page, re.DOTALL):
+    for data in re.findall(
+        r"<script type=\"application/octet-stream\" class=(?:model|physics)[^>]*>(.*?)</script>", page, re.DOTALL
+    ):
         head, _, rest = zlib.decompress(base64.b64decode(data)).partition(b"\n")
         found.append(rest[: json.loads(head)[0]].decode())
     return found

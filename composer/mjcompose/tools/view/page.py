@@ -317,15 +317,17 @@ _LINE = 4096
 
 def alone(description: Description, *others: Description, played: AbcMapping[str, bytes] | None = None) -> str:
     """Return the page of one or two models, which share blobs; with the files of a bundle in `played` it has MuJoCo."""
-    policy, body = _ALONE, ""
+    policy, body, programs = _ALONE, "", ["page.js"]
     for number, each in enumerate((description, *others)):
         new = [(name, each.blobs[name]) for name in each.used if name in each.blobs]
         body += _packed("model", each.text.encode(), new, more=f" data-number={number}")
     if played is not None:
-        policy, program = _PLAYED, lzma.decompress((BUILT / "mujoco.wasm.xz").read_bytes())
+        policy, programs = _PLAYED, ["physics.js", "page.js"]
+        program = lzma.decompress((BUILT / "mujoco.wasm.xz").read_bytes())
         body += _packed("physics", b"null", [*played.items(), ("mujoco.wasm", program)])
-        body += f"<script>{_in_script(_built('physics.js'))}</script>\n"
-    return shell(description.title, f'<meta http-equiv="Content-Security-Policy" content="{policy}">', body)
+    body += "".join(_compressed("program", (BUILT / name).read_bytes()) for name in programs)
+    head = f'<meta http-equiv="Content-Security-Policy" content="{policy}">'
+    return shell(description.title, head, body, style=f"<style>{_built('page.css')}</style>", script=_START)
 
 
 def live(title: str) -> str:
@@ -334,11 +336,19 @@ def live(title: str) -> str:
     return shell(title, "", "", style=style, script=script).replace("<html lang=en>", "<html lang=en data-live>")
 
 
-def shell(title: str, head: str, body: str, style: str | None = None, script: str | None = None) -> str:
-    """Return the page around a model; `style` and `script` replace the program's own, which is included otherwise."""
+# Runs the compressed programs of a page, one after the other.
+_START = (
+    "<script>void async function(){for(const each of document.querySelectorAll('script.program')){"
+    "const bytes=Uint8Array.from(atob(each.textContent.replace(/\\s/g,'')),(one)=>one.charCodeAt(0));"
+    "const read=new Blob([bytes]).stream().pipeThrough(new DecompressionStream('deflate'));"
+    "const made=document.createElement('script');made.textContent=await new Response(read).text();"
+    "document.head.append(made)}}()</script>"
+)
+
+
+def shell(title: str, head: str, body: str, style: str, script: str) -> str:
+    """Return the page around a model."""
     notice = _built("NOTICE")
-    style = f"<style>{_built('page.css')}</style>" if style is None else style
-    script = f"<script>{_in_script(_built('page.js'))}</script>" if script is None else script
     return (
         "<!doctype html>\n<html lang=en>\n<meta charset=utf-8>\n"
         '<meta name=viewport content="width=device-width,initial-scale=1">\n'
@@ -352,16 +362,14 @@ def _built(name: str) -> str:
     return (BUILT / name).read_text(encoding="utf-8")
 
 
-def _in_script(text: str) -> str:
-    """Escape text so that an HTML parser does not see the end of a script in it."""
-    return text.replace("</script", "<\\/script").replace("<!--", "<\\!--")
-
-
 def _packed(what: str, text: bytes, blobs: list[tuple[str, bytes]], more: str = "") -> str:
     """Return compressed bytes of the class `what` for the page: a line of JSON with sizes, the text, and the blobs."""
     head = json.dumps([len(text), [[name, len(content)] for name, content in blobs]], separators=(",", ":"))
-    packed = zlib.compress(b"".join([head.encode(), b"\n", text, *(content for _, content in blobs)]), 9)
-    data = base64.b64encode(packed).decode("ascii")
+    return _compressed(what, b"".join([head.encode(), b"\n", text, *(content for _, content in blobs)]), more)
+
+
+def _compressed(what: str, content: bytes, more: str = "") -> str:
+    data = base64.b64encode(zlib.compress(content, 9)).decode("ascii")
     lines = "\n".join(data[at : at + _LINE] for at in range(0, len(data), _LINE))
     return f'<script type="application/octet-stream" class={what}{more}>\n{lines}\n</script>\n'
 
