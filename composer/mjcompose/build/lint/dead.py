@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from mjcompose.build.lint.rule import Edit, Finding, Found, Subject, rule
+from mjcompose.tree.names import GENERATORS, own_name
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as Node
+
+_REMOVE = Edit(removes=True)
 
 
 @rule("unused-class")
@@ -23,7 +27,8 @@ def unused_class(subject: Subject) -> Found:
     </default>
     ```
 
-    Use the class with `class` or `childclass`, or remove it. A class counts as used if a class inside it is.
+    Use the class with `class` or `childclass`, or remove it. A class counts as used if a class inside it is. Classes of
+    an included file do not count, because another model may use them.
     """
     used = set(subject.names.uses.get("default", ()))
 
@@ -33,6 +38,143 @@ def unused_class(subject: Subject) -> Found:
     for element in subject.root.iterfind("default//default"):
         outer = element.getparent()
         is_inside = outer is not None and outer.getparent() is not subject.root and not is_used(outer)
-        if element.get("class") and not is_used(element) and not is_inside:
+        if element.get("class") and not is_used(element) and not is_inside and subject.is_own(element):
             message = f"no element uses the class `{element.get('class')}`"
-            yield Finding(element, message, "class", help="use it, or remove it", edit=Edit(removes=True))
+            yield Finding(element, message, "class", help="use it, or remove it", edit=_REMOVE)
+
+
+def _unused(subject: Subject, tag: str) -> Iterator[tuple[Node, str]]:
+    """Yield the assets with a tag, and their names, that nothing refers to."""
+    if next(subject.root.iter(*(GENERATORS - {"replicate", "flexcomp", "composite"})), None) is not None:
+        return  # the other model may use them
+    used = subject.names.uses.get(tag, {})
+    for element in subject.root.iterfind(f"asset/{tag}"):
+        name = own_name(element, "name")
+        if name and name not in used and subject.is_own(element):
+            yield element, name
+
+
+def _finding(element: Node, name: str, user: str) -> Finding:
+    message = f"no {user} uses the {element.tag} `{name}`"
+    attribute = "name" if element.get("name") else "file"
+    return Finding(element, message, attribute, help="use it, or remove it", edit=_REMOVE)
+
+
+@rule("unused-mesh")
+def unused_mesh(subject: Subject) -> Found:
+    """A mesh that no geom uses.
+
+    MuJoCo loads the file all the same, computes its hull and keeps it in memory, and everybody who copies the model
+    copies the file.
+
+    ```xml
+    <asset><mesh name="old_link" file="old_link.stl"/></asset>   <!-- no geom has mesh="old_link" -->
+    ```
+
+    Use the mesh in a geom, or remove it. Assets of an included file do not count.
+    """
+    for element, name in _unused(subject, "mesh"):
+        yield _finding(element, name, "geom")
+
+
+@rule("unused-material")
+def unused_material(subject: Subject) -> Found:
+    """A material that no geom, site, tendon or skin uses.
+
+    It changes nothing. Often the geoms that should have it name another material or a color, so the picture is not the
+    one that the author meant.
+
+    ```xml
+    <asset><material name="rubber" rgba="0.1 0.1 0.1 1"/></asset>   <!-- no element has material="rubber" -->
+    ```
+
+    Use the material, or remove it. Assets of an included file do not count.
+    """
+    for element, name in _unused(subject, "material"):
+        yield _finding(element, name, "element")
+
+
+@rule("unused-texture")
+def unused_texture(subject: Subject) -> Found:
+    """A texture that no material uses.
+
+    MuJoCo decodes the image and uploads it to the graphics card, and nothing shows it. A skybox needs no material and
+    does not count.
+
+    ```xml
+    <asset><texture name="carbon" type="2d" file="carbon.png"/></asset>   <!-- no material has texture="carbon" -->
+    ```
+
+    Use the texture in a material, or remove it. Assets of an included file do not count.
+    """
+    for element, name in _unused(subject, "texture"):
+        if subject.value(element, "type") != "skybox":
+            yield _finding(element, name, "material")
+
+
+@rule("unused-hfield")
+def unused_hfield(subject: Subject) -> Found:
+    """A height field that no geom uses.
+
+    MuJoCo reads and keeps its data, and nothing collides with it. Often a flat floor is still in its place.
+
+    ```xml
+    <asset><hfield name="hills" file="hills.png" size="10 10 1 0.1"/></asset>   <!-- no geom has hfield="hills" -->
+    ```
+
+    Use the height field in a geom, or remove it. Assets of an included file do not count.
+    """
+    for element, name in _unused(subject, "hfield"):
+        yield _finding(element, name, "geom")
+
+
+@rule("unused-tendon", in_mujoco=True)
+def unused_tendon(subject: Subject) -> Found:
+    """A tendon that exerts no force and that nothing uses.
+
+    It has no limit, stiffness, damping, friction and armature, and no actuator, sensor or equality refers to it. MuJoCo
+    computes its path in each step for a line in the picture.
+
+    ```xml
+    <tendon><fixed name="split"><joint joint="left" coef="1"/><joint joint="right" coef="-1"/></fixed></tendon>
+    ```
+
+    Refer to it in an actuator or an equality, or remove it.
+    """
+    model = subject.model
+    used = subject.names.uses.get("tendon", {})
+    for row in range(model.ntendon):
+        element = subject.node("tendon", row)
+        exerts = (
+            model.tendon_limited[row] or model.tendon_stiffness[row].any() or model.tendon_damping[row].any()
+            or model.tendon_frictionloss[row] or model.tendon_armature[row]
+        )  # fmt: skip
+        if element is None or exerts or element.get("name") in used:
+            continue
+        yield Finding(element, f"{subject.name('tendon', row)} exerts no force, and nothing refers to it", "name")
+
+
+@rule("dead-actuator", in_mujoco=True)
+def dead_actuator(subject: Subject) -> Found:
+    """An actuator that cannot exert a force.
+
+    Its gear is zero, or its gain and its bias are, so that no control moves anything. A position actuator without `kp`
+    in its class is the usual reason.
+
+    ```xml
+    <actuator><general name="elbow" joint="elbow" gainprm="0"/></actuator>
+    ```
+
+    Write a `gear` or a gain, or remove the actuator.
+    """
+    model, kinds = subject.model, subject.mujoco
+    user = {int(kinds.mjtGain.mjGAIN_USER), int(kinds.mjtGain.mjGAIN_MUSCLE)}
+    for row in range(model.nu):
+        element = subject.node("actuator", row)
+        if element is None or int(model.actuator_gaintype[row]) in user or int(model.actuator_plugin[row]) >= 0:
+            continue
+        if not model.actuator_gear[row].any():
+            yield Finding(element, f"{subject.name('actuator', row)} has the gear 0 and moves nothing", "gear")
+        elif not model.actuator_gainprm[row].any() and not model.actuator_biasprm[row].any():
+            message = f"{subject.name('actuator', row)} has no gain and no bias, so it exerts no force"
+            yield Finding(element, message, help="write `gainprm`, or `kp` of a position actuator")

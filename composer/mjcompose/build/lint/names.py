@@ -1,1 +1,202 @@
-"""Rules of the family `names`."""
+"""Rules about elements that programs cannot address."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from mjcompose.build.lint.rule import Edit, Finding, Found, Subject, rule
+from mjcompose.tree.names import own_references
+
+if TYPE_CHECKING:
+    from lxml.etree import _Element as Node
+
+_ASSET = {"robot-asset": "OpenUSD and URDF identify each joint, link and sensor by a unique name"}
+_CHARACTERS = re.compile(r"[\w./:+\-]+")
+
+
+def _unnamed(subject: Subject, elements: Iterator[Node], use: str) -> Found:
+    for element in elements:
+        if not element.get("name"):
+            yield Finding(element, f"{subject.called(element)} has no name, so {use}", help='write `name="…"`')
+
+
+@rule("unnamed-joint", profiles=_ASSET)
+def unnamed_joint(subject: Subject) -> Found:
+    """A joint without a name, in a model that moves it.
+
+    Keyframes, actuators, sensors and programs can reach it only by its number, which changes when someone adds a joint
+    in front of it. MuJoCo itself asks for no name.
+
+    ```xml
+    <body name="forearm"><joint axis="0 1 0"/> … </body>
+    ```
+
+    Write a `name`. A model with five or more joints of which none has a name, such as a rope, does not count.
+    """
+    joints = [each for each in subject.each("joint", "freejoint") if _in_bodies(each)]
+    unnamed = [each for each in joints if not each.get("name")]
+    if len(unnamed) < max(5, len(joints)):
+        yield from _unnamed(subject, iter(unnamed), "programs reach it only by its number")
+
+
+def _in_bodies(joint: Node) -> bool:
+    return all(each.tag not in ("composite", "flexcomp", "replicate") for each in joint.iterancestors()) and any(
+        each.tag == "body" for each in joint.iterancestors()
+    )
+
+
+@rule("unnamed-actuator", profiles=_ASSET)
+def unnamed_actuator(subject: Subject) -> Found:
+    """An actuator without a name.
+
+    Programs can reach its control only by its number. If someone adds or moves an actuator, they set another one,
+    without an error.
+
+    ```xml
+    <actuator><motor joint="elbow"/></actuator>
+    ```
+
+    Write a `name`, usually that of the joint.
+    """
+    taken = {str(each.get("name")) for each in subject.root.iterfind("actuator/*")}
+    for element in subject.root.iterfind("actuator/*"):
+        joint = element.get("joint")
+        if isinstance(element.tag, str) and not element.get("name"):
+            edit = Edit((("name", str(joint)),)) if joint and joint not in taken else None
+            taken.add(str(joint))
+            of = f" for joint `{joint}`" if joint else ""
+            message = f"this {element.tag}{of} has no name, so programs reach its control only by its number"
+            yield Finding(element, message, help=f'write `name="{joint or "…"}"`', edit=edit)
+
+
+@rule("unnamed-sensor", profiles=_ASSET)
+def unnamed_sensor(subject: Subject) -> Found:
+    """A sensor without a name.
+
+    Programs read `sensordata` by the address of a named sensor. Without a name they count numbers, and read those of
+    another sensor as soon as someone adds one in front of it.
+
+    ```xml
+    <sensor><force site="wrist"/></sensor>
+    ```
+
+    Write a `name`.
+    """
+    elements = (each for each in subject.root.iterfind("sensor/*") if isinstance(each.tag, str))
+    yield from _unnamed(subject, elements, "programs read it only by its address")
+
+
+@rule("unnamed-key")
+def unnamed_key(subject: Subject) -> Found:
+    """A keyframe without a name, in a model that has several.
+
+    A program can reset to it only by its number, and nobody knows which pose it is.
+
+    ```xml
+    <keyframe><key qpos="0 0"/><key qpos="1.57 0"/></keyframe>
+    ```
+
+    Write a `name`, such as `home`.
+    """
+    keys = list(subject.root.iterfind("keyframe/key"))
+    if len(keys) > 1:
+        yield from _unnamed(subject, iter(keys), "programs reset to it only by its number")
+
+
+@rule("unnamed-model", usual=False, profiles={"menagerie": "each model has the name of the robot", **_ASSET})
+def unnamed_model(subject: Subject) -> Found:
+    """A model without a name of its own.
+
+    MuJoCo calls it `MuJoCo Model`. Viewers, logs and programs that load several models cannot tell them apart.
+
+    ```xml
+    <mujoco> … </mujoco>
+    ```
+
+    Write `<mujoco model="panda">`.
+    """
+    if subject.is_part and not subject.root.get("model") and subject.root.find("worldbody//body") is not None:
+        yield Finding(subject.root, "the model has no name", help='write `<mujoco model="…">`')
+
+
+@rule("awkward-name", profiles=_ASSET)
+def awkward_name(subject: Subject) -> Found:
+    """A name with spaces or with characters that other programs refuse.
+
+    MuJoCo takes any text. Lists of names in MJCF are separated by spaces, and OpenUSD, ROS and code that is generated
+    from names allow letters, digits and a few signs.
+
+    ```xml
+    <body name="left arm (v2)">
+    ```
+
+    Use letters, digits and `_ . / : -`.
+    """
+    for element in subject.root.iter("*"):
+        name = element.get("name")
+        if (
+            name
+            and element.tag not in ("material", "texture", "text", "numeric", "mesh")
+            and not _CHARACTERS.fullmatch(str(name))
+        ):
+            message = f"the name `{name}` of this {element.tag} has characters that other programs refuse"
+            yield Finding(element, message, "name", help="use letters, digits and `_ . / : -`")
+
+
+@rule("names-differ-by-case")
+def names_differ_by_case(subject: Subject) -> Found:
+    """Two elements of one kind whose names differ only in capital letters.
+
+    MuJoCo keeps them apart. People and file systems do not, and a reference to the wrong one is not an error.
+
+    ```xml
+    <joint name="Elbow"/> … <joint name="elbow"/>
+    ```
+
+    Give them different names.
+    """
+    for kind, named in subject.names.declared.items():
+        seen: dict[str, str] = {}
+        for name, element in named.items():
+            first = seen.setdefault(name.lower(), name)
+            if first != name:
+                message = f"the {kind} names `{name}` and `{first}` differ only in capital letters"
+                yield Finding(element, message, "name" if element.get("name") else None)
+
+
+_SIDE = re.compile(r"(?:^|[_\-./:])(left|right|l|r)(?=$|[_\-./:])|(left|right)", re.IGNORECASE)
+
+
+def _side(name: str) -> str | None:
+    """Return the only side that a name is about.
+
+    >>> _side("left_hip"), _side("arm_r"), _side("left_right_bar"), _side("lift")
+    ('l', 'r', None, None)
+    """
+    found = {(each[1] or each[2]).lower()[0] for each in _SIDE.finditer(name)}
+    return found.pop() if len(found) == 1 else None
+
+
+@rule("side-mismatch")
+def side_mismatch(subject: Subject) -> Found:
+    """An element named left that refers to something named right, or the other way round.
+
+    It is the usual slip of copying one half of a robot: the actuator of the left hip drives the right one, or the mesh
+    of the right foot is on the left leg.
+
+    ```xml
+    <motor name="left_hip" joint="right_hip"/>
+    ```
+
+    Correct the reference. A part of a hand, such as the left finger of the right gripper, does not count.
+    """
+    for section in ("actuator", "sensor", "worldbody"):
+        for top in subject.root.iterfind(section):
+            for element in top.iterdescendants("*"):
+                side = _side(str(element.get("name") or ""))
+                for attribute, namespace, target, _ in own_references(element, section) if side else ():
+                    if namespace in ("joint", "body", "site", "geom", "mesh") and _side(target) not in (None, side):
+                        message = f"{subject.called(element)} refers to the {namespace} `{target}`"
+                        yield Finding(element, message, attribute)

@@ -1,1 +1,247 @@
-"""Rules of the family `ranges`."""
+"""Rules about limits and values that do not fit together."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from mjcompose.build.lint.rule import Edit, Finding, Found, Subject, rule
+
+if TYPE_CHECKING:
+    from lxml.etree import _Element as Node
+
+_LIMITS = {
+    "joint": (("range", "limited"), ("actuatorfrcrange", "actuatorfrclimited")),
+    "tendon": (("range", "limited"),),
+    "actuator": (("ctrlrange", "ctrllimited"), ("forcerange", "forcelimited"), ("actrange", "actlimited")),
+}
+
+
+def _limited(subject: Subject) -> list[tuple[Node, str, str]]:
+    """Return elements with the attributes that are a range and its switch."""
+    actuators = subject.root.iterfind("actuator/*")
+    tendons = subject.root.iterfind("tendon/*")
+    found = [(each, "joint") for each in subject.each("joint") if each.getparent().tag not in ("fixed", "equality")]  # type: ignore[union-attr]
+    found += [(each, "tendon") for each in tendons] + [(each, "actuator") for each in actuators]
+    return [(each, *names) for each, kind in found for names in _LIMITS[kind]]
+
+
+@rule("range-ignored")
+def range_ignored(subject: Subject) -> Found:
+    """A range next to the word that turns its limit off.
+
+    With `limited="false"` in the same element MuJoCo reads the range and ignores it: the joint turns freely. Readers of
+    the file, and programs that sample from the range, believe in a limit.
+
+    ```xml
+    <joint name="elbow" limited="false" range="0 2.5"/>
+    ```
+
+    Remove `limited="false"` if the limit is meant, or the range if it is not. A limit that an element turns off for a
+    range of its class does not count.
+    """
+    for element, attribute, switch in _limited(subject):
+        if element.get(attribute) and element.get(switch) == "false":
+            message = f"MuJoCo ignores `{attribute}` of {subject.called(element)}, because `{switch}` is false"
+            yield Finding(element, message, attribute, help=f"remove `{switch}` or `{attribute}`")
+
+
+@rule("range-inverted")
+def range_inverted(subject: Subject) -> Found:
+    """A range whose first number is larger than the second.
+
+    MuJoCo refuses it if the limit is on. If the limit is off it accepts it, and the first program that turns the limit
+    on or samples from the range fails.
+
+    ```xml
+    <joint name="elbow" limited="false" range="150 0"/>
+    ```
+
+    Write the smaller number first.
+    """
+    for element, attribute, _ in _limited(subject):
+        numbers = subject.numbers(element, attribute)
+        if numbers is not None and len(numbers) == 2 and numbers[0] > numbers[1]:
+            low, high = (subject.value(element, attribute) or "").split()
+            edit = Edit(((attribute, f"{high} {low}"),)) if element.get(attribute) else None
+            message = f"`{attribute}` of {subject.called(element)} runs from {low} down to {high}"
+            yield Finding(element, message, attribute, help="write the smaller number first", edit=edit)
+
+
+_ROUNDING = 1e-4
+_FAR_FROM_UNIT = 0.02
+
+
+@rule("key-out-of-range", in_mujoco=True, profiles={"menagerie": "keyframes are valid states of the model"})
+def key_out_of_range(subject: Subject) -> Found:
+    """A position, control or activation of a keyframe that is outside of its range.
+
+    MuJoCo does not check keyframes. At the first step the limit pushes the joint back with a large force, or the
+    control is clamped, so the model does not stay in the pose of the keyframe.
+
+    ```xml
+    <joint name="elbow" range="0 2.5"/>
+    …
+    <key name="home" qpos="-0.3"/>
+    ```
+
+    Change the number in the keyframe, or the range. Positions are in radians and meters.
+    """
+    from mjcompose.mujoco.index import index, ranged
+
+    compiled = index(subject.model, subject.mujoco)
+    for row, name, data in subject.at_keys():
+        vectors = {"qpos": subject.model.key_qpos[row], "ctrl": subject.model.key_ctrl[row], "act": data.act}
+        element = subject.node("key", row)
+        if element is None:  # made by `<size nkey="…"/>`, or in an attached model
+            continue
+        for each in ranged(compiled, vectors):
+            low, high = each.range
+            if not each.is_within(-_ROUNDING * max(1.0, abs(high - low))):
+                message = (
+                    f"`{each.vector}` of {subject.name(each.kind, each.number)} in {name} is {each.value:.6g}, and its"
+                    f" range is from {low:.6g} to {high:.6g}"
+                )
+                yield Finding(element, message, each.vector)
+
+
+@rule("reference-out-of-range", in_mujoco=True)
+def reference_out_of_range(subject: Subject) -> Found:
+    """A joint whose reference position is outside of its range, in a model without keyframes.
+
+    After `mj_resetData` the joint is outside of its limit and is pushed back with a large force. Programs that start
+    without a keyframe begin with a jump.
+
+    ```xml
+    <joint name="knee" range="0.3 2.4"/>   <!-- starts at 0 -->
+    ```
+
+    Add a keyframe with a valid pose, turn the body so that the reference is inside, or change the range.
+    """
+    model, kinds = subject.model, subject.mujoco.mjtJoint
+    if model.nkey or not subject.is_complete:
+        return
+    for row in range(model.njnt):
+        if not model.jnt_limited[row] or int(model.jnt_type[row]) not in (
+            int(kinds.mjJNT_HINGE),
+            int(kinds.mjJNT_SLIDE),
+        ):
+            continue
+        at, (low, high) = float(model.qpos0[model.jnt_qposadr[row]]), map(float, model.jnt_range[row])
+        if not low - _ROUNDING <= at <= high + _ROUNDING:
+            unit = "rad" if int(model.jnt_type[row]) == int(kinds.mjJNT_HINGE) else "m"
+            message = (
+                f"{subject.name('joint', row)} starts at {at:.4g} {unit}, and its range is from {low:.4g} to {high:.4g}"
+                f" {unit}; there is no keyframe"
+            )
+            yield Finding(subject.node("joint", row), message, "range")
+
+
+@rule("control-misses-range", in_mujoco=True)
+def control_misses_range(subject: Subject) -> Found:
+    """A position actuator whose controls leave a part of its joint's range out of reach.
+
+    The control of a position actuator is the position that it aims at. If `ctrlrange` ends before the joint's range
+    does, the joint never gets there. If it is far larger, it is often in degrees, and a small control means a jump.
+
+    ```xml
+    <joint name="elbow" range="0 2.5"/>
+    <position joint="elbow" ctrlrange="0 1"/>   <!-- 60 % of the range cannot be reached -->
+    ```
+
+    Write the same numbers, in radians, or `inheritrange="1"`.
+    """
+    model = subject.model
+    for row, joint in servos(subject):
+        if not (model.actuator_ctrllimited[row] and model.jnt_limited[joint]):
+            continue
+        gear = float(model.actuator_gear[row, 0])
+        low, high = sorted(float(each) / gear for each in model.actuator_ctrlrange[row])
+        least, most = map(float, model.jnt_range[joint])
+        width, common = most - least, max(min(high, most) - max(low, least), 0.0)
+        if width <= 0 or common >= 0.9 * width:
+            continue
+        message = (
+            f"the controls of {subject.name('actuator', row)} aim from {low:.4g} to {high:.4g}, and"
+            f" {subject.name('joint', joint)} moves from {least:.4g} to {most:.4g}: {1 - common / width:.0%} of its"
+            " range cannot be reached"
+        )
+        yield Finding(subject.node("actuator", row), message, "ctrlrange", help='write `inheritrange="1"`')
+
+
+def servos(subject: Subject) -> list[tuple[int, int]]:
+    """Return the position actuators on a hinge or slide, and these joints."""
+    model, mujoco = subject.model, subject.mujoco
+    single = (int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE))
+    found = []
+    for row in range(model.nu):
+        joint = int(model.actuator_trnid[row, 0])
+        gain, bias = float(model.actuator_gainprm[row, 0]), float(model.actuator_biasprm[row, 1])
+        if (
+            int(model.actuator_trntype[row]) == int(mujoco.mjtTrn.mjTRN_JOINT)
+            and int(model.jnt_type[joint]) in single
+            and int(model.actuator_biastype[row]) == int(mujoco.mjtBias.mjBIAS_AFFINE)
+            and gain > 0 and abs(gain + bias) <= 1e-6 * gain and model.actuator_gear[row, 0]
+            and not float(model.actuator_biasprm[row, 0])
+        ):  # fmt: skip
+            found.append((row, joint))
+    return found
+
+
+@rule("solref-below-timestep")
+def solref_below_timestep(subject: Subject) -> Found:
+    """A time constant in `solref` that is shorter than two time steps, which MuJoCo replaces.
+
+    A constraint as stiff as this is unstable, so MuJoCo uses twice the time step instead, and the contact or limit is
+    softer than it says. Only the flag `refsafe="disable"` turns that off.
+
+    ```xml
+    <option timestep="0.005"/>
+    …
+    <geom solref="0.004 1"/>   <!-- MuJoCo uses 0.01 -->
+    ```
+
+    Write a time constant of at least two time steps, or a smaller `timestep`.
+    """
+    steps = [each.get("timestep") for each in subject.root.iterfind("option") if each.get("timestep")]
+    flags = [each.get("refsafe") for each in subject.root.iterfind("option/flag") if each.get("refsafe")]
+    if flags and flags[-1] == "disable":
+        return
+    step = float(steps[-1] or 0.002) if steps else 0.002
+    names = ("solref", "solreflimit", "solreffriction", "solimplimit")[:3]
+    for element in subject.root.iter("*"):
+        for name in names:
+            value = element.get(name)
+            first = float(value.split()[0]) if value and value.split() else 0.0
+            if 0 < first < 2 * step * (1 - 1e-9):
+                message = f"MuJoCo replaces the time constant {first:g} s by {2 * step:g} s, twice the time step"
+                yield Finding(element, message, name, help=f"write at least {2 * step:g}")
+
+
+@rule("quat-not-unit", in_mujoco=True)
+def quat_not_unit(subject: Subject) -> Found:
+    """A quaternion in a keyframe that has not the length 1.
+
+    MuJoCo normalizes it. Its numbers are most often shifted by one, because a number is missing in front of them, and a
+    position is taken for a part of the rotation. A quaternion of zeros becomes the identity.
+
+    ```xml
+    <key name="home" qpos="0 0 0.3  0 0 0 0"/>
+    ```
+
+    Write a quaternion of length 1, such as `1 0 0 0`.
+    """
+    model, kinds = subject.model, subject.mujoco.mjtJoint
+    offsets = {int(kinds.mjJNT_FREE): 3, int(kinds.mjJNT_BALL): 0}
+    quats = [
+        (joint, int(model.jnt_qposadr[joint]) + offsets[int(model.jnt_type[joint])])
+        for joint in range(model.njnt)
+        if int(model.jnt_type[joint]) in offsets
+    ]
+    for element in subject.root.iterfind("keyframe/key"):
+        written = [float(word) for word in (element.get("qpos") or "").split()]
+        for joint, start in quats if len(written) == model.nq else ():
+            length = sum(each * each for each in written[start : start + 4]) ** 0.5
+            if abs(length - 1) > _FAR_FROM_UNIT:
+                name = f"keyframe `{element.get('name')}`" if element.get("name") else "this keyframe"
+                message = f"the quaternion of {subject.name('joint', joint)} in {name} has the length {length:.4g}"
+                yield Finding(element, message, "qpos")

@@ -58,7 +58,10 @@ Found = Iterator[Finding]
 
 @dataclass(frozen=True, slots=True)
 class Rule:
-    """A rule. `profiles` are those that include it; a rule that is not `usual` runs only if it is selected."""
+    """A rule. `profiles` are those that include it; a rule that is not `usual` runs only if it is selected.
+
+    A rule that is `in_mujoco` runs next to the compiled model, one that is `in_files` reads the files of the model.
+    """
 
     code: str
     family: str
@@ -66,6 +69,7 @@ class Rule:
     summary: str
     page: str
     in_mujoco: bool
+    in_files: bool
     usual: bool
     profiles: Mapping[str, str]
 
@@ -74,7 +78,12 @@ _RULES: dict[str, Rule] = {}
 
 
 def rule(
-    code: str, *, in_mujoco: bool = False, usual: bool = True, profiles: Mapping[str, str] | None = None
+    code: str,
+    *,
+    in_mujoco: bool = False,
+    in_files: bool = False,
+    usual: bool = True,
+    profiles: Mapping[str, str] | None = None,
 ) -> Callable[[Callable[[Subject], Found]], Callable[[Subject], Found]]:
     """Return a decorator that makes a function the rule `code`.
 
@@ -82,11 +91,13 @@ def rule(
     """
 
     def decorate(function: Callable[[Subject], Found]) -> Callable[[Subject], Found]:
+        if code in CODES:
+            raise ValueError(f"the code `{code}` exists already")
         text = inspect.cleandoc(function.__doc__ or "")
         summary = text.partition("\n")[0].rstrip(".")
         family = function.__module__.rpartition(".")[2]
         _RULES[code] = Rule(
-            code, family, function, summary=summary, page=text, in_mujoco=in_mujoco, usual=usual,
+            code, family, function, summary=summary, page=text, in_mujoco=in_mujoco, in_files=in_files, usual=usual,
             profiles=profiles or {},
         )  # fmt: skip
         CODES[code] = summary[:1].lower() + summary[1:]
@@ -153,6 +164,19 @@ class Subject:
     @cached_property
     def names(self) -> NameIndex:
         return NameIndex.of(self.root)
+
+    @property
+    def is_complete(self) -> bool:
+        """Whether the model has a floor or light, or is no part: most programs attach a part to another model."""
+        return (
+            not self.is_part
+            or self.root.find("worldbody/light") is not None
+            or any(self.value(each, "type") in ("plane", "hfield") for each in self.root.iterfind("worldbody/geom"))
+        )
+
+    def is_own(self, element: Node) -> bool:
+        """Return whether the element is written in the file itself, and not in one that it includes."""
+        return self.unit is None or self.unit.origins.owner(element, self.unit.file) == self.unit.file
 
     def each(self, *tags: str) -> Iterator[Node]:
         """Yield the elements with these tags, except those in `<default>`, in document order."""

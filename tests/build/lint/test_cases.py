@@ -1,0 +1,115 @@
+"""For each rule a model that it finds, and nearly the same model that it does not."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from build.lint.workshop import linted, mended
+from mjcompose.build.lint.rule import rules
+from mjcompose.mujoco.engine import Session
+
+FAMILIES = ("dead", "ranges", "order", "names")
+
+
+def _arm(
+    actuator: str = "", key: str = "", joint: str = 'range="-1 1"', more: str = "", model: str = ' model="m"'
+) -> str:
+    return f"""\
+<mujoco{model}>
+  <compiler angle="radian"/>
+  {more}
+  <worldbody>
+    <body name="arm">
+      <joint name="a" axis="0 1 0" {joint}/>
+      <geom name="g" size="0.1"/>
+      <body name="hand" pos="0.5 0 0">
+        <joint name="b" axis="0 1 0" range="0 2"/>
+        <geom size="0.1"/>
+        <site name="left_tip"/>
+      </body>
+    </body>
+  </worldbody>
+  {f"<actuator>{actuator}</actuator>" if actuator else ""}
+  {f"<keyframe>{key}</keyframe>" if key else ""}
+</mujoco>
+"""
+
+
+_SERVO = '<position name="b" joint="b" kp="10" ctrlrange="{}"/>'
+_ASSET = "<asset>{}</asset>"
+CASES = {
+    "unused-mesh": (_arm(more=_ASSET.format('<mesh name="m" vertex="0 0 0 1 0 0 0 1 0 0 0 1"/>')), _arm()),
+    "unused-material": (_arm(more=_ASSET.format('<material name="m"/>')), _arm()),
+    "unused-texture": (
+        _arm(more=_ASSET.format('<texture name="t" type="2d" builtin="flat" width="8" height="8"/>')),
+        _arm(more=_ASSET.format('<texture name="t" type="skybox" builtin="flat" width="8" height="8"/>')),
+    ),
+    "unused-hfield": (_arm(more=_ASSET.format('<hfield name="h" nrow="2" ncol="2" size="1 1 1 1"/>')), _arm()),
+    "unused-tendon": (
+        _arm(more='<tendon><fixed name="t"><joint joint="a" coef="1"/></fixed></tendon>'),
+        _arm(more='<tendon><fixed name="t" damping="1"><joint joint="a" coef="1"/></fixed></tendon>'),
+    ),
+    "dead-actuator": (
+        _arm('<general name="m" joint="a" gainprm="0"/>'), _arm('<general name="m" joint="a" gainprm="1"/>'),
+    ),
+    "range-ignored": (
+        _arm(joint='limited="false" range="-1 1"'),
+        _arm(joint='limited="false"', more='<default><joint range="-1 1"/></default>'),
+    ),
+    "range-inverted": (_arm(joint='limited="false" range="1 -1"'), _arm(joint='limited="false" range="-1 1"')),
+    "key-out-of-range": (_arm(key='<key name="k" qpos="1.2 0"/>'), _arm(key='<key name="k" qpos="1 0"/>')),
+    "reference-out-of-range": (
+        _arm(joint='range="0.5 1"').replace("<worldbody>", "<worldbody><light/>"),
+        _arm(joint='range="0 1"').replace("<worldbody>", "<worldbody><light/>"),
+    ),
+    "control-misses-range": (_arm(_SERVO.format("0 1.7")), _arm(_SERVO.format("0 1.9"))),
+    "solref-below-timestep": (
+        _arm(joint='solreflimit="0.003 1"'), _arm(joint='solreflimit="0.003 1"', more='<option timestep="0.001"/>'),
+    ),
+    "quat-not-unit": (
+        _arm(joint='type="ball"', key='<key name="k" qpos="0 0 0 0 1"/>'),
+        _arm(joint='type="ball"', key='<key name="k" qpos="0 1 0 0 1"/>'),
+    ),
+    "actuator-order": (
+        _arm('<motor name="b" joint="b"/><motor name="a" joint="a"/>'),
+        _arm('<motor name="a" joint="a"/><motor name="b" joint="b"/>'),
+    ),
+    "key-does-not-hold": (
+        _arm(_SERVO.format("0 2"), '<key name="k" qpos="0 1"/>'),
+        _arm(_SERVO.format("0 2"), '<key name="k" qpos="0 1" ctrl="1"/>'),
+    ),
+    "key-breaks-equality": (
+        _arm(key='<key name="k" qpos="0.5 0"/>', more='<equality><joint joint1="a" joint2="b"/></equality>'),
+        _arm(key='<key name="k" qpos="0.5 0.5"/>', more='<equality><joint joint1="a" joint2="b"/></equality>'),
+    ),
+    "unnamed-joint": (_arm().replace('name="a" ', ""), _arm()),
+    "unnamed-actuator": (_arm('<motor joint="a"/>'), _arm('<motor name="m" joint="a"/>')),
+    "unnamed-sensor": (
+        _arm(more='<sensor><force site="left_tip"/></sensor>'),
+        _arm(more='<sensor><force name="f" site="left_tip"/></sensor>'),
+    ),
+    "unnamed-key": (_arm(key='<key name="k"/><key time="1"/>'), _arm(key='<key time="1"/>')),
+    "unnamed-model": (_arm(model=""), _arm()),
+    "awkward-name": (_arm().replace('"hand"', '"my hand"'), _arm().replace('"hand"', '"r/my-hand_1.x"')),
+    "names-differ-by-case": (_arm().replace('name="b"', 'name="A"'), _arm()),
+    "side-mismatch": (
+        _arm(more='<sensor><force name="right_force" site="left_tip"/></sensor>'),
+        _arm(more='<sensor><force name="tip_force_left" site="left_tip"/></sensor>'),
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("code", CASES)
+def test_what_a_rule_finds(code: str, tmp_path: Path, session: Session) -> None:
+    wrong, right = CASES[code]
+    found = linted(wrong, code, tmp_path, session)
+    assert found and all(each.code == code and each.span is not None for each in found)
+    assert not linted(right, code, tmp_path, session)
+    if all(each.fix for each in found):
+        assert not linted(mended(wrong, found), code, tmp_path, session)
+
+
+def test_every_rule_of_these_families_has_a_case() -> None:
+    expected = {code for code, each in rules().items() if each.family in FAMILIES}
+    assert expected == {*CASES, "unused-class"}
