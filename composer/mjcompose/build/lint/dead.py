@@ -64,7 +64,7 @@ def _finding(element: Node, name: str, user: str) -> Finding:
 def unused_mesh(subject: Subject) -> Found:
     """A mesh that no geom uses.
 
-    MuJoCo loads the file all the same, computes its hull and keeps it in memory, and everybody who copies the model
+    MuJoCo still loads the file, computes its hull and keeps it in memory, and everybody who copies the model
     copies the file.
 
     ```xml
@@ -81,8 +81,8 @@ def unused_mesh(subject: Subject) -> Found:
 def unused_material(subject: Subject) -> Found:
     """A material that no geom, site, tendon or skin uses.
 
-    It changes nothing. Often the geoms that should have it name another material or a color, so the picture is not the
-    one that the author meant.
+    It changes nothing. Often the geoms that should have it name another material or a color, so the
+    picture shows other colors.
 
     ```xml
     <asset><material name="rubber" rgba="0.1 0.1 0.1 1"/></asset>   <!-- no element has material="rubber" -->

@@ -13,7 +13,7 @@ _MEANING = {
     "ranges": "limits and values that do not fit together",
     "order": "the order of joints, actuators and keyframes",
     "physics": "masses, inertias, gains and damping",
-    "contact": "collisions that are missing, or that nobody wants",
+    "contact": "missing and unwanted collisions",
     "units": "values that look like another unit",
     "names": "elements that programs cannot address",
     "portable": "elements that other programs or versions of MuJoCo read otherwise",
