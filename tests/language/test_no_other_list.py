@@ -11,6 +11,7 @@ import pytest
 from mjcompose.language.forms.model import Model, rest_of
 from mjcompose.language.forms.rows import Lazy
 from mjcompose.language.forms.walk import first_keys, name_scopes, spots
+from mjcompose.language.interface import Interface
 from mjcompose.language.recipe import DEPTHS, SETTLED, Recipe
 from mjcompose.language.reference_page import pages
 from mjcompose.lsp.language import forms_at, keys_of
@@ -82,7 +83,7 @@ def test_each_key_has_a_row_in_the_reference() -> None:
 def test_items_with_when_are_those_whose_form_has_it() -> None:
     declared = {at[0]: len(at) for at, model in PLACES.items() if "when" in model.key_names() and at[0] != "contact"}
     own = {name: DEPTHS[name] for name in declared if name in DEPTHS and name not in ("base", "attach")}
-    assert own == dict.fromkeys(("add", "edit", "keyframe", "check"), 2)
+    assert own == {**dict.fromkeys(("add", "edit", "keyframe", "check"), 2), "interface": 3}
     assert not {*SETTLED} & {*DEPTHS}
 
 
@@ -101,8 +102,12 @@ FUNCTIONS = {"mujoco/fit.py"}
 
 
 def test_no_module_lists_the_keys_of_a_form() -> None:
-    """Only the module that declares a form may name all of its keys again."""
-    forms = {frozenset(model.key_names()): model for model in PLACES.values() if len(model.key_names()) > 3}
+    """Only the module that declares a form may name all of its keys again. The keys of an interface are MuJoCo's kinds."""
+    forms = {
+        frozenset(model.key_names()): model
+        for model in PLACES.values()
+        if len(model.key_names()) > 3 and model is not Interface
+    }
     listed = [
         f"{path.relative_to(SOURCES)} lists the keys of {model.__name__}"
         for path in sorted(SOURCES.rglob("*.py"))

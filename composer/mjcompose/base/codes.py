@@ -44,6 +44,8 @@ BY_TOPIC: dict[str, dict[str, str]] = {
     },
     "Names and selectors": {
         "bad-name": "a name has characters or a form that it cannot have",
+        "interface-extra": "the model has names that its interface does not list",
+        "interface-order": "the model cannot have the order of its interface",
         "name-clash": "two elements of one kind would have the same name",
         "reserved-prefix": "the prefix `base` always means the base",
         "selector": "a selector selects nothing, or another number of elements than expected",

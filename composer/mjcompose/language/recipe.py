@@ -24,6 +24,7 @@ from mjcompose.language.forms.model import IT, Model, Rest
 from mjcompose.language.forms.rows import Lazy
 from mjcompose.language.forms.scalars import Checked, Expects, Items, Name, Named, Text, When
 from mjcompose.language.forms.walk import has_key, inside
+from mjcompose.language.interface import Interface
 from mjcompose.language.keyframe import Keyframe
 from mjcompose.language.placing import Frame, Place
 from mjcompose.language.sections import ByTag, DefaultClass, Defaults, Extension, Section, Singleton, Typed
@@ -263,6 +264,9 @@ class Recipe(Model):
         dict[str, Keyframe], Named(), Expects("a mapping from names to keys", "{home: {qpos: {JOINT: 0.1}}}")
     ] = Field({})
     """Keys: a mapping from their names to entries by the names of joints, actuators and mocap bodies."""
+    interface: Interface | None = None
+    """Names of joints, actuators, sensors and keys in the order that programs rely on: a list by kind, with `…` at the
+    end if there are more."""
     variants: Annotated[Any, Lazy("mjcompose.language.variation:Variants"), Settled()] = None
     """Pieces of recipe by axis and value, of which one of each axis is merged over the recipe."""
     matrix: Annotated[Any, Lazy("mjcompose.language.variation:Grid"), Settled()] = None
@@ -305,8 +309,8 @@ def _depth(info: FieldInfo) -> int:
     if (section := next((mark for mark in info.metadata if isinstance(mark, Section)), None)) is not None:
         return section.depth
     kind = inside(info.annotation, 0)
-    if kind is Contact:
-        return Contact.depth
+    if isinstance(depth := getattr(kind, "depth", None), int):
+        return depth
     return 1 if has_key(kind, "when") else 2 if has_key(inside(kind, 1), "when") else 0
 
 

@@ -79,17 +79,41 @@ class _Multiplied:
 
 def actuators_in_order(root: Node) -> list[Node | Copy]:
     """Return every actuator of a model in the order of its controls. A multiplied one is returned as its copies."""
-    actuators = root.findall("actuator/*")
-    if not actuators or next(root.iter("replicate"), None) is None:
-        return list(actuators)
-    tendons = [_Multiplied.of(each, "tendon") for each in root.iterfind("tendon/*")]
-    multiplied = [_Multiplied.of(each, "actuator") for each in actuators]
+    return in_order(root, "actuator")
+
+
+def in_order(root: Node, section: str) -> list[Node | Copy]:
+    """Return the elements of the section `actuator` or `sensor` as MuJoCo orders them, multiplied ones as copies."""
+    elements = root.findall(f"{section}/*")
+    if not elements or next(root.iter("replicate"), None) is None:
+        return list(elements)
+    rows = {
+        each: [_Multiplied.of(node, each) for node in root.iterfind(f"{each}/*")]
+        for each in dict.fromkeys(("tendon", "actuator", section))
+    }
     made: dict[Node, list[Name]] = {}
     for replicate, inside in _names_inside(root, made):
         lost = frozenset(inside)
-        tendons, gone = _multiply(tendons, lost, replicate)
-        multiplied, _ = _multiply(multiplied, lost | gone, replicate)
-    return [Copy(each.element, each.within) if each.within else each.element for each in multiplied]
+        for each, before in rows.items():  # sensors refer to the others, and actuators to tendons
+            rows[each], gone = _multiply(before, lost, replicate)
+            lost |= {(each, name) for name in gone}
+    return [Copy(each.element, each.within) if each.within else each.element for each in rows[section]]
+
+
+def joints_in_order(unit: Unit) -> list[Holder]:
+    """Return the joints of a model in the order of `qpos`, and the blocks that MuJoCo expands. Measures nothing."""
+    layout, block = Layout(), Slot(BLOCK, (0, 0))
+    reader = _Reader(unit, dict.fromkeys(unit.root.iter(*BLOCKS), block))
+    for worldbody in unit.root.iterchildren("worldbody"):
+        reader.visit_world(worldbody, layout)
+    return list(layout.joints)
+
+
+def name_of_holder(holder: Holder) -> str:
+    """Return the name that MuJoCo gives to an element or to its copy; empty if it has none."""
+    name = str(element_of(holder).get("name") or "")
+    within = holder.within if name and isinstance(holder, Copy) else ()
+    return name + "".join(suffixes(replicate)[number] for replicate, number in within)
 
 
 def copied_names(root: Node) -> set[Name]:
@@ -111,7 +135,7 @@ def _names_inside(root: Node, made: dict[Node, list[Name]]) -> Iterator[tuple[No
 
 def _multiply(
     elements: list[_Multiplied], lost: frozenset[Name], replicate: Node
-) -> tuple[list[_Multiplied], frozenset[Name]]:
+) -> tuple[list[_Multiplied], list[str]]:
     """Multiply the elements that refer to `lost` names, as a replicate does. Return all elements, and the old names."""
     # MuJoCo 4.0 also multiplies elements that refer to something inside: `<motor joint="j"/>` on the joint of a body
     # in `<replicate count="2">` gives two controls. They come after the actuators that are not multiplied.
@@ -124,7 +148,7 @@ def _multiply(
         for each in removed
         if each.refers <= lost
     ]
-    return kept + copies, frozenset(("tendon", each.name) for each in removed if each.name)
+    return kept + copies, [each.name for each in removed if each.name]
 
 
 def inner_first(top: Node) -> Iterator[Node]:

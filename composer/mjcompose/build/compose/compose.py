@@ -38,6 +38,7 @@ from mjcompose.build.compose.collisions import set_collisions
 from mjcompose.build.compose.editing import EditCost
 from mjcompose.build.compose.elements import ElementBuilder, append_element, set_default, set_singleton, settle_joints
 from mjcompose.build.compose.inner import InnerModels
+from mjcompose.build.compose.interface import order_elements
 from mjcompose.build.compose.keyframe import write_keyframes
 from mjcompose.build.compose.keys import hold_poses
 from mjcompose.build.compose.load import Key, Library, Loader, PartRequest, part_requests, source_key
@@ -310,6 +311,7 @@ class Composer:
         check_names_of_keys(linking, making)
         if changes:
             changes.of_keys()
+        order_elements(plan, linking, keys=True)
         self.keys.note_written(linking)
         roots = [base.root, *(unit.root for unit in units)]
         parts = [Part(base, "", keyframes=plan.base_keys, key=BASE), *linking.parts]
@@ -348,8 +350,12 @@ class Composer:
         are_named = True
         if changes and sink.has_errors:  # in a model that lacks something, a selector selects other elements
             are_named = changes.in_doubt()
-        elif changes:
-            changes.of_elements()
+        else:
+            if changes:
+                changes.of_elements()
+            order_elements(plan, linking)  # before draws, which count elements without a name
+            if changes:
+                changes.draw_elements()
         check_intervals(making)
         if are_named:
             write_keyframes(plan, linking, making)

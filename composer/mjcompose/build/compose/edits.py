@@ -183,8 +183,11 @@ class ModelEdits:
     tabled: list[ElementDraws] = field(default_factory=list)
 
     def of_elements(self) -> None:
-        """Carry out all edits and draws, except for those about keys."""
+        """Carry out all edits, except for those about keys."""
         self._edit(of_keys=False)
+
+    def draw_elements(self) -> None:
+        """Carry out all draws, except for those about keys."""
         self._draw(of_keys=False)
 
     def in_doubt(self) -> bool:

@@ -16,6 +16,7 @@ from mjcompose.build.plan.steps import (
     AngleContext,
     DrawValues,
     EditElements,
+    OrderElements,
     SetCollisions,
     Step,
     WriteKeyframe,
@@ -25,6 +26,7 @@ from mjcompose.language.attach import Attachment
 from mjcompose.language.check import Check
 from mjcompose.language.datasheets import Sheet
 from mjcompose.language.edit import Edit
+from mjcompose.language.interface import Order
 from mjcompose.language.used_model import Drop
 from mjcompose.language.value import attribute_and_index
 from mjcompose.language.wording import shown
@@ -347,6 +349,11 @@ class Plan:
     @property
     def keyframes(self) -> tuple[WriteKeyframe, ...]:
         return tuple(step for step in self.steps if isinstance(step, WriteKeyframe))
+
+    @property
+    def interface(self) -> tuple[Order, ...]:
+        """The lists of `interface`."""
+        return tuple(step.order for step in self.steps if isinstance(step, OrderElements))
 
     @property
     def key_sources(self) -> frozenset[str]:

@@ -11,6 +11,7 @@ from mjcompose.build.plan.steps import (
     AppendElement,
     DrawValues,
     EditElements,
+    OrderElements,
     SetCollisions,
     SetDefault,
     SetSingleton,
@@ -29,6 +30,7 @@ STEPS: tuple[type[Step], ...] = (
     DrawValues,
     WriteKeyframe,
     SetCollisions,
+    OrderElements,
 )
 # Keys that the planner reads itself: settings of the whole recipe, its sources and its checks.
 _PLANNED = "recipe name description angle eulerseq separator conflict allow base attach check datasheets".split()

@@ -15,6 +15,7 @@ from mjcompose.language.contact import Collisions, Contact
 from mjcompose.language.edit import Edit
 from mjcompose.language.expand import Concrete
 from mjcompose.language.fragment import names_in
+from mjcompose.language.interface import Order
 from mjcompose.language.keyframe import Keyframe
 from mjcompose.language.parameters import Substitution
 from mjcompose.language.recipe import Recipe, sections_of
@@ -390,3 +391,23 @@ class WriteKeyframe(Step):
     @property
     def words(self) -> str:
         return f"write the keyframe {self.key.name}"
+
+
+@dataclass(frozen=True, slots=True)
+class OrderElements(Step):
+    """Bring joints, actuators, sensors or keys into the order of `interface`."""
+
+    waits: ClassVar[bool] = True
+    sections: ClassVar[tuple[str, ...]] = ("interface",)
+    order: Order
+    span: Span
+
+    @classmethod
+    def of(cls, given: StepInput) -> Iterator[Step]:
+        for order in given.recipe.interface.orders if given.recipe.interface is not None else ():
+            yield cls(order, given.span(order.at, key=True))
+
+    @property
+    def words(self) -> str:
+        more = ", …" if self.order.more else ""
+        return f"order the {self.order.kind}s: {', '.join(self.order.names) or 'none'}{more}"
