@@ -24,7 +24,16 @@ def test_a_folder_reports_each_place_once(models: Path) -> None:
     assert result.exit_code == 1
     assert result.stderr.count("no element uses the class `outer`") == 1
     assert "arms/arm.xml:6:21: warning[unused-class]" in result.stderr
-    assert "1 finding in 2 models; --fix fixes 1 of them" in result.stdout
+    assert "1 finding in 3 models; --fix fixes 1 of them" in result.stdout
+
+
+def test_globs_and_parts_of_other_files(models: Path) -> None:
+    (models / "arms" / "body.xml").write_text('<mujoco><worldbody><geom class="used" size="1"/></worldbody></mujoco>')
+    scene = '<mujoco><include file="arms/arm.xml"/><include file="arms/body.xml"/></mujoco>'
+    (models / "scene.xml").write_text(scene)
+    assert "error" not in run("lint", ".", "--select", "dead").stderr
+    assert run("lint", "arms/body.xml", "--select", "dead").exit_code == 1
+    assert "1 finding in 2 models" in run("lint", "arms/*[ym].xml", "--select", "dead").stdout
 
 
 def test_json_and_sarif(models: Path) -> None:

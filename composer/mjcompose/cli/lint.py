@@ -56,7 +56,7 @@ def lint(options: Options, run: Run) -> Answer | int:
     """
     from mjcompose.base.processes import cores
     from mjcompose.build.lint.rule import UnknownRuleError, chosen, rules
-    from mjcompose.tools.lint import files_below, lint_all, merged
+    from mjcompose.tools.lint import lint_all, merged, targets_of
 
     if options.rules:
         every = rules().values()
@@ -76,15 +76,15 @@ def lint(options: Options, run: Run) -> Answer | int:
     except UnknownRuleError as error:
         hint = f" {error.help}" if error.help else " `mjcompose lint --rules` lists them."
         raise click.UsageError(f"There is no rule or family `{error.name}`.{hint}") from error
-    paths = [Path(run.context.shown(path)) for path in dict.fromkeys(files_below(options.files))]
-    if not paths:
+    targets = targets_of(Path(run.context.shown(path)) for path in options.files)
+    if not targets:
         raise click.UsageError("There is no model in these folders.")
     if options.fix:
-        fixed = sum(_fix(path, selected, run.context) for path in paths)
+        fixed = sum(_fix(each.path, selected, run.context) for each in targets)
         if fixed:
             say(f"fixed {counted(fixed, 'finding')}")
     results = lint_all(
-        paths, run.context, selected, jobs=options.jobs or cores(), done=lambda path: progress(f"linted {path}")
+        targets, run.context, selected, jobs=options.jobs or cores(), done=lambda path: progress(f"linted {path}")
     )
     shows = not options.statistics and options.profile is None
     found = list(dict.fromkeys(each for result, _ in results for each in result.found))
@@ -105,7 +105,7 @@ def lint(options: Options, run: Run) -> Answer | int:
     more = f", {ignored} ignored" if ignored else ""
     fixable = sum(each.fix is not None for each in found)
     hint = f"; --fix fixes {fixable} of them" if fixable and not options.fix else ""
-    said = f"{counted(len(found), 'finding')}{more} in {counted(len(paths), 'model')}{hint}"
+    said = f"{counted(len(found), 'finding')}{more} in {counted(len(targets), 'model')}{hint}"
     return Answer(said, code=code, is_outcome=True) if run.form == "text" else code
 
 

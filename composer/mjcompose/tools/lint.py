@@ -33,40 +33,54 @@ _HIDDEN = re.compile(r"\..+|__pycache__|node_modules")
 _IGNORED = re.compile(r"mjcompose:\s*(ignore|ignore-file)\[([\w\s,-]+)\]")
 _MODEL = re.compile(rb"<mujoco[\s>].*<(worldbody|include|attach)[\s/>]", re.DOTALL)
 _RECIPE = re.compile(rb"^(recipe|extends)\s*:", re.MULTILINE)
+_INCLUDE = re.compile(rb"""<include\s+file\s*=\s*["']([^"']+)""")
+_GLOB = re.compile(r"[*?\[]")
 _HEAD = 1 << 20
 
 
-def files_below(paths: Iterable[Path]) -> Iterator[Path]:
-    """Yield the models in folders, and all other paths as they are.
+@dataclass(frozen=True, slots=True)
+class Target:
+    """A file to lint; the errors of one that `may_be_part` of another file do not count."""
 
-    A folder with a manifest is a bundle. In another folder, an XML or YAML file counts if it is a model or a recipe,
-    unless another XML file of the folder includes it: it is linted there.
+    path: Path
+    may_be_part: bool = False
+
+
+def targets_of(paths: Iterable[Path]) -> list[Target]:
+    """Return the models in folders, those that a glob matches, and all other paths as they are.
+
+    A folder with a manifest is a bundle. In another folder, an XML or YAML file counts if it is a model or a recipe.
+    A file that another one includes may be no model alone.
     """
+    found: dict[Path, Target] = {}
     for path in paths:
-        if not path.is_dir() or (path / "manifest.json").is_file():
-            yield path
-            continue
-        found: list[Path] = []
-        for folder, folders, names in os.walk(path):
-            here = Path(folder)
-            bundles = [name for name in folders if (here / name / "manifest.json").is_file()]
-            found += [here / name for name in bundles]
-            folders[:] = sorted(each for each in folders if not _HIDDEN.fullmatch(each) and each not in bundles)
-            found += [here / name for name in names if Path(name).suffix.lower() in SUFFIXES]
-        included: set[str] = set()
-        models: list[Path] = []
-        for each in sorted(found):
-            head = b"" if each.is_dir() or each.suffix.lower() in (".zip", ".mjz") else _head(each)
-            if each.suffix.lower() == ".xml":
-                names = re.findall(rb"""<include\s+file\s*=\s*["']([^"']+)""", head)
-                included |= {os.path.normpath(each.parent / os.fsdecode(name)) for name in names}
-            if (
-                not head
-                or each.suffix.lower() in (".urdf", ".xacro")
-                or (_MODEL if each.suffix.lower() == ".xml" else _RECIPE).search(head)
-            ):
-                models.append(each)
-        yield from (each for each in models if os.path.normpath(each) not in included)
+        named = sorted(Path().glob(str(path))) if _GLOB.search(str(path)) and not path.exists() else [path]
+        for each in named or [path]:
+            below = _models_below(each) if each.is_dir() and not _is_bundle(each) else [Target(each)]
+            found |= {target.path: target for target in below}
+    return list(found.values())
+
+
+def _is_bundle(folder: Path) -> bool:
+    return (folder / "manifest.json").is_file()
+
+
+def _models_below(top: Path) -> list[Target]:
+    models: list[Path] = []
+    included: set[str] = set()
+    for folder, folders, names in os.walk(top):
+        here = Path(folder)
+        bundles = [here / name for name in folders if _is_bundle(here / name)]
+        folders[:] = [name for name in folders if not _HIDDEN.fullmatch(name) and here / name not in bundles]
+        models += bundles
+        for path in (here / name for name in names):
+            kind = path.suffix.lower()
+            head = _head(path) if kind in (".xml", ".yaml", ".yml") else b""
+            if kind == ".xml":
+                included |= {os.path.normpath(here / os.fsdecode(name)) for name in _INCLUDE.findall(head)}
+            is_model = _MODEL.search(head) if kind == ".xml" else _RECIPE.search(head) if head else kind in SUFFIXES
+            models += [path] if is_model else []
+    return [Target(path, os.path.normpath(path) in included) for path in sorted(models)]
 
 
 def _head(path: Path) -> bytes:
@@ -226,7 +240,7 @@ def _names(codes: str, code: str) -> bool:
 
 
 def lint_all(
-    paths: Sequence[Path], context: Context, selected: Sequence[Rule], jobs: int, done: Callable[[Path], None]
+    targets: Sequence[Target], context: Context, selected: Sequence[Rule], jobs: int, done: Callable[[Path], None]
 ) -> list[tuple[Linted, Context]]:
     """Lint files with `jobs` processes of MuJoCo; each result has a context with the errors of its model."""
     from concurrent.futures import ThreadPoolExecutor
@@ -234,19 +248,22 @@ def lint_all(
 
     with ExitStack() as opened:
         free: SimpleQueue[Session] = SimpleQueue()
-        for _ in range(max(1, min(jobs, len(paths)))):
+        for _ in range(max(1, min(jobs, len(targets)))):
             free.put(opened.enter_context(Session()))
 
-        def one(path: Path) -> tuple[Linted, Context]:
+        def one(target: Target) -> tuple[Linted, Context]:
             own, session = replace(context, sink=Sink(), recipes={}, concrete={}), free.get()
             try:
-                return lint(path, own, session, selected=selected), own
+                linted = lint(target.path, own, session, selected=selected)
             finally:
                 free.put(session)
-                done(path)
+                done(target.path)
+            if target.may_be_part and own.sink.has_errors:
+                return Linted(target.path, ()), replace(own, sink=Sink())
+            return linted, own
 
         with ThreadPoolExecutor(jobs) as executor:
-            return list(executor.map(one, paths))
+            return list(executor.map(one, targets))
 
 
 def merged(found: Collection[Diagnostic]) -> Iterator[tuple[Diagnostic, Cause]]:
