@@ -166,6 +166,10 @@ PARTS = r"""
 {model: ./x.xml, euler: [90, 0, 0]}                                               # angle
 {model: ./x.xml, replicate: [{cout: 3}]}
 {model: ./x.xml, replicate: [{count: 0}]}
+{model: ./x.xml, replicate: [{scatter: {count: 2, over: {site: top}}}, {count: 2}]}
+{model: ./x.xml, pos: [0, 0, 1], replicate: [{scatter: {count: 2, over: top, clearance: 1cm, settle: 2s}}]}
+{model: ./x.xml, replicate: [{scatter: {count: 2, over: {}}}]}
+{model: ./x.xml, replicate: [{scatter: {count: 2, over: top, settle: 1min}}]}
 {model: ./x.xml, drop: light}
 """
 EDITS = r"""
@@ -227,7 +231,7 @@ def test_both_refuse_it(line: str, reason: str) -> None:
 # By what the tool says: what the schema cannot.
 UNSEEN = re.compile(
     "starts with .* which is more than|is above the second|has [0-9]+ numbers, got"  # order
-    "|does not say which value|no rule left|does not run|no check reads models|is one of `.*, got text"  # twice
+    "|all its numbers are zero|does not say which value|no rule left|does not run|no check reads models|is one of `.*, got text"  # twice
     "|could ask for|could be excepted|which is not an attribute|is never `|cannot say `|expects one number"  # tag
     r"|cannot be negative, and field|`[a-z]+\[[0-9]\]` of `[a-z]+` expects a number, got a list"  # tag
 )

@@ -64,6 +64,7 @@ BY_TOPIC: dict[str, dict[str, str]] = {
         "part-changed": "a part differs from its source",
         "part-not-compared": "a part cannot be compared with its source",
         "plane-on-body": "a plane would be on a moving body",
+        "scatter": "copies have no place on the surface that they are scattered over",
         "subtree-cut": "an element refers to both a subtree and the rest, and is omitted",
         "world-frame": "an element of a moved part depends on the axes or the origin of the world",
     },

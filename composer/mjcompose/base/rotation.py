@@ -48,6 +48,12 @@ class Pose:
         pos = (self.pos[0] + x, self.pos[1] + y, self.pos[2] + z)
         return Pose(pos, normalize(multiply(self.quat, inner.quat)))
 
+    def rounded(self, pos: int = 9, quat: int = 9) -> Pose:
+        """Return the pose in these numbers of decimals, without -0."""
+        x, y, z = (round(each, pos) + 0.0 for each in self.pos)
+        a, b, c, d = (round(each, quat) + 0.0 for each in self.quat)
+        return Pose((x, y, z), (a, b, c, d))
+
     def inverse(self) -> Pose:
         w, x, y, z = self.quat
         back: Quat = (w, -x, -y, -z)

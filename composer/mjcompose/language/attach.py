@@ -1,8 +1,7 @@
-"""The section `attach`: the parts of a recipe, by prefix, and rows of copies; and `base`, a part without a prefix."""
+"""The section `attach`: the parts of a recipe, by prefix; and `base`, a part without a prefix."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Mapping
 from typing import Annotated, Any, ClassVar, Literal
 
@@ -20,19 +19,18 @@ from pydantic_core import CoreSchema, core_schema
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Fault, Path
-from mjcompose.base.limits import advice, in_force
 from mjcompose.base.suggest import closest
 from mjcompose.language.codes import Codes
 from mjcompose.language.edit import Edits
-from mjcompose.language.forms.attribute import Attribute
 from mjcompose.language.forms.context import Settings, settings, validated_with
 from mjcompose.language.forms.definitions import Schema
 from mjcompose.language.forms.model import IT, Model
 from mjcompose.language.forms.rules import Exclusive
-from mjcompose.language.forms.scalars import AtLeastOne, Checked, Expects, Items, Name, NotNegative, Text, When
+from mjcompose.language.forms.scalars import Expects, Items, Name, NotNegative, Text, When
 from mjcompose.language.placing import ORIENTATIONS, Inline, JointField, JointWord, ModelReference, Offset
+from mjcompose.language.replicate import Axes, Scatter, ScatterAlone, Vector
 from mjcompose.language.used_model import Drops, Given, UrdfKeys
-from mjcompose.language.value import Element, Single
+from mjcompose.language.value import Element
 from mjcompose.language.wording import is_unprintable, unprintable
 from mjcompose.tree.merged_settings import KeyPolicy
 
@@ -40,34 +38,6 @@ RESERVED = "base"
 PATH_LIKE = ("/", ":")
 """Separators that make levels of a name; a prefix may contain `_` and the like."""
 PLACES = ("site", "body", "frame")
-
-Vector = tuple[Single, ...]
-
-
-class Axis(Model):
-    """A row of copies, each moved and turned from the one before."""
-
-    example: ClassVar = "{count: 3, offset: [0.1, 0, 0]}"
-
-    count: AtLeastOne = Field(examples=["3"])
-    """how many"""
-    offset: Annotated[Vector, Attribute("replicate", "offset")] = (0, 0, 0)
-    """from each to the next, in the frame of the first"""
-    euler: Annotated[Vector, Attribute("replicate", "euler")] = (0, 0, 0)
-    """the rotation from one copy to the next"""
-
-    @classmethod
-    def subject(cls, at: Path) -> str:
-        return "an axis of `replicate`"
-
-
-def _too_many(axes: tuple[Axis, ...]) -> Fault | None:
-    total, most = math.prod(axis.count for axis in axes), in_force().copies
-    if total <= most:
-        return None
-    message = f"{IT} makes {total} copies, and at most {most} are allowed"
-    return Fault("limit-exceeded", message, help=advice("copies", total))
-
 
 _QUANTITIES = ("force", "torque")
 
@@ -148,7 +118,7 @@ class _Prefix:
 class Attachment(Model):
     """A part: its model, its place, its pose there, and the joints in between."""
 
-    rules: ClassVar = (Inline(), Exclusive(*PLACES), Exclusive(*ORIENTATIONS), _Prefix())
+    rules: ClassVar = (Inline(), Exclusive(*PLACES), Exclusive(*ORIENTATIONS), _Prefix(), ScatterAlone())
     example: ClassVar = "{model: …}"
     instead: ClassVar = {
         "keyframes": "write `keys: prefix` to keep them apart, or `drop: [key]` to leave them out",
@@ -197,10 +167,8 @@ class Attachment(Model):
     """Sensors at the place: force and torque between the place and the part."""
     prefix: Annotated[str, WithJsonSchema({"type": "string", **_pattern("*")})] | None = None
     """The prefix of the part's names, instead of the key. Empty for no prefix and no separator."""
-    replicate: Annotated[
-        tuple[Axis, ...], Items(1), Checked(_too_many), Expects("a list of axes", "[{count: 3, offset: [0.1, 0, 0]}]")
-    ] = ()
-    """Copies in rows, one axis an entry: `PREFIX0/`, `PREFIX1/`, … or `PREFIX0_0/`, …"""
+    replicate: Axes = ()
+    """Copies in rows, one axis an entry: `PREFIX0/`, `PREFIX1/`, … or `PREFIX0_0/`, …; or scattered copies."""
     keys: Literal["merge", "prefix"] = "merge"
     """The names of the part's keyframes: merged by name, or kept apart as `PREFIX/NAME`. `drop: [key]` leaves them
     out."""
@@ -212,6 +180,11 @@ class Attachment(Model):
     def key_policy(self) -> KeyPolicy:
         """How the part's keyframes are copied."""
         return "none" if any(each.leaves_keys for each in self.drop) else self.keys
+
+    @property
+    def scatter(self) -> Scatter | None:
+        """The surface that its copies are scattered over."""
+        return self.replicate[0].scatter if self.replicate else None
 
     @property
     def sensors(self) -> Sense | None:

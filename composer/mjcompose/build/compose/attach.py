@@ -171,7 +171,7 @@ _MATES = ("site", "body", "frame")
 def part_of(step: AttachPart, unit: Unit, making: ElementBuilder) -> Part:
     """Return the part without its joints, which need the unit of angle that the parts agree on."""
     place = _place_of(step, making)
-    if any(step.copy):
+    if any(step.copy) and step.attachment.scatter is None:
         # Each axis is in the frame of the previous axis.
         pose = read_pose(place.offset, False, "xyz")
         settings = making.angle_context.at((*step.at, "replicate"))
@@ -182,12 +182,18 @@ def part_of(step: AttachPart, unit: Unit, making: ElementBuilder) -> Part:
         place = _at_key(place, pose, "replicate", step=step, making=making)
     if step.attachment.mate is not None:
         place = _mate(place, step, unit, making=making)
+    if step.moved is not None:
+        pose = (read_pose(place.offset, False, "xyz") @ step.moved).rounded()
+        place = _at_key(place, pose, "replicate", step=step, making=making)
     keyframes = step.attachment.key_policy
     return Part(unit, step.prefix, place, keyframes=keyframes, span=step.span, key=str(step.at[-1]))
 
 
 def add_joints(step: AttachPart, part: Part, linking: Linking, making: ElementBuilder) -> None:
     """Add the connection between the place and the part: nothing, a mocap body or joints."""
+    if step.floats:
+        part.weld, part.joints = True, (Joint("freejoint", {"name": step.prefix}),)
+        return
     part.sense = _sense(step, making)
     joint = step.attachment.joint
     if joint is None:

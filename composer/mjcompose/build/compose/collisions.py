@@ -94,7 +94,7 @@ class _CollisionWriter:
         """Return the pairs of bodies that MuJoCo finds, and report bodies without a name."""
         with ExitStack() as stack:
             session = self.session or stack.enter_context(engine.Session())
-            if not keep_finished(self.linking, self.context, session):
+            if not keep_finished(self.linking.flat(), self.context, session):
                 return []
             answer = engine.call(session, function, [FINISHED], argument=argument)
         if not answer.ok:

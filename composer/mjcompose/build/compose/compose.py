@@ -240,6 +240,15 @@ class Composer:
         return None
 
     def _composed(self, plan: Plan, is_fixed: bool) -> Composed | None:
+        if any(step.waits for step in plan.parts):
+            from mjcompose.build.compose.scatter import scattered  # few recipes need it
+
+            found = scattered(
+                plan, lambda each: self._preview(each, is_fixed), context=self.context, session=self.loader.session
+            )
+            if found is None:
+                return None
+            plan = found
         base, *units = self._units(plan, is_fixed) or [None]
         if base is None:
             return None
@@ -251,6 +260,17 @@ class Composer:
         self.context.sink.suppress_about(part_name(step, plan.separator) for step in plan.parts if step not in kept)
         self._joined(replace(plan, parts=tuple(kept)), base, read, is_fixed=is_fixed)
         return None
+
+    def _preview(self, plan: Plan, is_fixed: bool) -> Composed | None:
+        """Compose a plan with a composer of its own. Report only errors."""
+        context = replace(self.context, sink=Sink(), timings=[])
+        options = replace(self.options, notes_parts=self.notes_parts)
+        again = Composer(context, self.measure, self.loader.session, library=self.loader.library, options=options)
+        again.expect(plan, is_fixed)
+        composed = again._compose(plan, is_fixed)
+        for each in context.sink.errors:
+            self.context.sink.add(each)
+        return None if context.sink.has_errors else composed
 
     def _units(self, plan: Plan, is_fixed: bool) -> list[Unit | None] | None:
         """Return the base and the parts, or None after a reported error if they have too many elements together."""
@@ -364,7 +384,8 @@ class Composer:
             check_files(linking.base, linking.files, sink, shown=self.context.shown)
         elif are_named:
             for step, part in zip(plan.parts, linking.parts, strict=True):
-                check_mass(step, part, linking, making=making)
+                if not step.floats:
+                    check_mass(step, part, linking, making=making)
         check_size(linking.base, sink, attached_size(linking.base))
 
     def mesh_workshop(self) -> MeshWorkshop:

@@ -78,7 +78,7 @@ def hold_poses(
         return
     with ExitStack() as stack:
         session = session or stack.enter_context(engine.Session())
-        if keep_finished(linking, context, session):
+        if keep_finished(linking.flat(), context, session):
             for step in steps:
                 _PoseHolder(step, layout, linking, making=making).hold(session)
 

@@ -14,7 +14,7 @@ from mjcompose.base.sink import Sink
 from mjcompose.build.plan.plan import BASE, Plan, Tables, is_fixed_in_world, part_name
 from mjcompose.language.edit import Edit
 from mjcompose.language.used_model import Drop
-from mjcompose.link.linking import Linking, Measure
+from mjcompose.link.linking import Measure
 from mjcompose.link.measure import folder_of
 from mjcompose.link.source_check import check_source
 from mjcompose.mujoco import engine
@@ -35,12 +35,11 @@ if TYPE_CHECKING:
 FINISHED = "finished"
 
 
-def keep_finished(linking: Linking, context: Context, session: engine.Session) -> bool:
-    """Compile the model and keep it in the session as `FINISHED`.
+def keep_finished(unit: Unit, context: Context, session: engine.Session) -> bool:
+    """Compile a finished model and keep it in the session as `FINISHED`.
 
     Return False if MuJoCo refuses it, which is reported.
     """
-    unit = linking.flat()
     text = write(unit.root)
     with folder_of(unit) as folder:
         found = engine.compile(folder, text=text.decode(), keep=FINISHED, session=session)

@@ -159,7 +159,9 @@ def _lines(plan: Plan, preview: PlanPreview, indent: str = "") -> Iterator[str]:
                 yield inner + maker.words
         name = part.prefix or "(no prefix)"
         if part.copy:
-            axes = " × ".join(str(axis.count) for axis in part.attachment.replicate)
+            axes = " × ".join(str(axis.copies) for axis in part.attachment.replicate)
+            if (scatter := part.attachment.scatter) is not None:
+                axes += f" scattered over {scatter.over.named[1]}"
             name = f"{part.prefix} … {last[part.at]} ({axes})"
         yield f"{inner}attach {name}: {_model(part)}, {_place_words(part)}"
         yield from _own_lines(plan, part, preview=preview, indent=inner + "  ")

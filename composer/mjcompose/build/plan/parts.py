@@ -18,10 +18,10 @@ from mjcompose.base.sink import Sink
 from mjcompose.base.suggest import closest, renaming, unknown_name
 from mjcompose.build.checks.unchanged import Unchanged
 from mjcompose.build.plan.plan import AttachPart, Plan, part_name
-from mjcompose.language.attach import Axis
 from mjcompose.language.expand import expand, has_conditions
 from mjcompose.language.keyframe import FROM
 from mjcompose.language.parameters import choose, node_of, read_axes
+from mjcompose.language.replicate import Axis
 from mjcompose.language.validate import validate_what_remains
 from mjcompose.sources.context import Context
 from mjcompose.sources.reference import Source
@@ -39,8 +39,8 @@ def copies(axes: AbcSequence[Axis]) -> Iterator[tuple[str, Copy]]:
     >>> [suffix for suffix, _ in copies([Axis(count=2), Axis(count=11)])][9:12]
     ['0_09', '0_10', '1_00']
     """
-    widths = [len(str(axis.count - 1)) for axis in axes]
-    for copy in product(*(range(axis.count) for axis in axes)):
+    widths = [len(str(axis.copies - 1)) for axis in axes]
+    for copy in product(*(range(axis.copies) for axis in axes)):
         numbers = (str(number).zfill(width) for number, width in zip(copy, widths, strict=True))
         yield "_".join(numbers), copy
 

@@ -260,7 +260,8 @@ class AttachPart:
     """Attach a model to a place, with its names under `prefix` (separator included).
 
     The base has no prefix, and is at the world. `copy` has the number on each axis of `replicate`, from 0. `inner` are
-    the recipes that the MJCF of the model attaches itself.
+    the recipes that the MJCF of the model attaches itself. `moved` is the pose of a scattered copy in the frame of its
+    place; `floats` says that the copy is a free body, to find out where it can be.
     """
 
     prefix: str
@@ -270,6 +271,13 @@ class AttachPart:
     span: Span
     copy: tuple[int, ...] = ()
     inner: tuple[Plan, ...] = ()
+    moved: Pose | None = None
+    floats: bool = False
+
+    @property
+    def waits(self) -> bool:
+        """Whether it is a scattered copy without a pose."""
+        return self.attachment.scatter is not None and self.moved is None
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,0 +1,147 @@
+"""Step: find a place for each copy that a recipe scatters, on a model in which these copies are free bodies."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Set
+from contextlib import ExitStack
+from dataclasses import replace
+from itertools import groupby
+from typing import TYPE_CHECKING, Any
+
+from mjcompose.base.diagnostic import Note
+from mjcompose.base.rotation import Pose
+from mjcompose.base.suggest import unknown_name
+from mjcompose.build.compose.load import FINISHED, keep_finished
+from mjcompose.build.plan.plan import AttachPart, Plan
+from mjcompose.build.plan.steps import DrawValues, EditElements, SetCollisions, Step, WriteKeyframe
+from mjcompose.mujoco import engine
+from mjcompose.sources.context import Context
+from mjcompose.text.node import locate
+from mjcompose.tree.grammar import number_text
+
+if TYPE_CHECKING:
+    from mjcompose.build.compose.compose import Composed
+
+EDGE, COPY = "edge", "copy"
+_APART = 100.0
+"""Meters between the copies before they have a place."""
+
+
+def scattered(
+    plan: Plan, compose: Callable[[Plan], Composed | None], context: Context, session: engine.Session | None
+) -> Plan | None:
+    """Return the plan with a pose for each scattered copy, or None after reported errors.
+
+    `compose` composes a plan in which these copies are free bodies.
+    """
+    waiting = [step for step in plan.parts if step.waits]
+    away = {step.prefix: Pose((0.0, 0.0, _APART * (1 + n))) for n, step in enumerate(waiting)}
+    free = [replace(step, moved=away[step.prefix], floats=True) if step.waits else step for step in plan.parts]
+    keys = {step.attachment.scatter.key for step in waiting if step.attachment.scatter is not None}
+    steps = tuple(step for step in plan.steps if _counts(step, keys))
+    composed = compose(replace(plan, parts=tuple(free), steps=steps))
+    if composed is None:
+        return None
+    groups = [list(each) for _, each in groupby(waiting, key=lambda step: step.at)]
+    model = composed.model
+    compiler = model.section("compiler")
+    for name in ("boundmass", "boundinertia"):  # a free body needs a mass
+        if not compiler.get(name):
+            compiler.set(name, "1e-9")
+    with ExitStack() as stack:
+        session = session or stack.enter_context(engine.Session())
+        if not keep_finished(model, context, session):
+            return None
+        from mjcompose.mujoco.scatter import scatter  # imports numpy
+
+        argument = {"groups": [_asked(plan, group) for group in groups]}
+        answer = engine.call(session, scatter, [FINISHED], argument=argument)
+    if not answer.ok:
+        context.sink.error("mujoco-crash", f"MuJoCo fails on the copies: {answer.error}", groups[0][0].span)
+        return None
+    if "fault" in answer.value:
+        _report(plan, groups[answer.value["fault"]["group"]], answer.value["fault"], context=context)
+        return None
+    moved: dict[str, Pose] = {}
+    for group, poses, began in zip(groups, answer.value["poses"], answer.value["began"], strict=True):
+        for step, pose, start in zip(group, poses, began, strict=True):
+            moved[step.prefix] = (away[step.prefix] @ _pose(start).inverse() @ _pose(pose)).rounded()
+    parts = tuple(replace(step, moved=moved[step.prefix]) if step.waits else step for step in plan.parts)
+    return replace(plan, parts=parts)
+
+
+def _counts(step: Step, keys: Set[str | None]) -> bool:
+    """Return whether a step can matter for the places of copies, which have another free joint in the meantime."""
+    if isinstance(step, WriteKeyframe):
+        return step.key.name in keys
+    if isinstance(step, SetCollisions):
+        return bool(step.collisions.sides)
+    selector = step.edit.select if isinstance(step, EditElements) else None
+    selector = step.field.select if isinstance(step, DrawValues) else selector
+    return selector is None or selector.tag not in ("joint", "freejoint")
+
+
+def _asked(plan: Plan, group: list[AttachPart]) -> dict[str, Any]:
+    """Return the question about the copies of a part."""
+    attachment = group[0].attachment
+    scatter = attachment.scatter
+    assert scatter is not None
+    return {
+        "bodies": [step.prefix for step in group], "over": scatter.over.named, "place": attachment.place,
+        "part": str(group[0].at[-1]), "clearance": scatter.clearance, "upright": scatter.upright,
+        "seed": scatter.seed, "key": scatter.key, "settle": scatter.settle,
+    }  # fmt: skip
+
+
+def _pose(numbers: list[list[float]]) -> Pose:
+    (x, y, z), (a, b, c, d) = numbers
+    return Pose((x, y, z), (a, b, c, d))
+
+
+def _report(plan: Plan, group: list[AttachPart], fault: dict[str, Any], context: Context) -> None:
+    """Report why the copies of a part have no places."""
+    scatter = group[0].attachment.scatter
+    assert scatter is not None
+    at, why = (*group[0].at, "replicate", 0, "scatter"), fault["why"]
+    _, over = scatter.over.named
+    part, count = f"`{group[0].at[-1]}`", len(group)
+    copies = f"{count} {'copy' if count == 1 else 'copies'} of {part}"
+    notes: tuple[Note, ...] = ()
+    where, code = "count", "scatter"
+    if why == "unknown":
+        where = "key" if fault["kind"] == "keyframe" else "over"
+        span = locate(plan.document, (*at, where, *((fault["kind"],) if where == "over" else ())))
+        context.sink.add(unknown_name(fault["kind"], fault["name"], fault["known"], span=span))
+        return
+    if why == "room":
+        width, depth = (number_text(float(f"{100 * each:.4g}")) for each in fault["room"][:2])
+        apart = f" with {number_text(100 * scatter.clearance)} cm between them" if scatter.clearance else ""
+        message = f"{copies} do not fit on `{over}` ({width} × {depth} cm){apart}: {fault['placed']} did"
+        words = {EDGE: f"not wholly on `{over}`", COPY: "too close to another copy"}
+        tried = [f"{number:,} {words.get(what, f'too close to `{what}`')}" for what, number in fault["blocked"][:4]]
+        notes = (Note(f"places that were tried: {', '.join(tried)}"),)
+        smaller = f"`count: {fault['placed']}`" if fault["placed"] else "a larger surface"
+        help = f"write {smaller}" + (", or a smaller `clearance`" if scatter.clearance else "")
+    elif why == "moves":
+        where = "key"
+        message = f"`{over}` or the place of {part} can move, so `scatter` cannot use the keyframe `{scatter.key}`"
+        help = "remove `key`: the copies are placed in the reference configuration"
+    elif why == "untouchable":
+        message = f"the copies of {part} cannot be kept apart: in MuJoCo, they do not collide with one another"
+        help = "give their geoms a common bit in `contype` and `conaffinity`, by `edit` in the part"
+    elif why == "endless":
+        where, message = "over", f"the plane `{over}` has no edges to scatter copies between"
+        region = "{to: world, site: {name: region, type: box, size: [0.3, 0.2, 0.001]}}"
+        help = f"add a region, `add: [{region}]`, and write `over: {{site: region}}`"
+    elif why == "fell":
+        where, message = "settle", f"{fault['fallen']} of {copies} fall off `{over}` while they settle"
+        help = "choose a larger surface" if scatter.upright else "write `upright: true`, or choose a larger surface"
+    elif why == "restless":
+        where = "settle"
+        message = f"the copies of {part} still move at {fault['speed']:.3g} m/s or rad/s after {scatter.settle:g} s"
+        help = "write a longer `settle`"
+    else:
+        where, code = "settle", "unstable"
+        message, help = f"the simulation of {copies} diverges", "see why by `mjcompose view` without `settle`"
+    span = locate(plan.document, (*at, where), key=where != "count")
+    context.sink.error(code, message, span, notes=notes, help=help, subjects=(str(group[0].at[-1]),))

@@ -1,0 +1,329 @@
+"""Random places for copies on a surface, without overlap, in the child process that has MuJoCo.
+
+Random numbers come from `draw_stream`, and all numbers are rounded before MuJoCo checks them, so a machine whose last
+bits differ finds the same places.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from typing import Any
+
+import numpy as np
+
+from mjcompose.base.draw_stream import bits, fraction
+from mjcompose.base.rotation import IDENTITY_QUAT, Pose, Quat, multiply, normalize
+from mjcompose.mujoco.attributes import names
+from mjcompose.mujoco.controls import Divergence, steps_in
+
+_TRIES, _ROUNDS = 600, 6
+"""The tries for each copy, and how often to begin again if one of them finds no place."""
+_DEPTH = 1e-5
+"""How deep a copy may be in the surface that it lies on, in meters."""
+_UP = 4e-7
+"""Heights are rounded up."""
+_AT_REST = 0.05
+"""The greatest speed of a settled copy, in m/s or rad/s."""
+_RING = [[math.cos(n * math.pi / 8), math.sin(n * math.pi / 8), 0.0] for n in range(16)]
+_DIRECTIONS = np.array([*_RING, [0.0, 0.0, -1.0]])
+EDGE, COPY = "edge", "copy"
+
+
+def scatter(mujoco: Any, model: Any, asked: dict[str, Any]) -> dict[str, Any]:
+    """Return the `poses` of the copies of each group in the world, and where their bodies `began`; or a `fault`.
+
+    Runs under `mjcompose.mujoco.engine.call`. Each of the `groups` has `bodies`, a surface `over` by kind and name,
+    `place`, and the numbers of `language.replicate.Scatter`. A fault has its `group`, its reason as `why`, and numbers.
+    """
+    option = model.opt
+    off = int(mujoco.mjtDisableBit.mjDSBL_CONTACT) | int(mujoco.mjtDisableBit.mjDSBL_CONSTRAINT)
+    before = int(option.disableflags), int(option.enableflags), float(option.o_margin)
+    groups = [[int(model.body(name).id) for name in each["bodies"]] for each in asked["groups"]]
+    scattering = _Scattering(mujoco, model, groups)
+    poses = []
+    for number, group in enumerate(asked["groups"]):
+        option.disableflags, option.enableflags = before[0] & ~off, before[1] | int(mujoco.mjtEnableBit.mjENBL_OVERRIDE)
+        option.o_margin = group["clearance"] + _DEPTH
+        fault = scattering.run(number, group)
+        option.disableflags, option.enableflags, option.o_margin = before
+        if fault is None and group["settle"]:
+            fault = scattering.settle(number, group["settle"])
+        if fault is not None:
+            return {"fault": {"group": number, **fault}}
+        poses.append([_listed(scattering.pose(body)) for body in scattering.groups[number]])
+    began = [[_listed(scattering.pose(body, model.qpos0)) for body in each] for each in scattering.groups]
+    return {"poses": poses, "began": began}
+
+
+def _listed(pose: Pose) -> list[list[float]]:
+    return [list(pose.pos), list(pose.quat)]
+
+
+class _Scattering:
+    """A model whose copies are free bodies, far away until they have a place."""
+
+    def __init__(self, mujoco: Any, model: Any, groups: list[list[int]]) -> None:
+        self.mujoco, self.model, self.groups = mujoco, model, groups
+        self.data = mujoco.MjData(model)
+        bodies = [body for group in groups for body in group]
+        collides = (model.geom_contype != 0) | (model.geom_conaffinity != 0)
+        roots = model.body_rootid[model.geom_bodyid]
+        self.owner = np.where(np.isin(roots, bodies), roots, -1)
+        self.geoms = {body: np.flatnonzero((self.owner == body) & collides) for body in bodies}
+        self.blocked: Counter[str] = Counter()
+
+    def _address(self, body: int) -> int:
+        return int(self.model.jnt_qposadr[self.model.body_jntadr[body]])
+
+    def pose(self, body: int, qpos: Any = None) -> Pose:
+        """Return the pose of a copy in the world."""
+        first = self._address(body)
+        x, y, z, *quat = map(float, (self.data.qpos if qpos is None else qpos)[first : first + 7])
+        return Pose((x, y, z), (quat[0], quat[1], quat[2], quat[3]))
+
+    def _put(self, body: int, pose: Pose) -> None:
+        first = self._address(body)
+        self.data.qpos[first : first + 7] = [*pose.pos, *pose.quat]
+        self.mujoco.mj_kinematics(self.model, self.data)
+
+    def _park(self, bodies: list[int]) -> None:
+        for body in bodies:
+            first = self._address(body)
+            self.data.qpos[first : first + 7] = self.model.qpos0[first : first + 7]
+
+    def run(self, number: int, group: dict[str, Any]) -> dict[str, Any] | None:
+        """Give each copy of a group a place. Return the fault if that is impossible."""
+        mujoco, model, data, bodies = self.mujoco, self.model, self.data, self.groups[number]
+        wanted = [group["over"]] if group["key"] is None else [group["over"], ("key", group["key"])]
+        for kind, name in wanted:
+            known = names(model, kind)
+            if name not in known:
+                kind = "keyframe" if kind == "key" else kind
+                return {"why": "unknown", "kind": kind, "name": name, "known": [each for each in known if each]}
+        before = data.qpos.copy()
+        mujoco.mj_resetData(model, data)
+        if group["key"] is not None:
+            mujoco.mj_resetDataKeyframe(model, data, names(model, "key").index(group["key"]))
+        for body in [body for each in self.groups for body in each]:
+            first = self._address(body)
+            data.qpos[first : first + 7] = before[first : first + 7]
+        if group["key"] is not None and any(self._moves(*each) for each in (group["over"], group["place"])):
+            return {"why": "moves"}
+        types, affinities = (
+            np.bitwise_or.reduce(array[self.geoms[bodies[0]]], initial=0)
+            for array in (model.geom_contype, model.geom_conaffinity)
+        )
+        if not types & affinities:
+            return {"why": "untouchable"}
+        mujoco.mj_kinematics(model, data)
+        self.surface = _Surface(mujoco, model, data, *group["over"])
+        if not self.surface.is_finite:
+            return {"why": "endless"}
+        best, self.blocked = 0, Counter()
+        for attempt in range(_ROUNDS):
+            self._park(bodies)
+            for count, body in enumerate(bodies):
+                best = max(best, count)
+                stream = f"{group['part']} {count} {attempt}"
+                if not any(self._fits(body, trial, stream, group=group) for trial in range(_TRIES)):
+                    self._park([body])
+                    break
+            else:
+                return None
+        return {"why": "room", "placed": best, "room": self.surface.room, "blocked": self.blocked.most_common()}
+
+    def _moves(self, kind: str, name: str) -> bool:
+        """Return whether a place or a surface is on a body that can move."""
+        if kind in ("world", "body") and name in ("", "world"):
+            return False
+        return kind == "frame" or bool(self.model.body_weldid[_body_of(self.model, kind, name)])
+
+    def _fits(self, body: int, trial: int, stream: str, group: dict[str, Any]) -> bool:
+        """Put a copy at its next random pose, and return whether it has room there."""
+        model, data, surface = self.model, self.data, self.surface
+        drawn = (fraction(bits(group["seed"], trial, "scatter", element=stream, component=n)) for n in range(1000))
+        low, high = surface.low, surface.high
+        x, y = (round(low[n] + next(drawn) * (high[n] - low[n]), 6) for n in range(2))
+        quat = multiply(_turn(drawn, 2 if group["upright"] else 4), self.pose(body, model.qpos0).quat)
+        pose = Pose((x, y, high[2] + 1.0), normalize(quat)).rounded()
+        self._put(body, pose)
+        found = [_support(model, data, int(geom)) for geom in self.geoms[body]]
+        outline = np.stack(found)  # (geoms, directions, 3)
+        reach = (outline * _DIRECTIONS).sum(axis=2).argmax(axis=0)
+        points = [outline[at, n] for n, at in enumerate(reach)]
+        heights = [surface.height(float(point[0]), float(point[1])) for point in points]
+        known = [height for height in heights if height is not None]
+        if len(known) < len(heights):
+            self.blocked[EDGE] += 1
+            return False
+        z = pose.pos[2] + max(known) - float(points[-1][2])
+        for _ in range(8):  # down or up onto a surface that is not flat
+            pose = Pose((x, y, round(z + _UP, 6)), pose.quat)
+            self._put(body, pose)
+            gap = surface.gap(self.geoms[body])
+            depth, blocker = self._inside(body, group["clearance"])
+            if depth > _DEPTH:
+                z = pose.pos[2] + depth
+            elif gap > 2 * _DEPTH:
+                z = pose.pos[2] - gap
+            else:
+                break
+        if depth > _DEPTH or blocker:
+            self.blocked[blocker or EDGE] += 1
+            return False
+        return True
+
+    def _inside(self, body: int, clearance: float) -> tuple[float, str]:
+        """Return the depth of a copy in the surface, and the name of an element that is too close, "" for none."""
+        model, data = self.model, self.data
+        for stage in ("mj_comPos", "mj_flex", "mj_collision"):
+            getattr(self.mujoco, stage)(model, data)
+        depth, blocker = 0.0, ""
+        geoms, distances = data.contact.geom, data.contact.dist
+        owners = np.where(geoms >= 0, self.owner[geoms], -1)
+        for n in np.flatnonzero((owners == body).any(axis=1)):
+            other, owner = (int(each[n][1 if owners[n][0] == body else 0]) for each in (geoms, owners))
+            if owner == body:
+                continue
+            is_surface = self.surface.kind == "geom" and other == self.surface.index
+            around = other >= 0 and int(model.geom_bodyid[other]) == self.surface.body
+            if is_surface:
+                depth = max(depth, -float(distances[n]))
+            elif distances[n] < (-_DEPTH if around else clearance - 1e-9):
+                blocker = COPY if owner >= 0 else "flex" if other < 0 else _called(model, other)
+        return depth, blocker
+
+    def settle(self, number: int, seconds: float) -> dict[str, Any] | None:
+        """Simulate the copies of a group until they rest, all else fixed. Return the fault if they do not."""
+        mujoco, model, data, bodies = self.mujoco, self.model, self.data, self.groups[number]
+        before, time = data.qpos.copy(), data.time
+        diverged = Divergence(mujoco, model, data)
+        moving = [self._address(body) + n for body in bodies for n in range(7)]
+        rates = [int(model.body_dofadr[body]) + n for body in bodies for n in range(6)]
+        fixed = np.setdiff1d(np.arange(model.nq), moving)
+        still = np.setdiff1d(np.arange(model.nv), rates)
+        data.qvel[:] = 0
+        for _ in range(steps_in(model, seconds)):
+            mujoco.mj_step(model, data)
+            if diverged:
+                return {"why": "diverged"}
+            data.qpos[fixed], data.qvel[still] = before[fixed], 0
+        speed = float(np.abs(data.qvel[rates]).max())
+        data.qvel[:], data.time = 0, time
+        for body in bodies:
+            self._put(body, self.pose(body).rounded(5, 6))
+        mujoco.mj_comPos(model, data)
+        centers = [data.subtree_com[body] for body in bodies]
+        floors = [self.surface.height(float(x), float(y)) for x, y, _ in centers]
+        fallen = sum(int(floor is None or z < floor) for floor, (_, _, z) in zip(floors, centers, strict=True))
+        if fallen:
+            return {"why": "fell", "fallen": fallen}
+        return {"why": "restless", "speed": speed} if speed > _AT_REST else None
+
+
+class _Surface:
+    """A geom or a site that copies lie on: its bounds in the world, and its height above the ground."""
+
+    def __init__(self, mujoco: Any, model: Any, data: Any, kind: str, name: str) -> None:
+        self.mujoco, self.model, self.data, self.kind = mujoco, model, data, kind
+        element = getattr(model, kind)(name)
+        self.index, self.body, self.type = int(element.id), int(element.bodyid[0]), int(element.type[0])
+        self.size = np.array(element.size, float)
+        self.pos, self.mat = (getattr(getattr(data, kind)(name), each).copy() for each in ("xpos", "xmat"))
+        shape = mujoco.mjtGeom
+        self.reader = {int(shape.mjGEOM_MESH): mujoco.mj_rayMesh, int(shape.mjGEOM_HFIELD): mujoco.mj_rayHfield}.get(
+            self.type if kind == "geom" else -1
+        )
+        self.is_finite = self.type != int(shape.mjGEOM_PLANE) or bool((self.size[:2] > 0).all())
+        self.measures = kind == "geom" and self.type != int(shape.mjGEOM_HFIELD)
+        center, half = np.zeros(3), self.size.copy()
+        if self.type == int(shape.mjGEOM_PLANE):
+            half[2] = 0.0
+        elif self.reader is not None:
+            center, half = model.geom_aabb[self.index][:3], model.geom_aabb[self.index][3:]
+        elif self.type != int(shape.mjGEOM_BOX):
+            radius = self.size[0]
+            half = {
+                int(shape.mjGEOM_SPHERE): np.full(3, radius),
+                int(shape.mjGEOM_CAPSULE): np.array([radius, radius, radius + self.size[1]]),
+                int(shape.mjGEOM_CYLINDER): np.array([radius, radius, self.size[1]]),
+            }.get(self.type, half)
+        matrix = self.mat.reshape(3, 3)
+        middle, extent = self.pos + matrix @ center, np.abs(matrix) @ half
+        self.low, self.high = ([round(float(each), 6) for each in ends] for ends in (middle - extent, middle + extent))
+        self.room = [round(float(2 * each), 6) for each in half]
+        if abs(matrix[2, 2]) < 0.5:  # another side of it is on top
+            self.room = [high - low for low, high in zip(self.low, self.high, strict=True)]
+
+    def height(self, x: float, y: float) -> float | None:
+        """Return the height of the surface at a place, or None beyond its edge."""
+        top = self.high[2] + 1.0
+        start, down = np.array([x, y, top]), np.array([0.0, 0.0, -1.0])
+        if self.reader is not None:
+            distance = self.reader(self.model, self.data, self.index, start, down)
+        else:
+            distance = self.mujoco.mju_rayGeom(self.pos, self.mat, self.size, start, down, self.type)
+        return None if distance < 0 else top - float(distance)
+
+    def gap(self, geoms: Any) -> float:
+        """Return the distance of geoms to the surface; 0 if MuJoCo cannot measure it."""
+        if not self.measures:
+            return 0.0
+        distances = [
+            self.mujoco.mj_geomDistance(
+                self.model, self.data, geom1=int(each), geom2=self.index, distmax=1.0, fromto=None
+            )
+            for each in geoms
+        ]
+        return float(max(0.0, min(distances)))
+
+
+def _body_of(model: Any, kind: str, name: str) -> int:
+    element = getattr(model, kind)(name)
+    return int(element.id if kind == "body" else element.bodyid[0])
+
+
+def _called(model: Any, geom: int) -> str:
+    """Return the name of a geom, or of its body."""
+    return str(model.geom(geom).name or model.body(int(model.geom_bodyid[geom])).name or "world")
+
+
+def _support(model: Any, data: Any, geom: int) -> Any:
+    """Return the farthest point of a geom in each direction, `(directions, 3)`."""
+    kind, size = int(model.geom_type[geom]), model.geom_size[geom]
+    matrix, pos = data.geom_xmat[geom].reshape(3, 3), data.geom_xpos[geom]
+    local = _DIRECTIONS @ matrix
+    sign = np.where(local >= 0, 1.0, -1.0)
+    if kind == _MESH:
+        first, count = (
+            int(model.mesh_vertadr[model.geom_dataid[geom]]),
+            int(model.mesh_vertnum[model.geom_dataid[geom]]),
+        )
+        vertices = model.mesh_vert[first : first + count].astype(float)
+        points = vertices[(vertices @ local.T).argmax(axis=0)]
+    elif kind in (_SPHERE, _CAPSULE):
+        points = local * size[0]
+        points[:, 2] += sign[:, 2] * (size[1] if kind == _CAPSULE else 0.0)
+    elif kind == _ELLIPSOID:
+        points = size**2 * local / np.linalg.norm(size * local, axis=1, keepdims=True)
+    elif kind == _CYLINDER:
+        flat = np.linalg.norm(local[:, :2], axis=1, keepdims=True)
+        points = np.hstack([local[:, :2] / np.maximum(flat, 1e-12) * size[0], sign[:, 2:] * size[1]])
+    else:
+        points = model.geom_aabb[geom][:3] + sign * model.geom_aabb[geom][3:]
+    return pos + points @ matrix.T
+
+
+_SPHERE, _CAPSULE, _ELLIPSOID, _CYLINDER, _MESH = 2, 3, 4, 5, 7
+"""Of `mjtGeom`."""
+
+
+def _turn(drawn: Any, count: int) -> Quat:
+    """Return a random rotation: about the vertical of 2 numbers, in any direction of 4."""
+    while True:  # a point in the unit ball, whose direction is uniform
+        point = [2.0 * next(drawn) - 1.0 for _ in range(count)]
+        if 1e-6 < sum(each * each for each in point) <= 1.0:
+            break
+    w, x, y, z = point if count == 4 else (point[0], 0.0, 0.0, point[1])
+    return normalize((w, x, y, z)) if (w, x, y, z) else IDENTITY_QUAT
