@@ -1,7 +1,7 @@
 """Every URDF of a folder as mjcompose reads it, beside MuJoCo's own reader and Pinocchio.
 
 `python tests/urdf/survey.py --write` measures the robots of the package `example-robot-data`, which `make test-targets`
-fetches, and writes the table of `docs/contributing/urdf_robots.md`.
+fetches, and writes the table of `docs/contributing/fidelity.md`.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ from mjcompose.urdf.read import UrdfReader  # noqa: E402
 from targets.environments import FOLDER, is_ready, python_of  # noqa: E402
 
 POSES = 50
-PAGE = ROOT / "docs" / "contributing" / "urdf_robots.md"
+PAGE = ROOT / "docs" / "contributing" / "fidelity.md"
 BEGIN, END = "<!-- robots -->\n", "<!-- end -->"
 SHOWN = tuple(
     f"/{name}.urdf"
@@ -52,8 +52,6 @@ class Found:
 
     name: str
     errors: list[str] = field(default_factory=list)
-    warnings: dict[str, int] = field(default_factory=dict)
-    unread: list[str] = field(default_factory=list)
     model: mujoco.MjModel | None = None
     alone: str = ""
     pinocchio: str = ""
@@ -99,12 +97,8 @@ def looked_at(path: Path, root: Path, session: Session) -> Found:
     for each in reader.sink.sorted():
         if each.severity == "error":
             found.errors.append(f"{each.code}: {each.message}")
-        elif each.severity == "warning":
-            found.warnings[each.code] = found.warnings.get(each.code, 0) + 1 + len(each.others)
     if found.model is None or reader.robot is None:
         return found
-    table = reader.rows
-    found.unread = [row.called for row in table if row.why and not row.is_minor]
     try:
         alone = by_mujoco(path, root)
     except (ValueError, mujoco.FatalError):
@@ -182,12 +176,11 @@ def beside_pinocchio(path: Path, model: mujoco.MjModel) -> tuple[str, float]:
 
 def row(found: Found) -> str:
     model = found.model
+    name = Path(found.name).stem
     if model is None:
-        return f"| {found.name} | no | | | | {'; '.join(found.errors)[:160].replace('|', '/')} |"
-    sizes = f"{model.nbody - 1} / {model.njnt} / {model.nu} / {model.neq} / {model.nmesh}"
-    told = [f"{code} ({count})" for code, count in sorted(found.warnings.items())]
-    lacks = ", ".join([*told, *found.unread]) or "nothing"
-    return f"| {found.name} | yes | {sizes} | {found.alone} | {found.pinocchio} | {lacks} |"
+        return f"| {name} | none: {'; '.join(found.errors)[:160].replace('|', '/')} | | |"
+    sizes = f"{model.nbody - 1}/{model.njnt}/{model.nu}/{model.neq}/{model.nmesh}"
+    return f"| {name} | {sizes} | {found.alone} | {found.pinocchio} |"
 
 
 def survey(root: Path, only: tuple[str, ...] = ("",)) -> Iterator[Found]:
@@ -212,8 +205,8 @@ def main() -> None:
 def put_down(found: list[Found]) -> None:
     """Write the table of the page."""
     lines = [
-        "| robot | comes in | bodies / joints / actuators / equalities / meshes | MuJoCo's own reader | Pinocchio | warnings, and elements not in the model |",
-        "|---|---|---|---|---|---|",
+        "| robot | bodies/joints/actuators/equalities/meshes | MuJoCo's own reader | Pinocchio |",
+        "|---|---|---|---|",
         *map(row, found),
     ]
     count = sum(each.model is not None for each in found)
