@@ -178,20 +178,20 @@ def test_a_table_of_samples_needs_several_models() -> None:
 
 # What may be said to every command that does such a thing.
 SAME = {
-    "--output-format": {"lint", "list", "build", "rebuild", "check", "verify", "plan", "explain", "lock", "diff", "new", "fmt", "import", "doctor",
+    "--output-format": {"names", "lint", "list", "build", "rebuild", "check", "verify", "plan", "explain", "lock", "diff", "new", "fmt", "import", "doctor",
                "render", "view", "tree", "fix", "migrate"},
-    "--quiet": {"lint", "list", "build", "rebuild", "check", "verify", "plan", "explain", "lock", "diff", "new", "fmt", "import",
+    "--quiet": {"names", "lint", "list", "build", "rebuild", "check", "verify", "plan", "explain", "lock", "diff", "new", "fmt", "import",
                 "render", "view", "tree", "fix", "migrate"},
-    "--output": {"build", "rebuild", "import", "render", "migrate"},
-    "--pick": {"build", "check", "plan", "explain", "diff", "render", "view", "tree"},
-    "--sample": {"build", "check", "plan", "explain", "diff", "render", "view", "tree"},
+    "--output": {"names", "build", "rebuild", "import", "render", "migrate"},
+    "--pick": {"names", "build", "check", "plan", "explain", "diff", "render", "view", "tree"},
+    "--sample": {"names", "build", "check", "plan", "explain", "diff", "render", "view", "tree"},
     "--all": {"build", "check", "render"},
     "--strict": {"build", "check", "verify", "migrate"},
     "--verbose": {"build", "check"},
-    "--timeout": {"lint", "build", "check", "verify", "diff", "import", "render", "view", "migrate"},
-    "--limit": {"lint", "build", "rebuild", "check", "verify", "plan", "explain", "lock", "diff", "import", "render", "view",
+    "--timeout": {"names", "lint", "build", "check", "verify", "diff", "import", "render", "view", "migrate"},
+    "--limit": {"names", "lint", "build", "rebuild", "check", "verify", "plan", "explain", "lock", "diff", "import", "render", "view",
                 "tree", "fix", "migrate"},
-    "--set": {"build", "check", "plan", "explain", "lock", "diff", "render", "view", "tree", "fix"},
+    "--set": {"names", "build", "check", "plan", "explain", "lock", "diff", "render", "view", "tree", "fix"},
 }  # fmt: skip
 
 

@@ -1,4 +1,4 @@
-"""`explain` and `tree`: an element, an attribute or a code; and all parts, bodies and joints of a model."""
+"""`explain`, `tree` and `names`: one element, attribute or code; all parts and bodies, all names and addresses."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from mjcompose.base.dataclass import dataclass
 from mjcompose.base.files import STDIN
 from mjcompose.cli import completion
 from mjcompose.cli.cells import ModelOptions
-from mjcompose.cli.options import did_you_mean
-from mjcompose.cli.reporting import USAGE, source_reader, use_color
-from mjcompose.cli.run import RECIPE_PATH, Answer, Run, Stop, argument, command, flag, option
+from mjcompose.cli.options import TimeOptions, did_you_mean, output
+from mjcompose.cli.reporting import FINDINGS, USAGE, source_reader, use_color
+from mjcompose.cli.run import RECIPE_PATH, Answer, Run, Stop, argument, command, flag, group, option
 
 
 @dataclass(frozen=True, slots=True)
@@ -138,3 +138,46 @@ def tree(options: TreeOptions, run: Run) -> Answer:
         code=0,
         reports=not is_recipe,  # `check` and `build` report warnings of a recipe
     )
+
+
+@dataclass(frozen=True, slots=True)
+class NamesOptions(ModelOptions):
+    model: str = argument(shell_complete=completion.files)
+    python: bool = flag("--python", help="Write a Python module.")
+    cpp: bool = flag("--cpp", help="Write a C++17 header.")
+    json: bool = flag("--json", help="Write JSON.")
+    out: str | None = output("Where to write it. Default: standard output.")
+    limits: TimeOptions = group(TimeOptions)
+
+
+@command(NamesOptions)
+def names(options: NamesOptions, run: Run) -> Answer:
+    """Write the names of joints, actuators, sensors and keyframes of MODEL, with addresses, units, ranges and values.
+
+    MODEL is a bundle, a recipe or a model file. It may be in a git revision: `main:arm.yaml`. The result needs no
+    other file, and equal models give equal bytes.
+    """
+    from mjcompose.tools import names as tool
+
+    if options.python + options.cpp + options.json != 1:
+        raise click.UsageError("Give one of --python, --cpp and --json.")
+    is_recipe = Path(options.model).suffix.lower() in (".yaml", ".yml")
+    options.cell.check(options.model, is_recipe=is_recipe)
+    given = options.choices.given(run)
+    found = tool.names(options.model, run.context, given, pick=options.cell.pick, sample=options.cell.sample)
+    if found is None:
+        raise Stop(run.code_of_failure(Path(options.model.partition(":")[2] or options.model)))
+    write = tool.to_python if options.python else tool.to_cpp if options.cpp else tool.to_json
+    text = write(found)
+    if options.out in (None, "-"):
+        return Answer(text.removesuffix("\n"), code=0, reports=False)
+    from mjcompose.build.bundle.bundle import OutputError
+    from mjcompose.build.bundle.staging import staged_file
+
+    try:
+        with staged_file(run.context.folder / str(options.out), "--output") as stage:
+            stage.write_text(text, encoding="utf-8")
+    except OutputError as error:
+        run.context.sink.add(error.diagnostic)
+        raise Stop(FINDINGS) from None
+    return Answer(f"wrote {options.out}", {"path": options.out}, is_outcome=True, code=0, reports=False)

@@ -30,6 +30,7 @@ _GROUPS = {
         "tree": "Show the parts, bodies and joints of a model, and where you can attach a part.",
         "explain": "Show where an element or attribute came from and what changed it, or explain an error code.",
         "diff": "Show the differences between two models, in physics terms.",
+        "names": "Write names, addresses, units and ranges of a model as Python, C++ or JSON.",
         "view": "Show a model in the browser, or write it as a page.",
         "render": "Make a picture or a film of a model.",
     },
@@ -63,7 +64,7 @@ _MODULES = {
     **dict.fromkeys(("lsp", "mcp", "plugin"), "servers"),
     **dict.fromkeys(("cache", "lock"), "sources"),
     "fix": "fmt",
-    "tree": "explain",
+    **dict.fromkeys(("names", "tree"), "explain"),
 }
 
 # Names of verbs in other tools, and the corresponding command here.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict
 from typing import Any, NamedTuple, TypeAlias
 
 from mjcompose.base.dataclass import dataclass
@@ -230,3 +231,17 @@ def _cameras(model: Model, mujoco: Any, bodies: list[str]) -> Iterator[Camera]:
         unit = LENGTH if is_flat else "deg"
         body = bodies[holder(model, "camera", row)]
         yield Camera(name, body, float(model.cam_fovy[row]), unit=unit, resolution=(width, height))
+
+
+SIZES = ("nq", "nv", "nu", "na", "nsensordata", "nmocap")
+VECTORS = ("qpos", "qvel", "act", "ctrl", "mpos", "mquat")
+"""The vectors of a keyframe."""
+
+
+def addresses(mujoco: Any, model: Model, _: object) -> dict[str, Any]:
+    """Return the index with sizes and the numbers of keyframes; runs under `mjcompose.mujoco.engine.call`."""
+    keys = [
+        {name: getattr(model, f"key_{name}")[row].ravel().tolist() for name in VECTORS} for row in range(model.nkey)
+    ]
+    sizes = {name: int(getattr(model, name)) for name in SIZES}
+    return {"index": asdict(index(model, mujoco)), "sizes": sizes, "keys": keys}

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 from mjcompose.base.diagnostic import Note, Span
 from mjcompose.base.report import counted
@@ -16,9 +17,11 @@ from mjcompose.language.interface import Order
 from mjcompose.link.key_layout import BLOCKS
 from mjcompose.link.linking import Linking
 from mjcompose.link.ordering import elements_in_order, put_in_order, why_before
-from mjcompose.mujoco.index import Index
 from mjcompose.text.node import locate
 from mjcompose.tree.unit import Unit
+
+if TYPE_CHECKING:
+    from mjcompose.mujoco.index import Index
 
 _SHOWN = 8
 _PLAIN = re.compile(r"(?!(?:true|false|null|yes|no|on|off|y|n|nan|inf)$)[A-Za-z_][\w./-]*", re.ASCII | re.IGNORECASE)
