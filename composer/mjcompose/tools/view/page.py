@@ -21,11 +21,12 @@ from mjcompose.base.scratch import scratch
 from mjcompose.base.sink import Sink
 from mjcompose.base.suggest import unknown_name
 from mjcompose.base.version import __version__
-from mjcompose.build.bundle.bundle import OutputError
-from mjcompose.build.bundle.staging import staged_file
+from mjcompose.build.bundle.bundle import Bundle, OutputError
+from mjcompose.build.bundle.staging import staged_file, write_files
 from mjcompose.build.cache.cells import cells_of
 from mjcompose.build.plan.read import read_recipe
 from mjcompose.mujoco import engine
+from mjcompose.mujoco.playable import strip
 from mjcompose.mujoco.scene import FILE, describe
 from mjcompose.sources.context import Context
 from mjcompose.text.node import Mapping, Node, Scalar, find
@@ -384,8 +385,19 @@ def write_page(side: Side, out: Path, key: str | None, context: Context, session
     if made is None or not made.has_key(key, context.sink):
         return None
     played = None
-    if (bundle := side.bundle) is not None:  # only the files that MuJoCo reads; others reveal their origin
-        assets = {name: content for name, content in bundle.files.items() if name.startswith("assets/")}
-        played = {"model.xml": bundle.files[bundle.model], **assets}
+    if side.bundle is not None:
+        played = _played(side.bundle, session)
     text = alone(made, played=played).encode()
     return len(text) if _wrote(text, out, context, inputs=side.inputs) else None
+
+
+def _played(bundle: Bundle, session: Session) -> dict[str, bytes]:
+    """Return the files that MuJoCo reads, and no others, which reveal their origin; what only shows is tiny."""
+    names = [name for name in bundle.files if name.startswith("assets/")]
+    with scratch("physics") as folder:
+        (source := folder / "in").mkdir()
+        write_files(bundle, source)
+        asked = {"model": str(source / bundle.model), "out": str(folder / "out")}
+        answer = engine.call(session, strip, (), argument=asked)
+        model = Path(answer.value) if answer.ok else source / bundle.model
+        return {"model.xml": model.read_bytes(), **{name: (model.parent / name).read_bytes() for name in names}}
