@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from mjcompose.mujoco.attributes import NameTable, place
+from mjcompose.mujoco.attributes import NameTable, names, place
 from mjcompose.mujoco.film import png
 from mjcompose.mujoco.mesh_bytes import encoded
 
@@ -211,6 +211,7 @@ def _skin(model: Any, number: int, blobs: Blobs) -> dict[str, Any]:
         "blob": blobs.put("skin 1", arrays, lambda: packed(*arrays)), "count": len(corners), "triangles": len(faces),
         "mapped": mapped, "material": int(model.skin_matid[number]), "rgba": short(model.skin_rgba[number]),
         "group": int(model.skin_group[number]), "inflate": float(model.skin_inflate[number]),
+        "name": names(model, "skin")[number], "body": int(model.skin_bonebodyid[first]) if count else 0,
         "bones": short(model.skin_bonebodyid[first : first + count]), "moved": [len(each) for each in moved],
         "pos": short(model.skin_bonebindpos[first : first + count]),
         "quat": short(model.skin_bonebindquat[first : first + count]),
@@ -232,6 +233,8 @@ def _flex(model: Any, data: Any, number: int, blobs: Blobs) -> dict[str, Any]:
     dimensions = int(model.flex_dim[number])
     world = rows(data.flexvert_xpos.reshape(-1, 3), model.flex_vertadr, model.flex_vertnum)
     bodies = rows(model.flex_vertbodyid, model.flex_vertadr, model.flex_vertnum)
+    moved = {int(each) for each in bodies if each >= 0}
+    held = min(moved, default=0) if len(moved) < 2 else int(model.body_parentid[max(moved)])
     interpolated = bool(model.flex_interp[number]) or bool((bodies < 0).any())
     bodies = np.zeros_like(bodies) if interpolated else bodies
     turned = data.xmat[bodies].reshape(-1, 3, 3)
@@ -251,7 +254,7 @@ def _flex(model: Any, data: Any, number: int, blobs: Blobs) -> dict[str, Any]:
         "blob": blobs.put("flex 1", arrays, lambda: packed(*arrays)), "count": len(world), "dimensions": dimensions,
         "triangles": len(arrays[2]) // 3, "edges": len(edges), "radius": float(model.flex_radius[number]),
         "material": int(model.flex_matid[number]), "rgba": short(model.flex_rgba[number]),
-        "group": int(model.flex_group[number]),
+        "group": int(model.flex_group[number]), "name": names(model, "flex")[number], "body": held,
     }  # fmt: skip
 
 
@@ -322,6 +325,7 @@ def describe(mujoco: Any, model: Any, asked: Mapping[str, Any]) -> dict[str, Any
     found: dict[str, Any] = {"format": FORMAT, **columns(model)}
     found["material"]["texture"] = of_materials(model)
     found["mesh"] = meshes(model, blobs)
+    found["meshes"] = [name.rpartition("/")[2] for name in names(model, "mesh")]
     found["hfield"] = height_fields(model, blobs)
     found["texture"] = textures(model, blobs)
     found["skin"] = skins(model, blobs)

@@ -8,7 +8,7 @@ import { WIDTHS } from "./kinematics";
 import { places } from "./places";
 import { Sliders } from "./sliders";
 import { Stage } from "./stage";
-import { nameOf, Tree } from "./tree";
+import { bodyOf, nameOf, numberOf, Tree } from "./tree";
 import { host } from "./wire";
 import { World } from "./world";
 
@@ -121,7 +121,7 @@ export class App {
       this.setKey(scene.key_named ? scene.key.name.indexOf(scene.key_named) : scene.key.name.length ? 0 : -1);
       this.stage.fit();
     }
-    const index = selected ? ((scene as any)[selected.kind].name?.indexOf(selected.name) ?? -1) : -1;
+    const index = selected ? numberOf(model, selected.kind, selected.name) : -1;
     this.select(selected && index >= 0 ? { kind: selected.kind, index } : null, false);
     if (through !== null && scene.camera.name.includes(through)) this.stage.lookThrough(scene.camera.name.indexOf(through));
     this.compare();
@@ -281,8 +281,8 @@ export class App {
     const element = this.stage.pick(x, y);
     this.tip.hidden = !element;
     if (!element) return;
-    const { model } = this.world, columns = (model.scene as any)[element.kind];
-    const body = columns.body ? nameOf(model, { kind: "body", index: columns.body[element.index] }) : "";
+    const { model } = this.world, on = element.kind === "body" ? -1 : bodyOf(model, element);
+    const body = on >= 0 ? nameOf(model, { kind: "body", index: on }) : "";
     const origin = model.scene.origins.of[element.kind]?.[element.index];
     const where = origin?.[0] ? `${model.scene.origins.files[origin[0][0]]}:${origin[0][1]}` : "";
     this.tip.replaceChildren(h("b", {}, nameOf(model, element)), h("span", {}, typeOf(model, element), body && ` on ${body}`), where && h("code", {}, where));

@@ -16,11 +16,11 @@ export type Excluded = [place: Place | null, words: string, why: string | null];
 export interface Texture { blob: string; kind: "2d" | "cube" | "skybox"; width: number; height: number }
 export interface HeightField { blob: string; rows: number; columns: number; size: number[] }
 export interface Skin {
-  blob: string; count: number; triangles: number; mapped: boolean; material: number; rgba: number[]; group: number;
+  name: string; body: number; blob: string; count: number; triangles: number; mapped: boolean; material: number; rgba: number[]; group: number;
   inflate: number; bones: number[]; moved: number[]; pos: number[]; quat: number[];
 }
 export interface Flex {
-  blob: string; count: number; dimensions: number; triangles: number; edges: number; radius: number;
+  name: string; body: number; blob: string; count: number; dimensions: number; triangles: number; edges: number; radius: number;
   material: number; rgba: number[]; group: number;
 }
 export interface PoseFacts { contacts: number[][]; tendons: number[][] }
@@ -36,7 +36,7 @@ export interface Scene {
   format: number; title: string; made: string;
   body: Columns; joint: Columns; geom: Columns; site: Columns; camera: Columns; light: Columns; material: Columns;
   tendon: Columns; actuator: Columns; key: Columns; exclude: { body1: number[]; body2: number[] };
-  mesh: string[]; hfield: HeightField[]; texture: Texture[]; skin: Skin[]; flex: Flex[];
+  mesh: string[]; meshes?: string[]; hfield: HeightField[]; texture: Texture[]; skin: Skin[]; flex: Flex[];
   wrap: { type: number[]; object: number[]; parameter: number[] };
   poses: PoseFacts[]; qpos0: number[]; timestep: number; look: Look;
   origins: { files: string[]; parts: [string, Place | null][]; of: Record<string, Origin[]>; exclude: Excluded[] };

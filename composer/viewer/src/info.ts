@@ -4,7 +4,7 @@ import { copy, h } from "./dom";
 import { BALL, FREE, HINGE, SLIDE } from "./kinematics";
 import { colourOf } from "./paint";
 import { SHAPE_NAMES } from "./shapes";
-import { nameOf } from "./tree";
+import { bodyOf, nameOf } from "./tree";
 import { host } from "./wire";
 
 export const JOINT_NAMES: Record<number, string> = { [FREE]: "free joint", [BALL]: "ball joint", [SLIDE]: "slide joint", [HINGE]: "hinge joint" };
@@ -78,8 +78,9 @@ export class Info {
       yield ["position", list(row(body.pos, index, 3), " m")];
       if (body.mocap[index] >= 0) yield ["mocap", "moved by the program"];
     }
-    const columns = (scene as any)[kind];
-    if (columns?.body && kind !== "body") yield ["body", this.link({ kind: "body", index: columns.body[index] })];
+    const columns = (scene as any)[kind], on = bodyOf(this.model, { kind, index });
+    if (on >= 0 && kind !== "body") yield ["body", this.link({ kind: "body", index: on })];
+    if (kind === "geom" && !columns.name[index]) yield ["number", `geom#${index}`];
     if (kind === "joint") {
       const { joint } = scene, unit = joint.type[index] === SLIDE;
       const shown = (value: number) => (unit ? `${neat(value)} m` : degrees(value));

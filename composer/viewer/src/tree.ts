@@ -1,8 +1,10 @@
 // The composition as a tree: parts, their bodies, and what stands on these.
 import type { Element, Model } from "./data";
 import { h } from "./dom";
+import { MESH, SDF, SHAPE_NAMES } from "./shapes";
 
 const LEAVES = ["joint", "geom", "site", "camera", "light"] as const;
+const SOFT = ["skin", "flex"] as const;
 const MARKS: Record<string, string> = { body: "◆", joint: "↻", geom: "■", site: "◎", camera: "▣", light: "✷", part: "▸", tendon: "∿", skin: "▒", flex: "▒", actuator: "⚙", key: "⚑", exclude: "⊘" };
 
 export class Tree {
@@ -17,14 +19,16 @@ export class Tree {
     const { scene } = model;
     this.children = scene.body.name.map(() => []);
     scene.body.parent.forEach((parent: number, b: number) => { if (b > 0) this.children[parent].push(b); });
-    for (const kind of LEAVES) {
-      scene[kind].body.forEach((b: number, index: number) => {
-        if (!this.on.has(b)) this.on.set(b, []);
-        this.on.get(b)!.push({ kind, index });
-      });
-    }
+    const hang = (b: number, element: Element) => {
+      if (!this.on.has(b)) this.on.set(b, []);
+      this.on.get(b)!.push(element);
+    };
+    for (const kind of LEAVES) scene[kind].body.forEach((b: number, index: number) => hang(b, { kind, index }));
+    for (const kind of SOFT) scene[kind].forEach((each, index) => hang(each.body, { kind, index }));
     const origins = scene.origins.of.body ?? [];
-    this.partOf = scene.body.name.map((_, b) => origins[b]?.[1] ?? -1);
+    this.partOf = [-1];
+    // A body that MuJoCo made, such as that of a corner of a cloth, is of the part of the body that it is on.
+    for (let b = 1; b < scene.body.name.length; b++) this.partOf[b] = origins[b]?.[1] ?? this.partOf[scene.body.parent[b]];
     this.fill();
   }
 
@@ -48,8 +52,8 @@ export class Tree {
         this.root.append(this.fold("part", name, null, roots.get(part)!.length, rows, true, words.slice(name.length)));
       }
     }
-    for (const kind of ["tendon", "actuator", "skin", "flex"] as const) {
-      const count = kind === "skin" || kind === "flex" ? scene[kind].length : scene[kind].name.length;
+    for (const kind of ["tendon", "actuator"] as const) {
+      const count = scene[kind].name.length;
       if (count) this.root.append(this.fold(kind, `${kind}s`, null, count, () => Array.from({ length: count }, (_, index) => this.leaf({ kind, index })), false));
     }
     const pairs = scene.exclude.body1.length;
@@ -117,7 +121,7 @@ export class Tree {
     if (!element) return;
     const { scene } = this.model;
     const list: number[] = [];
-    let b = element.kind === "body" ? scene.body.parent[element.index] : (scene as any)[element.kind]?.body?.[element.index] ?? -1;
+    let b = element.kind === "body" ? scene.body.parent[element.index] : bodyOf(this.model, element);
     if (element.kind === "body" && element.index === 0) b = -1;
     for (; b > 0; b = scene.body.parent[b]) list.unshift(b);
     if (b === 0 && element.kind !== "body" && !list.length) list.unshift(0);
@@ -132,8 +136,9 @@ export class Tree {
   /** Show only what has a text in its name. */
   search(text: string): HTMLElement[] {
     const found: HTMLElement[] = [], wanted = text.toLowerCase();
-    for (const kind of ["body", ...LEAVES, "tendon", "actuator"] as const) {
-      this.model.scene[kind].name.forEach((name, index) => {
+    for (const kind of ["body", ...LEAVES, ...SOFT, "tendon", "actuator"] as const) {
+      const columns = this.model.scene[kind], count = Array.isArray(columns) ? columns.length : columns.name.length;
+      Array.from({ length: count }, (_, index) => nameOf(this.model, { kind, index })).forEach((name, index) => {
         if (found.length < 200 && name.toLowerCase().includes(wanted)) {
           const line = this.line(kind, name, null, null);
           line.addEventListener("click", () => this.choose({ kind, index }));
@@ -145,9 +150,22 @@ export class Tree {
   }
 }
 
-/** An element's name; without one what it is, and its number. */
+/** The body that an element is on, or -1. */
+export function bodyOf({ scene }: Model, { kind, index }: Element): number {
+  const columns = (scene as any)[kind];
+  return (Array.isArray(columns) ? columns[index].body : columns?.body?.[index]) ?? -1;
+}
+
+/** An element's name; a geom without one is called by its mesh or type, anything else by its kind and number. */
 export function nameOf(model: Model, { kind, index }: Element): string {
-  const columns = (model.scene as any)[kind];
-  const name = Array.isArray(columns) ? "" : columns.name[index];
-  return name || (kind === "body" && index === 0 ? "world" : `${kind}#${index}`);
+  const columns = (model.scene as any)[kind], name = Array.isArray(columns) ? columns[index].name : columns.name[index];
+  if (name || kind !== "geom") return name || (kind === "body" && index === 0 ? "world" : `${kind}#${index}`);
+  const { type, data } = model.scene.geom, mesh = type[index] === MESH || type[index] === SDF ? model.scene.meshes?.[data[index]] : null;
+  return mesh ? `mesh ${mesh}` : SHAPE_NAMES[type[index]] ?? "geom";
+}
+
+/** The element of a kind with a name, or -1. */
+export function numberOf({ scene }: Model, kind: string, name: string): number {
+  const columns = (scene as any)[kind];
+  return Array.isArray(columns) ? columns.findIndex((each) => each.name === name) : columns.name?.indexOf(name) ?? -1;
 }

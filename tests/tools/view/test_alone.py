@@ -204,3 +204,30 @@ def test_it_is_used_at_the_width_of_a_phone(model: Path, browser: Any) -> None:
     page.wait_for_timeout(400)
     assert page.locator("input[type=range]").first.bounding_box()["y"] < 844
     context.close()
+
+
+SOFT = """<mujoco>
+  <worldbody>
+    <body name="holder"><geom type="box" size="0.1 0.1 0.1"/>
+      <flexcomp name="cloth" type="grid" count="3 3 1" spacing="0.1 0.1 0.1" dim="2" mass="0.1"><edge equality="true"/></flexcomp>
+    </body>
+  </worldbody>
+</mujoco>
+"""
+
+
+def test_a_soft_body_is_in_the_tree_below_its_part_and_a_geom_without_a_name_is_called_by_its_type(
+    tmp_path: Path, open_page: Callable[..., Any]
+) -> None:
+    (tmp_path / "cloth.xml").write_text(SOFT)
+    (tmp_path / "recipe.yaml").write_text(
+        "recipe: 1\nattach: {left: {model: ./cloth.xml}, right: {model: ./cloth.xml, pos: [1, 0, 0]}}\n"
+    )
+    with Session() as session:
+        page = open_page(page_of("recipe.yaml", tmp_path, session).as_uri())
+    assert page.locator(".row.part .name").all_inner_texts() == ["left/", "right/"]
+    page.evaluate("mjcompose.select({kind: 'flex', index: 1}, true)")
+    part = page.locator(".fold", has=page.locator("> .row.part", has_text="right/"))
+    assert part.locator(".row.selected .name").inner_text() == "right/cloth"
+    assert "box" in part.locator(".row.geom .name").all_inner_texts()
+    assert "cloth.xml:4" in page.locator(".info").inner_text()

@@ -243,6 +243,7 @@ def described(
     origins = Origins(side, names or Names(side.operand.context.folder))
     tables = ((kind, columns) for kind, columns in scene.items() if isinstance(columns, dict))
     elements = {kind: columns["name"] for kind, columns in tables if "name" in columns}
+    elements |= {kind: [each["name"] for each in scene[kind]] for kind in ("skin", "flex")}
     bodies, excluded = scene["body"]["name"], scene["exclude"]
     pairs = [(bodies[one], bodies[two]) for one, two in zip(excluded["body1"], excluded["body2"], strict=True)]
     scene["origins"] = origins.data(elements, pairs)
