@@ -3,6 +3,7 @@ import { Contrast } from "./compare";
 import type { Element, Model, Scene } from "./data";
 import { h, icon, toast } from "./dom";
 import { Extras, EXTRAS, type Extra } from "./extras";
+import type { Gizmo } from "./gizmo";
 import { Info, typeOf } from "./info";
 import { WIDTHS } from "./kinematics";
 import { places } from "./places";
@@ -17,7 +18,7 @@ const EXTRA_WORDS: Record<Extra, string> = { frames: "body frames", axes: "joint
 const KEYS: [string, string][] = [
   ["F", "fit the selection, or the whole"], ["0 … 5", "geom groups"], ["C", "collision shapes only"], ["J", "joint axes"], ["I", "inertia boxes"],
   ["B", "body frames"], ["S", "sites"], ["R", "reference pose"], ["K", "copy the pose as a keyframe"], ["L", "light or dark"], ["X", "before or after, where two models are compared"],
-  ["/", "search"], ["Space", "physics, where a server runs it"], ["Esc", "select nothing"],
+  ["M", "move or turn, where a server can change the recipe"], ["Ctrl Z", "undo a move"], ["/", "search"], ["Space", "physics, where a server runs it"], ["Esc", "select nothing"],
 ];
 
 export class App {
@@ -28,6 +29,9 @@ export class App {
   key = -1;
   /** What the server does when the page asks for it; a page without one has none. */
   server: { play: () => void; pose: () => void; choose: (name: string, value: string) => void } | null = null;
+
+  /** Moves what the recipe places; only a live page has one. */
+  gizmo: Gizmo | null = null;
 
   private models: Model[] = [];
   private contrast: Contrast | null = null;
@@ -44,6 +48,7 @@ export class App {
   private readonly cameraSelect = h("select", { ariaLabel: "camera", title: "camera", onchange: () => this.setCamera(Number(this.cameraSelect.value)) });
   private readonly choices = h("span", { className: "choices" });
   private readonly playButton = h("button", { className: "tool", title: "physics (space)", hidden: true, onclick: () => this.server?.play() }, icon("play"));
+  private readonly moveButton = h("button", { className: "tool", title: "move (M)", ariaLabel: "move (M)", hidden: true, onclick: () => this.gizmo?.cycle() }, icon("move"));
   private readonly searchBox = h("input", { type: "search", placeholder: "Search names  /", ariaLabel: "search names", oninput: () => this.search() });
   private readonly treeBox = h("div", { className: "scroll" });
   private readonly panels = Object.fromEntries(TABS.map((tab) => [tab, h("div", { className: "scroll", hidden: true })])) as unknown as Record<(typeof TABS)[number], HTMLElement>;
@@ -63,7 +68,7 @@ export class App {
     root.append(
       h("header", { className: "bar" },
         tool("tree", "the composition", () => drawer("left"), "tool narrow"), this.title, this.choices, h("span", { className: "gap" }),
-        this.keySelect, this.cameraSelect, this.playButton,
+        this.keySelect, this.cameraSelect, this.moveButton, this.playButton,
         tool("fit", "fit (F)", () => this.fit()), tool("theme", "light or dark (L)", () => this.flipTheme()), tool("help", "keys (?)", () => this.help()),
         tool("panel", "joints and more", () => drawer("right"), "tool narrow")),
       left, view, right);
@@ -145,6 +150,7 @@ export class App {
         ...each.values.map((value) => h("option", { value, selected: value === each.value }, value)))));
     this.choices.hidden = !this.server;
     this.playButton.hidden = !this.server;
+    this.moveButton.hidden = !this.gizmo?.writes;
   }
 
   /** Two models in one page: which one is shown, and what differs. */
@@ -193,11 +199,12 @@ export class App {
   posed(): void {
     this.world.update();
     this.sliders.refresh();
+    this.gizmo?.placed();
     this.stage.draw();
   }
 
   private poseTools(): HTMLElement {
-    return h("div", { className: "pose" }, this.keyButtons, h("button", { className: "wide", onclick: () => void this.sliders.copyPose() }, icon("copy"), "Copy this pose as a keyframe"));
+    return h("div", { className: "pose" }, this.keyButtons, h("button", { className: "wide", onclick: () => void this.sliders.copyPose() }, icon("copy"), "Copy this pose as a keyframe"), this.gizmo?.saver() ?? null);
   }
 
   // -- what is seen ------------------------------------------------------------------------------------------------
@@ -253,6 +260,7 @@ export class App {
     this.tree.select(element);
     this.info.show(element);
     this.world.mark(element, 0x3b82f6);
+    this.gizmo?.follow(element, this.info.root);
     if (open) this.open("Info");
     this.stage.draw();
   }
@@ -266,6 +274,7 @@ export class App {
     let down: [number, number] | null = null, due = 0;
     this.canvas.addEventListener("pointerdown", (event) => { down = [event.clientX, event.clientY]; this.tip.hidden = true; });
     this.canvas.addEventListener("pointerup", (event) => {
+      if (this.gizmo?.busy) down = null;
       if (down && Math.hypot(event.clientX - down[0], event.clientY - down[1]) < 5) this.select(this.stage.pick(event.clientX, event.clientY), true);
       down = null;
     });
@@ -314,7 +323,7 @@ export class App {
     }
     const flip = (extra: Extra) => { this.setExtra(extra, !this.extra.has(extra)); this.showPanel(); };
     const acts: Record<string, () => void> = {
-      f: () => this.fit(), l: () => this.flipTheme(), "?": () => this.help(), "/": () => this.searchBox.focus(), r: () => this.setKey(-1),
+      m: () => this.gizmo?.cycle(), f: () => this.fit(), l: () => this.flipTheme(), "?": () => this.help(), "/": () => this.searchBox.focus(), r: () => this.setKey(-1),
       x: () => { if (this.contrast) void this.show(this.models, 1 - this.contrast.at); }, k: () => void this.sliders.copyPose(), j: () => flip("axes"), i: () => flip("inertia"), b: () => flip("frames"),
       c: () => { this.collision = !this.collision; this.applyGroups(); this.showPanel(); },
       s: () => { this.softs.site = !this.softs.site; this.applyGroups(); this.showPanel(); },

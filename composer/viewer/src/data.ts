@@ -32,6 +32,14 @@ export interface Look {
 export interface Difference { text: string; before: Record<string, string[]>; after: Record<string, string[]>; label: string }
 export interface Choice { name: string; label: string; values: string[]; value: string | null }
 
+/** Something that a recipe places: where it says so, the frame of that place in a body, and what moves. */
+export interface MoveRow {
+  at: [file: number, line: number, column: number]; label: string; kind: string; mount: number; frame: number[] | null;
+  moved: Record<string, number[]>;
+}
+/** What a page may move, or why nothing. */
+export interface Move { why?: string; version: number; files: string[]; targets: MoveRow[]; framed: Record<string, number[]> }
+
 export interface Scene {
   format: number; title: string; made: string;
   body: Columns; joint: Columns; geom: Columns; site: Columns; camera: Columns; light: Columns; material: Columns;
@@ -44,6 +52,7 @@ export interface Scene {
   key_named?: string | null;
   choices?: Choice[];
   difference?: Difference;
+  move?: Move;
 }
 
 export interface Model { scene: Scene; blobs: Map<string, ArrayBuffer> }

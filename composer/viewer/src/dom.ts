@@ -21,6 +21,7 @@ const PATHS: Record<string, string> = {
   panel: "M4 6h10M18 6h2M4 12h2M10 12h10M4 18h8M16 18h4M14 4v4M6 10v4M12 16v4",
   play: "M7 4l13 8-13 8z",
   pause: "M8 5v14M16 5v14",
+  move: "M12 3v18M3 12h18M12 3l-2.5 2.5M12 3l2.5 2.5M12 21l-2.5-2.5M12 21l2.5-2.5M3 12l2.5-2.5M3 12l2.5 2.5M21 12l-2.5-2.5M21 12l-2.5 2.5",
   copy: "M9 9h11v11H9zM5 15H4V4h11v1",
 };
 

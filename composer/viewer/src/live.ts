@@ -1,6 +1,7 @@
 // The page of a server: new models as they are built, faults, and physics that run there.
 import type { App } from "./app";
 import type { Model, Scene } from "./data";
+import { Gizmo } from "./gizmo";
 import { elementAt } from "./lines";
 import { host, Http, type Wire } from "./wire";
 
@@ -17,6 +18,7 @@ export class Live {
       pose: () => { if (this.playing) void this.wire.post("pose", { ctrl: app.sliders.ctrl }); },
       choose: (name, value) => void this.wire.post("choose", { name, value }),
     };
+    if (this.wire.ask) app.gizmo = new Gizmo(app, (said) => this.wire.ask!("change", said));
     this.wire.listen((name, data) => this.take(name, data), () => app.notice("the server does not answer"));
     host?.follow((name) => app.theme(name), (files, places) => {
       const found = this.version >= 0 && elementAt(app.world.model.scene, files, places, app.selection);
@@ -44,6 +46,7 @@ export class Live {
     }));
     for (const name of this.blobs.keys()) if (!used.has(name)) this.blobs.delete(name);
     const model: Model = { scene, blobs: this.blobs };
+    await this.app.gizmo?.idle;
     await this.app.show([model]);
     this.version = version;
     this.app.setFault(null);

@@ -3,6 +3,8 @@
 export interface Wire {
   get(path: string): Promise<ArrayBuffer>;
   post(path: string, data: unknown): Promise<void>;
+  /** Posts, and gives the answer. An editor that is older than the page has none. */
+  ask?(path: string, data: unknown): Promise<any>;
   /** Calls `event` with each event of the server, and `lost` when there is no answer. */
   listen(event: (name: string, data: any) => void, lost: () => void): void;
 }
@@ -28,6 +30,12 @@ export class Http implements Wire {
 
   async post(path: string, data: unknown): Promise<void> {
     await fetch(path, { method: "POST", headers: { "content-type": "application/json" }, body: JSON.stringify(data) });
+  }
+
+  async ask(path: string, data: unknown): Promise<any> {
+    const answer = await fetch(path, { method: "POST", headers: { "content-type": "application/json" }, body: JSON.stringify(data) });
+    if (!answer.ok) throw new Error(answer.statusText);
+    return answer.json();
   }
 
   listen(event: (name: string, data: any) => void, lost: () => void): void {

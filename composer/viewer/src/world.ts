@@ -200,6 +200,13 @@ export class World {
     } else light.target.position.copy(light.position).add(along);
   }
 
+  /** A geom or a site has another place in its body. */
+  place(kind: Drawn, index: number): void {
+    const { pos, quat } = this.model.scene[kind], [w, x, y, z] = row(quat, index, 4), size = new Vector3();
+    this.local[kind][index].decompose(new Vector3(), new Quaternion(), size);
+    this.local[kind][index].compose(new Vector3().fromArray(pos, 3 * index), new Quaternion(x, y, z, w), size);
+  }
+
   bodyMatrix(body: number): Matrix4 {
     return this.bodies[body];
   }

@@ -362,7 +362,7 @@ def test_the_table_is_read_once(served: Server, monkeypatch: pytest.MonkeyPatch)
     assert {asked(served, token(served) + name)[0] for name in (b"page.js", b"page.css")} == {200}
 
 
-CHANGE = b'{"kind": "undo", "digests": {}}'
+CHANGE = b'{"kind": "undo"}'
 
 
 def _origin(served: Server) -> str:
@@ -390,9 +390,9 @@ def test_a_recipe_is_changed_only_by_a_page_of_this_server(served: Server) -> No
 @pytest.mark.parametrize(
     "body",
     [
-        "{}", "[]", "null", "1", '"undo"', '{"kind": "write"}', '{"kind": ["undo"]}', '{"kind": "place", "digests": {}}',
-        '{"kind": "place", "at": ["model.xml", NaN, 1], "digests": {}}', "[" * 100_000,
-        '{"kind": "keyframe", "name": "\\ud800", "digests": []}', '{"kind": "attach", "digests": {}}',
+        "{}", "[]", "null", "1", '"undo"', '{"kind": "write"}', '{"kind": ["undo"]}', '{"kind": "place", "version": 0}',
+        '{"kind": "place", "at": ["model.xml", NaN, 1], "version": 0}', "[" * 100_000,
+        '{"kind": "keyframe", "name": "\\ud800", "version": []}', '{"kind": "attach", "version": 0}',
     ],
 )  # fmt: skip
 def test_a_change_that_is_none_is_a_bad_request_or_refused(served: Server, body: str) -> None:

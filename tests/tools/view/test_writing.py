@@ -48,7 +48,6 @@ class Page:
         shown = self.workshop.build()
         assert shown.fault is None, shown.fault
         self.scene = json.loads(shown.text)
-        self.digests = dict(self.scene["move"]["files"])
 
     @property
     def text(self) -> str:
@@ -58,13 +57,11 @@ class Page:
         return next(row for row in self.scene["move"]["targets"] if row["label"] == label)
 
     def ask(self, kind: str, label: str | None = None, **said: Any) -> dict[str, Any]:
-        """What the server answers; the page keeps the digests."""
+        """What the server answers."""
         if label is not None:
             number, *place = self.row(label)["at"]
-            said["at"] = [self.scene["move"]["files"][number][0], *place]
-        answer = self.writer.answer({"kind": kind, "digests": self.digests, **said})
-        self.digests |= answer.get("digests", {})
-        return answer
+            said["at"] = [self.scene["move"]["files"][number], *place]
+        return self.writer.answer({"kind": kind, "version": self.scene["move"]["version"], **said})
 
     def move(self, label: str, pose: Pose) -> dict[str, Any]:
         return self.ask("place", label, pos=list(pose.pos), quat=list(pose.quat))
@@ -364,7 +361,7 @@ def test_only_recipes_of_the_project_are_written(tmp_path: Path, session: Sessio
     assert {row["label"] for row in rows} == {"far", "near", "ball"}
     for row in rows:
         if row["label"] == "ball":
-            at = [page.scene["move"]["files"][row["at"][0]][0], *row["at"][1:]]
+            at = [page.scene["move"]["files"][row["at"][0]], *row["at"][1:]]
             answer = page.ask("place", at=at, pos=[0, 0, 0], quat=[1, 0, 0, 0])
             assert "not a recipe of your project" in answer["refused"]
     assert (outside / "nested.yaml").read_text() == nested

@@ -161,6 +161,7 @@ class Workshop:
             nonlocal targets
             if self.writes:
                 scene["move"], targets = movable(side, scene, _recipes(operand.context, before))
+                scene["move"]["version"] = old.version + 1
 
         found = described(
             side, self.session, old.blobs, editor=self.editor, extend=extend, key_named=self.key, choices=menus

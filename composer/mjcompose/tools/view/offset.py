@@ -31,7 +31,7 @@ from mjcompose.tools.view.draft import Draft, Refused, short, value_of
 _POS, _AXIS, _DEGREES, _RADIANS = 5, 6, 3, 6
 """The digits of numbers: 0.01 mm and 0.001 degrees."""
 _TURN = 2e-4
-"""A rotation of less radians from what is wanted counts as the same."""
+"""Rotations that differ by fewer radians count as equal."""
 
 
 class Offset:

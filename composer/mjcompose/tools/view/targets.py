@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Iterator, Mapping
 from dataclasses import field
 from pathlib import Path
@@ -65,11 +64,6 @@ class Targets:
     plan: Plan | None = None
 
 
-def digest(text: bytes | None) -> str:
-    """Return the digest by which a page says which text it shows; empty for an unknown text."""
-    return "" if text is None else hashlib.sha256(text).hexdigest()
-
-
 def movable(side: Side, scene: Mapping[str, Any], texts: Mapping[str, bytes | None]) -> tuple[dict[str, Any], Targets]:
     """Return what the page has to know to move things, and what the server has to know to write that."""
     operand = side.operand
@@ -83,7 +77,7 @@ def movable(side: Side, scene: Mapping[str, Any], texts: Mapping[str, bytes | No
     names = list(texts)
     for row in rows:
         row["at"][0] = names.index(row["at"][0])
-    page = {"files": [[name, digest(text)] for name, text in texts.items()], "targets": rows, "framed": found.framed()}
+    page = {"files": names, "targets": rows, "framed": found.framed()}
     return page, Targets(side.plan.file, found.targets, texts, paths=paths, plan=side.plan)
 
 

@@ -33,15 +33,15 @@ from mjcompose.text.insert import Change
 from mjcompose.text.load import load
 from mjcompose.text.node import Mapping, Scalar, find, is_template, to_python, walk
 from mjcompose.text.node import Sequence as List
-from mjcompose.tools.view.builder import Workshop
+from mjcompose.tools.view.builder import Shown, Workshop
 from mjcompose.tools.view.draft import Draft, Refused, Written, name_text, short
 from mjcompose.tools.view.offset import Offset
-from mjcompose.tools.view.targets import Target, digest
+from mjcompose.tools.view.targets import Target
 from mjcompose.tree.pattern import is_pattern
 
 _MOST = 1e4
 """No number of a page may be larger."""
-_MOST_DONE = 200
+_MOST_DONE, _MOST_VERSIONS = 200, 4
 _MOST_RECIPES, _MOST_SIZE = 2000, 1 << 18
 _WIDTHS, _HINGE = (7, 4, 1, 1), 3
 _RECIPES = (".yaml", ".yml")
@@ -49,17 +49,21 @@ _STALE = "`{}` has changed since this model was built, so nothing is written"
 _BREAK = re.compile(r"\r\n|\n|\r")
 Answer = dict[str, Any]
 Done = tuple[str, bytes, bytes, str]
-"""A file, its text before and after, and what was done."""
+"""A file, its text before and after, and a description of the change."""
 
 
 class Writer:
-    """Changes the recipes of a workshop's model. A page asks with the digests of the texts that it shows."""
+    """Changes the recipes of a workshop's model. A page says which version of the model it shows.
+
+    `_history` has for each recipe the texts that were written one after the other, the first one as it was built.
+    """
 
     def __init__(self, workshop: Workshop) -> None:
         self.workshop = workshop
         self._lock = Lock()
-        self._targets: object = None
-        self._texts: dict[str, bytes | None] = {}
+        self._now = workshop.shown
+        self._known: dict[int, Shown] = {}
+        self._history: dict[str, list[bytes]] = {}
         self._in_editor: dict[str, bytes] = {}
         self._done: list[Done] = []
         self._undone: list[Done] = []
@@ -74,9 +78,10 @@ class Writer:
         }  # fmt: skip
         act = acts[said["kind"]]
         with self._lock:
-            if self._targets is not (now := self.workshop.shown.targets):
-                self._targets, self._texts = now, dict(now.texts)
+            now = self.workshop.shown
+            self._known = dict([*self._known.items(), (now.version, now)][-_MOST_VERSIONS:])
             try:
+                self._now = now if act in (self._undo, self._redo) else self._version(said)
                 found = act(said)
             except Refused as refused:
                 return {"refused": str(refused), **refused.more}
@@ -85,16 +90,21 @@ class Writer:
             except OSError as error:
                 return {"refused": f"the recipe cannot be read: {(error.strerror or str(error)).lower()}"}
             undo, redo = (stack[-1][3] if stack else None for stack in (self._done, self._undone))
-            digests = {name: digest(text) for name, text in self._texts.items()}
-            return {**found, "undo": undo, "redo": redo, "digests": digests}
+            return {**found, "undo": undo, "redo": redo}
 
     # -- what the page shows -------------------------------------------------------------------------------------------
 
+    def _version(self, said: Any) -> Shown:
+        version = said["version"]
+        found = self._known.get(version) if type(version) is int else None
+        if found is None:
+            raise Refused("the model has changed: select it again", stale=True)
+        return found
+
     @property
     def scene(self) -> Any:
-        shown = self.workshop.shown
-        if self._scene[0] != shown.version:
-            self._scene = shown.version, json.loads(shown.text)
+        if self._scene[0] != self._now.version:
+            self._scene = self._now.version, json.loads(self._now.text)
         return self._scene[1]
 
     def _name(self, kind: str, number: Any) -> str:
@@ -105,7 +115,7 @@ class Writer:
 
     def _own(self, file: str) -> Path:
         """Return the path of a recipe that may be written: one of the user's own, in the folder of the project."""
-        targets = self.workshop.shown.targets
+        targets = self._now.targets
         path, recipe = (targets.paths.get(each) for each in (file, targets.recipe))
         if path is not None and recipe is not None and path.suffix.lower() in _RECIPES:
             doors = Door.of([folder_of_recipe(recipe)]), door_of_user()
@@ -113,11 +123,14 @@ class Writer:
                 return path
         raise Refused(f"it is written in `{file}`, which is not a recipe of your project")
 
-    def _draft(self, file: str, said: Any) -> Draft:
-        """Return the draft of a recipe whose text the page shows, with the text that an editor has of it."""
-        path, known = self._own(file), self._texts.get(file)
-        raw = read_regular(path, in_force().recipe_size)
-        if known is None or raw != known or said["digests"].get(file) != digest(known):
+    def _draft(self, file: str, said: Any, any: bool = False) -> Draft:
+        """Return the draft of a recipe whose text the page shows, with the text that an editor has of it.
+
+        Since the page's model was built, only the page may have changed the file, unless `any` text will do.
+        """
+        path, built = self._own(file), self._now.targets.texts.get(file)
+        raw, history = read_regular(path, in_force().recipe_size), self._history.get(file, [])
+        if not any and (built is None or (raw != built and not (raw in history[-1:] and built in history))):
             raise Refused(_STALE.format(file), stale=True)
         for name, text in (said.get("texts") or {}).items():
             if os.path.realpath(name) == os.path.realpath(path) and text != raw.decode("utf-8-sig"):
@@ -125,7 +138,7 @@ class Writer:
         return Draft.of(file, path, raw)
 
     def _recipe(self, said: Any) -> Draft:
-        return self._draft(self.workshop.shown.targets.recipe, said)
+        return self._draft(self._now.targets.recipe, said)
 
     def _offset(self, target: Target, said: Any) -> Offset:
         """Return what a recipe says of the place of a target, in the file that says it."""
@@ -136,9 +149,9 @@ class Writer:
             raise Refused(f"{' and '.join(f'`{each}`' for each in files)} say this place together: change it there")
         draft = self._draft(files[0], said)
         holder = self._raw_path(spans[0], key=False)[:-1] if spans else self._raw_path(target.span, key=True)
-        shown = self._texts.get(draft.file) if self._in_editor.get(draft.file) != draft.raw else draft.raw
-        before = find(load(shown or b"", draft.file, Sink()) or draft.tree, holder)
-        now = find(draft.tree, holder)
+        known = self._in_editor.get(draft.file) == draft.raw or said.get("texts") is None
+        saved = draft.tree if known else load(read_regular(draft.path), draft.file, Sink()) or draft.tree
+        before, now = find(saved, holder), find(draft.tree, holder)
         if before is None or not isinstance(now, Mapping) or to_python(now) != to_python(before):
             raise Refused("your unsaved text says another place: save it first", stale=True)
         if "fromto" in now.entries:
@@ -152,7 +165,7 @@ class Writer:
 
     def _raw_path(self, span: Span, key: bool) -> Steps:
         """Return the path in its own file, as it was built, of a key or a value."""
-        built = self.workshop.shown.targets.texts.get(span.file)
+        built = self._now.targets.texts.get(span.file)
         visits = [] if built is None else list(walk(load(built, span.file, Sink()) or Mapping({}, span)))
         at = span.line, span.column
         keys = [each.path for each in visits if each.key and (each.key.span.line, each.key.span.column) == at]
@@ -174,7 +187,7 @@ class Writer:
 
     def _also(self, file: str) -> str:
         """Return which other recipes and parts use a recipe, in words."""
-        targets = self.workshop.shown.targets
+        targets = self._now.targets
         if file == targets.recipe or targets.plan is None:
             return ""
         uses = sum(each.file == file for each in targets.plan.plans())
@@ -216,7 +229,7 @@ class Writer:
 
     def _target(self, said: Any) -> Target:
         name, line, column = said["at"]
-        target = self.workshop.shown.targets.by_place.get((str(name), int(line), int(column)))
+        target = self._now.targets.by_place.get((str(name), int(line), int(column)))
         if target is None:
             raise Refused("the model has changed: select it again", stale=True)
         return target
@@ -304,7 +317,7 @@ class Writer:
     def _attach(self, said: Any) -> Answer:
         """Write a new part at a site."""
         draft, prefix, model = self._recipe(said), str(said["prefix"]), str(said["model"])
-        plan = self.workshop.shown.targets.plan
+        plan = self._now.targets.plan
         fault = prefix_fault(prefix, Settings(separator=plan.separator if plan else "/"))
         if fault is not None:
             raise Refused(fault.message)
@@ -318,7 +331,7 @@ class Writer:
 
     def _models(self, said: Any) -> Answer:
         """Say which models can be attached: those of the folder, and those that the recipe uses."""
-        targets = self.workshop.shown.targets
+        targets = self._now.targets
         if targets.plan is None:
             raise Refused("only a recipe can be changed here")
         used = (find(targets.plan.document, (*step.at, "model")) for step in targets.plan.parts)
@@ -347,7 +360,7 @@ class Writer:
         if not stack:
             raise Refused("there is nothing to undo or redo")
         file, before, after, words = stack[-1]
-        draft = self._draft(file, said)
+        draft = self._draft(file, said, any=True)
         if draft.raw != after and draft.raw != after.removeprefix(b"\xef\xbb\xbf"):
             raise Refused(f"`{file}` has changed since: undo it in your editor", stale=True)
         found = self._put(draft, before, said)
@@ -367,8 +380,8 @@ class Writer:
     def _put(self, draft: Draft, after: bytes, said: Any) -> Answer:
         """Write a text, or tell the editor what to replace, as it may have text that is not saved."""
         if said.get("texts") is not None:
-            if draft.raw == self._texts.get(draft.file):
-                self._texts[draft.file] = after  # which the editor saves
+            if draft.raw == read_regular(draft.path):
+                self._note(draft, after)  # the editor saves it
             else:
                 self._in_editor[draft.file] = after
             edit = _difference(draft.text, after.decode("utf-8-sig"))
@@ -380,8 +393,13 @@ class Writer:
             self._own(draft.file)
             if read_regular(draft.path, in_force().recipe_size) != draft.raw:
                 raise Refused(_STALE.format(draft.file), stale=True)
-        self._texts[draft.file] = after
+        self._note(draft, after)
         return {}
+
+    def _note(self, draft: Draft, after: bytes) -> None:
+        history = self._history.get(draft.file, [])
+        earlier = history if draft.raw in history[-1:] else [draft.raw]
+        self._history[draft.file] = [*earlier[1 - _MOST_DONE :], after]
 
 
 def _parameter(tree: Mapping, name: str) -> tuple[Steps, Scalar | None]:
