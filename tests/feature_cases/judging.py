@@ -9,8 +9,7 @@ import mujoco
 from feature_cases.members import Member, members
 from mjcompose.build.bundle.write import write
 from mjcompose.build.stages import Request, build
-from mjcompose.mujoco.compare import option_differences
-from mjcompose.mujoco.keyframes import Keys
+from mjcompose.mujoco.compare import Keys, option_differences
 from mjcompose.mujoco.match import EXTRA
 from mjcompose.mujoco.unchanged import compare
 from mjcompose.sources.context import Context

@@ -20,8 +20,7 @@ from fidelity.decided import UNLIKE_MJSPEC
 from fidelity.recipe import write_recipe
 from fidelity.rival import attached
 from mjcompose.mujoco.arrays import ROUNDING
-from mjcompose.mujoco.compare import option_differences
-from mjcompose.mujoco.keyframes import Keys, Roots
+from mjcompose.mujoco.compare import Keys, Roots, option_differences
 from mjcompose.mujoco.match import Difference, Mount
 from mjcompose.mujoco.unchanged import compare
 

@@ -14,7 +14,7 @@ import numpy as np
 from fidelity import dmcontrol
 from fidelity.building import reread
 from lxml import etree
-from mjcompose.mujoco.keyframes import Keys
+from mjcompose.mujoco.compare import Keys
 from mjcompose.mujoco.unchanged import compare
 
 SIX_DIGITS = 1e-5

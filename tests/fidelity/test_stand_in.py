@@ -14,7 +14,7 @@ from fidelity.corpus import Composition
 from fidelity.decided import NOT_YET
 from fidelity.judging import Verdict, judge
 from fidelity.table import cells, markdown, totals
-from mjcompose.mujoco.keyframes import Roots
+from mjcompose.mujoco.compare import Roots
 from sampling import rest_slow
 
 FOLDER = os.environ.get("MJCOMPOSE_CORPUS")

@@ -21,7 +21,7 @@ import yaml
 from fidelity.building import build
 from foreign.strings import Verdict
 from mjcompose.mujoco.arrays import ROUNDING
-from mjcompose.mujoco.keyframes import Keys
+from mjcompose.mujoco.compare import Keys
 from mjcompose.mujoco.unchanged import compare
 
 # The robots that stand on a mount. Mobile bases take a robot's bodies apart, which no composition does.

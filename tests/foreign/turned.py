@@ -11,7 +11,7 @@ import mujoco
 import yaml
 from fidelity.building import build
 from foreign.strings import Source, Verdict
-from mjcompose.mujoco.keyframes import Keys
+from mjcompose.mujoco.compare import Keys
 from mjcompose.mujoco.match import Mount
 from mjcompose.mujoco.unchanged import compare
 

@@ -8,7 +8,7 @@ from mjcompose.base.limits import Limits
 from mjcompose.language.attach import Attachment
 from mjcompose.language.recipe import Recipe
 from mjcompose.language.value import Element
-from mjcompose.text.expression_values import Angle
+from mjcompose.text.expression import Angle
 from pydantic import ValidationError
 
 

@@ -1,7 +1,7 @@
 from __future__ import annotations
 
 from mjcompose.language.recipe import Recipe
-from mjcompose.text.expression_values import Angle
+from mjcompose.text.expression import Angle
 
 
 def test_read() -> None:

@@ -13,7 +13,7 @@ from mjcompose.language.attach import Attachment
 from mjcompose.language.check import checks_of
 from mjcompose.language.recipe import Recipe
 from mjcompose.language.value import Element
-from mjcompose.text.expression_values import Angle
+from mjcompose.text.expression import Angle
 from mjcompose.tree.pattern import EVERYTHING, Selector
 from pydantic import ValidationError
 

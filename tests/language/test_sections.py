@@ -9,7 +9,7 @@ from mjcompose.base.diagnostic import Diagnostic
 from mjcompose.base.sink import Sink
 from mjcompose.language.recipe import Recipe
 from mjcompose.language.value import Element
-from mjcompose.text.expression_values import Angle
+from mjcompose.text.expression import Angle
 from mjcompose.text.load import load
 from mjcompose.text.node import locate
 

@@ -5,7 +5,7 @@ from typing import Any
 import pytest
 from mjcompose.base.diagnostic import Fault
 from mjcompose.language.value import bare_angle, read_value
-from mjcompose.text.expression_values import Angle
+from mjcompose.text.expression import Angle
 from mjcompose.tree.grammar import GRAMMAR
 
 

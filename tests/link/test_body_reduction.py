@@ -5,7 +5,7 @@ from __future__ import annotations
 import mujoco
 import pytest
 from link.workshop import BASE, Piece, Workshop, hinge, obj, placed
-from mjcompose.link.body_reduction import static_bodies
+from mjcompose.link.inertia import static_bodies
 
 BOTH = """
 <mujoco><compiler fusestatic="true" discardvisual="true"/><worldbody>

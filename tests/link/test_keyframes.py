@@ -7,7 +7,7 @@ from link.workshop import BASE, OLDER, Linked, Piece, Workshop, hinge, placed
 from mjcompose.base.rotation import quat_from_axisangle
 from mjcompose.link.keyframes import part_keys
 from mjcompose.link.linking import Joint
-from mjcompose.mujoco.keyframes import Keys
+from mjcompose.mujoco.compare import Keys
 from mjcompose.tree.merged_settings import KeyPolicy
 from mjcompose.tree.unit import texts
 

@@ -11,10 +11,9 @@ from mjcompose.base.sink import Sink
 from mjcompose.link.agreement import agreement, passthrough
 from mjcompose.link.angles import angles, check_flexes, flex_turns, note_flexes
 from mjcompose.link.bodies import bodies
-from mjcompose.link.body_reduction import body_reduction
 from mjcompose.link.defaults import choose_classes, defaults, top_level_defaults
 from mjcompose.link.files import files
-from mjcompose.link.inertia import fitted_sizes, inertia, lengthranges
+from mjcompose.link.inertia import body_reduction, fitted_sizes, inertia, lengthranges
 from mjcompose.link.keyframes import keyframes
 from mjcompose.link.link import AT_THE_START, FINISHING, PASSES, Fact, row_of
 from mjcompose.link.linking import AttachmentPlace, Joint, Linking, Part

@@ -16,7 +16,7 @@ from mjcompose.build.bundle.collect import collect
 from mjcompose.link.link import finish, link
 from mjcompose.link.linking import AttachmentPlace, Joint, Linking, Part, Request
 from mjcompose.link.measure import measure_with
-from mjcompose.mujoco.keyframes import Keys
+from mjcompose.mujoco.compare import Keys
 from mjcompose.mujoco.match import Difference, Mount
 from mjcompose.mujoco.unchanged import compare
 from mjcompose.sources.context import Context

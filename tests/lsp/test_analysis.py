@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 from mjcompose.lsp.analysis import column_of, moved, units
-from mjcompose.text.insert import lines_of
+from mjcompose.text.node import lines_of
 
 LINE = "a🤖é\u2028: x"
 

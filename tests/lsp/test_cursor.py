@@ -11,9 +11,8 @@ from lsp.client import MARK
 from mjcompose.base.diagnostic import Span
 from mjcompose.base.sink import Sink
 from mjcompose.lsp.cursor import Cursor, cursor_at
-from mjcompose.text.insert import lines_of
 from mjcompose.text.load import load
-from mjcompose.text.node import Node, Scalar, Sequence
+from mjcompose.text.node import Node, Scalar, Sequence, lines_of
 
 RECIPES = sorted((Path(__file__).resolve().parents[2] / "recipes").glob("*.yaml"))
 

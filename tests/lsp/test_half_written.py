@@ -17,7 +17,7 @@ from mjcompose.lsp.desk import Workspace, uses_of
 from mjcompose.lsp.hover import hover
 from mjcompose.lsp.navigation import definition, folds, formatted, hints, lenses, references, symbols
 from mjcompose.lsp.rename import rename, renameable
-from mjcompose.text.insert import lines_of
+from mjcompose.text.node import lines_of
 
 SHIPPED = sorted(RECIPES.glob("*.yaml"))
 QUICK = [RECIPES / name for name in ("demo.yaml", "payload_study.yaml", "hoist.yaml")]

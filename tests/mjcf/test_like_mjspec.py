@@ -8,7 +8,7 @@ import mujoco
 import pytest
 from mjcompose import mjcf
 from mjcompose.mujoco.arrays import ROUNDING
-from mjcompose.mujoco.keyframes import Keys
+from mjcompose.mujoco.compare import Keys
 from mjcompose.mujoco.unchanged import compare
 
 _MOVED = ("key_qpos", "key_qvel", "key_mpos", "key_mquat")

@@ -11,7 +11,7 @@ import pytest
 from mjcompose.base.rotation import Pose
 from mjcompose.mujoco.arrays import Treatment, about
 from mjcompose.mujoco.attributes import KINDS
-from mjcompose.mujoco.keyframes import Keys, Roots
+from mjcompose.mujoco.compare import Keys, Roots
 from mjcompose.mujoco.match import Difference, Mount
 from mjcompose.mujoco.unchanged import compare, same_dampratio
 

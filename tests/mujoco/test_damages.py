@@ -10,7 +10,7 @@ import mujoco
 import numpy as np
 import pytest
 from mjcompose.mujoco.arrays import ARRAYS, PLACED, Treatment, about
-from mjcompose.mujoco.keyframes import Keys
+from mjcompose.mujoco.compare import Keys
 from mjcompose.mujoco.match import Mount
 from mjcompose.mujoco.unchanged import compare
 from mujoco.test_compare import HAND

@@ -16,8 +16,7 @@ from mjcompose.base.limits import allow
 from mjcompose.sources.fetching import Fetching
 from mjcompose.sources.kinds import parse
 from mjcompose.sources.lock import Lock, Locked, resolve
-from mjcompose.sources.reference import Origin, SourceError
-from mjcompose.sources.trust import Trust
+from mjcompose.sources.reference import Origin, SourceError, Trust
 
 fsspec = pytest.importorskip("fsspec", reason="needs `mjcompose[remote]`")
 

@@ -14,8 +14,7 @@ from typing import Any
 import pytest
 from mjcompose.base.limits import allow
 from mjcompose.sources.download import Version, download
-from mjcompose.sources.reference import SourceError
-from mjcompose.sources.trust import is_private
+from mjcompose.sources.reference import SourceError, is_private
 
 NOTHING = Version()
 CONTENT = bytes(range(256)) * 64
@@ -312,7 +311,7 @@ def test_a_detour_leads_to_no_name_of_this_network(
     web: Any, answer: Callable[..., None], monkeypatch: pytest.MonkeyPatch, tmp_path: Path, found: tuple[str, ...]
 ) -> None:
     """Nor is one asked that had no address when its reference was read."""
-    monkeypatch.setattr("mjcompose.sources.trust._addresses", lambda name: tuple(map(ip_address, found)))
+    monkeypatch.setattr("mjcompose.sources.reference._addresses", lambda name: tuple(map(ip_address, found)))
     monkeypatch.setattr(
         "mjcompose.sources.download.is_private", lambda host: "127.0.0.1" not in host and is_private(host)
     )

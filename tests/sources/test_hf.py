@@ -12,8 +12,7 @@ from mjcompose.sources.fetching import Fetching
 from mjcompose.sources.kinds import parse
 from mjcompose.sources.license import license_of
 from mjcompose.sources.lock import Lock, Locked, resolve
-from mjcompose.sources.reference import Origin, SourceError
-from mjcompose.sources.trust import Trust
+from mjcompose.sources.reference import Origin, SourceError, Trust
 
 CONTENT = b"v 0 0 0\n" * 300
 SHA256 = hashlib.sha256(CONTENT).hexdigest()

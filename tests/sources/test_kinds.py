@@ -10,7 +10,7 @@ from typing import Any
 
 import mjcompose.sources
 import pytest
-from mjcompose.sources import kinds, path
+from mjcompose.sources import kinds
 from mjcompose.sources.fetching import Lookup
 from mjcompose.sources.kinds import KINDS, parse
 from mjcompose.sources.lock import Locked, resolve
@@ -61,7 +61,7 @@ def test_what_a_kind_pins_is_what_a_lock_has() -> None:
 
 
 def test_what_is_known_of_a_source_is_pinned() -> None:
-    shared = replace(path.KIND, is_local=False)
+    shared = replace(kinds.PATH, is_local=False)
     with pytest.raises(ValueError, match=r"knows \['sha256'\], and `pins` in its row does not name it"):
         Origin("shared:arm", shared, Path(), sha256="0" * 64)
     with pytest.raises(ValueError, match=r"knows \['package'\]"):
@@ -78,7 +78,7 @@ def test_a_kind_that_is_not_fetched_sees_its_own_variables(
         found.append(dict(lookup.environment))
         return Source(Path("arm.xml"), reference.kind, reference.text)
 
-    row = replace(path.KIND, is_local=False, is_fetched=is_fetched, variables=("SHOWN", "UNSET"), resolve=look)
+    row = replace(kinds.PATH, is_local=False, is_fetched=is_fetched, variables=("SHOWN", "UNSET"), resolve=look)
     monkeypatch.setitem(kinds._BY_NAME, "path", row)
     resolve("./arm.xml", relative_to=Path(), environment={"SHOWN": "1", "HIDDEN": "2"})
     assert found == [seen]

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 from mjcompose.sources import license
+from mjcompose.sources.kinds import PATH
 from mjcompose.sources.license import identify, is_license, license_of, of_package
-from mjcompose.sources.path import KIND
 from mjcompose.sources.reference import Source
 
 
@@ -138,7 +138,7 @@ def source(folder: Path, head: str = "", licenses: dict[str, str] | None = None,
     for name, text in (licenses or {}).items():
         (folder / name).write_text(text)
     paths = tuple(folder / name for name in licenses or {})
-    return Source(model, KIND, "./arm.xml", licenses=paths, license=package)
+    return Source(model, PATH, "./arm.xml", licenses=paths, license=package)
 
 
 def test_the_model_itself_is_asked_first(tmp_path: Path) -> None:

@@ -4,8 +4,8 @@ import os
 from pathlib import Path
 
 import pytest
+from mjcompose.sources.kinds import PATH
 from mjcompose.sources.lock import resolve
-from mjcompose.sources.path import KIND
 from mjcompose.sources.reference import Source, SourceError
 
 
@@ -38,7 +38,7 @@ def fail(text: str, folder: Path) -> SourceError:
 )
 def test_finds_a_file(project: Path, text: str, kind: str) -> None:
     source = resolve(text, relative_to=project, environment={})
-    assert source == Source(project / text, KIND, text)
+    assert source == Source(project / text, PATH, text)
     assert source.format == kind
     assert source.path.is_file()
 

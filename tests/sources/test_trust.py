@@ -8,12 +8,11 @@ from typing import Any
 
 import pytest
 from mjcompose.base import files
-from mjcompose.sources import archives, git, trust, web_archive
+from mjcompose.sources import archives, git, web_archive
+from mjcompose.sources import reference as references
 from mjcompose.sources.fetching import Fetching
-from mjcompose.sources.kinds import kind_called, parse
-from mjcompose.sources.path import KIND as PATH
-from mjcompose.sources.reference import Origin, SourceError
-from mjcompose.sources.trust import Trust, check_reach, is_private
+from mjcompose.sources.kinds import PATH, kind_called, parse
+from mjcompose.sources.reference import Origin, SourceError, Trust, check_reach, is_private
 from mjcompose.sources.web_archive import unpack as unpacked
 
 FAULTS = [RecursionError, MemoryError, OSError, UnicodeError]
@@ -28,7 +27,7 @@ def fails(kind: type[Exception]) -> Any:
 
 
 def answers(monkeypatch: pytest.MonkeyPatch, *addresses: str) -> None:
-    trust._addresses.cache_clear()
+    references._addresses.cache_clear()
     there = [(socket.AF_INET, socket.SOCK_STREAM, 6, "", (each, 0)) for each in addresses]
     monkeypatch.setattr(socket, "getaddrinfo", lambda *_, **__: there)
 
@@ -53,7 +52,7 @@ def test_a_name_is_judged_by_its_addresses(
 
 
 def test_a_name_without_an_address_is_told_where_it_is_fetched(monkeypatch: pytest.MonkeyPatch) -> None:
-    trust._addresses.cache_clear()
+    references._addresses.cache_clear()
     monkeypatch.setattr(socket, "getaddrinfo", fails(socket.gaierror))
     assert not is_private("nowhere.example.org")
 
@@ -63,7 +62,7 @@ def test_a_name_without_an_address_is_told_where_it_is_fetched(monkeypatch: pyte
 def test_a_server_that_cannot_be_judged_is_private(
     monkeypatch: pytest.MonkeyPatch, kind: type[Exception], inner: str
 ) -> None:
-    monkeypatch.setattr(trust, inner, fails(kind))
+    monkeypatch.setattr(references, inner, fails(kind))
     assert is_private("robots.example.org") and (inner == "_addresses" or is_private("93.184.216.34"))
 
 
@@ -71,7 +70,7 @@ def test_a_server_that_cannot_be_judged_is_private(
 def test_a_name_that_cannot_be_resolved_for_another_reason_is_private(
     monkeypatch: pytest.MonkeyPatch, kind: type[Exception]
 ) -> None:
-    trust._addresses.cache_clear()
+    references._addresses.cache_clear()
     monkeypatch.setattr(socket, "getaddrinfo", fails(kind))
     assert is_private("robots.example.org")
 
@@ -93,7 +92,7 @@ def test_what_is_of_this_machine_is_refused_but_for_what_is_trusted(text: str) -
 
 
 @pytest.mark.parametrize("kind", FAULTS)
-@pytest.mark.parametrize("inner", ["mjcompose.sources.trust._begins", "mjcompose.sources.trust.is_private"])
+@pytest.mark.parametrize("inner", ["mjcompose.sources.reference._begins", "mjcompose.sources.reference.is_private"])
 def test_a_reference_that_cannot_be_judged_is_refused(
     monkeypatch: pytest.MonkeyPatch, kind: type[Exception], inner: str
 ) -> None:

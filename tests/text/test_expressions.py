@@ -7,8 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from mjcompose.text.evaluate import Template
-from mjcompose.text.expression import ExpressionError
-from mjcompose.text.expression_values import Value, shown
+from mjcompose.text.expression import ExpressionError, Value, shown
 
 SCOPE: dict[str, Value] = {"reach": 0.45, "n": 3, "left": True, "side": "left", "v": (1, 2.5)}
 

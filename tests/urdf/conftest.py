@@ -7,7 +7,7 @@ import pytest
 from mjcompose.base.access import Door
 from mjcompose.base.sink import Sink
 from mjcompose.mujoco.engine import Session
-from mjcompose.sources.path import KIND
+from mjcompose.sources.kinds import PATH
 from mjcompose.sources.reference import Source
 from mjcompose.sources.ros import UrdfChoices
 from mjcompose.urdf.read import UrdfReader
@@ -29,7 +29,7 @@ def reader(engine: Session, tmp_path: Path) -> Callable[..., UrdfReader]:
             path.write_text(text, encoding="utf-8")
         packages = tuple(choices.pop("packages", ()))  # type: ignore[call-overload]
         given = UrdfChoices(**choices)  # type: ignore[arg-type]
-        source = Source(path, KIND, file, packages=packages, door=Door.of([tmp_path]), urdf=given)
+        source = Source(path, PATH, file, packages=packages, door=Door.of([tmp_path]), urdf=given)
         return UrdfReader(source, Sink(), engine, lambda each: each.name)
 
     return made

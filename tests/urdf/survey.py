@@ -23,7 +23,7 @@ from mjcompose.base.access import Door  # noqa: E402
 from mjcompose.base.sink import Sink  # noqa: E402
 from mjcompose.link.measure import folder_of  # noqa: E402
 from mjcompose.mujoco.engine import Session  # noqa: E402
-from mjcompose.sources.path import KIND  # noqa: E402
+from mjcompose.sources.kinds import PATH  # noqa: E402
 from mjcompose.sources.reference import Source  # noqa: E402
 from mjcompose.sources.ros import UrdfChoices  # noqa: E402
 from mjcompose.targets.read_back import READERS, read_back  # noqa: E402
@@ -71,7 +71,7 @@ def robots() -> Path | None:
 def read(path: Path, root: Path, session: Session, **choices: str) -> tuple[UrdfReader, mujoco.MjModel | None]:
     packages = (("example-robot-data", root.parent), *((each.name, each) for each in sorted(root.iterdir())))
     choices = {"visuals": "keep", "inertia": "repair", **choices}
-    source = Source(path, KIND, path.name, packages=packages, door=Door.of([root]), urdf=UrdfChoices(**choices))  # type: ignore[arg-type]
+    source = Source(path, PATH, path.name, packages=packages, door=Door.of([root]), urdf=UrdfChoices(**choices))  # type: ignore[arg-type]
     reader = UrdfReader(source, Sink(), session, lambda each: each.name)
     unit = reader.unit()
     if unit is None:

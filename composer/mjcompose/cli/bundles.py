@@ -15,7 +15,7 @@ from mjcompose.build.bundle.listing import COLUMNS
 from mjcompose.cli.options import STRICT, FetchOptions, LimitOptions, ReportOptions, TimeOptions
 from mjcompose.cli.reporting import FINDINGS, USAGE, progress, say
 from mjcompose.cli.run import PATH, Answer, Run, Stop, argument, command, group, option
-from mjcompose.text.expression_values import shown
+from mjcompose.text.expression import shown
 
 if TYPE_CHECKING:
     from mjcompose.build.verify.stored import VerifiedBundle

@@ -64,7 +64,10 @@ _MODULES = {
     **dict.fromkeys(("lsp", "mcp", "plugin"), "servers"),
     **dict.fromkeys(("cache", "lock"), "sources"),
     "fix": "fmt",
-    **dict.fromkeys(("names", "tree"), "explain"),
+    **dict.fromkeys(("diff", "names", "tree"), "explain"),
+    "import": "new",
+    "plan": "check",
+    "render": "view",
 }
 
 # Names of verbs in other tools, and the corresponding command here.

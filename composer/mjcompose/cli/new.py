@@ -1,4 +1,4 @@
-"""`mjcompose new`: write a starter recipe that builds as it is, a repository around one, or the examples."""
+"""`new` and `import`: write a starter recipe, a repository or the examples, or a recipe for a merged model."""
 
 from __future__ import annotations
 
@@ -12,13 +12,16 @@ from typing import TYPE_CHECKING
 import click
 
 from mjcompose.base.dataclass import dataclass
-from mjcompose.base.files import read_regular
+from mjcompose.base.files import foreign_format, read_regular
 from mjcompose.base.report import counted
-from mjcompose.cli.options import ReportOptions
-from mjcompose.cli.run import PATH, Answer, Run, argument, command, flag, group
+from mjcompose.cli.fmt import rewrite
+from mjcompose.cli.options import ReportOptions, TimeOptions, output
+from mjcompose.cli.reporting import FINDINGS, progress, say
+from mjcompose.cli.run import PATH, Answer, Run, Stop, argument, command, flag, group, option
 
 if TYPE_CHECKING:
     from mjcompose.sources.context import Context
+    from mjcompose.tools.importing.recover import Recovered
 
 
 @dataclass(frozen=True, slots=True)
@@ -139,3 +142,152 @@ def _kept(path: str, folder: Path, files: Mapping[str, str]) -> str:
         return kept
     lines = lacking(path, read_regular(folder / path).decode("utf-8", "replace"), files[path])
     return f"{kept}; the project's own would have: {', '.join(f'`{line}`' for line in lines)}" if lines else kept
+
+
+_SHOWN = 20
+
+
+@dataclass(frozen=True, slots=True)
+class ImportOptions:
+    merged: Path = argument(type=PATH)
+    parts: tuple[Path, ...] = argument(type=PATH, nargs=-1)
+    folders: tuple[Path, ...] = option(
+        "--among", multiple=True, metavar="FOLDER", type=click.Path(path_type=Path, exists=True, file_okay=False),
+        help="If no PARTS are given, also search for them in this folder.",
+    )  # fmt: skip
+    out: str | None = output("Where to write the recipe. Default: MERGED.yaml in this folder.")
+    limits: TimeOptions = group(TimeOptions)
+    reporting: ReportOptions = group(ReportOptions)
+
+
+@command(ImportOptions)
+def import_(options: ImportOptions, run: Run) -> Answer | int:
+    """Propose a recipe that builds the model MERGED from the models PARTS, build it, and report the differences.
+
+    Without PARTS, they are searched for in the folders of --among, in the Menagerie models on this machine, and in
+    installed packages. If none are found, the recipe starts from MERGED itself.
+
+    From a URDF or a xacro template, write a recipe that starts from it, and print which elements are read and why.
+
+    Parts are recognized by the names of their bodies, with or without a prefix. Anything that a recipe cannot express
+    becomes a comment. Exit codes: 0 the recipe builds the same model, 1 something differs or cannot be read or built, 2
+    wrong usage.
+    """
+    from mjcompose.base.report import counted
+    from mjcompose.tools.importing.recover import recover
+    from mjcompose.tools.importing.search import search
+
+    merged, parts, context = options.merged, options.parts, run.context
+    target = Path(options.out) if options.out is not None else Path(f"{merged.stem}.yaml")
+    if os.path.lexists(target):
+        raise click.UsageError(f"{target} exists already: choose another name with -o")
+    if parts and options.folders:
+        raise click.UsageError("--among is for a search, and you named PARTS: remove --among")
+    if named := next((each for each in parts if _is_reference(each)), None):
+        help = "Remove PARTS: mjcompose searches Menagerie and installed packages"
+        raise click.UsageError(f"PARTS are files, and `{named}` is a reference. {help}")
+    _refuse_foreign((merged, *parts), run)
+    progress(f"reading {merged}")
+    if merged.suffix.lower() in (".urdf", ".xacro"):
+        if parts or options.folders:
+            raise click.UsageError("a URDF has no parts: remove PARTS and --among")
+        return _urdf(merged, target, run)
+    references: dict[Path, str] = {}
+    if not parts:
+        result = run.need(search(merged, options.folders, context, progress=progress), merged)
+        among = f"among {counted(result.looked_at, 'model')}"
+        if not result.parts:
+            return _whole(merged, target, among=among, run=run)
+        names = [each.reference or context.shown(each.path) for each in result.parts]
+        say(f"found {counted(len(names), 'part')} {among}: {', '.join(names)}", err=run.form == "json")
+        references = {each.path: each.reference for each in result.parts if each.reference is not None}
+        parts = tuple(each.path for each in result.parts)
+    found = recover(merged, list(parts), target, context=context, progress=progress, references=references)
+    if found is not None:
+        rewrite(target, found.text.encode(), context)
+        for fault in found.faults:
+            context.sink.add(fault)
+    if found is None or context.sink.has_errors:
+        raise Stop(run.code_of_failure(merged, *parts))
+    return _answer(found, target, shown=context.shown(merged), run=run)
+
+
+def _answer(found: Recovered, target: Path, shown: str, run: Run) -> Answer | int:
+    from mjcompose.base.report import counted
+    from mjcompose.tools.importing.recover import changed, left
+
+    comments = [entry for entry in found.proposal.entries if entry.note is not None]
+    outcome, edits = found.outcome, list(changed(found.proposal.changed))
+    different = None if outcome is None else [] if outcome.same else list(left(outcome, shown))
+    code = FINDINGS if outcome is None or not outcome.same else 0
+    if run.form == "json":
+        parts = {"parts": len(found.proposal.found), "comments": len(comments)}
+        answer = {"output": str(target), **parts, "changed": edits, "differences": different}
+        return Answer("", answer, code=code, is_outcome=True)
+    run.report()
+    only = f", {counted(len(comments), 'entry', 'entries')} only as {'a comment' if len(comments) == 1 else 'comments'}"
+    say(f"wrote {target}: {counted(len(found.proposal.found), 'part')}{only if comments else ''}")
+    _say_several(f"changed in {shown}, and written into the recipe", edits)
+    if outcome is None or different is None:
+        why = f": MuJoCo rejects {shown}: {found.refused}" if found.refused else ""
+        click.echo(f"the two models could not be compared{why}")
+    elif outcome.same:
+        rounded = counted(len(outcome.rounded), "number")
+        verb = "is" if len(outcome.rounded) == 1 else "are"
+        but = f"; {rounded} {verb} equal to six digits only" if outcome.rounded else ""
+        say(f"it builds, and the model is that of {shown}, element by element, to seven digits{but}")
+    else:
+        _say_several(f"it builds, and is not yet the model of {shown}", different)
+    return code
+
+
+def _refuse_foreign(files: tuple[Path, ...], run: Run) -> None:
+    for file in files:
+        if (found := foreign_format(file)) is not None:
+            shown = run.context.shown(file)
+            run.context.sink.error("source-kind", found.message(shown), help=found.help(shown))
+    run.check(run.code_of_failure(*files))
+
+
+def _urdf(file: Path, target: Path, run: Run) -> Answer:
+    """Write the recipe that starts from a URDF. Return the table of the elements that are read."""
+    from mjcompose.tools.importing.propose import of_urdf, table
+
+    context = run.context
+    found = run.need(of_urdf(file, target, context), file)
+    rewrite(target, found.text.encode(), context)
+    run.check(run.code_of_failure(file))
+    rows = [
+        {"what": row.what, "count": row.count, "became": row.became or None, "why": row.why or None,
+         "first": str(row.span)}
+        for row in found.rows
+    ]  # fmt: skip
+    words = [f"wrote {target}: it starts from {context.shown(file)}", *table(found.rows)]
+    return Answer("\n".join(words), {"output": str(target), "rows": rows}, code=0, is_outcome=True)
+
+
+def _is_reference(part: Path) -> bool:
+    """Return whether a file argument is a reference such as `menagerie:…`; a single letter is a drive."""
+    return re.match(r"[a-z][a-z+]+:", str(part)) is not None and not os.path.exists(part)
+
+
+def _whole(merged: Path, target: Path, among: str, run: Run) -> Answer:
+    from mjcompose.tools.importing.recover import whole_recipe
+
+    if not rewrite(target, whole_recipe(merged, target).encode(), run.context):
+        raise Stop(FINDINGS)
+    words = f"found none of its parts {among}; --among FOLDER looks further\n"
+    words += f"wrote {target}: it starts from {run.context.shown(merged)} as it is"
+    answer = {"output": str(target), "parts": 0, "comments": 0, "changed": [], "differences": []}
+    aside = words if run.form == "json" else None
+    return Answer(words, answer, code=0, is_outcome=True, reports=False, aside=aside)
+
+
+def _say_several(heading: str, lines: list[str]) -> None:
+    if not lines:
+        return
+    say(f"{heading}:")
+    for line in lines[:_SHOWN]:
+        say(f"  {line}")
+    if len(lines) > _SHOWN:
+        say(f"  … and {len(lines) - _SHOWN} more")

@@ -16,7 +16,7 @@ from mjcompose.base.diagnostic import Severity, hide
 from mjcompose.base.report import counted
 from mjcompose.build.bundle.bundle import Location, file_name, hash_of, is_address, location, picture_of
 from mjcompose.cli.reporting import clear_progress, note_files, note_output, progress, say, say_details
-from mjcompose.text.expression_values import shown
+from mjcompose.text.expression import shown
 from mjcompose.tree.merged_settings import in_words
 
 if TYPE_CHECKING:

@@ -1,4 +1,4 @@
-"""`mjcompose view`: a model in the browser, live or as a file."""
+"""`view` and `render`: a model in the browser, live or as a file, and as a picture or a film."""
 
 from __future__ import annotations
 
@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING
 import click
 
 from mjcompose.base.dataclass import dataclass
+from mjcompose.base.report import counted
 from mjcompose.cli import completion
-from mjcompose.cli.cells import CellOptions
-from mjcompose.cli.options import Choices, FetchOptions, ReportOptions, TimeOptions
+from mjcompose.cli.cells import JOBS, CellOptions, CellsOptions, check_several
+from mjcompose.cli.options import Amount, Choices, FetchOptions, ReportOptions, TimeOptions, output
 from mjcompose.cli.reporting import FINDINGS, USAGE, progress, say, words_of
 from mjcompose.cli.run import Answer, Run, Stop, argument, command, flag, group, option
 
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
     from mjcompose.tools.diff.sides import Operand
     from mjcompose.tools.view.builder import Shown, Workshop
     from mjcompose.tools.view.live import Service
+    from mjcompose.tools.view.render import Wish
 
 
 @dataclass(frozen=True, slots=True)
@@ -127,3 +129,149 @@ def _page(operand: Operand, out: Path, options: Options, given: dict[str, Node],
         return None
     size = write_page(side, out, options.key, context=operand.context, session=session)
     return None if size is None else f"wrote {out}, {size / 1e6:.1f} MB: open it in a browser"
+
+
+_LONGEST_FILM = 60.0
+
+
+def _size(context: click.Context, option: click.Parameter, text: str | None) -> tuple[int, int] | None:
+    from mjcompose.tools.view.render import MOST_PIXELS, size_of
+
+    size = None if text is None else size_of(text)
+    if text is not None and size is None:
+        message = f"`{text}` is not WIDTHxHEIGHT in pixels, from 16 to {MOST_PIXELS}: write for instance `640x480`."
+        raise click.BadParameter(message)
+    return size
+
+
+def _color(context: click.Context, option: click.Parameter, text: str | None) -> tuple[int, int, int, int] | None:
+    from mjcompose.tools.view.render import COLORS, color_of
+
+    found = None if text is None else color_of(text)
+    if text is not None and found is None:
+        raise click.BadParameter(f"`{text}` is not a color: write `#RRGGBB`, or {', '.join(COLORS)}.")
+    return found
+
+
+@dataclass(frozen=True, slots=True)
+class RenderOptions:
+    target: str = argument()
+    out: str | None = output("FILE.png, FILE.gif or FILE.mp4. Default: build/NAME.png.")
+    key: str | None = option("--key", metavar="KEY", help="The keyframe to show. Default: the first one.",
+                             shell_complete=completion.keys)  # fmt: skip
+    camera: str | None = option(
+        "--camera", metavar="CAMERA", shell_complete=completion.cameras,
+        help="A camera of the model. Default: a camera that shows the whole model.",
+    )  # fmt: skip
+    size: tuple[int, int] | None = option(
+        "--size", callback=_size, metavar="WIDTHxHEIGHT",
+        help="The size in pixels. Default: 960x720, or 320x240 for each picture of a contact sheet.",
+    )  # fmt: skip
+    background: tuple[int, int, int, int] | None = option(
+        "--background", callback=_color, metavar="COLOR",
+        help="#RRGGBB, white, black, grey or transparent. Default: the model's sky, or grey if it has none.",
+    )  # fmt: skip
+    turntable: bool = flag("--turntable", help="Make a film in which the camera goes around the model once.")
+    play: float | None = option("--play", type=Amount(min=0, min_open=True, max=_LONGEST_FILM), metavar="SECONDS",
+                                help="Make a film of this many seconds of simulation.")  # fmt: skip
+    choices: Choices = group(Choices)
+    cells: CellsOptions = group(CellsOptions)
+    jobs: int | None = JOBS
+    limits: TimeOptions = group(TimeOptions)
+    fetching: FetchOptions = group(FetchOptions)
+    reporting: ReportOptions = group(ReportOptions)
+
+
+@command(RenderOptions)
+def render(options: RenderOptions, run: Run) -> Answer:
+    """Render a picture of TARGET: a recipe, an MJCF or URDF file, or a bundle.
+
+    With --all, --pick or --sample, make a contact sheet of these cells of the matrix and samples, each with its name
+    below it.
+    """
+    from mjcompose.mujoco.engine import Session
+    from mjcompose.tools.diff.sides import read_operand
+    from mjcompose.tools.view.render import TILE, Wish
+
+    given = options.choices.values(run.context)
+    several, moves = not options.cells.one, options.turntable or options.play is not None
+    check_several(not several, jobs=options.jobs)
+    if several and moves:
+        raise click.UsageError("A contact sheet does not move: remove --turntable and --play.")
+    if options.turntable and options.camera is not None:
+        raise click.UsageError("--turntable goes around the whole model: remove --camera.")
+    run.check()
+    wish = Wish(
+        options.size or (TILE if several else Wish().size), options.key, options.camera,
+        background=options.background, turntable=options.turntable, play=options.play,
+    )  # fmt: skip
+    with ExitStack() as opened:
+        operand = read_operand(options.target, run.context, opened)
+        if operand is None:
+            raise Stop(USAGE)
+        out = Path(options.out or f"build/{Path(options.target).stem or 'model'}.{'gif' if moves else 'png'}")
+        session = opened.enter_context(Session(rendering=True))
+        rendering = _Rendering(operand, out, wish, given=given, session=session)
+        words = rendering.sheet(options) if several else rendering.one()
+        operand.report(run.context.sink)
+    if words is None:
+        raise Stop(FINDINGS)
+    return Answer(words, is_outcome=True)
+
+
+@dataclass(frozen=True, slots=True)
+class _Rendering:
+    operand: Operand
+    out: Path
+    wish: Wish
+    given: dict[str, Node]
+    session: Session
+
+    def one(self) -> str | None:
+        """Write one picture or film."""
+        from mjcompose.build.bundle.bundle import OutputError
+        from mjcompose.tools.diff.sides import load
+        from mjcompose.tools.view.render import check_given, format_of, render
+
+        operand, out, wish, session, kept = self.operand, self.out, self.wish, self.session, "render"
+        context = operand.context
+        try:
+            format_of(out, wish)  # before a model is built in vain
+        except OutputError as error:
+            context.sink.add(error.diagnostic)
+            return None
+        if not check_given(operand, self.given):
+            return None
+        progress(f"drawing {operand.label}")
+        side = load(operand, kept, session, given=self.given)
+        if side is None or context.sink.has_errors:
+            return None
+        is_drawn = render(kept, out, wish, context=context, session=session, read=side.inputs)
+        return f"wrote {out}" if is_drawn else None
+
+    def sheet(self, options: RenderOptions) -> str | None:
+        """Write a contact sheet."""
+        from mjcompose.build.bundle.bundle import OutputError
+        from mjcompose.tools.diff.sides import Kind
+        from mjcompose.tools.view.render import Format, format_of, render_sheet
+
+        operand, out, context = self.operand, self.out, self.operand.context
+        try:
+            assert format_of(out, self.wish) is Format.PNG, out
+        except OutputError as error:
+            context.sink.add(error.diagnostic)
+            return None
+        if operand.kind is not Kind.RECIPE:
+            context.sink.error("unknown-name", f"`{operand.label}` is not a recipe and has neither cells nor samples",
+                               help="remove `--all`, `--pick` and `--sample`")  # fmt: skip
+            return None
+        cells, code = options.cells.chosen(operand.path, self.given, context=context, verb="render")
+        if code:
+            return None
+        if not cells:
+            return self.one()
+        drawn = render_sheet(
+            operand, cells, out, wish=self.wish, session=self.session, given=self.given,
+            tell=lambda name: progress(f"drawing {name}"), jobs=options.jobs,
+        )  # fmt: skip
+        return f"wrote {out}: {counted(drawn, 'picture')}" if drawn else None

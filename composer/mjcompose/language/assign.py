@@ -19,7 +19,7 @@ from mjcompose.language.placing import ORIENTATIONS
 from mjcompose.language.select import check_template, kinds_of, unknown_attribute
 from mjcompose.language.value import attribute_and_index, bare_angle, read_value
 from mjcompose.language.wording import EXCLUSIVE, kind_of, shown
-from mjcompose.text.expression_values import Angle
+from mjcompose.text.expression import Angle
 from mjcompose.text.node import is_template
 from mjcompose.tree.grammar import GRAMMAR, Attribute, ElementType
 from mjcompose.tree.pattern import Selector, paths_of

@@ -29,7 +29,7 @@ from mjcompose.language.forms.rows import Rows
 from mjcompose.language.forms.rules import OneOf
 from mjcompose.language.forms.scalars import Checked, Expects, Items, Measure, NotNegative, Positive, Whole
 from mjcompose.language.wording import kind_of, shown
-from mjcompose.text.expression_values import Angle
+from mjcompose.text.expression import Angle
 
 Operation = Literal["set", "scale", "offset"]
 _MAKERS: Mapping[str, Callable[..., Distribution]] = {

@@ -25,8 +25,7 @@ from mjcompose.language.parameters import (
     settle,
 )
 from mjcompose.text.evaluate import Template
-from mjcompose.text.expression import ExpressionError
-from mjcompose.text.expression_values import Value, shown
+from mjcompose.text.expression import ExpressionError, Value, shown
 from mjcompose.text.merge import Path, in_own_model, is_edits, without_ids
 from mjcompose.text.node import Key, Mapping, Node, Scalar, Sequence, find, is_template
 

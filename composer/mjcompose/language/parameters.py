@@ -11,8 +11,7 @@ from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Diagnostic, Note, Span
 from mjcompose.base.sink import Sink
 from mjcompose.base.suggest import did_you_mean, unknown_name
-from mjcompose.text.expression import ExpressionError, UnknownName
-from mjcompose.text.expression_values import Angle, Value, kind, shown
+from mjcompose.text.expression import Angle, ExpressionError, UnknownName, Value, kind, shown
 from mjcompose.text.merge import Path, is_of_elements, merge
 from mjcompose.text.node import Key, Mapping, Node, Scalar, Sequence, is_template
 
@@ -23,8 +22,7 @@ _NAME = re.compile(r"[^\W\d]\w*")
 
 def is_usable(key: Key, what: str, sink: Sink) -> bool:
     """Return whether an expression can use the name; `what` describes the named thing in messages."""
-    from mjcompose.text.expression import KEYWORDS
-    from mjcompose.text.expression_values import CONSTANTS, FUNCTIONS
+    from mjcompose.text.expression import CONSTANTS, FUNCTIONS, KEYWORDS
 
     if _NAME.fullmatch(key.name) is None:
         help = f"write `{suggested}`" if _NAME.fullmatch(suggested := re.sub(r"\W", "_", key.name)) else None

@@ -22,7 +22,7 @@ from mjcompose.language.forms.scalars import Checked, Name
 from mjcompose.language.fragment import missing_key
 from mjcompose.language.value import Element, Single
 from mjcompose.language.wording import is_unprintable, kind_of, shown, unprintable
-from mjcompose.text.expression_values import Angle
+from mjcompose.text.expression import Angle
 from mjcompose.text.key_order import WHOLE
 from mjcompose.text.node import Key, Scalar, find
 from mjcompose.text.node import Mapping as Located

@@ -12,7 +12,7 @@ from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Fault, Fix, Note, Path
 from mjcompose.base.suggest import advised, exists_note
 from mjcompose.language.wording import is_unprintable, kind_of, shown, unprintable
-from mjcompose.text.expression_values import Angle
+from mjcompose.text.expression import Angle
 from mjcompose.tree.grammar import Attribute, ElementType, number_text
 from mjcompose.tree.values import Refusal, check_number, check_python, expected, items, parse_real
 

@@ -27,7 +27,7 @@ from mjcompose.language.forms.scalars import (
 )
 from mjcompose.language.forms.translate import faults
 from mjcompose.language.parameters import Parameter, is_usable
-from mjcompose.text.expression_values import ANGLE_PATTERN, UNITS, Angle, Value
+from mjcompose.text.expression import ANGLE_PATTERN, UNITS, Angle, Value
 from mjcompose.text.node import Mapping as Located
 from mjcompose.text.node import Node, is_template, locate, to_python
 

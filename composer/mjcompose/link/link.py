@@ -10,10 +10,9 @@ from mjcompose.base.dataclass import dataclass
 from mjcompose.link.agreement import agreement, autolimits, passthrough
 from mjcompose.link.angles import angles, check_flexes, flex_turns, note_flexes
 from mjcompose.link.bodies import bodies
-from mjcompose.link.body_reduction import body_reduction
 from mjcompose.link.defaults import choose_classes, defaults, top_level_defaults
 from mjcompose.link.files import files
-from mjcompose.link.inertia import fitted_sizes, inertia, lengthranges
+from mjcompose.link.inertia import body_reduction, fitted_sizes, inertia, lengthranges
 from mjcompose.link.keyframes import keyframes
 from mjcompose.link.linking import Linking
 from mjcompose.link.names import names

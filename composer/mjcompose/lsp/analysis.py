@@ -19,9 +19,8 @@ from mjcompose.build.plan.plan import BASE, PlacedModel, Plan
 from mjcompose.lsp.cursor import Cursor, Path, cursor_at
 from mjcompose.lsp.language import Form, forms_at
 from mjcompose.sources.reference import Source
-from mjcompose.text.insert import Change, lines_of
 from mjcompose.text.load import load
-from mjcompose.text.node import Mapping, Node, find, to_python
+from mjcompose.text.node import Change, Mapping, Node, find, lines_of, to_python
 from mjcompose.tree.names import WORLD, NameIndex
 from mjcompose.tree.unit import Unit
 

@@ -21,7 +21,7 @@ from mjcompose.lsp.subject import Settable, of_nested, sets, settables, wanted_a
 from mjcompose.sources.fetching import model_files
 from mjcompose.sources.kinds import KINDS
 from mjcompose.sources.reference import FORMATS
-from mjcompose.text.expression_values import CONSTANTS, FUNCTIONS
+from mjcompose.text.expression import CONSTANTS, FUNCTIONS
 from mjcompose.text.faults import quoted
 
 

@@ -26,8 +26,8 @@ from mjcompose.lsp.analysis import Analysis, Model, Shelf, is_saved, moved, show
 from mjcompose.mujoco.engine import Session
 from mjcompose.sources.context import Context
 from mjcompose.sources.fetching import Fetching, model_files
-from mjcompose.text.insert import lines_of
 from mjcompose.text.load import load
+from mjcompose.text.node import lines_of
 from mjcompose.tools.explain.explain import Traced
 from mjcompose.tools.explain.trace import Trace
 from mjcompose.tree.files import RECIPES

@@ -20,8 +20,7 @@ from mjcompose.lsp.places import label, matches, part_of_reference, selector_aro
 from mjcompose.lsp.subject import Settable, in_model, named_at, names_in, of_nested, settables
 from mjcompose.sources.reference import Source
 from mjcompose.text.evaluate import Template
-from mjcompose.text.expression import ExpressionError
-from mjcompose.text.expression_values import shown
+from mjcompose.text.expression import ExpressionError, shown
 from mjcompose.text.node import Mapping as Located
 from mjcompose.text.node import is_template
 from mjcompose.tools.explain.explanation import render

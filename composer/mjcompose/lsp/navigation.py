@@ -21,9 +21,8 @@ from mjcompose.lsp.cursor import Path
 from mjcompose.lsp.hover import describe, values_of
 from mjcompose.lsp.language import Form, kinds_of
 from mjcompose.lsp.places import PART, is_selector, label, matches, part_called, part_of_reference
-from mjcompose.text.insert import Change, lines_of
 from mjcompose.text.layout import format_recipe
-from mjcompose.text.node import Mapping, Node, Scalar, Sequence, find, is_template, locate, spans
+from mjcompose.text.node import Change, Mapping, Node, Scalar, Sequence, find, is_template, lines_of, locate, spans
 from mjcompose.tree.names import NameIndex
 
 

@@ -24,7 +24,7 @@ from mjcompose.base.diagnostic import Diagnostic, Severity, Span
 from mjcompose.base.processes import Process
 from mjcompose.base.report import printable
 from mjcompose.lsp import analysis
-from mjcompose.text.insert import Change
+from mjcompose.text.node import Change
 
 _LENGTH = b"content-length"
 _MOST_LINE = 1 << 16

@@ -16,9 +16,8 @@ from mjcompose.lsp.analysis import Analysis, Question
 from mjcompose.lsp.cursor import Path
 from mjcompose.lsp.places import PART, part_called
 from mjcompose.text.faults import quoted, word
-from mjcompose.text.insert import Change
 from mjcompose.text.load import load
-from mjcompose.text.node import Mapping, Scalar, find, locate, walk
+from mjcompose.text.node import Change, Mapping, Scalar, find, locate, walk
 
 _CHOICE = re.compile(r"\{([^{}]*)\}")
 

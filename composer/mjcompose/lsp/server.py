@@ -31,7 +31,7 @@ from mjcompose.lsp.desk import Desk, Document
 from mjcompose.lsp.hover import hover
 from mjcompose.lsp.protocol import Converter, Errands, Frames
 from mjcompose.lsp.rename import Refused, rename, renameable
-from mjcompose.text.insert import lines_of
+from mjcompose.text.node import lines_of
 
 _TURN = 0.001  # how many seconds an analysis may keep Python for itself while an editor waits for an answer
 _WATCHED = "**/*.{yaml,yml,xml,mjcf,urdf,xacro,lock}"

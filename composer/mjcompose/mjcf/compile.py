@@ -21,8 +21,8 @@ from mjcompose.mjcf.model import Model, Target
 from mjcompose.mjcf.node_view import attachments_below
 from mjcompose.mujoco.attributes import Model as MjModel
 from mjcompose.mujoco.attributes import NameTable
+from mjcompose.mujoco.index import compiled_kind, compiled_order, rows
 from mjcompose.mujoco.messages import Topic, locate_fault, parse, translate
-from mjcompose.mujoco.order import compiled_kind, compiled_order, rows
 from mjcompose.tree.grammar import GRAMMAR, Attribute, to_text
 from mjcompose.tree.mesh_cost import check_meshes
 from mjcompose.tree.unit import Unit, element_at

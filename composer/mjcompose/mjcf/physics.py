@@ -29,8 +29,8 @@ from mjcompose.mjcf.node_view import NodeView, RootView, model_of
 from mjcompose.mjcf.views import view
 from mjcompose.mujoco.attributes import KINDS, NameTable
 from mjcompose.mujoco.film import png
+from mjcompose.mujoco.index import compiled_kind
 from mjcompose.mujoco.messages import Topic, read_sentence
-from mjcompose.mujoco.order import compiled_kind
 from mjcompose.tree.edit import is_copy
 from mjcompose.tree.parse import all_admitted, parse_file
 from mjcompose.tree.select import WORLD_SECTION

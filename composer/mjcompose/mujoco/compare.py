@@ -1,4 +1,4 @@
-"""Compare two compiled models by the table of arrays: element by element, or every attribute of `mjModel`.
+"""Compare compiled models by the table of arrays, element by element or every attribute of `mjModel`, and their keys.
 
 The caller says which elements belong together, which differences are allowed, and how to report a difference. This
 module finds the numbers that differ.
@@ -7,17 +7,19 @@ module finds the numbers that differ.
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
+from enum import StrEnum
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mjcompose.base.dataclass import dataclass
-from mjcompose.mujoco.addresses import runs, span
-from mjcompose.mujoco.arrays import Treatment, with_trait
-from mjcompose.mujoco.attributes import KINDS, Model
-from mjcompose.mujoco.match import Correspondence, Difference, Value
+from mjcompose.base.rotation import Pose, rotate
+from mjcompose.mujoco.addresses import RUNS, runs, span
+from mjcompose.mujoco.arrays import FREE, ROUNDING, Treatment, with_trait
+from mjcompose.mujoco.attributes import KINDS, Model, NameTable
+from mjcompose.mujoco.match import ABSENT, MISSING, Correspondence, Difference, Value
 from mjcompose.mujoco.references import DOF, Array, arrays, same_width, unequal
 
 Pairs = list[tuple[int, int]]
@@ -207,3 +209,268 @@ def plain_value(numbers: Any) -> Value:
     """Return an array as nested tuples of numbers."""
     array = np.asarray(numbers)
     return tuple(map(plain_value, array)) if array.ndim else array.item()
+
+
+Entry = tuple[str, Array, Array, float]
+"""The name of a row of a key, its numbers alone and in the composition, and how far apart they may be."""
+
+
+class Keys(StrEnum):
+    """How a part's keys are composed (`keys:` and `drop` of a recipe)."""
+
+    MERGE = "merge"
+    """Keys of the same name in several parts become one key of that name."""
+    PREFIX = "prefix"
+    """Each is a key of its own with the part's prefix."""
+    NONE = "none"
+
+
+class Roots(StrEnum):
+    """What happens in keys to free joints and mocap bodies at the root of a part that is moved."""
+
+    MOVED = "moved"
+    """They move with the part."""
+    KEPT = "kept"
+    """The numbers stay, as `MjSpec.attach` leaves them."""
+
+
+def key_differences(
+    matching: Correspondence, transform: Pose | None, keys: Keys, roots: Roots, tolerance: float = 0.0,
+    replaced: Collection[str] = (),
+) -> list[Difference]:  # fmt: skip
+    """Return where a key of the part differs for the part's own joints, actuators and mocap bodies.
+
+    ``transform`` is the pose of the part's world in the composition's; None or the identity moves nothing. Keys of
+    the composition that are ``replaced`` are not compared, because their values were written on purpose.
+    """
+    found: list[Difference] = []
+    if keys is Keys.NONE:
+        return found
+    moved = transform if roots is Roots.MOVED and transform is not None and not transform.is_identity else None
+    for key, target in _match(matching, keys, moved):
+        name = matching.alone.describe("key", key)
+        if target == ABSENT:
+            found.append(Difference("key", name, MISSING, expected=True, actual=False))
+            continue
+        if matching.composed.names["key"][target] in replaced:
+            continue
+        there = matching.composed.describe("key", target)
+        pairs = list(_entries(matching, key, target, moved=moved))
+        if keys is Keys.PREFIX:
+            alone, composed = matching.alone.model, matching.composed.model
+            pairs.append(("key_time", alone.key_time[key : key + 1], composed.key_time[target : target + 1], 0.0))
+        for field, mine, theirs, bound in pairs:
+            if mine.shape != theirs.shape or unequal(mine, theirs, max(bound, tolerance)).any():
+                expected, actual = tuple(mine.tolist()), tuple(theirs.tolist())
+                found.append(Difference("key", there, field, expected=expected, actual=actual))
+    return found
+
+
+def _match(matching: Correspondence, keys: Keys, moved: Pose | None) -> Iterator[tuple[int, int]]:
+    """Yield keys of the part and of the composition; unnamed ones by order among those that no named key takes."""
+    alone, composed = matching.alone, matching.composed
+    given = matching.renamed.get("key", {})
+    unnamed: list[int] = []
+    taken: set[int] = set()
+    for index, name in enumerate(alone.names["key"]):
+        if not name:
+            unnamed.append(index)
+            continue
+        there = given.get(name, name if keys is Keys.MERGE else matching.prefix + name)
+        # A key of a model that MuJoCo itself attaches to the part has the prefix, whatever happens to the others.
+        found = [composed.ids["key"][each] for each in (there, matching.prefix + name) if each in composed.ids["key"]]
+        alike = (each for each in found if not _says_otherwise(matching, index, each, moved=moved))
+        target = next(alike, found[0] if found else ABSENT)
+        taken.add(target)
+        yield index, target
+    prefix = matching.prefix
+    left = [
+        i
+        for i, name in enumerate(composed.names["key"])
+        if i not in taken and (not name or (prefix and name.startswith(prefix)))
+    ]
+    for index in unnamed:
+        alike = (i for i in left if not _says_otherwise(matching, index, i, moved=moved))
+        target = next(alike, left[0] if left else ABSENT)
+        if target != ABSENT:
+            left.remove(target)
+        yield index, target
+
+
+def _says_otherwise(matching: Correspondence, key: int, target: int, moved: Pose | None) -> bool:
+    return any(
+        mine.shape != theirs.shape or unequal(mine, theirs, bound).any()
+        for _, mine, theirs, bound in _entries(matching, key, target, moved=moved)
+    )
+
+
+def _entries(matching: Correspondence, key: int, target: int, moved: Pose | None) -> Iterator[Entry]:
+    yield from _of_joints(matching, key, target, moved=moved)
+    alone, composed = matching.alone.model, matching.composed.model
+    for actuator, there in enumerate(matching.ids["actuator"]):
+        if there == ABSENT:
+            continue
+        name = matching.composed.describe("actuator", there)
+        for vector in ("ctrl", "act"):
+            mine, theirs = (_entry(alone, vector, key, index=actuator), _entry(composed, vector, target, index=there))
+            yield f"key_{vector} of `{name}`", mine, theirs, 0.0
+    for kind in ("tendon", "flex"):
+        for index, there in enumerate(matching.ids[kind]):
+            if there != ABSENT:
+                yield from _plastic(matching, kind, key, target=target, index=index, there=there)
+    yield from _of_mocap_bodies(matching, key, target, moved=moved)
+
+
+def _of_joints(matching: Correspondence, key: int, target: int, moved: Pose | None) -> Iterator[Entry]:
+    alone, composed = matching.alone.model, matching.composed.model
+    for joint, there in enumerate(matching.ids["joint"]):
+        if there == ABSENT or alone.jnt_type[joint] != composed.jnt_type[there]:
+            continue
+        name = matching.composed.describe("joint", there)
+        mine_q, theirs_q = _entry(alone, "qpos", key, index=joint), _entry(composed, "qpos", target, index=there)
+        mine_v, theirs_v = _entry(alone, "qvel", key, index=joint), _entry(composed, "qvel", target, index=there)
+        bound = 0.0
+        if int(alone.jnt_type[joint]) == FREE and moved is not None:
+            mine_q, mine_v, bound = _moved(mine_q, moved), _turned(mine_v, moved), ROUNDING
+            theirs_q = _aligned(theirs_q, mine_q)
+        yield f"key_qpos of `{name}`", mine_q, theirs_q, bound
+        yield f"key_qvel of `{name}`", mine_v, theirs_v, bound
+        yield from _plastic(matching, "joint", key, target=target, index=joint, there=there)
+
+
+def _of_mocap_bodies(matching: Correspondence, key: int, target: int, moved: Pose | None) -> Iterator[Entry]:
+    alone, composed = matching.alone.model, matching.composed.model
+    for body, there in enumerate(matching.ids["body"]):
+        if not body or there == ABSENT or alone.body_mocapid[body] < 0 or composed.body_mocapid[there] < 0:
+            continue
+        name = matching.composed.describe("body", there)
+        mine, theirs = _mocap(alone, key, body), _mocap(composed, target, there)
+        bound = 0.0
+        if moved is not None:
+            mine, bound = _moved(mine, moved), ROUNDING
+            theirs = _aligned(theirs, mine)
+        yield f"key_mpos of `{name}`", mine[:3], theirs[:3], bound
+        yield f"key_mquat of `{name}`", mine[3:], theirs[3:], bound
+
+
+def _entry(model: Model, vector: str, key: int, index: int) -> Array:
+    return _cut(model, vector, key, rows=span(model, vector, index))
+
+
+def _cut(model: Model, vector: str, key: int, rows: range) -> Array:
+    numbers: Array = getattr(model, f"key_{vector}")[key, rows.start : rows.stop]
+    return numbers
+
+
+def _mocap(model: Model, key: int, body: int) -> Array:
+    at = int(model.body_mocapid[body])
+    pos, quat = model.key_mpos[key, 3 * at : 3 * at + 3], model.key_mquat[key, 4 * at : 4 * at + 4]
+    return np.concatenate([pos, quat])
+
+
+def _plastic(matching: Correspondence, kind: str, key: int, target: int, index: int, there: int) -> Iterator[Entry]:
+    if not hasattr(matching.alone.model, "key_plastic"):
+        return
+    alone, composed, run = matching.alone.model, matching.composed.model, RUNS[kind]["nplastic"]
+    mine = _cut(alone, "plastic", key, rows=run.rows(alone, index))
+    theirs = _cut(composed, "plastic", target, rows=run.rows(composed, there))
+    if mine.size or theirs.size:
+        # By default it is the length in the reference configuration, measured in the world.
+        bound = ROUNDING if kind == "tendon" else 0.0
+        yield f"key_plastic of `{matching.composed.describe(kind, there)}`", mine, theirs, bound
+
+
+def _moved(state: Array, transform: Pose) -> Array:
+    x, y, z, w, a, b, c = state.tolist()
+    pose = transform @ Pose((x, y, z), (w, a, b, c))
+    return np.array([*pose.pos, *pose.quat])
+
+
+def _turned(velocity: Array, transform: Pose) -> Array:
+    """Rotate a free joint's linear velocity, which is in the world's frame; its angular velocity is in the body's."""
+    return np.array([*rotate(transform.quat, velocity[:3].tolist()), *velocity[3:].tolist()])
+
+
+def _aligned(state: Array, like: Array) -> Array:
+    """Return ``state`` with its quaternion in the same hemisphere as that of ``like``."""
+    quat, other = np.asarray(state[3:], dtype=np.float64), np.asarray(like[3:], dtype=np.float64)
+    return np.concatenate([np.asarray(state[:3]), quat if float(quat @ other) >= 0 else -quat])
+
+
+_MOCAP = {"mpos": 3, "mquat": 4}
+
+
+def key_rows(mujoco: Any, whole: Model, asked: dict[str, Any]) -> dict[str, Any]:
+    """Compile bare models, and describe them and the keys of the whole model.
+
+    `asked` has the texts of the bare models (the whole model's is the last), the first letter of the names that they
+    give to unnamed elements, and the questions to `hold`. The answer has a description of each bare model, None if
+    MuJoCo refuses it, a description of the whole model, with its reference configuration as another key, and the
+    answers of `hold`. It has `unlike` if the last is not like the whole one.
+    """
+    bare: list[dict[str, Any] | None] = []
+    refused = ""
+    for text in asked["texts"]:
+        try:
+            bare.append(_described(mujoco.MjModel.from_xml_string(text)))
+        except ValueError as error:
+            bare.append(None)
+            refused = " ".join(str(error).split())
+    described = _described(whole)
+    unlike = refused if bare[-1] is None else _unlike(bare[-1], described, asked["mark"])
+    if unlike:
+        return {"unlike": unlike}
+    reference = {
+        "qpos": whole.qpos0.tolist(),
+        "qvel": [0.0] * whole.nv,
+        "act": [0.0] * whole.na,
+        "ctrl": [0.0] * whole.nu,
+        "mpos": [each for at in _mocaps(whole) for each in whole.body_pos[at].tolist()],
+        "mquat": [each for at in _mocaps(whole) for each in whole.body_quat[at].tolist()],
+    }
+    held = []
+    if asked["held"]:
+        from mjcompose.mujoco.controls import hold  # few keys hold a pose
+
+        held = [hold(mujoco, whole, question) for question in asked["held"]]
+    return {"bare": bare, "keys": described["keys"], "reference": reference, "held": held}
+
+
+def _described(model: Model) -> dict[str, Any]:
+    """Return the holders of numbers by vector, as name, name of the body, number on the body and rows; and the keys."""
+    names = NameTable(model).names
+    joints = [
+        (names["joint"][at], names["body"][body], at - int(model.body_jntadr[body]))
+        for at, body in enumerate(model.jnt_bodyid.tolist())
+    ]
+    actuators = [(name, "", 0) for name in names["actuator"]]
+    mocaps = [(names["body"][at], "", 0) for at in _mocaps(model)]
+    holders = {
+        vector: [[*each, *_ends(span(model, vector, at))] for at, each in enumerate(named)]
+        for named, vectors in ((joints, ("qpos", "qvel")), (actuators, ("act", "ctrl")))
+        for vector in vectors
+    }
+    for vector, width in _MOCAP.items():
+        holders[vector] = [[*each, at * width, (at + 1) * width] for at, each in enumerate(mocaps)]
+    keys = [{vector: getattr(model, f"key_{vector}")[at].tolist() for vector in holders} for at in range(model.nkey)]
+    return {"holders": holders, "keys": keys}
+
+
+def _ends(rows: range) -> tuple[int, int]:
+    return (rows.start, rows.stop) if rows else (0, 0)
+
+
+def _mocaps(model: Model) -> list[int]:
+    bodies = [at for at in range(model.nbody) if model.body_mocapid[at] >= 0]
+    return sorted(bodies, key=lambda at: int(model.body_mocapid[at]))
+
+
+def _unlike(bare: dict[str, Any], whole: dict[str, Any], mark: str) -> str:
+    for vector, holders in whole["holders"].items():
+        found = bare["holders"][vector]
+        if len(found) != len(holders):
+            return f"{len(holders)} elements have `{vector}`, not {len(found)}"
+        for ours, theirs in zip(found, holders, strict=True):
+            if ours[3:] != theirs[3:] or (not ours[0].startswith(mark) and ours[0] != theirs[0]):
+                return f"`{vector}` of `{theirs[0] or theirs[1]}` is elsewhere"
+    return ""

@@ -28,9 +28,8 @@ from mjcompose.mujoco.arrays import (
     about,
 )
 from mjcompose.mujoco.attributes import HOLDERS, KINDS, Model, NameTable, holder
-from mjcompose.mujoco.compare import Pairs, Rules, Run, plain_value, unequal_elements
+from mjcompose.mujoco.compare import Keys, Pairs, Roots, Rules, Run, key_differences, plain_value, unequal_elements
 from mjcompose.mujoco.controls import servo
-from mjcompose.mujoco.keyframes import Keys, Roots, key_differences
 from mjcompose.mujoco.match import (
     ABSENT,
     Correspondence,

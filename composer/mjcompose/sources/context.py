@@ -18,8 +18,7 @@ from mjcompose.base.sink import Sink
 if TYPE_CHECKING:
     from mjcompose.base.diagnostic import Diagnostic, Span
     from mjcompose.sources.fetching import Fetching
-    from mjcompose.sources.reference import Source
-    from mjcompose.sources.trust import Trust
+    from mjcompose.sources.reference import Source, Trust
     from mjcompose.text.node import Node
 
 

@@ -17,8 +17,7 @@ from mjcompose.base.files import read_regular
 from mjcompose.base.limits import advice, in_force, written
 from mjcompose.base.report import counted
 from mjcompose.sources.fetching import Silence, patience, waiting
-from mjcompose.sources.reference import SourceError, is_this_machine, take_apart
-from mjcompose.sources.trust import is_private
+from mjcompose.sources.reference import SourceError, is_private, is_this_machine, take_apart
 
 if TYPE_CHECKING:
     from urllib3 import BaseHTTPResponse, PoolManager

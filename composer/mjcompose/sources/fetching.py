@@ -17,8 +17,7 @@ from mjcompose.base.files import foreign_format, real_path
 from mjcompose.base.suggest import closest, exists_note
 from mjcompose.sources import license
 from mjcompose.sources.blobs import sha256_of
-from mjcompose.sources.reference import Origin, Reference, Source, SourceError, has_format
-from mjcompose.sources.trust import Trust
+from mjcompose.sources.reference import Origin, Reference, Source, SourceError, Trust, has_format
 
 if TYPE_CHECKING:
     from mjcompose.sources.lock import Lock

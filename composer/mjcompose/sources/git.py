@@ -115,7 +115,7 @@ def _resolve_hf(reference: Reference, lookup: Lookup) -> Source:
 
 def _hub(reference: Reference, lookup: Lookup) -> str:
     """Return the address of the hub; a fetched recipe may not reach one in this network."""
-    from mjcompose.sources.trust import is_private
+    from mjcompose.sources.reference import is_private
 
     hub = (lookup.environment.get("HF_ENDPOINT") or _HUB).rstrip("/")
     parts = take_apart(hub)

@@ -18,8 +18,7 @@ from mjcompose.base.limits import in_force
 from mjcompose.base.sink import Sink
 from mjcompose.sources.fetching import Fetching, Lookup
 from mjcompose.sources.kinds import EXTENDED, kind_called, parse
-from mjcompose.sources.reference import PINS, Source, SourceError, SourceKind
-from mjcompose.sources.trust import check_reach
+from mjcompose.sources.reference import PINS, Source, SourceError, SourceKind, check_reach
 from mjcompose.text.load import load
 from mjcompose.text.node import Mapping, Scalar, locate, to_python
 

@@ -23,13 +23,11 @@ from mjcompose.build.bundle.manifest import (
 from mjcompose.build.bundle.staging import write_files
 from mjcompose.mujoco import engine
 from mjcompose.mujoco.attributes import NameTable
-from mjcompose.mujoco.index import Index, index
-from mjcompose.mujoco.order import compiled_order
+from mjcompose.mujoco.index import Index, compiled_order, index
 from mjcompose.sources.context import Context
-from mjcompose.targets.consumers import PLAIN
 from mjcompose.targets.plain import CannotBePlain, plain
 from mjcompose.targets.same import differences
-from mjcompose.targets.table import FEATURES, TARGETS
+from mjcompose.targets.table import FEATURES, PLAIN, TARGETS
 from mjcompose.targets.target import Loss, grouped, in_words
 from mjcompose.tree.unit import Unit
 

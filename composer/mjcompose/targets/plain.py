@@ -19,7 +19,7 @@ from lxml.etree import _Element as Node
 
 from mjcompose.mujoco.arrays import words
 from mjcompose.mujoco.attributes import NameTable, save_digits
-from mjcompose.mujoco.order import compiled_order
+from mjcompose.mujoco.index import compiled_order
 from mjcompose.targets.target import Draft
 from mjcompose.tree.classes import ORIENTATIONS, Classes, chain, given, text_in_effect
 from mjcompose.tree.files import file_attributes, join, stem

@@ -1,4 +1,4 @@
-"""All targets and features, and the tables in docs/how-to/simulators.md."""
+"""All targets, the programs that `build --target` writes models for, and their features, with tables for the docs."""
 
 from __future__ import annotations
 
@@ -8,9 +8,153 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from mjcompose.base.extensions import Table, check_rows
-from mjcompose.targets.consumers import ALL
+from mjcompose.targets import restrictions as limits
+from mjcompose.targets import simulators
 from mjcompose.targets.names import MUJOCO, NAMES
-from mjcompose.targets.target import Outcome, Target
+from mjcompose.targets.solver import BITS, COMPUTING, GRAVCOMP, GRAVITY, SOFTNESS, unread_contacts
+from mjcompose.targets.target import Draft, Limit, Outcome, Target, write_mjcf
+from mjcompose.targets.urdf import write_urdf
+
+# The plainest MJCF, for programs that have no target of their own.
+PLAIN = Target(
+    "plain", "MJCF without frames, classes, replicates and flexcomps, with inertias and OBJ meshes", (),
+    write=write_mjcf, package="mujoco",
+)  # fmt: skip
+
+# Drake. Its parser of MJCF reads bodies, joints, geoms, motors, position servos and `connect`.
+# Drake 1.51 uses the control range of a position servo, which is in radians, as the range of its torque. With
+# `ctrllimited` alone, the torque is limited to zero, which it refuses.
+_NO_CONTROL_RANGE = limits.without_attribute(
+    "control ranges", "actuator/position", "ctrlrange", what="`ctrlrange`",
+    why="the program would take it for the range of the force", also=("ctrllimited",),
+)  # fmt: skip
+
+DRAKE = Target(
+    "drake", "Drake, by its parser of MJCF", (
+        limits.NO_REFERENCES, limits.SINGLE_JOINTS, limits.NO_EMPTY_INERTIA, limits.NO_KEYS, limits.NO_SENSORS,
+        limits.NO_CAMERAS, limits.NO_LIGHTS, limits.NO_SITES, limits.NO_TENDONS, limits.NO_PAIRS, limits.NO_SOFT,
+        limits.NO_PLUGINS, limits.NO_CUSTOM, limits.NO_POLYNOMIALS, limits.NO_SPRINGS, limits.NO_FRICTION,
+        limits.NO_EFFORT, *limits.unread_in("free", "damping"), limits.no_shapes("hfield"), limits.NO_HIDDEN_SHAPES,
+        limits.NO_TEXTURES, limits.servos("motor", "position"), _NO_CONTROL_RANGE, limits.AT_JOINTS,
+        limits.SYMMETRIC_FORCES, limits.NO_SERVO_DAMPING, limits.NO_DELAY, limits.NO_ACTUATOR_ARMATURE,
+        limits.NO_ACTUATOR_DAMPING, limits.REFLECTED_ARMATURE,
+        limits.left_out("equality", "equality/*", but=("connect",), why="what they couple moves freely"),
+        COMPUTING, GRAVCOMP, BITS, SOFTNESS, unread_contacts("torsional", "rolling"),
+    ), write=write_mjcf, package="drake",
+)  # fmt: skip
+
+# Pinocchio. It reads one body in the world, and one joint in each body.
+PINOCCHIO = Target(
+    "pinocchio", "Pinocchio, by its parser of MJCF", (
+        limits.one_root(with_free=True), limits.NO_REFERENCES, limits.SINGLE_JOINTS, limits.NO_KEYS, limits.NO_SENSORS,
+        limits.NO_CAMERAS, limits.NO_LIGHTS, limits.NO_TENDONS, limits.NO_EQUALITY, limits.NO_PAIRS, limits.NO_EXCLUDES,
+        limits.NO_SOFT, limits.NO_PLUGINS, limits.NO_CUSTOM, limits.NO_POLYNOMIALS, limits.NO_SPRINGS,
+        *limits.unread_in("free", "damping", "frictionloss"), *limits.unread_in("ball", "damping", "frictionloss"),
+        limits.no_shapes("hfield"), limits.CARRIED_FORCES, limits.servos(), COMPUTING, GRAVITY, GRAVCOMP, BITS,
+        SOFTNESS, unread_contacts("sliding", "torsional", "rolling"),
+    ), write=write_mjcf, package="pin",
+)  # fmt: skip
+
+# PyBullet. It reads bodies, joints and geoms, and places a body in the world by its center of mass.
+PYBULLET = Target(
+    "pybullet", "PyBullet, by its parser of MJCF", (
+        limits.refused("ball", ".//joint[@type='ball']", "PyBullet has no ball joints in MJCF",
+                       help="convert it to three hinges"),
+        limits.one_root(with_free=False), limits.NO_REFERENCES, limits.SINGLE_JOINTS, limits.NO_KEYS, limits.NO_SENSORS,
+        limits.NO_CAMERAS, limits.NO_LIGHTS, limits.NO_SITES, limits.NO_TENDONS, limits.NO_EQUALITY, limits.NO_PAIRS,
+        limits.NO_EXCLUDES, limits.NO_SOFT, limits.NO_PLUGINS, limits.NO_CUSTOM, limits.NO_DAMPING, limits.NO_FRICTION,
+        limits.NO_ARMATURE, limits.NO_EFFORT, limits.NO_SPRINGS, limits.no_shapes("ellipsoid", "hfield"),
+        limits.servos(), COMPUTING, GRAVITY, GRAVCOMP, SOFTNESS, unread_contacts(but=("condim",)),
+    ), write=write_mjcf, package="pybullet",
+)  # fmt: skip
+
+# Newton. It merges several joints of a body into one, and does not read flexes.
+_MASS = "1e-10"
+"""Moving bodies need a mass in the solver of Newton that is MuJoCo."""
+
+NEWTON = Target(
+    "newton", "Newton, by its parser of MJCF", (
+        limits.NO_REFERENCES, limits.single_joints(_MASS), limits.NO_SOFT, limits.NO_PLUGINS, limits.NO_POLYNOMIALS,
+        limits.NO_YIELD, *limits.unread_in("free", "damping", "armature", "frictionloss"), limits.CARRIED_FORCES,
+        limits.GEARS, GRAVITY,
+    ), write=write_mjcf, package="newton",
+)  # fmt: skip
+
+
+# Genesis. It reads MJCF with MuJoCo.
+def _without_armature(draft: Draft) -> None:
+    """Report the joints to which Genesis 1.4 gives an armature of 0.1 by default."""
+    for joint in draft.root.iterfind(".//joint"):
+        if joint.get("type") != "free" and float(joint.get("armature") or 0) == 0:
+            why = "it adds an armature of 0.1 unless you load it with `default_armature=None`"
+            draft.lose("no armature", joint, why, outcome=Outcome.WRITTEN)
+
+
+def _springs(draft: Draft) -> None:
+    """Leave out springs that do not rest at zero: Genesis 1.4 ignores `springref`."""
+    for number, joint in draft.of("joint"):
+        rests = draft.model.qpos_spring[draft.model.jnt_qposadr[number]]
+        if draft.model.jnt_stiffness[number] and joint.get("type") in ("hinge", "slide") and rests:
+            joint.attrib.pop("stiffness", "")
+            draft.lose("springs", joint, "it has springs that rest at zero", what="stiffness")
+
+
+GENESIS = Target(
+    "genesis", "Genesis, which reads MJCF with MuJoCo", (
+        limits.NO_SOFT, limits.NO_PLUGINS, limits.NO_CUSTOM, limits.NO_KEYS, limits.NO_SENSORS, limits.NO_CAMERAS,
+        limits.NO_LIGHTS, limits.NO_PAIRS, limits.NO_POLYNOMIALS, limits.NO_YIELD,
+        Limit("springs", Outcome.PARTLY, _springs), limits.no_shapes("hfield"), limits.CARRIED_FORCES, limits.AT_JOINTS,
+        limits.ONE_FOR_EACH_JOINT, limits.left_out("equality", "equality/tendon"), limits.NO_TENDONS,
+        Limit("no armature", Outcome.WRITTEN, _without_armature), GRAVCOMP,
+    ), write=write_mjcf, package="genesis-world",
+)  # fmt: skip
+
+# MJX, MuJoCo in JAX. It refuses to load a model with a feature that it does not support.
+MJX = Target(
+    "mjx", "MJX, MuJoCo in JAX", (
+        simulators.MJX_SOFT, limits.NO_PLUGINS, limits.NO_POLYNOMIALS, limits.NO_YIELD, limits.NO_ACTUATOR_ARMATURE,
+        limits.NO_ACTUATOR_DAMPING, limits.NO_DELAY, simulators.MJX_COLLISIONS, simulators.MJX_MARGINS,
+        simulators.MJX_PAIR_MARGINS, simulators.MJX_ACTUATORS, simulators.MJX_EQUALITY, simulators.MJX_SENSORS,
+        simulators.MJX_CONTACT_SENSORS, simulators.MJX_OPTIONS,
+    ), write=write_mjcf, package="mujoco-mjx",
+)  # fmt: skip
+
+# MuJoCo Warp, MuJoCo on NVIDIA GPUs. It refuses to load a model with a feature that it does not support.
+WARP = Target(
+    "warp", "MuJoCo Warp, MuJoCo on GPUs of NVIDIA", (
+        limits.NO_YIELD, simulators.WARP_ACTUATORS, simulators.WARP_EQUALITY, simulators.WARP_SENSORS,
+        simulators.WARP_OPTIONS, simulators.WARP_PLUGINS, simulators.WARP_FLEXES, simulators.WARP_BESIDE_FLEXES,
+        simulators.WARP_VELOCITIES, simulators.WARP_ACTUATOR_PLUGINS, simulators.WARP_SLEEP,
+    ), write=write_mjcf, package="mujoco-warp",
+)  # fmt: skip
+
+# Isaac Sim, by its importer of MJCF.
+ISAAC = Target(
+    "isaac", "Isaac Sim, by its importer of MJCF",
+    (limits.NO_KEYS, limits.NO_SOFT, limits.NO_PLUGINS, limits.NO_CUSTOM), write=write_mjcf,
+)  # fmt: skip
+
+
+# A ROS package with URDF, `ros2_control` and SRDF. Its writer records these losses, so no function looks for them.
+_IN_WRITING = tuple(
+    Limit(feature, outcome, lambda _draft: None)
+    for feature, outcome in (
+        ("roots", Outcome.WRITTEN), ("shapes", Outcome.LEFT_OUT), ("armature", Outcome.LEFT_OUT),
+        ("effort", Outcome.PARTLY), ("equality", Outcome.PARTLY), ("actuators", Outcome.PARTLY),
+    )
+)  # fmt: skip
+
+URDF = Target(
+    "urdf", "URDF, in a ROS package with `ros2_control` and SRDF", (
+        limits.refused("ball", ".//joint[@type='ball']", "URDF has no ball joints", help="convert it to three hinges"),
+        *_IN_WRITING, limits.NO_POLYNOMIALS, limits.NO_SENSORS, limits.NO_CAMERAS, limits.NO_LIGHTS, limits.NO_TENDONS,
+        limits.NO_PAIRS, limits.NO_SOFT, limits.NO_PLUGINS, limits.NO_CUSTOM, limits.NO_SPRINGS, COMPUTING, GRAVITY,
+        GRAVCOMP, BITS, SOFTNESS, unread_contacts("sliding", "torsional", "rolling"),
+    ), write=write_urdf, package="pin",
+)  # fmt: skip
+
+ALL = (PLAIN, DRAKE, PINOCCHIO, PYBULLET, NEWTON, GENESIS, MJX, WARP, ISAAC, URDF)
+
 
 FEATURES: Mapping[str, str] = {
     "roots": "several bodies in the world",

@@ -11,6 +11,10 @@ from functools import lru_cache
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.limits import advice, in_force
 from mjcompose.text.expression import (
+    CONSTANTS,
+    FUNCTIONS,
+    MAX_INTEGER,
+    ArgumentError,
     Binary,
     Call,
     Choice,
@@ -22,10 +26,12 @@ from mjcompose.text.expression import (
     Name,
     Unary,
     UnknownName,
+    Value,
     Vector,
+    kind,
     parse,
+    shown,
 )
-from mjcompose.text.expression_values import CONSTANTS, FUNCTIONS, MAX_INTEGER, ArgumentError, Value, kind, shown
 from mjcompose.text.node import OPENING
 
 _MAX_EXPONENT = 1024

@@ -13,8 +13,8 @@ from mjcompose.build.stages import Request, build
 from mjcompose.link import key_layout, keyframes, numbers
 from mjcompose.link.key_layout import Layout
 from mjcompose.link.unit_keys import MARK
+from mjcompose.mujoco.compare import key_rows
 from mjcompose.mujoco.engine import Session
-from mjcompose.mujoco.keyframes import key_rows
 from mjcompose.sources.context import Context
 
 pytestmark = pytest.mark.mujoco4("it refuses keys beside joints in a replicate, and short ones")

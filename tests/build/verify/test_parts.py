@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 from mjcompose.base.rotation import Pose
 from mjcompose.build.verify.parts import PartQuestion, compare_part, differences_of
+from mjcompose.mujoco.compare import Keys
 from mjcompose.mujoco.engine import Request, Session
-from mjcompose.mujoco.keyframes import Keys
 from mjcompose.mujoco.match import Difference, Mount
 
 PART = """

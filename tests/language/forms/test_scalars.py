@@ -21,7 +21,7 @@ from mjcompose.language.forms.scalars import (
     Text,
     Whole,
 )
-from mjcompose.text.expression_values import Angle
+from mjcompose.text.expression import Angle
 from pydantic import Field, ValidationError, create_model
 
 Several = Annotated[tuple[Annotated[str, Name("geom", glob=True)], ...], Items(1, single=True)]

@@ -23,7 +23,7 @@ from mjcompose.language.forms.scalars import (
     Unit,
 )
 from mjcompose.language.forms.translate import faults
-from mjcompose.text.expression_values import Angle
+from mjcompose.text.expression import Angle
 from pydantic import Field, ValidationError
 
 

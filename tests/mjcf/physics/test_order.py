@@ -9,7 +9,7 @@ import pytest
 from mjcompose import mjcf
 from mjcompose.mjcf import MjcfError, RootElement
 from mjcompose.mujoco.attributes import NameTable
-from mjcompose.mujoco.order import compiled_kind
+from mjcompose.mujoco.index import compiled_kind
 from sampling import rest_slow
 
 _TAGS = (

@@ -29,7 +29,7 @@ from mjcompose.build.cache.cache_key import CacheKey, Files, FileState, differen
 from mjcompose.sources import blobs
 from mjcompose.sources.blobs import key_of
 from mjcompose.sources.store import ENTRY, KINDS, Store
-from mjcompose.text.expression_values import Value
+from mjcompose.text.expression import Value
 from mjcompose.tree.merged_settings import Adopted, known
 
 if TYPE_CHECKING:

@@ -17,7 +17,7 @@ from mjcompose.build.bundle.listing import SIZES, column, write_rows
 from mjcompose.build.bundle.staging import staged_file
 from mjcompose.build.cache.builder import BuildResult
 from mjcompose.language.expand import Cell
-from mjcompose.text.expression_values import Value
+from mjcompose.text.expression import Value
 
 Row = tuple[list[Value | None], dict[str, Value]]
 

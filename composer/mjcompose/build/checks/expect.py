@@ -40,7 +40,7 @@ from mjcompose.language.select import pattern_fault
 from mjcompose.language.wording import kind_of, shown
 from mjcompose.mujoco.attributes import ENUMERATED, HOLDERS, KINDS, attributes, holder
 from mjcompose.mujoco.attributes import TAGS as WITH_NUMBERS
-from mjcompose.text.expression_values import Angle
+from mjcompose.text.expression import Angle
 
 TAGS = (
     "body", "joint", "geom", "site", "camera", "light", "flex", "skin", "mesh", "hfield", "texture", "material",

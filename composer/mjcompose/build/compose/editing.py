@@ -23,7 +23,7 @@ from mjcompose.language.datasheets import Sheet
 from mjcompose.link.key_layout import JOINTS
 from mjcompose.link.linking import Linking
 from mjcompose.link.submodels import add_named_file
-from mjcompose.text.expression_values import Value
+from mjcompose.text.expression import Value
 from mjcompose.text.node import locate
 from mjcompose.tree.classes import Classes, text_in_effect
 from mjcompose.tree.cost import written

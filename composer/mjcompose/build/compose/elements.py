@@ -25,7 +25,7 @@ from mjcompose.link.angles import in_sequence
 from mjcompose.link.files import NamedFile
 from mjcompose.link.linking import Linking
 from mjcompose.sources.context import Context
-from mjcompose.text.expression_values import Angle
+from mjcompose.text.expression import Angle
 from mjcompose.text.node import Mapping as Located
 from mjcompose.text.node import Scalar, find, locate
 from mjcompose.tree.classes import MAIN

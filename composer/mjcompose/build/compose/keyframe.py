@@ -25,7 +25,7 @@ from mjcompose.link.keyframes import part_keys
 from mjcompose.link.linking import Linking, WrittenKey
 from mjcompose.link.measure import without_void
 from mjcompose.link.unit_keys import final_layout
-from mjcompose.text.expression_values import Angle
+from mjcompose.text.expression import Angle
 from mjcompose.text.node import find, locate
 from mjcompose.tree.classes import through_frames
 from mjcompose.tree.names import may_be_generated, word

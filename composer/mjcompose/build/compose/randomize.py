@@ -23,7 +23,7 @@ from mjcompose.build.plan.steps import AngleSettings, DrawValues
 from mjcompose.build.verbs.values import OPERATIONS, Change
 from mjcompose.language.assign import MASS
 from mjcompose.language.value import attribute_and_index, must_not_be_negative
-from mjcompose.text.expression_values import Angle, Value
+from mjcompose.text.expression import Angle, Value
 from mjcompose.tree.select import kind_of, name_of, numbered, parent_of
 from mjcompose.tree.values import is_in_degrees
 

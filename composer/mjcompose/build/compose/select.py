@@ -15,8 +15,7 @@ from mjcompose.build.compose.editing import Editing, cost_of_condition, cost_of_
 from mjcompose.build.compose.values import UnusableValue, Values, attributes_scope, matches_value
 from mjcompose.language.value import attribute_and_index
 from mjcompose.text.evaluate import Template
-from mjcompose.text.expression import ExpressionError
-from mjcompose.text.expression_values import Angle, Value
+from mjcompose.text.expression import Angle, ExpressionError, Value
 from mjcompose.tree.grammar import GRAMMAR, Attribute
 from mjcompose.tree.pattern import BadPattern, Selector, is_glob, is_pattern, matcher, paths_of
 from mjcompose.tree.select import Selection, kind_of

@@ -14,8 +14,7 @@ from mjcompose.base.suggest import did_you_mean, exists_note
 from mjcompose.link import numbers
 from mjcompose.link.key_layout import joint_type
 from mjcompose.text.evaluate import Template
-from mjcompose.text.expression import ExpressionError, UnknownName
-from mjcompose.text.expression_values import Value
+from mjcompose.text.expression import ExpressionError, UnknownName, Value
 from mjcompose.text.node import Scalar, find, is_template, locate
 from mjcompose.tree.classes import childclass_of, own
 from mjcompose.tree.files import Settings

@@ -223,13 +223,13 @@ class Subject:
     @cached_property
     def rows(self) -> dict[Node, int]:
         """The number of every element among the compiled ones of its kind, as far as that is certain."""
-        from mjcompose.mujoco.order import compiled_order, rows
+        from mjcompose.mujoco.index import compiled_order, rows
 
         return rows(compiled_order(self.root), self.roster)
 
     @cached_property
     def _nodes(self) -> dict[tuple[str, int], Node]:
-        from mjcompose.mujoco.order import compiled_kind
+        from mjcompose.mujoco.index import compiled_kind
 
         return {(compiled_kind(node) or "", row): node for node, row in self.rows.items()}
 

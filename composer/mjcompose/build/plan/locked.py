@@ -20,8 +20,8 @@ from mjcompose.build.plan.read import EXTENDS, files_of_recipe, files_of_source,
 from mjcompose.sources.blobs import differences
 from mjcompose.sources.context import Context
 from mjcompose.sources.fetching import Fetching
+from mjcompose.sources.kinds import PATH
 from mjcompose.sources.lock import Disputed, Lock, Locked, kind_of, lock_path, read_lock
-from mjcompose.sources.path import KIND as PATH
 from mjcompose.sources.reference import PINS, Origin, Source
 from mjcompose.sources.store import Store
 

@@ -20,7 +20,7 @@ from mjcompose.language.expand import Cell, Concrete, cells, scope_of, settled_n
 from mjcompose.language.parameters import Parameter, node_of
 from mjcompose.language.validate import judge
 from mjcompose.sources.context import Context, as_text
-from mjcompose.text.expression_values import Angle, Value, kind
+from mjcompose.text.expression import Angle, Value, kind
 from mjcompose.text.node import Mapping, Node, Scalar, find, is_template, locate
 
 if TYPE_CHECKING:

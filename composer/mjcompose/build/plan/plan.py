@@ -32,7 +32,7 @@ from mjcompose.language.value import attribute_and_index
 from mjcompose.language.wording import shown
 from mjcompose.mujoco.attributes import arrays_of
 from mjcompose.sources.reference import ReadAs, Source
-from mjcompose.text.expression_values import Value
+from mjcompose.text.expression import Value
 from mjcompose.text.node import Mapping as Located
 from mjcompose.tree.grammar import number_text
 from mjcompose.tree.merged_settings import Adopted, KeyPolicy, ReadRow

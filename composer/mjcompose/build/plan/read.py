@@ -33,8 +33,7 @@ from mjcompose.sources import ros
 from mjcompose.sources.context import Context, ReadRecipe
 from mjcompose.sources.fetching import Fetching, model_files, nearest
 from mjcompose.sources.lock import resolve as resolve_sources
-from mjcompose.sources.reference import Source, SourceError
-from mjcompose.sources.trust import Trust
+from mjcompose.sources.reference import Source, SourceError, Trust
 from mjcompose.text.decode import refuse_size
 from mjcompose.text.load import load
 from mjcompose.text.merge import merge

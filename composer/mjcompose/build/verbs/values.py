@@ -21,7 +21,7 @@ from mjcompose.language.value import Element, Value, attribute_and_index, bare_a
 from mjcompose.link import numbers
 from mjcompose.link.key_layout import joint_type
 from mjcompose.link.subtree import DroppedElement
-from mjcompose.text.expression_values import Angle
+from mjcompose.text.expression import Angle
 from mjcompose.tree.classes import MAIN, ORIENTATIONS, levels
 from mjcompose.tree.edit import changing, replace, resolves, unresolved
 from mjcompose.tree.grammar import Attribute, to_text

@@ -28,7 +28,7 @@ from mjcompose.mujoco.messages import CRASHES, crash_help
 from mjcompose.mujoco.references import unequal
 from mjcompose.mujoco.varying import Numbers, Recorder, arrays, flat, put, stored
 from mjcompose.sources.context import Context
-from mjcompose.text.expression_values import UNITS, Angle
+from mjcompose.text.expression import UNITS, Angle
 from mjcompose.text.node import locate
 from mjcompose.tree.values import is_in_degrees
 

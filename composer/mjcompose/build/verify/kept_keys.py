@@ -19,7 +19,7 @@ from mjcompose.build.verify.compile import WHOLE
 from mjcompose.link.linking import WrittenKey
 from mjcompose.link.unit_keys import MARK, VECTORS, BareModel, KeyNotes, Within, bare_model, keys_of
 from mjcompose.mujoco import engine
-from mjcompose.mujoco.keyframes import key_rows
+from mjcompose.mujoco.compare import key_rows
 from mjcompose.tree.unit import Unit
 
 if TYPE_CHECKING:

@@ -11,7 +11,7 @@ from mjcompose.base.sink import Sink
 from mjcompose.build.plan.plan import Plan
 from mjcompose.language.keyframe import CTRL, HOLD
 from mjcompose.mujoco.index import Index, Ranged, ranged
-from mjcompose.text.expression_values import Angle
+from mjcompose.text.expression import Angle
 from mjcompose.text.node import locate
 from mjcompose.tree.classes import text_in_effect
 from mjcompose.tree.select import kind_of

@@ -19,7 +19,7 @@ from mjcompose.link.subtree import take_subtree
 from mjcompose.mujoco import engine
 from mjcompose.mujoco.arrays import FREE
 from mjcompose.mujoco.attributes import DERIVED, Model, NameTable
-from mjcompose.mujoco.keyframes import Keys, Roots
+from mjcompose.mujoco.compare import Keys, Roots
 from mjcompose.mujoco.match import EXTRA, MISSING, Difference, Mount, Value
 from mjcompose.mujoco.unchanged import compare
 from mjcompose.sources.context import Context

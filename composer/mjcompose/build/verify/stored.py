@@ -23,9 +23,8 @@ from mjcompose.build.plan.planner import make_plan
 from mjcompose.build.verify.compile import WHOLE, OutsideFilesError, verify
 from mjcompose.build.verify.parts import PartComparer, PartComparison, change_sentence, difference_notes
 from mjcompose.sources.context import Context
-from mjcompose.sources.kinds import kind_called
+from mjcompose.sources.kinds import PATH, kind_called
 from mjcompose.sources.lock import resolve
-from mjcompose.sources.path import KIND as PATH
 from mjcompose.sources.reference import Source, SourceError
 from mjcompose.tree.parse import all_admitted, parse_file
 

@@ -27,7 +27,7 @@ from mjcompose.language.forms.definitions import Schema, reference
 from mjcompose.language.forms.model import IT, KEY, OWNER
 from mjcompose.language.select import GLOB, check_template, pattern_fault
 from mjcompose.language.wording import is_unprintable, kind_of, unprintable
-from mjcompose.text.expression_values import Angle
+from mjcompose.text.expression import Angle
 from mjcompose.text.node import is_template
 
 

@@ -12,8 +12,8 @@ from mjcompose.mujoco import compare
 from mjcompose.mujoco.addresses import VECTORS, span
 from mjcompose.mujoco.arrays import JOINT_TYPES, SWITCH, Treatment, about, words
 from mjcompose.mujoco.attributes import HOLDERS, KINDS, ON_BODIES, Model, NameTable, holder
+from mjcompose.mujoco.compare import Keys, Roots, key_differences
 from mjcompose.mujoco.controls import NO_BIAS, servo
-from mjcompose.mujoco.keyframes import Keys, Roots, key_differences
 from mjcompose.mujoco.match import ABSENT, MISSING, Correspondence, Difference, Mount, unequal_references, values
 from mjcompose.mujoco.references import Array, links
 from mjcompose.tools.diff.changes import Change, Contrast, Count, Move, Value

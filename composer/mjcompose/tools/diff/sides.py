@@ -41,8 +41,7 @@ from mjcompose.sources.context import Context
 from mjcompose.sources.fetching import Fetching, quiet
 from mjcompose.sources.git_command import Git, GitFailure, write_tree
 from mjcompose.sources.git_repository import replace_by_local
-from mjcompose.sources.reference import SourceError
-from mjcompose.sources.trust import Trust
+from mjcompose.sources.reference import SourceError, Trust
 from mjcompose.tools.diff.changes import End
 from mjcompose.tools.explain.explain import Traced
 from mjcompose.tools.explain.trace import Trace

@@ -24,10 +24,9 @@ from mjcompose.link import numbers
 from mjcompose.link.agreement import agreement
 from mjcompose.link.angles import angles
 from mjcompose.link.bodies import bodies
-from mjcompose.link.body_reduction import body_reduction
 from mjcompose.link.defaults import defaults
 from mjcompose.link.files import add_file, files
-from mjcompose.link.inertia import MEASURED, fitted_sizes, has_mass, inertia, lengthranges
+from mjcompose.link.inertia import MEASURED, body_reduction, fitted_sizes, has_mass, inertia, lengthranges
 from mjcompose.link.keyframes import keyframes
 from mjcompose.link.link import row_of
 from mjcompose.link.linking import Part

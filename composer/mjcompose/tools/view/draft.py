@@ -11,9 +11,21 @@ from mjcompose.base.diagnostic import Path as Steps
 from mjcompose.base.sink import Sink
 from mjcompose.language.wording import is_unprintable
 from mjcompose.text.faults import quoted, word
-from mjcompose.text.insert import Change, added_key, changed, lines_of, with_item
 from mjcompose.text.load import load
-from mjcompose.text.node import Mapping, Node, Scalar, Sequence, find, resolve, to_python
+from mjcompose.text.node import (
+    Change,
+    Mapping,
+    Node,
+    Scalar,
+    Sequence,
+    added_key,
+    changed,
+    find,
+    lines_of,
+    resolve,
+    to_python,
+    with_item,
+)
 
 Written: TypeAlias = "str | dict[str, Written]"
 """The text of a value in YAML, or a mapping of them by the plain text of their keys."""

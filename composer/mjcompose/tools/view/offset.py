@@ -23,7 +23,7 @@ from mjcompose.base.rotation import (
 )
 from mjcompose.build.plan.steps import AngleSettings
 from mjcompose.language.placing import ORIENTATIONS
-from mjcompose.text.expression_values import UNITS, Angle
+from mjcompose.text.expression import UNITS, Angle
 from mjcompose.text.node import Mapping, Scalar, find, is_template, walk
 from mjcompose.text.node import Sequence as List
 from mjcompose.tools.view.draft import Draft, Refused, short, value_of

@@ -29,9 +29,8 @@ from mjcompose.language.placing import ORIENTATIONS
 from mjcompose.sources.fetching import model_files
 from mjcompose.text.evaluate import Template
 from mjcompose.text.expression import ExpressionError
-from mjcompose.text.insert import Change
 from mjcompose.text.load import load
-from mjcompose.text.node import Mapping, Scalar, find, is_template, to_python, walk
+from mjcompose.text.node import Change, Mapping, Scalar, find, is_template, to_python, walk
 from mjcompose.text.node import Sequence as List
 from mjcompose.tools.view.builder import Shown, Workshop
 from mjcompose.tools.view.draft import Draft, Refused, Written, name_text, short

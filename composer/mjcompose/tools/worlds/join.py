@@ -25,7 +25,7 @@ from mjcompose.mujoco.attributes import KINDS, ON_BODIES, Model, NameTable, name
 from mjcompose.mujoco.engine import Session
 from mjcompose.mujoco.varying import Differences, arrays, flat
 from mjcompose.sources.context import Context
-from mjcompose.text.expression_values import Value
+from mjcompose.text.expression import Value
 from mjcompose.tools.worlds.load import Loaded, load, load_many
 from mjcompose.tools.worlds.names import failure
 from mjcompose.tools.worlds.worlds import Table, Varying, Worlds, model_sha256, read

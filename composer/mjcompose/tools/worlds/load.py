@@ -28,7 +28,7 @@ from mjcompose.build.bundle.read import ReadError, ReadLimits, files_outside, na
 from mjcompose.build.bundle.staging import manifest_beside, write_files
 from mjcompose.mujoco.attributes import names
 from mjcompose.mujoco.index import index as compiled_index
-from mjcompose.text.expression_values import Value
+from mjcompose.text.expression import Value
 from mjcompose.tools.worlds.names import BundleWarning, Index, LoadError, failure
 
 Model: TypeAlias = Any

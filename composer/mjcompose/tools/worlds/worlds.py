@@ -27,7 +27,7 @@ from mjcompose.build.bundle.read import read as read_bundle
 from mjcompose.build.bundle.staging import staged_file
 from mjcompose.mujoco.attributes import Model
 from mjcompose.mujoco.varying import Whose, flat, put, stored, value_of, whose
-from mjcompose.text.expression_values import Value
+from mjcompose.text.expression import Value
 from mjcompose.tools.worlds.load import Model as LoadModel
 from mjcompose.tools.worlds.load import load as load_bundle
 from mjcompose.tools.worlds.names import Index, failure
