@@ -37,7 +37,7 @@ def ask() -> Ask:
         recipe = validate(node, sink)
         assert recipe is not None, "\n".join(map(render, sink.diagnostics))
         (read,) = checks_of(recipe.check)
-        asked = {**read.asked(), "angle": recipe.angle, "frame": frame, "shapes": ()}
+        asked = {**read.asked(), "angle": recipe.angle, "frame": frame, "shapes": (), "text": xml}
         if scope.get("prefix") or scope.get("others"):
             scope["whole"] = False
         question = {"kind": read.word, "asked": asked, "scope": scope}

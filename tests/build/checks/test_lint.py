@@ -9,9 +9,9 @@ from mjcompose.build.checks.check import Scope
 from mjcompose.build.checks.rules.inertia_implausible import check, volume
 
 BOX = """<mujoco><worldbody>
-  <body name="link"><freejoint/><inertial pos="{pos}" mass="{mass}" diaginertia="{inertia}"/>
+  <body name="link"><freejoint name="f"/><inertial pos="{pos}" mass="{mass}" diaginertia="{inertia}"/>
     <geom type="box" size=".1 .1 .1" group="3"/>{more}</body>
-  <body name="bare"><joint/><inertial pos="9 9 9" mass="1" diaginertia="50 50 50"/></body>
+  <body name="bare"><joint name="j"/><inertial pos="9 9 9" mass="1" diaginertia="50 50 50"/></body>
 </worldbody></mujoco>"""
 ASKED = {"body": (), "except": (), "density": None, "gyration": 1.0, "outside": 0.02}
 
@@ -114,3 +114,25 @@ def test_of_a_mesh_with_a_hole_only_the_box_is_known() -> None:
     )
     found = volume(mujoco, model, 0)
     assert found.least == 0 and found.most > 1 / 6
+
+
+TWO = """<mujoco><asset><material name="m"/></asset><worldbody>
+  <body name="link"><joint name="{}"/><geom size=".1"/></body></worldbody></mujoco>"""
+
+
+def test_rules_of_the_linter(ask) -> None:
+    (finding,) = ask(TWO.format("a b"), "lint: {select: [names, unused-material], except: [awkward-name]}")
+    assert finding.message == "no element uses the material `m` (unused-material)"
+    (finding,) = ask(TWO.format("a b"), "lint: {select: [awkward-name]}")
+    assert "`a b` of this joint" in finding.message and finding.at == ("select", "awkward-name")
+    assert not ask(TWO.format("a"), "lint: {select: [awkward-name]}")
+    assert {"(unused-material)", "(joint-unactuated)"} <= {
+        each.message.split()[-1] for each in ask(TWO.format("a"), "lint: {}")
+    }
+
+
+def test_a_nested_recipe_answers_for_its_own_elements(ask) -> None:
+    model = TWO.format("left/a b").replace('name="link"', 'name="left/link"').replace('name="m"', 'name="m"')
+    assert ask(model, "lint: {select: [awkward-name]}", prefix="left/")
+    assert not ask(model, "lint: {select: [awkward-name]}", prefix="right/")
+    assert not ask(model, "lint: {select: [unused-material]}", prefix="left/")

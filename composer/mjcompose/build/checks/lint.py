@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
-from typing import Annotated, Any, ClassVar, Literal
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, TypeAlias
 
 from pydantic import Discriminator, Field, Tag
 
@@ -12,7 +12,9 @@ from mjcompose.base.diagnostic import Fault, Path
 from mjcompose.base.extensions import Table
 from mjcompose.build.checks.check import Scope
 from mjcompose.build.checks.rules import inertia_implausible, joint_unactuated, key_out_of_range, shape_off_mesh
-from mjcompose.build.checks.rules.rule import Rule
+from mjcompose.build.checks.rules.rule import Rule, listed
+from mjcompose.build.lint.rule import FAMILIES, Subject, rules, subject_of
+from mjcompose.build.lint.rule import Rule as LinterRule
 from mjcompose.language.check import Check, CheckPart
 from mjcompose.language.forms.context import Settings
 from mjcompose.language.forms.model import IT
@@ -22,6 +24,12 @@ from mjcompose.language.forms.scalars import Expects, Items, Keywords, Name
 _MODULES: Mapping[str, Any] = {
     each.RULE.word: each for each in (inertia_implausible, joint_unactuated, key_out_of_range, shape_off_mesh)
 }
+
+
+_PLAIN: Mapping[str, LinterRule] = {
+    code: each for code, each in rules().items() if code not in _MODULES and not each.in_files
+}
+"""The rules of `mjcompose lint` that read no files. They have no settings."""
 RULES: Table[type[Rule]] = Table("rules", {word: each.RULE for word, each in _MODULES.items()}, "RULE")
 _EXCEPTED: Table[Any] = Table(
     "rules",
@@ -35,10 +43,18 @@ _EXCEPTED: Table[Any] = Table(
     },
     "RULE",
 )
-_Word = Literal["inertia-implausible", "joint-unactuated", "key-out-of-range", "shape-off-mesh"]
-_WithoutSettings = Literal["inertia-implausible", "joint-unactuated", "key-out-of-range"]
-"""The rules that run if the recipe selects none: the others need limits."""
+if TYPE_CHECKING:
+    _Word: TypeAlias = str
+    _WithoutSettings: TypeAlias = str
+else:
+    _Word = Literal[(*RULES, *_PLAIN)]
+    _WithoutSettings = Literal[(*(word for word, rule in RULES.items() if not rule.limits), *FAMILIES, *_PLAIN)]
+    """The rules that run if they are selected in a list, and the families: other rules need limits."""
 _Shape = Discriminator(lambda value: "<mapping>" if isinstance(value, dict | CheckPart) else "<list>")
+
+
+def _codes(word: str) -> list[str]:
+    return [code for code, each in _PLAIN.items() if each.family == word] if word in FAMILIES else [word]
 
 
 class SelectedRules(CheckPart):
@@ -80,7 +96,7 @@ class Lint(Check):
         ]
         | None
     ) = None
-    """the rules, in a list or with their settings; without it, all that need no settings"""
+    """the rules or families, in a list, or rules with their settings; without it, all usual rules without settings"""
     excepted: (
         Annotated[
             Annotated[tuple[_Word, ...], Items(1), Expects("a list of rules", "[joint-unactuated]"), Tag("<list>")]
@@ -92,12 +108,14 @@ class Lint(Check):
     """rules that do not count, in a list, or elements that they ignore"""
 
     @property
-    def selected(self) -> dict[str, Rule]:
-        """The rules that `select` means, with their settings."""
+    def selected(self) -> dict[str, Rule | None]:
+        """The rules that `select` means, with their settings; None for a rule without any."""
         if isinstance(self.select, SelectedRules):
             return dict(self.select.words)
-        words = self.select or [word for word, rule in RULES.items() if not rule.limits]
-        return {word: RULES[word]() for word in words}
+        usual = [word for word, each in _PLAIN.items() if each.usual]
+        words = self.select or [*(word for word, rule in RULES.items() if not rule.limits), *usual]
+        codes = dict.fromkeys(code for word in words for code in _codes(word))
+        return {code: RULES[code]() if code in RULES else None for code in codes}
 
     def contradictions(self, context: Settings) -> Iterator[Fault]:
         selected, excepted = self.selected, self.excepted
@@ -118,7 +136,7 @@ class Lint(Check):
         )
         return {
             "rules": {
-                word: {**rule.model_dump(warnings=False), "except": ignored.get(word, ())}
+                word: {**({} if rule is None else rule.model_dump(warnings=False)), "except": ignored.get(word, ())}
                 for word, rule in self.selected.items()
                 if ignored.get(word, ()) is not None
             }
@@ -131,19 +149,34 @@ KIND = Lint
 def check(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
     """Return the findings of the rules."""
     findings: list[Fault] = []
+    subject = subject_of(asked["text"], scope.mujoco, scope.model)
     for word, settings in asked["rules"].items():
         values = dict(scope.values)
         told = {**settings, "shapes": asked["shapes"]}
-        for finding in _MODULES[word].check(scope, told):
+        found = _MODULES[word].check(scope, told) if word in _MODULES else _plain(word, subject, scope)
+        for finding in found:
             each = replace(finding, at=_place(word, finding.at))
             if each.code == "check-failed":
-                help = each.help or f"fix it, or write `except: {{{word}: [NAME]}}` to accept it"
+                accepts = f"{{{word}: [NAME]}}" if word in RULES else f"[{word}]"
+                help = each.help or f"fix it, or write `except: {accepts}` to accept it"
                 each = replace(each, message=f"{each.message} ({word})", help=help)
             findings.append(each)
         new = {key: value for key, value in scope.values.items() if key not in values}
         scope.values.clear()
         scope.values.update({**values, **{f"{word} {key}": value for key, value in new.items()}})
     return findings
+
+
+def _plain(code: str, subject: Subject, scope: Scope) -> list[Fault]:
+    """Return the finding of a rule of the linter about the elements of the recipe."""
+    lines = []
+    for finding in _PLAIN[code].run(subject):
+        near = finding.element if finding.element is not None else subject.root
+        name = next((str(each.get("name")) for each in (near, *near.iterancestors()) if each.get("name")), "")
+        if scope.whole or (name.startswith(scope.prefix) and not name.startswith(tuple(scope.others))):
+            lines.append(finding.message)
+    scope.found("findings", len(lines))
+    return listed(lines, "no findings", str(len(lines)))
 
 
 def _place(rule: str, at: Path) -> Path:

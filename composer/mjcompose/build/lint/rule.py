@@ -265,18 +265,22 @@ def found(subject: Subject, selected: Iterable[Rule]) -> Iterator[tuple[Rule, Fi
             yield each, finding
 
 
+def subject_of(text: str, mujoco: Any, model: Any, is_part: bool = False) -> Subject:
+    """Return a compiled model with the text that it was compiled from."""
+    from lxml import etree
+
+    parser = etree.XMLParser(remove_blank_text=True, resolve_entities=False, no_network=True, huge_tree=True)
+    return Subject(etree.fromstring(text.encode(), parser), mujoco=mujoco, model=model, is_part=is_part)
+
+
 def in_child(mujoco: Any, model: Any, asked: Mapping[str, Any]) -> list[list[Any]]:
     """Return the findings of the rules `codes` on `text` and its compiled model; runs under `mujoco.engine.call`.
 
     Each is code, number of the element in document order or None, attribute, message, help and edit.
     """
-    from lxml import etree
-
-    parser = etree.XMLParser(remove_blank_text=True, resolve_entities=False, no_network=True, huge_tree=True)
-    root = etree.fromstring(asked["text"].encode(), parser)
-    places = {element: at for at, element in enumerate(root.iter("*"))}
+    subject = subject_of(asked["text"], mujoco, model, is_part=asked["is_part"])
+    places = {element: at for at, element in enumerate(subject.root.iter("*"))}
     every = rules()
-    subject = Subject(root, mujoco=mujoco, model=model, is_part=asked["is_part"])
     answer: list[list[Any]] = []
     for each, finding in found(subject, [every[code] for code in asked["codes"]]):
         edit = None if finding.edit is None else [list(map(list, finding.edit.attributes)), finding.edit.removes]

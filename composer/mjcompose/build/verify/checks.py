@@ -141,6 +141,8 @@ class Checks:
             "size": sum(map(len, self.bundle.files.values())),
             "shapes": [{"mesh": each.mesh, "of": each.of, "shapes": each.shapes, **each.error} for each in self.shapes],
         }
+        if check.word == "lint":
+            asked["text"] = self.bundle.files[self.bundle.model].decode()
         about = f"check `{recipe.part}{check.name}`"
         if check.needs_world and asked["frame"] is None:
             message = f"{about}: the world of this recipe has no known place in the model, because it has no base"
