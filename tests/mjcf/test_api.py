@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import inspect
-import re
-from pathlib import Path
 
 import pytest
 from mjcompose import mjcf
@@ -99,12 +97,3 @@ def test_properties_and_sections() -> None:
 @pytest.mark.parametrize("path", documented())
 def test_an_example_in_every_docstring(path: str) -> None:
     assert ">>>" in (inspect.getdoc(member(path)) or "")
-
-
-def test_the_page_names_everything(repository: Path) -> None:
-    page = (repository / "docs" / "reference" / "mjcf.md").read_text(encoding="utf-8")
-    words = set(re.findall(r"\w+", page))
-    members = [path.rpartition(".")[2] for path in (*SIGNATURES, *documented())]
-    properties = " ".join(PROPERTIES.values()).split()
-    missing = {*members, *properties, *SECTIONS.split()} - words - {"source"}
-    assert missing == set()
