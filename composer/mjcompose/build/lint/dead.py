@@ -158,7 +158,7 @@ def unused_tendon(subject: Subject) -> Found:
 def dead_actuator(subject: Subject) -> Found:
     """An actuator that cannot exert a force.
 
-    Its gear is zero, or its gain and its bias are, so that no control moves anything. A position actuator without `kp`
+    Its gear is zero, or its gain and its bias are zero. No control moves anything. A position actuator without `kp`
     in its class is the usual reason.
 
     ```xml

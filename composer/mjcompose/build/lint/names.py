@@ -58,7 +58,7 @@ def unnamed_actuator(subject: Subject) -> Found:
     <actuator><motor joint="elbow"/></actuator>
     ```
 
-    Write a `name`, usually that of the joint.
+    Write a `name`, usually the name of the joint.
     """
     taken = {str(each.get("name")) for each in subject.root.iterfind("actuator/*")}
     for element in subject.root.iterfind("actuator/*"):
@@ -67,7 +67,7 @@ def unnamed_actuator(subject: Subject) -> Found:
             edit = Edit((("name", str(joint)),)) if joint and joint not in taken else None
             taken.add(str(joint))
             of = f" for joint `{joint}`" if joint else ""
-            message = f"this {element.tag}{of} has no name, so programs reach its control only by its number"
+            message = f"the actuator{of} has no name, so programs reach its control only by its number"
             yield Finding(element, message, help=f'write `name="{joint or "…"}"`', edit=edit)
 
 

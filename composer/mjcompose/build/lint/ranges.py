@@ -36,7 +36,7 @@ def range_ignored(subject: Subject) -> Found:
     <joint name="elbow" limited="false" range="0 2.5"/>
     ```
 
-    Remove `limited="false"` if the limit is meant, or the range if it is not. A limit that an element turns off for a
+    Remove `limited="false"` to have the limit, or remove the range. A limit that an element turns off for a
     range of its class does not count.
     """
     for element, attribute, switch in _limited(subject):

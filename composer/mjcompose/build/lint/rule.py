@@ -167,7 +167,7 @@ class Subject:
 
     @property
     def is_complete(self) -> bool:
-        """Whether the model has a floor or light, or is no part: most programs attach a part to another model."""
+        """Whether programs load the model as it is: it has a floor or a light, or it is a bundle or a recipe."""
         return (
             not self.is_part
             or self.root.find("worldbody/light") is not None
