@@ -6,7 +6,7 @@ import type { Place } from "./surroundings";
 declare function acquireVsCodeApi(): { postMessage(message: FromPage): void };
 
 const code = acquireVsCodeApi();
-const waiting = new Map<number, { done: (bytes: ArrayBuffer) => void; failed: (error: Error) => void }>();
+const waiting = new Map<number, { done: (answer: any) => void; failed: (error: Error) => void }>();
 let count = 0;
 let event: (name: string, data: unknown) => void = () => {};
 let lost: () => void = () => {};
@@ -22,6 +22,7 @@ addEventListener("message", ({ data }: MessageEvent<ToPage>) => {
     const asked = waiting.get(data.id);
     waiting.delete(data.id);
     if (data.kind === "got") asked?.done(data.bytes);
+    else if (data.kind === "told") asked?.done(data.data);
     else asked?.failed(new Error(data.words));
   }
 });
@@ -32,6 +33,10 @@ Object.assign(window, {
     get: (path: string) => new Promise<ArrayBuffer>((done, failed) => {
       waiting.set(++count, { done, failed });
       code.postMessage({ kind: "get", id: count, path });
+    }),
+    ask: (path: string, data: object) => new Promise<unknown>((done, failed) => {
+      waiting.set(++count, { done, failed });
+      code.postMessage({ kind: "ask", id: count, path, data });
     }),
     post: async (path: string, data: unknown) => code.postMessage({ kind: "post", path, data }),
     listen: (onEvent: typeof event, onLost: typeof lost) => {

@@ -8,6 +8,7 @@ import { page, words } from "./page";
 import { Service } from "./service";
 import { aroundInXml, aroundInYaml } from "./surroundings";
 import { folderOf, named } from "./tasks";
+import { write } from "./writing";
 
 const CELL = "cell";
 /** By this name the page's program looks for the editor that it stands in. */
@@ -112,12 +113,26 @@ class Panel {
     else if (message.kind === "post") await service?.post(message.path, message.data).catch(() => {});
     else {
       try {
+        if (message.kind === "ask") return this.say({ kind: "told", id: message.id, data: await this.write(message.data) });
         const bytes = await service!.get(message.path);
         this.say({ kind: "got", id: message.id, bytes: bytes.buffer.slice(bytes.byteOffset, bytes.byteOffset + bytes.byteLength) as ArrayBuffer });
       } catch (error) {
         this.say({ kind: "failed", id: message.id, words: String(error) });
       }
     }
+  }
+
+  /** Change a recipe as the page asks. */
+  private async write(said: object): Promise<unknown> {
+    const open = vscode.workspace.textDocuments.filter(({ uri }) => uri.scheme === "file" && /\.ya?ml$/i.test(uri.fsPath));
+    const documents = await Promise.all(open.map(async (document) => ({ document, path: await realpath(document.uri.fsPath).catch(() => document.uri.fsPath) })));
+    const unsaved = documents.filter(({ document }) => document.isDirty).map(({ document, path }) => ({ path, text: document.getText() }));
+    return write(said, unsaved, (path, data) => this.service!.ask(path, data), async ({ file, range, text }, saves) => {
+      const document = documents.find(({ path }) => path === file)?.document ?? await vscode.workspace.openTextDocument(vscode.Uri.file(file));
+      const edit = new vscode.WorkspaceEdit();
+      edit.replace(document.uri, new vscode.Range(...range), text);
+      return await vscode.workspace.applyEdit(edit) && (!saves || await document.save());
+    });
   }
 
   /** Go to a line, in the editor beside the page: what is selected there stays. */

@@ -4,7 +4,7 @@ import { spawn, type ChildProcess } from "node:child_process";
 import * as http from "node:http";
 import { Events, type Event } from "./events";
 
-const GETS = /^(model\/-?\d+|blob\/[\w.-]+|page\.(js|css)|events)$/, POSTS = /^(play|pose|choose|shown)$/;
+const GETS = /^(model\/-?\d+|blob\/[\w.-]+|page\.(js|css)|events)$/, POSTS = /^(play|pose|choose|shown|change)$/;
 const PATIENCE = 3000;
 
 export class Service {
@@ -45,6 +45,12 @@ export class Service {
     await this.request(path, "POST", JSON.stringify(data));
   }
 
+  /** Post, and give the answer. */
+  async ask(path: string, data: unknown): Promise<any> {
+    if (!POSTS.test(path)) throw new Error(`no such path: ${path}`);
+    return JSON.parse((await this.request(path, "POST", JSON.stringify(data))).toString());
+  }
+
   /** Calls `take` with each event until the server is gone, and then `lost`. */
   listen(take: (event: Event) => void, lost: () => void): void {
     const asked = http.get(new URL("events", this.address), (answer) => {
@@ -62,7 +68,7 @@ export class Service {
 
   private request(path: string, method: string, body?: string): Promise<Buffer> {
     return new Promise((done, failed) => {
-      const headers = body === undefined ? {} : { "content-type": "application/json", "content-length": Buffer.byteLength(body) };
+      const headers = body === undefined ? {} : { "content-type": "application/json", "content-length": Buffer.byteLength(body), origin: new URL(this.address).origin };
       const asked = http.request(new URL(path, this.address), { method, headers }, (answer) => {
         const pieces: Buffer[] = [];
         answer.on("data", (piece: Buffer) => pieces.push(piece));

@@ -2,7 +2,7 @@
 import assert from "node:assert/strict";
 import { spawn } from "node:child_process";
 import { existsSync } from "node:fs";
-import { cp, mkdtemp, readFile, rm, writeFile } from "node:fs/promises";
+import { cp, mkdtemp, readFile, realpath, rm, writeFile } from "node:fs/promises";
 import { tmpdir } from "node:os";
 import { join, resolve } from "node:path";
 import { after, before, test } from "node:test";
@@ -13,6 +13,7 @@ import { find } from "../src/find";
 import { SELECTOR, serverWords } from "../src/options";
 import { LANGUAGE } from "../src/recipes";
 import { Service } from "../src/service";
+import { write } from "../src/writing";
 
 const ROOT = resolve("../..");
 const RECIPES = join(ROOT, "recipes");
@@ -73,6 +74,24 @@ test("the server reports a fault of an unsaved text, and what completes it", { t
     const labels = (Array.isArray(answer) ? answer : answer.items).map((each: any) => each.label);
     assert.ok(labels.includes("arm/attachment_site"), labels.join(" "));
   });
+});
+
+test("what the page moves is changed in the editor's own text", { timeout: 120_000 }, async (context) => {
+  if (skipped) return context.skip(skipped);
+  const file = join(await realpath(folder), "moved.yaml"), text = "recipe: 1\nattach:\n  cube: {model: ./models/props/cube.xml, pos: [0, 0, 1]}  # mine\n";
+  await writeFile(file, text);
+  const service = await Service.start([...command, "view", "moved.yaml", "--no-open"], folder, () => {}, () => {});
+  try {
+    await new Promise<void>((done) => service.listen(({ name }) => { if (name === "model") done(); }, () => {}));
+    const { move } = JSON.parse((await service.get("model/0")).toString());
+    const said = { kind: "place", version: move.version, at: ["moved.yaml", 3, 3], pos: [0, 0.5, 1], quat: [1, 0, 0, 0] };
+    const edits: unknown[] = [];
+    const answer = await write(said, [{ path: file, text: `# unsaved\n${text}` }], (path, data) => service.ask(path, data), async (...each) => { edits.push(each); return true; });
+    assert.deepEqual(edits, [[{ file, range: [3, 51, 3, 51], text: ".5" }, false]], JSON.stringify(answer));
+    assert.equal(await readFile(file, "utf8"), text);
+  } finally {
+    service.close();
+  }
 });
 
 test("the view serves its page, builds what is saved, and ends", { timeout: 120_000 }, async (context) => {
