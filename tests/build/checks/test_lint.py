@@ -6,7 +6,8 @@ import mujoco
 import numpy as np
 import pytest
 from mjcompose.build.checks.check import Scope
-from mjcompose.build.checks.rules.inertia_implausible import check, volume
+from mjcompose.build.checks.rules.inertia_implausible import check
+from mjcompose.mujoco.solids import volume
 
 BOX = """<mujoco><worldbody>
   <body name="link"><freejoint name="f"/><inertial pos="{pos}" mass="{mass}" diaginertia="{inertia}"/>

@@ -1,1 +1,265 @@
-"""Rules of the family `contact`."""
+"""Rules about missing and unwanted collisions."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from mjcompose.build.lint.rule import Edit, Finding, Found, Subject, rule
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from lxml.etree import _Element as Node
+
+_DEEP, _RESTING = 2e-3, 5e-3
+_FINE = 1000
+
+
+@rule("overlap", in_mujoco=True, profiles={
+    "robot-asset": "NVIDIA SimReady, BA.002: “collision meshes on non-adjacent links must not overlap or intersect”",
+})  # fmt: skip
+def overlap(subject: Subject) -> Found:
+    """Bodies that start inside each other.
+
+    Geoms that overlap are pushed apart as soon as the simulation starts: the robot jumps, or a joint is stuck. The rule
+    looks at each keyframe. Parts of the same robot count from 2 mm, and its contacts with anything else from 5 mm,
+    because feet compress a soft contact. Without keyframes, it looks at the parts of each robot in the reference
+    configuration, if that is in the ranges of all joints.
+
+    ```xml
+    <contact><exclude body1="palm" body2="finger_base"/></contact>
+    ```
+
+    Move the bodies or correct the keyframe. If two links of a robot always touch at their joint, exclude their
+    contacts.
+    """
+    model = subject.model
+    is_scene = bool((model.geom_bodyid == 0).any())
+    for name, data, node, is_key in _starts(subject):
+        found = []
+        for one, other, distance in _touching(subject, data):
+            bodies = [int(model.geom_bodyid[each]) for each in (one, other)]
+            trees = {int(model.body_rootid[each]) for each in bodies}
+            is_robot = len(trees) == 1
+            above = {int(model.body_weldid[model.body_parentid[model.body_weldid[each]]]) for each in bodies}
+            is_base = 0 in above and not all(int(model.body_weldid[each]) for each in bodies)
+            if -distance > (_DEEP if is_robot else _RESTING) and (is_key or is_robot) and (is_scene or not is_base):
+                found.append((distance, one, other))
+        if found:
+            distance, one, other = min(found)
+            more = f", and {len(found) - 1} more pairs overlap" if len(found) > 1 else ""
+            message = (
+                f"{name}, {subject.name('geom', one)} is {-distance * 1000:.3g} mm inside"
+                f" {subject.name('geom', other)}{more}"
+            )
+            yield Finding(subject.node("geom", other) if node is None else node, message)
+
+
+def _starts(subject: Subject) -> Iterator[tuple[str, Any, Node | None, bool]]:
+    model, data = subject.model, subject.data
+    single = [
+        joint
+        for joint in range(model.njnt)
+        if int(model.jnt_qposadr[joint]) < model.nq
+        and model.jnt_limited[joint]
+        and int(model.jnt_type[joint]) >= int(subject.mujoco.mjtJoint.mjJNT_SLIDE)
+    ]
+    within = all(
+        model.jnt_range[joint][0] <= data.qpos[model.jnt_qposadr[joint]] <= model.jnt_range[joint][1]
+        for joint in single
+    )
+    if not model.nkey and within:
+        yield "in the reference configuration", data, None, False
+    for row, name, data in subject.at_keys():
+        yield f"in {name}", data, subject.node("key", row), True
+
+
+def _touching(subject: Subject, data: Any) -> Iterator[tuple[int, int, float]]:
+    weld, bodies = subject.model.body_weldid, subject.model.geom_bodyid
+    for contact in data.contact:
+        one, other = map(int, contact.geom)
+        if one >= 0 and other >= 0 and not contact.exclude and (weld[bodies[one]] or weld[bodies[other]]):
+            yield one, other, float(contact.dist)
+
+
+@rule("plane-hidden", in_mujoco=True)
+def plane_hidden(subject: Subject) -> Found:
+    """A plane below another plane.
+
+    Planes are infinite for collisions, even if their `size` shows only a part. Nothing gets through the upper one, so
+    nothing touches the lower one: often two files both bring a floor, or a table top is a plane.
+
+    ```xml
+    <geom name="floor" type="plane" size="0 0 1"/>
+    <geom name="table" type="plane" pos="0 0 .7" size=".5 .5 1"/>   <!-- a second floor -->
+    ```
+
+    Remove one of the floors, and make a table top a `box`.
+    """
+    import numpy as np
+
+    model, data = subject.model, subject.data
+    planes = [
+        int(each) for each in np.flatnonzero(model.geom_type == int(subject.mujoco.mjtGeom.mjGEOM_PLANE))
+        if model.geom_contype[each] | model.geom_conaffinity[each] and not model.body_weldid[model.geom_bodyid[each]]
+    ]  # fmt: skip
+    for lower in planes:
+        for upper in planes:
+            normal = data.geom_xmat[upper].reshape(3, 3)[:, 2]
+            above = float(normal @ (data.geom_xpos[upper] - data.geom_xpos[lower]))
+            is_parallel = float(normal @ data.geom_xmat[lower].reshape(3, 3)[:, 2]) > 1 - 1e-6
+            bits = all(getattr(model, name)[lower] == getattr(model, name)[upper]
+                       for name in ("geom_contype", "geom_conaffinity"))  # fmt: skip
+            if is_parallel and bits and lower != upper and (above > 1e-6 or (abs(above) <= 1e-6 and lower > upper)):
+                at = "at the same height as" if abs(above) <= 1e-6 else f"{above:.4g} m below"
+                message = f"{subject.name('geom', lower)} is {at} {subject.name('geom', upper)}, an infinite plane"
+                yield Finding(subject.node("geom", lower), message, help="remove one of them, or use a box")
+                break
+
+
+def _name(geom: Node) -> str:
+    """Return the class and the name of a geom, in lower case."""
+    from mjcompose.tree.classes import class_in_force
+
+    return f"{class_in_force(geom).name or ''} {geom.get('name') or ''}".lower()
+
+
+def _collides(subject: Subject, geom: Node) -> bool:
+    return any((subject.numbers(geom, name) or [1.0])[0] for name in ("contype", "conaffinity"))
+
+
+@rule("visual-collides")
+def visual_collides(subject: Subject) -> Found:
+    """A geom for looks that collides next to one for collisions.
+
+    The class or name of the geom says that it is only visual, and the body has another geom that collides. Contacts
+    then double, and the simulation is slow, because visual meshes are fine.
+
+    ```xml
+    <default class="visual"><geom group="2"/></default>   <!-- contype="0" conaffinity="0" is missing -->
+    ```
+
+    Write `contype="0" conaffinity="0"` in the class.
+    """
+    for body in subject.root.iter("body", "worldbody"):
+        colliding = [geom for geom in body.iterchildren("geom") if _collides(subject, geom)]
+        visual = [geom for geom in colliding if "visual" in _name(geom) and "collision" not in _name(geom)]
+        for geom in visual if len(visual) < len(colliding) else ():
+            message = f"the class or name of {subject.called(geom)} says that it is visual, but it collides"
+            yield Finding(geom, message, help='write `contype="0" conaffinity="0"`')
+
+
+@rule("collides-with-nothing", in_mujoco=True)
+def collides_with_nothing(subject: Subject) -> Found:
+    """A geom whose bits fit no other geom.
+
+    Two geoms collide if the `contype` of one has a bit of the other's `conaffinity`. This geom has bits, but no geom
+    of another body has a fitting one, and neither has a geom with the defaults, such as a floor.
+
+    ```xml
+    <geom name="pad" contype="4" conaffinity="8"/>   <!-- no geom has these bits -->
+    ```
+
+    Correct the bits, or write `contype="0" conaffinity="0"` if it shall not collide.
+    """
+    model = subject.model
+    bits = list(zip(model.geom_contype.tolist(), model.geom_conaffinity.tolist(), strict=True))
+    pairs = {*model.pair_geom1.tolist(), *model.pair_geom2.tolist()}
+    partners = {*bits, (1, 1)}
+    for geom, (contype, conaffinity) in enumerate(bits):
+        if not contype | conaffinity or geom in pairs:
+            continue
+        if not any(contype & other or one & conaffinity for one, other in partners):
+            message = (
+                f"`contype` {contype} and `conaffinity` {conaffinity} of {subject.name('geom', geom)} fit no other geom"
+            )
+            yield Finding(subject.node("geom", geom), message, help="correct `contype` and `conaffinity`")
+
+
+@rule("hull-too-fine", in_mujoco=True)
+def hull_too_fine(subject: Subject) -> Found:
+    """A colliding mesh whose convex hull has thousands of vertices.
+
+    MuJoCo collides the convex hull of a mesh. Each contact searches it, so a hull with thousands of vertices costs
+    memory and time, and on GPUs (MJX, MuJoCo Warp) very much of both. A hull of 64 vertices is as good for contacts.
+
+    ```xml
+    <mesh name="link" file="link.stl" maxhullvert="64"/>
+    ```
+
+    Write `maxhullvert` on the mesh, or use a simpler mesh or primitive shapes for collisions.
+    """
+    model = subject.model
+    kinds = int(subject.mujoco.mjtGeom.mjGEOM_MESH)
+    used = {
+        int(model.geom_dataid[geom]) for geom in range(model.ngeom)
+        if int(model.geom_type[geom]) == kinds and model.geom_contype[geom] | model.geom_conaffinity[geom]
+    }  # fmt: skip
+    for mesh in sorted(used):
+        at = int(model.mesh_graphadr[mesh])
+        count = int(model.mesh_graph[at]) if at >= 0 else 0
+        if count > _FINE:
+            message = f"the convex hull of {subject.name('mesh', mesh)}, which collides, has {count:,} vertices"
+            yield Finding(subject.node("mesh", mesh), message, help='write `maxhullvert="64"`')
+
+
+@rule("geom-twice", in_mujoco=True)
+def geom_twice(subject: Subject) -> Found:
+    """Two geoms that collide, of the same shape at the same place.
+
+    A body with a geom twice has each contact twice, so it is stiffer, slower and, without `<inertial>`, twice as heavy.
+    Often the first is for looks, and `contype="0" conaffinity="0"` is missing.
+
+    ```xml
+    <geom type="mesh" mesh="link" group="2"/>
+    <geom type="mesh" mesh="link"/>
+    ```
+
+    Switch the contacts of one of them off, or remove it.
+    """
+    import numpy as np
+
+    model = subject.model
+    seen: dict[bytes, int] = {}
+    arrays = ("geom_type", "geom_bodyid", "geom_dataid", "geom_size", "geom_pos", "geom_quat")
+    for geom in range(model.ngeom):
+        if not model.geom_contype[geom] and not model.geom_conaffinity[geom]:
+            continue
+        values = np.concatenate([np.round(np.ravel(getattr(model, name)[geom]), 7) for name in arrays]) + 0.0
+        first = seen.setdefault(values.tobytes(), geom)
+        if first != geom:
+            message = f"{subject.name('geom', geom)} is the same as {subject.name('geom', first)}, and both collide"
+            yield Finding(subject.node("geom", geom), message, help="remove it, or switch its contacts off")
+
+
+@rule("exclude-needless", in_mujoco=True)
+def exclude_needless(subject: Subject) -> Found:
+    """An `<exclude>` for bodies that never collide.
+
+    MuJoCo does not collide bodies that are fixed to each other. It does not collide a body with its parent either, if
+    the parent moves. An `<exclude>` of these bodies has no effect, and distracts from the excludes that matter.
+
+    ```xml
+    <exclude body1="upper_arm" body2="forearm"/>   <!-- the forearm is a child of the upper arm -->
+    ```
+
+    Remove it.
+    """
+    model = subject.model
+    filters = not model.opt.disableflags & int(subject.mujoco.mjtDisableBit.mjDSBL_FILTERPARENT)
+    welded, parents, seen = model.body_weldid.tolist(), model.body_parentid.tolist(), set()
+    for row, signature in enumerate(model.exclude_signature.tolist()):
+        one, other = (welded[each] for each in (signature >> 16, signature & 0xFFFF))
+        above = welded[parents[one]], welded[parents[other]]
+        node = subject.node("exclude", row)
+        why = None
+        if one == other:
+            why = "they are fixed to each other"
+        elif one and other and filters and (above[0] == other or above[1] == one):
+            why = "one is the parent of the other"
+        elif signature in seen:
+            why = "they are excluded twice"
+        seen.add(signature)
+        if why is not None and node is not None:
+            message = f"this `<exclude>` of `{node.get('body1')}` and `{node.get('body2')}` has no effect: {why}"
+            yield Finding(node, message, help="remove it", edit=Edit(removes=True))

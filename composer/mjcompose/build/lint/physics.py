@@ -1,1 +1,453 @@
-"""Rules of the family `physics`."""
+"""Rules about masses, inertias, gains and damping."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from mjcompose.build.lint.rule import Finding, Found, Subject, rule
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from mjcompose.mujoco.servos import Servos
+
+_HEAVIEST, _DENSE = 22_590.0, 100_000.0
+"""The density of osmium, in kg/m³, and a density that even a geom that is too small does not explain."""
+_MARKER = 1e-6
+"""The volume (m³) of a geom that only marks a place."""
+_BOXES = 0.1
+"""A mesh fills more of its box than this."""
+_GYRATION, _OUTSIDE, _SMALL = 1.5, 1.0, 0.005
+_MUCH = 1.02
+_MASS = "NVIDIA SimReady, RB.007 “Rigid Body Mass”: {}"
+_UNITS = _MASS.format("“all units must be consistent with the stage’s unit system”")
+_DRIVE = "NVIDIA SimReady, DJ.006 “drive-joint-value-reasonable”: {}"
+_RESISTING = ("damping", "armature", "frictionloss", "stiffness")
+_SECONDS = 1.0
+
+
+@rule("inertia-implausible", in_mujoco=True, profiles={"robot-asset": _UNITS})
+def inertia_implausible(subject: Subject) -> Found:
+    """A mass or inertia that the shapes of the body cannot have.
+
+    The center of mass of a body lies inside the box around its geoms, and its radius of gyration, √(I/m), is not larger
+    than the distance from there to its farthest point. Otherwise a number of the `<inertial>` is wrong: often its
+    inertia is a placeholder such as `1 1 1`, in g·mm², or about another frame. Then the simulation moves like another
+    robot.
+
+    ```xml
+    <body name="finger">
+      <inertial pos="0 0 0" mass="0.02" diaginertia="1 1 1"/>   <!-- a radius of gyration of 7 m -->
+      <geom type="box" size=".01 .01 .04"/>
+    </body>
+    ```
+
+    Write the inertia of the CAD model, or remove `<inertial>` and give the geoms a `mass`. The geoms of bodies that are
+    fixed to each other count together.
+    """
+    from mjcompose.mujoco.solids import Shapes, faults
+
+    shapes = Shapes(subject.mujoco, subject.model)
+    for body in range(1, subject.model.nbody):
+        node = subject.node("body", body)
+        inertial = None if node is None else node.find("inertial")
+        if subject.model.body_mass[body] > 0 and shapes.own(body) and shapes.reach(body) > _SMALL:
+            for fault in faults(shapes, body, _GYRATION, _OUTSIDE):
+                yield Finding(
+                    node if inertial is None else inertial, f"{subject.name('body', body)}: {fault}",
+                    help="correct `<inertial>`, or remove it to compute the inertia from the geoms",
+                )  # fmt: skip
+
+
+@rule("density-impossible", in_mujoco=True, profiles={"robot-asset": _UNITS})
+def density_impossible(subject: Subject) -> Found:
+    """A body that is denser than any metal.
+
+    The densest metal has 22,590 kg/m³. A body with more than 100,000 has a mass in grams, or a mesh with a wrong scale.
+
+    ```xml
+    <inertial pos="0 0 0" mass="350" diaginertia="1e-3 1e-3 1e-3"/>   <!-- 350 g -->
+    ```
+
+    Write the mass in kilograms. Geoms below 1 cm³ only mark a place, so the rule ignores them. The largest group of
+    geoms of the body counts, and so do bodies that are fixed to it.
+    """
+    import numpy as np
+
+    from mjcompose.mujoco.solids import Shapes
+
+    shapes, model = Shapes(subject.mujoco, subject.model), subject.model
+    for body in range(1, model.nbody):
+        mass, geoms = float(model.body_mass[body]), shapes.of(body)
+        if not geoms or mass <= _DENSE * _BOXES * sum(8 * float(np.prod(model.geom_aabb[each][3:])) for each in geoms):
+            continue
+        most = shapes.volume(geoms).most
+        if most > _MARKER and mass / most > _DENSE:
+            message = (
+                f"{subject.name('body', body)} weighs {mass:.4g} kg in {most * 1e6:.4g} cm³, which is"
+                f" {mass / most:,.0f} kg/m³; the densest metal has {_HEAVIEST:,.0f} kg/m³"
+            )
+            yield Finding(subject.node("body", body), message, help="write the mass in kilograms")
+
+
+@rule("inertial-missing", usual=False, profiles={
+    "robot-asset": _MASS.format("“mass & their other inertial properties explicitly specified”"),
+})  # fmt: skip
+def inertial_missing(subject: Subject) -> Found:
+    """A moving body whose mass nobody wrote.
+
+    Without `<inertial>`, MuJoCo computes the mass from the geoms, with the density of water unless a geom has `mass` or
+    `density`. Motors, batteries and hollow parts make a robot lighter or heavier than that. The rule runs only if you
+    select it, or with the profile `robot-asset`.
+
+    ```xml
+    <body name="forearm"><joint name="elbow"/><geom type="mesh" mesh="forearm"/></body>
+    ```
+
+    Write the `<inertial>` of the CAD model, or `mass` on a geom.
+    """
+    for body in subject.each("body"):
+        geoms, joints = list(body.iterchildren("geom")), list(body.iterchildren("joint", "freejoint"))
+        is_given = any(subject.given(geom, name) is not None for geom in geoms for name in ("mass", "density"))
+        if joints and geoms and not is_given and body.find("inertial") is None:
+            message = f"{subject.called(body)} has no `<inertial>`, and none of its geoms has a `mass` or `density`"
+            yield Finding(body, message, help="add `<inertial>`, or `mass` to a geom")
+
+
+@rule("inertial-ignored", in_mujoco=True)
+def inertial_ignored(subject: Subject) -> Found:
+    """An `<inertial>` that MuJoCo ignores.
+
+    With `<compiler inertiafromgeom="true"/>`, MuJoCo computes all masses and inertias from geoms, even if a body has an
+    `<inertial>`. The numbers of the author have no effect, and the robot weighs something else.
+
+    ```xml
+    <compiler inertiafromgeom="true"/>
+    ...
+    <inertial pos="0 0 0" mass="2.7" diaginertia=".02 .02 .01"/>   <!-- ignored -->
+    ```
+
+    Remove `inertiafromgeom`: its default, `auto`, computes only the missing inertias. Or remove `<inertial>`.
+    """
+    if _compiler(subject, "inertiafromgeom") != "true":
+        return
+    for body in range(1, subject.model.nbody):
+        node = subject.node("body", body)
+        inertial = None if node is None else node.find("inertial")
+        written = None if inertial is None else _number(inertial.get("mass"))
+        mass = float(subject.model.body_mass[body])
+        if written is not None and abs(written - mass) > 1e-3 * max(written, mass):
+            message = f"MuJoCo ignores this `mass` of {written:g} kg: it computes {mass:.4g} kg from the geoms"
+            yield Finding(inertial, message, "mass", help='remove `inertiafromgeom="true"`, or `<inertial>`')
+
+
+def _compiler(subject: Subject, name: str) -> str | None:
+    return next((each.get(name) for each in [*subject.root.iterfind("compiler")][::-1] if each.get(name)), None)
+
+
+def _number(text: str | None) -> float | None:
+    try:
+        return None if text is None else float(text)
+    except ValueError:
+        return None
+
+
+@rule("inertia-balanced")
+def inertia_balanced(subject: Subject) -> Found:
+    """An inertia that no rigid body can have, which MuJoCo replaces silently.
+
+    A rigid body cannot have a principal moment that is larger than the sum of the two others. MuJoCo refuses such
+    inertias, except with `<compiler balanceinertia="true"/>`: then all three become their mean.
+
+    ```xml
+    <compiler balanceinertia="true"/>
+    ...
+    <inertial pos="0 0 0" mass="1" diaginertia=".01 .01 .09"/>   <!-- becomes .0367 .0367 .0367 -->
+    ```
+
+    Correct the inertia, which is often rounded too much or has two numbers mixed up.
+    """
+    import numpy as np
+
+    if _compiler(subject, "balanceinertia") != "true" or _compiler(subject, "inertiafromgeom") == "true":
+        return
+    for element in subject.each("inertial"):
+        full, name = subject.numbers(element, "fullinertia"), "fullinertia"
+        moments = subject.numbers(element, "diaginertia")
+        if full is not None and len(full) == 6:
+            a, b, c, ab, ac, bc = full
+            moments = np.linalg.eigvalsh(np.array([[a, ab, ac], [ab, b, bc], [ac, bc, c]])).tolist()
+        elif moments is not None:
+            name = "diaginertia"
+        low, middle, high = sorted(moments) if moments is not None and len(moments) == 3 else (0.0, 0.0, 0.0)
+        if low + middle < high * (1 - 1e-6):
+            message = (
+                f"a body cannot have the principal moments {low:.4g}, {middle:.4g} and {high:.4g} kg·m²: the largest is"
+                f" {high / (low + middle):.3g} times the sum of the others, so MuJoCo replaces all three by"
+                f" {(low + middle + high) / 3:.4g}"
+            )
+            yield Finding(element, message, name, help="write the inertia of the CAD model")
+
+
+@rule("free-joint-damped")
+def free_joint_damped(subject: Subject) -> Found:
+    """A free joint with the damping, armature, friction or stiffness of hinges.
+
+    A `<joint type="free"/>` gets the values of its default class, which usually has the values of hinges. Damping then
+    acts like thick air, armature makes the body fall slower than gravity, and dry friction holds it in mid-air.
+
+    ```xml
+    <default><joint damping="1" armature=".1"/></default>
+    ...
+    <joint type="free"/>
+    ```
+
+    Write `<freejoint/>`, which ignores the classes, or set these attributes to 0 on the joint. The rule finds values
+    that a hinge or slide of the model gets from the same class.
+    """
+    from mjcompose.tree.classes import class_in_force
+
+    free, others = [], set()
+    for joint in subject.each("joint"):
+        own = subject.classes.get(class_in_force(joint).name)
+        found = {name: own.lookup("joint", name) for name in _RESISTING if joint.get(name) is None}
+        values = {name: each for name, each in found.items() if each is not None and _number(each[0])}
+        if subject.value(joint, "type") == "free":
+            free.append((joint, values))
+        else:
+            others |= {(name, writer) for name, (_, writer) in values.items()}
+    for joint, values in free:
+        shared = [f"`{name}` {value}" for name, (value, writer) in values.items() if (name, writer) in others]
+        if shared:
+            message = (
+                f"the free {subject.called(joint)} has {' and '.join(shared)} of its default class, as hinges have"
+            )
+            yield Finding(joint, message, help="write `<freejoint/>`, which ignores the classes")
+
+
+def _first(value: Any) -> float:
+    return float(value) if getattr(value, "ndim", 0) == 0 else float(value[0])
+
+
+@rule(
+    "timestep-too-long",
+    in_mujoco=True,
+    profiles={"robot-asset": _DRIVE.format("“within reasonable ranges for stable simulation”")},
+)
+def timestep_too_long(subject: Subject) -> Found:
+    """A servo or spring that is too stiff for the time step.
+
+    A step of the simulation multiplies small motions by a matrix. If its largest eigenvalue is above 1, springs and
+    dampers add energy: the joint chatters at the frequency of the time step until a limit stops it, or the simulation
+    diverges. The masses, the gains, the time step and the integrator together decide.
+
+    ```xml
+    <option timestep="0.01"/>
+    <joint name="finger"/>                       <!-- with an inertia of 1e-5 kg·m² -->
+    <position joint="finger" kp="100"/>
+    ```
+
+    Shorten the time step, add `armature` to the joint (the inertia of the rotor, times the gear ratio squared), lower
+    the gain, or, if damping causes it, write `<option integrator="implicitfast"/>`. The rule ignores joints that an
+    equality constraint couples.
+    """
+    from mjcompose.mujoco.servos import Servos
+
+    servos = Servos(subject.mujoco, subject.model, subject.data)
+    for mode in servos.unstable():
+        joint = int(subject.model.dof_jntid[mode.dof])
+        actuators = servos.of_dof(mode.dof)
+        node = subject.node("actuator", actuators[0]) if actuators else None
+        by = f" with {subject.name('actuator', actuators[0])}" if actuators else ""
+        longest = "" if mode.timestep is None else f"; up to {mode.timestep * 1000:.2g} ms it does not"
+        message = (
+            f"{subject.name('joint', joint)}{by}: small motions grow {mode.factor:.3g} times in each step of"
+            f" {subject.model.opt.timestep * 1000:g} ms{longest}"
+        )
+        yield Finding(
+            node if node is not None else subject.node("joint", joint), message,
+            help="shorten `timestep`, add `armature` to the joint, or lower the gains",
+        )  # fmt: skip
+
+
+def _single(subject: Subject) -> Iterator[tuple[int, int]]:
+    """Yield the hinges and slides, each with its degree of freedom."""
+    model = subject.model
+    for joint in range(model.njnt):
+        if int(model.jnt_type[joint]) >= int(subject.mujoco.mjtJoint.mjJNT_SLIDE):
+            yield joint, int(model.jnt_dofadr[joint])
+
+
+@rule(
+    "servo-undamped",
+    in_mujoco=True,
+    profiles={"robot-asset": _DRIVE.format("“include sufficient damping for stability”")},
+)
+def servo_undamped(subject: Subject) -> Found:
+    """A position servo that nothing damps.
+
+    A position servo is a spring. Without damping it swings around its target forever: `kv` of the actuator is 0, and
+    the joint has neither `damping` nor `frictionloss`.
+
+    ```xml
+    <joint name="elbow"/>
+    <position joint="elbow" kp="50"/>
+    ```
+
+    Write `dampratio="1"` or `kv` on the actuator, or `damping` on the joint.
+    """
+    from mjcompose.mujoco.servos import Servos
+
+    model, servos = subject.model, Servos(subject.mujoco, subject.model, subject.data)
+    for joint, dof in _single(subject):
+        stiff = [each for each in servos.of_dof(dof) if servos.gains(each)[0] > 0]
+        damping = _first(model.dof_damping[dof]) + servos.damping[dof, dof]
+        if stiff and damping == 0 and model.dof_frictionloss[dof] == 0:
+            message = (
+                f"nothing damps {subject.name('actuator', stiff[0])}: it holds {subject.name('joint', joint)} with"
+                f" {servos.stiffness[dof, dof]:.4g} {_unit(subject, joint)}, without damping or friction"
+            )
+            yield Finding(subject.node("actuator", stiff[0]), message, help='add `dampratio="1"`')
+
+
+def _unit(subject: Subject, joint: int, per: bool = True) -> str:
+    is_hinge = int(subject.model.jnt_type[joint]) == int(subject.mujoco.mjtJoint.mjJNT_HINGE)
+    if per:
+        return "N·m/rad" if is_hinge else "N/m"
+    return "N·m" if is_hinge else "N"
+
+
+@rule("friction-exceeds-motor", in_mujoco=True)
+def friction_exceeds_motor(subject: Subject) -> Found:
+    """A joint with more dry friction than its motors can overcome.
+
+    `frictionloss` is a force (N) or torque (N·m) that the motor has to overcome before the joint moves. If the limits
+    of all its actuators together are lower, the joint never moves on its own.
+
+    ```xml
+    <joint name="wrist" frictionloss="2"/>
+    <motor joint="wrist" ctrlrange="-1 1"/>
+    ```
+
+    Lower `frictionloss`, or raise `forcerange` or `gear`.
+    """
+    from mjcompose.mujoco.servos import Servos
+
+    servos = Servos(subject.mujoco, subject.model, subject.data)
+    for joint, dof in _single(subject):
+        ends, friction = servos.strongest(dof), float(subject.model.dof_frictionloss[dof])
+        if ends is not None and friction > 0 and max(abs(each) for each in ends) <= friction:
+            unit = _unit(subject, joint, per=False)
+            message = (
+                f"{subject.name('joint', joint)} has {friction:.4g} {unit} of dry friction, and its actuators give at"
+                f" most {max(abs(each) for each in ends):.4g} {unit}"
+            )
+            yield Finding(subject.node("joint", joint), message, "frictionloss", help="lower `frictionloss`")
+
+
+@rule("motor-too-weak", in_mujoco=True)
+def motor_too_weak(subject: Subject) -> Found:
+    """A motor that cannot hold its joint against gravity in a keyframe.
+
+    The limits of the actuators are lower than the torque of gravity on the joint, so the arm falls from the pose of its
+    keyframe whatever the controls are. Often `forcerange` leaves out the gearbox, a mass is wrong, or `gear` is
+    missing.
+
+    ```xml
+    <position joint="shoulder" forcerange="-5 5"/>   <!-- the arm needs 12 N·m -->
+    ```
+
+    Write limits at the joint: torque of the motor, times the ratio of the gearbox. The rule looks at robots that are
+    fixed to the world, at joints that touch no limit, and at poses without contacts and equality constraints.
+    """
+    from mjcompose.mujoco.servos import Servos
+
+    seen = set()
+    for _, name, data in subject.at_keys():
+        if data.qvel.any():
+            continue
+        servos = Servos(subject.mujoco, subject.model, data)
+        for joint, dof, needed, ends in _held(subject, data, servos):
+            if joint not in seen:
+                seen.add(joint)
+                unit, actuator = _unit(subject, joint, per=False), servos.of_dof(dof)[0]
+                message = (
+                    f"holding {subject.name('joint', joint)} in {name} takes {needed:.4g} {unit}, and its actuators"
+                    f" give {ends[0]:.4g} to {ends[1]:.4g} {unit}"
+                )
+                yield Finding(subject.node("actuator", actuator), message, help="raise the limit of the force")
+
+
+def _held(subject: Subject, data: Any, servos: Servos) -> Iterator[tuple[int, int, float, tuple[float, float]]]:
+    """Yield the joints that cannot be held: joint, degree of freedom, the force that is needed, and the limits."""
+    model = subject.model
+    fixed = int(subject.mujoco.mjtJoint.mjJNT_SLIDE)
+    floating = {int(model.dof_treeid[model.jnt_dofadr[joint]]) for joint in range(model.njnt)
+                if int(model.jnt_type[joint]) < fixed}  # fmt: skip
+    touching = {int(model.body_treeid[model.geom_bodyid[geom]]) for geom in data.contact.geom.ravel() if geom >= 0}
+    for joint, dof in _single(subject):
+        tree, at = int(model.dof_treeid[dof]), float(data.qpos[model.jnt_qposadr[joint]])
+        low, high = map(float, model.jnt_range[joint])
+        if tree in floating | touching | servos.coupled:
+            continue
+        if model.jnt_limited[joint] and not low + 1e-2 < at < high - 1e-2:
+            continue
+        needed = float(data.qfrc_bias[dof] - data.qfrc_passive[dof])
+        if model.jnt_actgravcomp[joint]:
+            needed -= float(data.qfrc_gravcomp[dof])
+        friction, ends = float(model.dof_frictionloss[dof]), servos.strongest(dof)
+        if ends is not None and not ends[0] * _MUCH - friction <= needed <= ends[1] * _MUCH + friction:
+            yield joint, dof, needed, ends
+
+
+@rule("simulation-diverges", in_mujoco=True, profiles={
+    "menagerie": "CONTRIBUTING.md, section “Unit Tests”: a test “simulates each robot for a fixed duration of time and"
+    " checks that no simulation instabilities occur”",
+})  # fmt: skip
+def simulation_diverges(subject: Subject) -> Found:
+    """A simulation that diverges within a second.
+
+    From the first keyframe (without one, from the reference configuration), with the controls of the keyframe or 0, a
+    position, velocity or acceleration becomes NaN or huge, and MuJoCo resets the state. Bodies that start inside each
+    other, gains that are too high for the time step, and very small inertias cause it.
+
+    ```xml
+    <option timestep="0.02"/>
+    <position joint="finger" kp="10000"/>
+    ```
+
+    See [Debug an unstable model](../how-to/unstable.md).
+    """
+    from mjcompose.mujoco.controls import advance
+
+    mujoco, model = subject.mujoco, subject.model
+    data = mujoco.MjData(model)
+    if model.nkey:
+        mujoco.mj_resetDataKeyframe(model, data, 0)
+    why = advance(mujoco, model, data, _SECONDS, data.time) if model.nv and model.opt.timestep > 0 else None
+    if why is not None:
+        start = subject.name("key", 0).replace("key", "keyframe", 1) if model.nkey else "the reference configuration"
+        yield Finding(subject.node("key", 0) if model.nkey else None, f"from {start}, the simulation is {why}")
+
+
+@rule("armature-missing", in_mujoco=True, usual=False)
+def armature_missing(subject: Subject) -> Found:
+    """A joint with an actuator and without armature.
+
+    The rotor of a geared motor adds its inertia times the ratio squared to the joint. In small joints this is more than
+    the inertia of the links. Without `armature`, the joint is faster than the real one, and needs shorter time steps.
+
+    ```xml
+    <joint name="finger" damping=".1"/>
+    <position joint="finger" kp="20"/>
+    ```
+
+    Write `armature` from the data sheet of the motor: rotor inertia times gear ratio squared.
+    """
+    from mjcompose.mujoco.servos import Servos
+
+    servos = Servos(subject.mujoco, subject.model, subject.data)
+    for joint, dof in _single(subject):
+        if servos.of_dof(dof) and subject.model.dof_armature[dof] == 0:
+            message = f"{subject.name('joint', joint)} has an actuator, and no `armature`"
+            yield Finding(subject.node("joint", joint), message, help="add `armature`: rotor inertia · ratio²")

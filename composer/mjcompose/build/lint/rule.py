@@ -228,14 +228,14 @@ class Subject:
         return rows(compiled_order(self.root), self.roster)
 
     @cached_property
-    def _nodes(self) -> dict[tuple[str, int], Node]:
+    def nodes(self) -> dict[tuple[str, int], Node]:
         from mjcompose.mujoco.index import compiled_kind
 
         return {(compiled_kind(node) or "", row): node for node, row in self.rows.items()}
 
     def node(self, kind: str, row: int) -> Node | None:
         """Return the element that became this row of a kind, such as `joint`; None if that is not certain."""
-        return self._nodes.get((kind, row))
+        return self.nodes.get((kind, row))
 
     def name(self, kind: str, row: int) -> str:
         """Return a compiled element in words: joint `elbow`, or geom #2 of body `hand`."""

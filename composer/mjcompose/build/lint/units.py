@@ -1,1 +1,144 @@
-"""Rules of the family `units`."""
+"""Rules about values that look like another unit."""
+
+from __future__ import annotations
+
+import math
+
+from mjcompose.build.lint.rule import Finding, Found, Subject, rule
+
+_TURN = 2 * math.pi
+_ROUND = tuple(math.pi * each for each in (1 / 6, 1 / 4, 1 / 3, 1 / 2, 2 / 3, 3 / 4, 1, 3 / 2, 2))
+_DIGITS = 2e-3
+_DEGREES = 4 * math.pi
+_GRAVITY = 50.0
+_METERS = "ROS REP 103, “Units”: meter, kilogram, second; NVIDIA SimReady, robot profiles: `metersPerUnit = 1`"
+_LONGEST, _SHORTEST = 0.05, 1e-5
+
+
+@rule("range-in-radians")
+def range_in_radians(subject: Subject) -> Found:
+    """A range in degrees that looks like radians.
+
+    Without `<compiler angle="radian"/>`, MuJoCo reads angles in degrees. A hinge with `range="-1.57 1.57"` then moves
+    by a degree and a half in each direction.
+
+    ```xml
+    <joint name="elbow" type="hinge" range="-1.57 1.57"/>   <!-- degrees -->
+    ```
+
+    Write `<compiler angle="radian"/>`, if all angles of the file are in radians, or write the range in degrees. The
+    rule finds ranges within ±2π, of which an end is a common fraction of π.
+    """
+    if _angle(subject) == "radian":
+        return
+    for joint in subject.each("joint"):
+        ends = subject.numbers(joint, "range")
+        if subject.value(joint, "type") not in ("hinge", "ball") or ends is None or len(ends) != 2:
+            continue
+        is_round = any(abs(abs(end) - each) < _DIGITS for end in ends for each in _ROUND if end)
+        if is_round and max(map(abs, ends)) < _TURN + _DIGITS:
+            message = f"the range of {subject.called(joint)}, {ends[0]:g} to {ends[1]:g} degrees, looks like radians"
+            yield Finding(joint, message, "range", help='write `<compiler angle="radian"/>`, or degrees')
+
+
+def _angle(subject: Subject) -> str:
+    """Return the unit of angles in the file: that of the last `<compiler>` that sets it."""
+    found = [str(each.get("angle")) for each in subject.root.iterfind("compiler") if each.get("angle")]
+    return found[-1] if found else "degree"
+
+
+@rule("range-in-degrees")
+def range_in_degrees(subject: Subject) -> Found:
+    """A range in radians that looks like degrees.
+
+    With `<compiler angle="radian"/>`, a hinge with `range="-90 90"` turns fourteen times in each direction.
+
+    ```xml
+    <compiler angle="radian"/>
+    ...
+    <joint name="elbow" type="hinge" range="-90 90"/>   <!-- radians -->
+    ```
+
+    Write the range in radians. The rule finds ends that are more than two turns and multiples of five.
+    """
+    if _angle(subject) != "radian":
+        return
+    for joint in subject.each("joint"):
+        ends = subject.numbers(joint, "range")
+        if subject.value(joint, "type") not in ("hinge", "ball") or ends is None or len(ends) != 2:
+            continue
+        if max(map(abs, ends)) > _DEGREES and all(end % 5 == 0 for end in ends):
+            message = f"the range of {subject.called(joint)}, {ends[0]:g} to {ends[1]:g} rad, looks like degrees"
+            yield Finding(joint, message, "range", help="write the range in radians")
+
+
+@rule("gravity-unit", usual=False, profiles={"robot-asset": _METERS})
+def gravity_unit(subject: Subject) -> Found:
+    """Gravity that is not in m/s².
+
+    MuJoCo has no units of its own, but its defaults (gravity, density, contacts) are in meters, kilograms and seconds.
+    Gravity of 981 or 9810 shows a model in centimeters or millimeters, whose masses and contacts then differ.
+
+    ```xml
+    <option gravity="0 0 -9810"/>
+    ```
+
+    Convert the model to meters: `scale` of its meshes, positions, sizes and masses. Models of insects are often in
+    millimeters on purpose, so the rule runs only if you select it, or with the profile `robot-asset`.
+    """
+    for option in subject.root.iterfind("option"):
+        values = subject.numbers(option, "gravity") or []
+        size = math.hypot(*values)
+        if size > _GRAVITY:
+            message = f"gravity is {size:g} m/s², {size / 9.81:.3g} times the gravity of the earth"
+            yield Finding(option, message, "gravity", help="write lengths in meters, and gravity in m/s²")
+
+
+@rule("timestep-extreme")
+def timestep_extreme(subject: Subject) -> Found:
+    """A time step that is very long or very short.
+
+    With steps above 50 ms, contacts are soft and servos unstable. With steps below 10 µs, a second takes 100,000
+    steps: often the number is in milliseconds or was divided twice.
+
+    ```xml
+    <option timestep="0.2"/>
+    ```
+
+    Write seconds. Robots with contacts usually take 1 to 5 ms.
+    """
+    for option in subject.root.iterfind("option"):
+        step = (subject.numbers(option, "timestep") or [0.002])[0]
+        if option.get("timestep") and not _SHORTEST <= step <= _LONGEST:
+            message = f"the time step is {step * 1000:g} ms"
+            yield Finding(option, message, "timestep", help="write seconds, such as 0.002")
+
+
+@rule("mesh-in-millimeters", in_mujoco=True, profiles={"robot-asset": _METERS})
+def mesh_size(subject: Subject) -> Found:
+    """A mesh that is in millimeters.
+
+    Many CAD programs save meshes in millimeters. MuJoCo reads them as meters, so a link is a hundred meters long.
+
+    ```xml
+    <mesh name="link" file="link.stl"/>
+    ```
+
+    Write `scale="0.001 0.001 0.001"` on the mesh. The rule finds meshes of more than 20 m from corner to corner that
+    are 50 times as large as any distance of neighboring bodies.
+    """
+    import numpy as np
+
+    from mjcompose.mujoco.shapes import Measured, doubts
+
+    model = subject.model
+    reach = float(np.linalg.norm(model.body_pos, axis=1).max(initial=0.0))
+    for mesh in range(model.nmesh):
+        first, count = int(model.mesh_vertadr[mesh]), int(model.mesh_vertnum[mesh])
+        size = float(np.linalg.norm(np.ptp(model.mesh_vert[first : first + count], axis=0)))
+        for doubt in doubts(Measured(size), reach) if size > 1 else ():
+            scale = [float(each) for each in model.mesh_scale[mesh]]
+            yield Finding(
+                subject.node("mesh", mesh), f"{subject.name('mesh', mesh)} {doubt.what}",
+                help=doubt.advice(scale, 'scale="{}"'),
+            )  # fmt: skip

@@ -1,0 +1,204 @@
+"""Servos of a compiled model as linear springs and dampers, the steps that they need, and their forces.
+
+Imports no MuJoCo; takes the module.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from mjcompose.base.dataclass import dataclass
+from mjcompose.mujoco.attributes import Model
+from mjcompose.mujoco.controls import AFFINE, FIXED, NO_BIAS, is_by_plugin
+from mjcompose.mujoco.references import ON_JOINTS
+
+_GROWS = 1e-3
+_LEAST = 1e-6
+
+
+@dataclass(frozen=True, slots=True)
+class Mode:
+    """A motion that should not grow, and grows from step to step: its largest degree of freedom, the factor of each
+    step, and the longest time step (s) with which it would not grow, or None.
+    """
+
+    dof: int
+    factor: float
+    timestep: float | None
+
+
+class Servos:
+    """The springs and dampers that act on each degree of freedom, linear around the state of `data`."""
+
+    def __init__(self, mujoco: Any, model: Model, data: Any) -> None:
+        self.mujoco, self.model, self.data = mujoco, model, data
+
+    @cached_property
+    def moment(self) -> np.ndarray:
+        """The moment arms of the first output of each actuator (m, or 1), shape (actuators, nv)."""
+        model, data = self.model, self.data
+        found = np.zeros((len(data.moment_rownnz), model.nv))
+        self.mujoco.mju_sparse2dense(
+            found, data.actuator_moment.ravel(), data.moment_rownnz, data.moment_rowadr, data.moment_colind.ravel()
+        )
+        first = getattr(model, "actuator_outadr", None)
+        return found if first is None else found[first]
+
+    def gains(self, actuator: int) -> tuple[float, float]:
+        """Return the stiffness and the damping of an actuator along its length; zeros if they are not constant."""
+        model = self.model
+        if is_by_plugin(model, actuator) or int(model.actuator_biastype[actuator]) != AFFINE:
+            return 0.0, 0.0
+        return -float(model.actuator_biasprm[actuator, 1]), -float(model.actuator_biasprm[actuator, 2])
+
+    @cached_property
+    def stiffness(self) -> np.ndarray:
+        """Stiffness of the actuators and joints, shape (nv, nv)."""
+        found = self._by_actuators(0)
+        for joint, stiffness in enumerate(np.reshape(self.model.jnt_stiffness, (self.model.njnt, -1))[:, 0].tolist()):
+            if int(self.model.jnt_type[joint]) >= int(self.mujoco.mjtJoint.mjJNT_SLIDE):
+                dof = int(self.model.jnt_dofadr[joint])
+                found[dof, dof] += stiffness
+        return found
+
+    @cached_property
+    def damping(self) -> np.ndarray:
+        """Damping of the actuators, shape (nv, nv)."""
+        return self._by_actuators(1)
+
+    def _by_actuators(self, at: int) -> np.ndarray:
+        gains = np.array([self.gains(each)[at] for each in range(len(self.moment))])
+        return np.asarray(self.moment.T @ (gains[:, None] * self.moment))
+
+    @cached_property
+    def inertia(self) -> np.ndarray:
+        """The joint-space inertia, shape (nv, nv)."""
+        found = np.eye(self.model.nv)
+        for row in found:
+            self.mujoco.mj_mulM(self.model, self.data, row, row.copy())
+        return found
+
+    @cached_property
+    def coupled(self) -> set[int]:
+        """The trees that an equality constraint couples: their degrees of freedom do not move alone."""
+        model, kinds = self.model, self.mujoco.mjtEq
+        found: set[int] = set()
+        trees = np.append(model.dof_treeid, -1)
+        by_body = {int(kinds.mjEQ_CONNECT), int(kinds.mjEQ_WELD)}
+        for number in range(model.neq):
+            kind, ids = int(model.eq_type[number]), (int(model.eq_obj1id[number]), int(model.eq_obj2id[number]))
+            if kind == int(kinds.mjEQ_JOINT):
+                found |= {int(trees[model.jnt_dofadr[each]]) for each in ids if each >= 0}
+            elif kind in by_body and int(model.eq_objtype[number]) == int(self.mujoco.mjtObj.mjOBJ_BODY):
+                found |= {int(model.body_treeid[each]) for each in ids if each >= 0}
+            else:
+                return set(range(model.ntree))
+        return found
+
+    def unstable(self) -> Iterator[Mode]:
+        """Yield, for each tree that no equality couples, the servos that are too stiff or too damped for the time step.
+
+        The integrator `discrete` is implicit in positions and not looked at.
+        """
+        model = self.model
+        for tree in sorted(set(range(model.ntree)) - self.coupled):
+            first = int(model.tree_dofadr[tree])
+            dofs = slice(first, first + int(model.tree_dofnum[tree]))
+            is_passive = (np.diag(self.stiffness)[dofs] >= 0).all() and (np.diag(self.damping)[dofs] >= 0).all()
+            if is_passive and (self.stiffness[dofs, dofs].any() or self.damping[dofs, dofs].any()):
+                yield from self._unstable(dofs)
+
+    def _unstable(self, dofs: slice) -> Iterator[Mode]:
+        timestep, count = float(self.model.opt.timestep), dofs.stop - dofs.start
+        step = self._step(dofs, timestep)
+        if step is None:
+            return
+        values, vectors = np.linalg.eig(step)
+        wrong = np.abs(values) > 1 + _GROWS
+        seen = set()
+        for at in np.flatnonzero(wrong)[np.argsort(-np.abs(values[wrong]))].tolist():
+            weights = np.abs(vectors[count:, at]) ** 2 * np.diag(self.inertia[dofs, dofs])
+            dof = dofs.start + int(np.argmax(weights))
+            if dof not in seen and not self.model.dof_frictionloss[dof]:  # friction holds small motions
+                seen.add(dof)
+                yield Mode(dof, float(np.abs(values[at])), self._longest(dofs))
+
+    def _longest(self, dofs: slice) -> float | None:
+        low, high = 0.0, float(self.model.opt.timestep)
+        for _ in range(12):
+            middle = (low + high) / 2
+            grows = bool((np.abs(np.linalg.eigvals(self._step(dofs, middle))) > 1 + _GROWS).any())
+            low, high = (low, middle) if grows else (middle, high)
+        return low if low > _LEAST else None
+
+    def _step(self, dofs: slice, timestep: float) -> Any:
+        """Return the matrix that a step multiplies positions and velocities with; None for other integrators."""
+        integrators, model = self.mujoco.mjtIntegrator, self.model
+        kind = int(model.opt.integrator)
+        mass, spring = self.inertia[dofs, dofs], self.stiffness[dofs, dofs]
+        passive = np.diag(np.reshape(model.dof_damping, (model.nv, -1))[dofs, 0])
+        damping = passive + self.damping[dofs, dofs]
+        unit = np.eye(len(mass))
+        if kind == int(integrators.mjINT_RK4):
+            change = timestep * np.block([
+                [0 * unit, unit], [-np.linalg.solve(mass, spring), -np.linalg.solve(mass, damping)]
+            ])  # fmt: skip
+            result, term = np.eye(2 * len(mass)), np.eye(2 * len(mass))
+            for number in range(1, 5):
+                term = term @ change / number
+                result = result + term
+            return result
+        if kind == int(integrators.mjINT_EULER):
+            off = int(self.mujoco.mjtDisableBit.mjDSBL_EULERDAMP)
+            ahead = 0 * passive if model.opt.disableflags & off else passive
+        elif kind in (int(integrators.mjINT_IMPLICIT), int(integrators.mjINT_IMPLICITFAST)):
+            ahead = damping
+        else:
+            return None
+        solved = np.linalg.solve(mass + timestep * ahead, np.hstack([spring, damping]))
+        from_position, from_speed = timestep * solved[:, : len(mass)], timestep * solved[:, len(mass) :]
+        speed = [-from_position, unit - from_speed]
+        return np.block([[unit + timestep * speed[0], timestep * speed[1]], speed])
+
+    # Forces
+
+    def of_dof(self, dof: int) -> list[int]:
+        """Return the actuators that act on a degree of freedom."""
+        return [int(each) for each in np.flatnonzero(self.moment[:, dof])]
+
+    def strongest(self, dof: int) -> tuple[float, float] | None:
+        """Return the least and the greatest force on a hinge or slide (N m, N) that its actuators can give together.
+
+        None if they have no limit, act on other joints too, or none act on it.
+        """
+        model, joint = self.model, int(self.model.dof_jntid[dof])
+        low = high = 0.0
+        for actuator in self.of_dof(dof):
+            ends = self._forces(actuator)
+            if ends is None or np.count_nonzero(self.moment[actuator]) > 1:
+                return None
+            ends = sorted(float(self.moment[actuator, dof]) * each for each in ends)
+            low, high = low + ends[0], high + ends[1]
+        if not self.of_dof(dof):
+            return None
+        if model.jnt_actfrclimited[joint]:
+            least, most = map(float, model.jnt_actfrcrange[joint])
+            low, high = max(low, least), min(high, most)
+        return low, high
+
+    def _forces(self, actuator: int) -> list[float] | None:
+        model = self.model
+        if int(model.actuator_trntype[actuator]) not in ON_JOINTS or is_by_plugin(model, actuator):
+            return None
+        if model.actuator_forcelimited[actuator]:
+            return [float(each) for each in model.actuator_forcerange[actuator]]
+        control = int(getattr(model, "actuator_ctrladr", range(model.nu))[actuator])
+        kinds = int(model.actuator_gaintype[actuator]), int(model.actuator_biastype[actuator])
+        simple = kinds == (FIXED, NO_BIAS) and int(model.actuator_dyntype[actuator]) == 0
+        if not simple or control < 0 or not model.actuator_ctrllimited[control]:
+            return None
+        return [float(model.actuator_gainprm[actuator, 0]) * float(each) for each in model.actuator_ctrlrange[control]]

@@ -1,0 +1,146 @@
+"""The mass and the shape of compiled bodies: what their geoms allow, and the volume of geoms. Imports no MuJoCo."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import Any
+
+from mjcompose.base.dataclass import dataclass
+from mjcompose.mujoco.attributes import Model
+
+_ROUNDING = 1e-6
+_ENDLESS = ("mjGEOM_PLANE", "mjGEOM_HFIELD")
+
+_DIGITS = 7
+
+
+@dataclass(frozen=True, slots=True)
+class Volume:
+    """Between `least` and `most`, in m³; both are the same for a closed shape."""
+
+    least: float
+    most: float
+
+    def __add__(self, other: Volume) -> Volume:
+        return Volume(self.least + other.least, self.most + other.most)
+
+
+class Shapes:
+    """The geoms of bodies at their places in the reference configuration."""
+
+    def __init__(self, mujoco: Any, model: Model) -> None:
+        import numpy as np
+
+        self.mujoco, self.model, self.data = mujoco, model, mujoco.MjData(model)
+        mujoco.mj_kinematics(model, self.data)
+        endless = [int(getattr(mujoco.mjtGeom, name)) for name in _ENDLESS]
+        self._of: dict[int, list[int]] = {}
+        for geom in np.flatnonzero(~np.isin(model.geom_type, endless)).tolist():
+            self._of.setdefault(int(model.body_weldid[model.geom_bodyid[geom]]), []).append(geom)
+
+    def of(self, body: int) -> list[int]:
+        """Return the geoms of a body and of bodies fixed to it, since exporters often split shapes and inertia."""
+        return self._of.get(int(self.model.body_weldid[body]), [])
+
+    def own(self, body: int) -> list[int]:
+        """Return the geoms of the body alone."""
+        return [each for each in self.of(body) if int(self.model.geom_bodyid[each]) == body]
+
+    def corners(self, geoms: list[int]) -> Any:
+        """Return the corners of the boxes around geoms, in the world frame (m), shape (8 n, 3)."""
+        import numpy as np
+
+        model, data = self.model, self.data
+        signs = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
+        found = [
+            (model.geom_aabb[geom][:3] + signs * model.geom_aabb[geom][3:])
+            @ data.geom_xmat[geom].reshape(3, 3).T + data.geom_xpos[geom]
+            for geom in geoms
+        ]  # fmt: skip
+        return np.concatenate(found)
+
+    def reach(self, body: int) -> float:
+        """Return the greatest distance of the body's geoms from its center of mass, in meters."""
+        import numpy as np
+
+        return float(np.linalg.norm(self.corners(self.of(body)) - self.data.xipos[body], axis=1).max())
+
+    def volume(self, geoms: list[int]) -> Volume:
+        """Return the volume of a body's geoms in m³.
+
+        The largest volume of a group of geoms counts, because visual and collision geoms are copies of the same body.
+        """
+        groups: dict[int, Volume] = {}
+        for geom in geoms:
+            group = int(self.model.geom_group[geom])
+            groups[group] = groups.get(group, Volume(0.0, 0.0)) + volume(self.mujoco, self.model, geom)
+        least = max((each.least for each in groups.values()), default=0.0)
+        return Volume(least, max((each.most for each in groups.values()), default=0.0))
+
+
+def faults(shapes: Shapes, body: int, gyration: float, outside: float) -> Iterator[str]:
+    """Yield the impossible values of a body with geoms, in words. The limits are those of `InertiaImplausible`."""
+    import numpy as np
+
+    model = shapes.model
+    mass, moments = float(model.body_mass[body]), sorted(map(float, model.body_inertia[body]))
+    if moments[0] + moments[1] < moments[2] * (1 - _ROUNDING):
+        shown = ", ".join(f"{each:.4g}" for each in moments)
+        yield f"of its principal moments {shown} kg·m² the two smaller ones do not add up to the largest"
+    corners, center = shapes.corners(shapes.of(body)), shapes.data.xipos[body]
+    low, high = corners.min(axis=0), corners.max(axis=0)
+    diagonal = float(np.linalg.norm(high - low))
+    # The distance to a box; inside of it all of these are negative.
+    away = float(np.linalg.norm(np.maximum(np.maximum(low - center, center - high), 0.0)))
+    if away > outside * diagonal + _ROUNDING:
+        yield (f"its center of mass is {away:.4g} m outside the box around its geoms, which is {diagonal:.4g} m across")
+    farthest = shapes.reach(body)
+    radius = float(np.sqrt(moments[2] / mass))
+    if radius > gyration * farthest * (1 + _ROUNDING):
+        yield (
+            f"its radius of gyration is {radius:.4g} m, and nothing of its geoms is farther than {farthest:.4g} m"
+            " from its center of mass"
+        )
+
+
+def volume(mujoco: Any, model: Any, geom: int) -> Volume:
+    """Return the volume of a geom in m³. A mesh with holes is only known to have at most the volume of its box."""
+    kinds, kind = mujoco.mjtGeom, int(model.geom_type[geom])
+    a, b, c = map(float, model.geom_size[geom])
+    exact = {
+        int(kinds.mjGEOM_SPHERE): 4 / 3 * math.pi * a**3,
+        int(kinds.mjGEOM_CAPSULE): math.pi * a * a * (2 * b + 4 / 3 * a),
+        int(kinds.mjGEOM_CYLINDER): math.pi * a * a * 2 * b,
+        int(kinds.mjGEOM_ELLIPSOID): 4 / 3 * math.pi * a * b * c,
+        int(kinds.mjGEOM_BOX): 8 * a * b * c,
+    }
+    if kind in exact:
+        return Volume(exact[kind], exact[kind])
+    box = 8 * math.prod(map(float, model.geom_aabb[geom][3:]))
+    mesh = int(model.geom_dataid[geom])
+    enclosed = _enclosed(model, mesh) if kind == int(kinds.mjGEOM_MESH) and mesh >= 0 else None
+    return Volume(0.0, box) if enclosed is None else Volume(enclosed, enclosed)
+
+
+def _enclosed(model: Any, mesh: int) -> float | None:
+    """Return the volume inside a closed surface in m³, or None if it has holes."""
+    import numpy as np
+
+    first, count = int(model.mesh_vertadr[mesh]), int(model.mesh_vertnum[mesh])
+    points = model.mesh_vert[first : first + count].astype(float)
+    start = int(model.mesh_faceadr[mesh])
+    faces = model.mesh_face[start : start + int(model.mesh_facenum[mesh])]
+    # Files repeat a point for each face around it: the points count by where they are.
+    size = float(np.ptp(points, axis=0).max(initial=0.0)) or 1.0
+    _, same = np.unique(np.round(points / size, _DIGITS), axis=0, return_inverse=True)
+    faces = same.reshape(-1)[faces]
+    edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
+    edges = edges[edges[:, 0] != edges[:, 1]]
+    there = edges[:, 0] * len(points) + edges[:, 1]
+    back = edges[:, 1] * len(points) + edges[:, 0]
+    if not np.array_equal(np.sort(there), np.sort(back)):
+        return None
+    corners = points[model.mesh_face[start : start + len(faces)]]
+    inside = float(np.einsum("ij,ij->", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])) / 6)
+    return inside if inside > 0 else None

@@ -1,0 +1,44 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from build.lint.workshop import linted
+from mjcompose.mujoco.engine import Session
+
+HINGE = '<mujoco>{}<worldbody><body><joint name="elbow" {}/><geom size="1"/></body></worldbody></mujoco>'
+RADIAN = '<compiler angle="radian"/>'
+MESH = """<mujoco><asset><mesh name="link" vertex="0 0 0 {0} 0 0 0 {0} 0 0 0 {0}"/></asset><worldbody>
+  <body pos="0 0 .3"><joint/><geom type="mesh" mesh="link"/></body></worldbody></mujoco>"""
+
+
+def option(text: str) -> str:
+    return f"<mujoco><option {text}/></mujoco>"
+
+
+CASES = [
+    ("range-in-radians", HINGE.format("", 'range="-1.57 1.57"'), HINGE.format(RADIAN, 'range="-1.57 1.57"'), "degrees"),
+    ("range-in-radians", HINGE.format("", 'range="0 3.1416"'), HINGE.format("", 'range="-2 2"'), "0 to 3.1416"),
+    ("range-in-radians", HINGE.format("", 'range="0 1.0472"'), HINGE.format("", 'type="slide" range="0 1.0472"'), ""),
+    ("range-in-degrees", HINGE.format(RADIAN, 'range="-90 90"'), HINGE.format("", 'range="-90 90"'), "-90 to 90 rad"),
+    ("range-in-degrees", HINGE.format(RADIAN, 'range="0 45"'), HINGE.format(RADIAN, 'range="0 6.28"'), "joint `elbow`"),
+    ("gravity-unit", option('gravity="0 0 -9810"'), option('gravity="0 0 -9.81"'), "1e+03 times"),
+    ("timestep-extreme", option('timestep=".1"'), option('timestep=".01"'), "100 ms"),
+    ("timestep-extreme", option('timestep="1e-6"'), option('timestep="1e-4"'), "0.001 ms"),
+    ("mesh-in-millimeters", MESH.format(200), MESH.format(0.2), 'is 392 m from corner to corner'),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("code", "wrong", "right", "words"), CASES)
+def test_a_unit_is_found_and_a_near_model_is_not(
+    code: str, wrong: str, right: str, words: str, tmp_path: Path, session: Session
+) -> None:
+    found = linted(wrong, code, tmp_path, session)
+    assert len(found) == 1
+    assert words in found[0].message
+    assert not linted(right, code, tmp_path, session)
+
+
+def test_the_help_says_the_scale(tmp_path: Path, session: Session) -> None:
+    (found,) = linted(MESH.format(200), "mesh-in-millimeters", tmp_path, session)
+    assert found.help == 'if its file is in millimeters, write `scale="0.001 0.001 0.001"`'
