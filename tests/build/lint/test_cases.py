@@ -113,3 +113,8 @@ def test_what_a_rule_finds(code: str, tmp_path: Path, session: Session) -> None:
 def test_every_rule_of_these_families_has_a_case() -> None:
     expected = {code for code, each in rules().items() if each.family in FAMILIES}
     assert expected == {*CASES, "unused-class"}
+
+
+def test_empty_keyframes_of_nkey_are_reported_once(tmp_path: Path, session: Session) -> None:
+    (found,) = linted(_arm(joint='range="0.5 1"', more='<size nkey="5"/>'), "key-out-of-range", tmp_path, session)
+    assert found.message.startswith("`nkey` makes empty keyframes: `qpos` of joint `a`")

@@ -89,11 +89,12 @@ def key_out_of_range(subject: Subject) -> Found:
     from mjcompose.mujoco.index import index, ranged
 
     compiled = index(subject.model, subject.mujoco)
+    made = next((each for each in subject.root.iterfind("size") if each.get("nkey")), None)
     for row, name, data in subject.at_keys():
         vectors = {"qpos": subject.model.key_qpos[row], "ctrl": subject.model.key_ctrl[row], "act": data.act}
         element = subject.node("key", row)
-        if element is None:  # made by `<size nkey="…"/>`, or in an attached model
-            continue
+        if element is None and (made is None or row > len(subject.root.findall("keyframe/key"))):
+            continue  # of an attached model, or as empty as the one before
         for each in ranged(compiled, vectors):
             low, high = each.range
             if not each.is_within(-_ROUNDING * max(1.0, abs(high - low))):
@@ -101,7 +102,10 @@ def key_out_of_range(subject: Subject) -> Found:
                     f"`{each.vector}` of {subject.name(each.kind, each.number)} in {name} is {each.value:.6g}, and its"
                     f" range is from {low:.6g} to {high:.6g}"
                 )
-                yield Finding(element, message, each.vector)
+                if element is None:
+                    yield Finding(made, f"`nkey` makes empty keyframes: {message}", "nkey", help="remove `nkey`")
+                else:
+                    yield Finding(element, message, each.vector)
 
 
 @rule("reference-out-of-range", in_mujoco=True)
