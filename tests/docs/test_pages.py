@@ -23,7 +23,7 @@ PAGES = [
     *sorted((ROOT / "docs" / "tutorials").glob("*.md")),
     *(ROOT / "docs" / "how-to" / f"{name}.md" for name in HOW_TO),
     *(ROOT / "docs" / "explanation" / f"{name}.md" for name in
-      ("composition", "keyframes", "verification", "reproducibility")),
+      ("composition", "verification", "reproducibility")),
 ]  # fmt: skip
 DIFFERENT = 1.0
 """How much a picture may differ from that of the page, on average, of 255: drivers draw edges and shadows in their own ways."""

@@ -74,9 +74,9 @@ def test_links_lead_somewhere_and_search_finds_the_words_that_people_type() -> N
     )
     llms = (ROOT / "build" / "site_pages" / "llms.txt").read_text(encoding="utf-8")
     assert llms.startswith("# mjcompose\n\n> ") and "\n## How to\n" in llms
-    line = next(each for each in llms.splitlines() if "(how-to/agents.html)" in each)
+    line = next(each for each in llms.splitlines() if "(how-to/split.html)" in each)
     assert line.startswith(
-        "- [Let an agent write recipes](how-to/agents.html): `mjcompose mcp` gives an AI agent tools"
+        "- [Split a merged XML into its parts](how-to/split.html): `mjcompose import` finds the models"
     )
     menu = _pages(yaml.safe_load((ROOT / "mkdocs.yml").read_text(encoding="utf-8"))["nav"])
     assert llms.count("\n- [") == len(menu)
