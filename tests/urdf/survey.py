@@ -202,19 +202,24 @@ def main() -> None:
             put_down(found)
 
 
+def commas(names: list[str]) -> str:
+    return ", ".join(names)
+
+
 def put_down(found: list[Found]) -> None:
-    """Write the table of the page."""
-    lines = [
-        "| robot | bodies/joints/actuators/equalities/meshes | MuJoCo's own reader | Pinocchio |",
-        "|---|---|---|---|",
-        *map(row, found),
-    ]
-    count = sum(each.model is not None for each in found)
-    alone = sum(each.alone not in ("", "refuses it") for each in found)
-    text = f"{count} of {len(found)} come in; MuJoCo's own reader takes {alone}.\n\n"
+    """Write the numbers of the page."""
+    inside = [each for each in found if each.model is not None]
+    refused = [Path(each.name).stem for each in inside if each.alone == "refuses it"]
+    others = [f"{Path(each.name).stem} ({each.alone})" for each in inside if each.alone not in ("same", "refuses it")]
+    different = [f"{Path(each.name).stem} ({each.pinocchio})" for each in inside if each.pinocchio != "same"]
+    text = (
+        f"{len(inside)} of {len(found)} robots come in. MuJoCo's own reader takes {len(inside) - len(refused)}, all of them the same"
+        f"{f', except {commas(others)}' if others else ''}; it refuses {commas(refused)}."
+        f" Pinocchio: the same{f', except {commas(different)}' if different else ''}."
+    )
     before, rest = PAGE.read_text(encoding="utf-8").split(BEGIN)
     after = rest.split(END)[1]
-    PAGE.write_text(f"{before}{BEGIN}\n{text}" + "\n".join(lines) + f"\n\n{END}{after}", encoding="utf-8")
+    PAGE.write_text(f"{before}{BEGIN}\n{text}\n\n{END}{after}", encoding="utf-8")
 
 
 if __name__ == "__main__":
