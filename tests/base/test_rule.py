@@ -69,7 +69,7 @@ reason: it may be a pipe, a device or 10 GB."""
 WRITES_ITSELF = {
     "the writer": "build/bundle/staging.py",
     "its argument is a stage of the writer": """
-        build/cache/run_table.py:RunTable._write_parquet tools/migrate/migrate.py:lay_out mjcf/parse.py:export_with_assets
+        cli/build_cells.py:RunTable._write_parquet tools/migrate/migrate.py:lay_out mjcf/parse.py:export_with_assets
         mujoco/pictures.py:draw mujoco/pictures.py:sheet mujoco/film.py:write_mp4
         tools/worlds/worlds.py:write_parquet tools/worlds/worlds.py:write""",
     "into memory": "urdf/converting.py:_look",

@@ -202,8 +202,7 @@ class Build:
         from mjcompose.build.compose.interface import check_index
         from mjcompose.build.verify.checks import Checks, checks_in
         from mjcompose.build.verify.compile import WHOLE, compile_and_report
-        from mjcompose.build.verify.kept_keys import check_kept_keys
-        from mjcompose.build.verify.key_ranges import check_key_ranges, check_stiffness
+        from mjcompose.build.verify.kept_keys import check_kept_keys, check_key_ranges, check_stiffness
 
         plan, composed, context, session = self.plan, draft.composed, self.context, self.session
         with context.timed("compile"):

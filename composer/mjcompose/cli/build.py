@@ -187,7 +187,7 @@ def _output_spec(options: Options, run: Run) -> OutputSpec:
         if options.picture:
             _check_has_picture(out or "", kind)
         if options.parquet:
-            from mjcompose.build.cache.run_table import check_parquet
+            from mjcompose.cli.build_cells import check_parquet
 
             check_parquet()
         _check_target(options, kind)

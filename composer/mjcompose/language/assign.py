@@ -12,13 +12,11 @@ from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Fault, Path
 from mjcompose.base.suggest import closest
 from mjcompose.language.element_schema import TEMPLATE_PATTERN, attribute_schema
-from mjcompose.language.forms.context import ByGrammar, Settings
-from mjcompose.language.forms.definitions import REFERENCE, Schema, define, definition, reference
+from mjcompose.language.forms.context import REFERENCE, ByGrammar, Schema, Settings, define, definition, reference
 from mjcompose.language.forms.model import IT
 from mjcompose.language.placing import ORIENTATIONS
 from mjcompose.language.select import check_template, kinds_of, unknown_attribute
-from mjcompose.language.value import attribute_and_index, bare_angle, read_value
-from mjcompose.language.wording import EXCLUSIVE, kind_of, shown
+from mjcompose.language.value import EXCLUSIVE, attribute_and_index, bare_angle, kind_of, read_value, shown
 from mjcompose.text.expression import Angle
 from mjcompose.text.node import is_template
 from mjcompose.tree.grammar import GRAMMAR, Attribute, ElementType

@@ -22,16 +22,13 @@ from mjcompose.base.diagnostic import Fault, Path
 from mjcompose.base.suggest import closest
 from mjcompose.language.codes import Codes
 from mjcompose.language.edit import Edits
-from mjcompose.language.forms.context import Settings, settings, validated_with
-from mjcompose.language.forms.definitions import Schema
-from mjcompose.language.forms.model import IT, Model
-from mjcompose.language.forms.rules import Exclusive
+from mjcompose.language.forms.context import Schema, Settings, settings, validated_with
+from mjcompose.language.forms.model import IT, Exclusive, Model
 from mjcompose.language.forms.scalars import Expects, Items, Name, NotNegative, Text, When
 from mjcompose.language.placing import ORIENTATIONS, Inline, JointField, JointWord, ModelReference, Offset
 from mjcompose.language.replicate import Axes, Scatter, ScatterAlone, Vector
 from mjcompose.language.used_model import Drops, Given, UrdfKeys
-from mjcompose.language.value import Element
-from mjcompose.language.wording import is_unprintable, unprintable
+from mjcompose.language.value import Element, is_unprintable, unprintable
 from mjcompose.tree.merged_settings import KeyPolicy
 
 RESERVED = "base"

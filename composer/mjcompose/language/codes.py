@@ -9,7 +9,7 @@ from pydantic import WithJsonSchema
 from mjcompose.base.codes import CODES
 from mjcompose.base.diagnostic import Fault, Note
 from mjcompose.base.suggest import advised
-from mjcompose.language.forms.definitions import Schema, definition, reference
+from mjcompose.language.forms.context import Schema, definition, reference
 from mjcompose.language.forms.scalars import Checked, Expects, Items
 
 ALLOW = "allow"

@@ -10,13 +10,10 @@ from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Fault, Path
 from mjcompose.base.suggest import closest
 from mjcompose.language.element import Reader, label
-from mjcompose.language.forms.context import ByGrammar, Settings
-from mjcompose.language.forms.definitions import Schema, reference
-from mjcompose.language.forms.model import Model
-from mjcompose.language.forms.rules import OneOf
+from mjcompose.language.forms.context import ByGrammar, Schema, Settings, reference
+from mjcompose.language.forms.model import Model, OneOf
 from mjcompose.language.forms.scalars import Checked, Count, Expects, Items, Name, When, whole
-from mjcompose.language.value import Element
-from mjcompose.language.wording import kind_of
+from mjcompose.language.value import Element, kind_of
 from mjcompose.tree.grammar import GRAMMAR
 
 BETWEEN = "between"

@@ -12,14 +12,12 @@ from mjcompose.base.extensions import Table
 from mjcompose.base.suggest import closest
 from mjcompose.language.assign import TAGS, Changed
 from mjcompose.language.codes import Codes
-from mjcompose.language.forms.attribute import Selects
-from mjcompose.language.forms.context import Settings
-from mjcompose.language.forms.definitions import Schema, reference
+from mjcompose.language.forms.context import Schema, Settings, reference
 from mjcompose.language.forms.model import IT, Model
 from mjcompose.language.forms.rows import Rows, first_line
-from mjcompose.language.forms.scalars import Count, Expects, Items, Text, When
+from mjcompose.language.forms.scalars import Count, Expects, Items, Selects, Text, When
 from mjcompose.language.select import NARROWING, kinds_of
-from mjcompose.language.wording import EXCLUSIVE, shown
+from mjcompose.language.value import EXCLUSIVE, shown
 from mjcompose.tree.pattern import Selector
 
 if TYPE_CHECKING:

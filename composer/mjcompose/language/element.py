@@ -18,8 +18,17 @@ from mjcompose.base.diagnostic import Fault, Path
 from mjcompose.base.suggest import closest, exists_note, renaming, unknown_attribute
 from mjcompose.language.forms.context import Settings
 from mjcompose.language.fragment import check_fragment, report_clashing, report_missing
-from mjcompose.language.value import Element, Value, bare_angle, element_instead, read_value
-from mjcompose.language.wording import fault_at, is_unprintable, kind_of, unprintable
+from mjcompose.language.value import (
+    Element,
+    Value,
+    bare_angle,
+    element_instead,
+    fault_at,
+    is_unprintable,
+    kind_of,
+    read_value,
+    unprintable,
+)
 from mjcompose.text.merge import is_of_elements, is_taken_out
 from mjcompose.text.node import Mapping, Node, Scalar, Sequence, is_template
 from mjcompose.tree.grammar import GRAMMAR, ElementType, number_text

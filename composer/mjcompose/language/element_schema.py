@@ -12,8 +12,8 @@ from functools import partial
 from typing import Any
 
 from mjcompose.language.element import CONFIG, FRAGMENT, NAME
-from mjcompose.language.forms.definitions import Schema, definition, reference
-from mjcompose.language.wording import shown
+from mjcompose.language.forms.context import Schema, definition, reference
+from mjcompose.language.value import shown
 from mjcompose.text.expression import ANGLE_PATTERN
 from mjcompose.tree.grammar import GRAMMAR, Attribute, Constraint, ElementType
 from mjcompose.tree.values import INT_MAX, INT_MIN

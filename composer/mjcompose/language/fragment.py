@@ -7,8 +7,7 @@ from xml.parsers import expat
 
 from mjcompose.base.diagnostic import Fault, Note, Path
 from mjcompose.base.suggest import closest, exists_note, unknown_attribute
-from mjcompose.language.value import bare_angle
-from mjcompose.language.wording import EXCLUSIVE
+from mjcompose.language.value import EXCLUSIVE, bare_angle
 from mjcompose.tree.grammar import Constraint, ElementType
 from mjcompose.tree.values import check_value, items, parse_real
 

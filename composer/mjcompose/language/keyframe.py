@@ -14,12 +14,10 @@ from mjcompose.base.diagnostic import Fault, Path
 from mjcompose.base.suggest import closest, renaming
 from mjcompose.language.element import Reader
 from mjcompose.language.element_schema import by_name
-from mjcompose.language.forms.context import ByGrammar, Settings
-from mjcompose.language.forms.definitions import Schema, reference
+from mjcompose.language.forms.context import ByGrammar, Schema, Settings, reference
 from mjcompose.language.forms.model import OWNER, Model
 from mjcompose.language.forms.scalars import Expects, Name, Unit, When
-from mjcompose.language.value import Single, read_value
-from mjcompose.language.wording import kind_of, shown
+from mjcompose.language.value import Single, kind_of, read_value, shown
 from mjcompose.tree.grammar import GRAMMAR
 
 CTRL, HOLD, JOINT = "ctrl", "hold", "joint"

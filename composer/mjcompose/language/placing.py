@@ -14,14 +14,11 @@ from mjcompose.base.diagnostic import Fault, Path
 from mjcompose.base.rotation import cross
 from mjcompose.base.suggest import closest, exists_note, renaming
 from mjcompose.language.element import Reader, label
-from mjcompose.language.forms.attribute import Attribute
-from mjcompose.language.forms.context import ByGrammar, Settings
-from mjcompose.language.forms.definitions import Schema, reference
+from mjcompose.language.forms.context import ByGrammar, Schema, Settings, reference
 from mjcompose.language.forms.model import IT, Model
-from mjcompose.language.forms.scalars import Checked, Name
+from mjcompose.language.forms.scalars import Attribute, Checked, Name
 from mjcompose.language.fragment import missing_key
-from mjcompose.language.value import Element, Single
-from mjcompose.language.wording import is_unprintable, kind_of, shown, unprintable
+from mjcompose.language.value import Element, Single, is_unprintable, kind_of, shown, unprintable
 from mjcompose.text.expression import Angle
 from mjcompose.text.key_order import WHOLE
 from mjcompose.text.node import Key, Scalar, find

@@ -18,8 +18,7 @@ from mjcompose.language.contact import Contact
 from mjcompose.language.datasheets import Datasheets
 from mjcompose.language.edit import Edits
 from mjcompose.language.element import FRAGMENT, Reader, label
-from mjcompose.language.forms.context import ByGrammar, Settings, settings, validation_error
-from mjcompose.language.forms.definitions import Schema, reference
+from mjcompose.language.forms.context import ByGrammar, Schema, Settings, reference, settings, validation_error
 from mjcompose.language.forms.model import IT, Model, Rest
 from mjcompose.language.forms.rows import Lazy
 from mjcompose.language.forms.scalars import Checked, Expects, Items, Name, Named, Text, When
@@ -28,8 +27,7 @@ from mjcompose.language.interface import Interface
 from mjcompose.language.keyframe import Keyframe
 from mjcompose.language.placing import Frame, Place
 from mjcompose.language.sections import ByTag, DefaultClass, Defaults, Extension, Section, Singleton, Typed
-from mjcompose.language.value import Element
-from mjcompose.language.wording import EXCLUSIVE, is_unprintable, kind_of, unprintable
+from mjcompose.language.value import EXCLUSIVE, Element, is_unprintable, kind_of, unprintable
 from mjcompose.tree.grammar import GRAMMAR, ElementType
 
 TO = "to"

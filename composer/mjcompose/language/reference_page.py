@@ -19,7 +19,7 @@ import sys
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from mjcompose.language.forms.definitions import Schema
+from mjcompose.language.forms.context import Schema
 from mjcompose.language.forms.walk import first_keys
 from mjcompose.language.forms.walk import key_order as key_order_of
 from mjcompose.language.recipe import Recipe

@@ -10,14 +10,20 @@ from pydantic import Field
 
 from mjcompose.base.diagnostic import Fault, Path
 from mjcompose.base.limits import advice, in_force
-from mjcompose.language.forms.attribute import Attribute
-from mjcompose.language.forms.context import Settings
-from mjcompose.language.forms.definitions import Schema
-from mjcompose.language.forms.model import IT, Model
-from mjcompose.language.forms.rules import Bars, Needs, OneOf
-from mjcompose.language.forms.scalars import LENGTHS, AtLeastOne, Checked, Count, Expects, Items, Name, Scaled
-from mjcompose.language.value import Single
-from mjcompose.language.wording import EXCLUSIVE
+from mjcompose.language.forms.context import Schema, Settings
+from mjcompose.language.forms.model import IT, Bars, Model, Needs, OneOf
+from mjcompose.language.forms.scalars import (
+    LENGTHS,
+    AtLeastOne,
+    Attribute,
+    Checked,
+    Count,
+    Expects,
+    Items,
+    Name,
+    Scaled,
+)
+from mjcompose.language.value import EXCLUSIVE, Single
 
 Vector = tuple[Single, ...]
 SURFACES = ("geom", "site")

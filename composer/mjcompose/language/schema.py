@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 from mjcompose.language.attach import Attachment
-from mjcompose.language.forms.definitions import REFERENCE, Schema, define, definition_key
+from mjcompose.language.forms.context import REFERENCE, Schema, define, definition_key
 from mjcompose.language.forms.json_schema import Generator
 from mjcompose.language.forms.scalars import WHEN
 from mjcompose.language.parameters import NO_PIECE

@@ -17,11 +17,9 @@ from mjcompose.base.diagnostic import Fault, Note, Path
 from mjcompose.base.suggest import advised, closest, exists_note, renaming
 from mjcompose.language.element import FRAGMENT, NAME, Reader, path_of
 from mjcompose.language.element_schema import by_name, described, element, mapping, nameless, unless_fragment
-from mjcompose.language.forms.context import ByGrammar, Settings
-from mjcompose.language.forms.definitions import Schema, definition, reference
+from mjcompose.language.forms.context import ByGrammar, Schema, Settings, definition, reference
 from mjcompose.language.fragment import missing_key
-from mjcompose.language.value import Element, read_value
-from mjcompose.language.wording import EXCLUSIVE, kind_of
+from mjcompose.language.value import EXCLUSIVE, Element, kind_of, read_value
 from mjcompose.tree.grammar import GRAMMAR, ElementType
 
 

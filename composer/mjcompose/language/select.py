@@ -8,9 +8,8 @@ from mjcompose.base.diagnostic import Fault, Note, Path
 from mjcompose.base.suggest import advised, exists_note
 from mjcompose.base.suggest import unknown_attribute as no_attribute
 from mjcompose.language.element import path_of
-from mjcompose.language.forms.definitions import Schema
-from mjcompose.language.value import attribute_and_index
-from mjcompose.language.wording import EXCLUSIVE, fault_at, kind_of, shown
+from mjcompose.language.forms.context import Schema
+from mjcompose.language.value import EXCLUSIVE, attribute_and_index, fault_at, kind_of, shown
 from mjcompose.text.evaluate import Template
 from mjcompose.text.expression import ExpressionError
 from mjcompose.text.node import is_template

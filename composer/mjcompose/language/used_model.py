@@ -9,8 +9,7 @@ from pydantic import AfterValidator, Field, PrivateAttr
 from mjcompose.base.diagnostic import Fault, Note
 from mjcompose.base.extensions import check_rows
 from mjcompose.base.suggest import advised
-from mjcompose.language.forms.context import ByGrammar, Settings
-from mjcompose.language.forms.definitions import Schema, definition, reference
+from mjcompose.language.forms.context import ByGrammar, Schema, Settings, definition, reference
 from mjcompose.language.forms.model import IT, Model, Rest
 from mjcompose.language.forms.scalars import Checked, Count, Expects, Items, Keywords, Written
 from mjcompose.language.select import GLOB, NARROWING, read_selector

@@ -23,7 +23,7 @@ from mjcompose.language.forms.translate import misspelt, translated
 from mjcompose.language.placing import faults_in_place
 from mjcompose.language.recipe import VERSION, Recipe, sections_of
 from mjcompose.language.sections import ByTag, Typed
-from mjcompose.language.wording import kind_of, shown
+from mjcompose.language.value import kind_of, shown
 from mjcompose.text.node import Key, Mapping, Node, Scalar, find, locate, texts, to_python
 from mjcompose.text.node import Sequence as List
 from mjcompose.tree.grammar import GRAMMAR

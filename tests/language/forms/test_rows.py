@@ -8,8 +8,7 @@ from typing import Annotated, Any, ClassVar
 
 import pytest
 from mjcompose.base.extensions import Table
-from mjcompose.language.forms.context import Settings, settings
-from mjcompose.language.forms.definitions import define
+from mjcompose.language.forms.context import Settings, define, settings
 from mjcompose.language.forms.json_schema import Generator, schema_of
 from mjcompose.language.forms.model import WHOLE, Model
 from mjcompose.language.forms.rows import Lazy, Rows, validated

@@ -5,12 +5,12 @@ from __future__ import annotations
 from typing import Annotated, Any, Literal
 
 import pytest
-from mjcompose.language.forms.attribute import Attribute
-from mjcompose.language.forms.definitions import define
+from mjcompose.language.forms.context import define
 from mjcompose.language.forms.json_schema import schema_of
 from mjcompose.language.forms.model import Model
 from mjcompose.language.forms.scalars import (
     AtLeastOne,
+    Attribute,
     Count,
     Items,
     Measure,

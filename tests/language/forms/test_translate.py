@@ -8,8 +8,7 @@ from typing import Annotated, Any, ClassVar, Literal
 import pytest
 from mjcompose.base.diagnostic import Fault
 from mjcompose.language.forms.context import Settings
-from mjcompose.language.forms.model import IT, Model
-from mjcompose.language.forms.rules import Bars, Belongs, Exclusive, Needs, OneOf
+from mjcompose.language.forms.model import IT, Bars, Belongs, Exclusive, Model, Needs, OneOf
 from mjcompose.language.forms.scalars import (
     Count,
     Expects,

@@ -9,7 +9,7 @@ from typing import Annotated, Any, ClassVar
 from mjcompose.base.diagnostic import Fault
 from mjcompose.build.checks.check import Scope, at_keys, failed, keys_named
 from mjcompose.language.check import Check
-from mjcompose.language.forms.rules import AnyOf
+from mjcompose.language.forms.model import AnyOf
 from mjcompose.language.forms.scalars import BYTES, Items, Name, NotNegative, Positive, Scaled
 
 _MOST = ("geoms", "faces", "meshes", "textures", "bytes", "contacts", "steps_per_second")

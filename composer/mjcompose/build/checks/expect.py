@@ -30,14 +30,12 @@ from mjcompose.build.checks.values import (
     words_of,
 )
 from mjcompose.language.check import Check, CheckPart
-from mjcompose.language.forms.context import Settings
-from mjcompose.language.forms.definitions import Schema, reference
-from mjcompose.language.forms.model import IT, OWNER
+from mjcompose.language.forms.context import Schema, Settings, reference
+from mjcompose.language.forms.model import IT, OWNER, Belongs, Exclusive, OneOf
 from mjcompose.language.forms.rows import Rows
-from mjcompose.language.forms.rules import Belongs, Exclusive, OneOf
 from mjcompose.language.forms.scalars import Checked, Count, Expects, Items, Measure, Name, Text, in_order
 from mjcompose.language.select import pattern_fault
-from mjcompose.language.wording import kind_of, shown
+from mjcompose.language.value import kind_of, shown
 from mjcompose.mujoco.attributes import ENUMERATED, HOLDERS, KINDS, attributes, holder
 from mjcompose.mujoco.attributes import TAGS as WITH_NUMBERS
 from mjcompose.text.expression import Angle

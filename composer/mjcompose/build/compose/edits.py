@@ -14,11 +14,10 @@ from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Note, Path
 from mjcompose.base.sink import Sink
 from mjcompose.build.compose.checks import check_intervals
-from mjcompose.build.compose.editing import Editing, count_values
+from mjcompose.build.compose.editing import Count, Editing, count_values, select_counted
 from mjcompose.build.compose.elements import ElementBuilder
 from mjcompose.build.compose.load import PartRequest
 from mjcompose.build.compose.randomize import draw_values
-from mjcompose.build.compose.select import Count, select_counted
 from mjcompose.build.compose.values import Masses, UnusableValue
 from mjcompose.build.plan.plan import Drawn, DropElements, EditOutcome, ElementDraws, Plan
 from mjcompose.build.plan.steps import DrawValues, EditElements

@@ -17,8 +17,7 @@ from mjcompose.build.compose.elements import ElementBuilder, in_radians, pose_nu
 from mjcompose.build.plan.plan import Plan
 from mjcompose.build.plan.steps import WriteKeyframe
 from mjcompose.language.keyframe import FROM, JOINT, TIME, VECTORS, Entry
-from mjcompose.language.value import Single
-from mjcompose.language.wording import shown
+from mjcompose.language.value import Single, shown
 from mjcompose.link import numbers
 from mjcompose.link.key_layout import BLOCK, Copy, Layout, Slot, element_of
 from mjcompose.link.keyframes import part_keys

@@ -14,9 +14,8 @@ from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Note
 from mjcompose.base.distribution import CHOICE
 from mjcompose.base.draw_stream import bits
-from mjcompose.build.compose.editing import Editing, cost_of_draws
+from mjcompose.build.compose.editing import Count, Editing, cost_of_draws, select_counted
 from mjcompose.build.compose.keys import report_only_zeros, zero_attributes
-from mjcompose.build.compose.select import Count, select_counted
 from mjcompose.build.compose.values import Masses, UnusableValue, Values
 from mjcompose.build.plan.plan import BASE, Drawn, ElementDraws
 from mjcompose.build.plan.steps import AngleSettings, DrawValues

@@ -28,8 +28,7 @@ from mjcompose.language.datasheets import Sheet
 from mjcompose.language.edit import Edit
 from mjcompose.language.interface import Order
 from mjcompose.language.used_model import Drop
-from mjcompose.language.value import attribute_and_index
-from mjcompose.language.wording import shown
+from mjcompose.language.value import attribute_and_index, shown
 from mjcompose.mujoco.attributes import arrays_of
 from mjcompose.sources.reference import ReadAs, Source
 from mjcompose.text.expression import Value

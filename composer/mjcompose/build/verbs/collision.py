@@ -11,8 +11,7 @@ from pydantic import BeforeValidator, Field
 
 from mjcompose.base.diagnostic import Path
 from mjcompose.language.edit import For, Verb
-from mjcompose.language.forms.model import Model
-from mjcompose.language.forms.rules import OneOf
+from mjcompose.language.forms.model import Model, OneOf
 from mjcompose.language.forms.scalars import whole
 
 if TYPE_CHECKING:

@@ -17,12 +17,10 @@ from mjcompose.build.compose.values import UnusableValue, Values, report_unusabl
 from mjcompose.language.assign import Checker
 from mjcompose.language.edit import For, Verb, listed
 from mjcompose.language.element_schema import attribute_schema
-from mjcompose.language.forms.context import ByGrammar, Settings
-from mjcompose.language.forms.definitions import Schema
+from mjcompose.language.forms.context import ByGrammar, Schema, Settings
 from mjcompose.language.forms.model import IT, WHOLE
 from mjcompose.language.select import unknown_attribute
-from mjcompose.language.value import read_value
-from mjcompose.language.wording import kind_of
+from mjcompose.language.value import kind_of, read_value
 from mjcompose.link import numbers
 from mjcompose.link.key_layout import element_of
 from mjcompose.tree.classes import levels

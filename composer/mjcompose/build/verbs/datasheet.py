@@ -14,7 +14,7 @@ from mjcompose.build.compose.values import UnusableValue, report_unusable
 from mjcompose.language.assign import Changed
 from mjcompose.language.datasheets import SHEETS, Sheet, library
 from mjcompose.language.edit import For, Verb, listed
-from mjcompose.language.forms.rules import Exclusive
+from mjcompose.language.forms.model import Exclusive
 from mjcompose.language.forms.scalars import Name, NotNegative, Positive, Unit
 from mjcompose.link import numbers
 from mjcompose.link.key_layout import joint_type

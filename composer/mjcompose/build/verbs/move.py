@@ -10,9 +10,9 @@ from pydantic import Field
 from mjcompose.base.diagnostic import Fault, Note, Path
 from mjcompose.build.compose.values import UnusableValue, Values
 from mjcompose.language.edit import For, Verb, listed
-from mjcompose.language.forms.attribute import Attribute
 from mjcompose.language.forms.context import Settings
-from mjcompose.language.forms.rules import Exclusive
+from mjcompose.language.forms.model import Exclusive
+from mjcompose.language.forms.scalars import Attribute
 from mjcompose.language.placing import ORIENTATIONS, Frame, Place
 from mjcompose.language.select import kinds_of, unknown_attribute
 from mjcompose.link.key_layout import JOINTS

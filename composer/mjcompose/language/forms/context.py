@@ -1,9 +1,10 @@
-"""The common context of validations: the settings of the recipe, and how faults become errors of pydantic."""
+"""The common context of validations: settings, faults as errors of pydantic, and definitions of the JSON Schema."""
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from copy import deepcopy
 from typing import Any
 
 from pydantic import (
@@ -18,8 +19,57 @@ from pydantic_core import CoreSchema, InitErrorDetails, PydanticCustomError, cor
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Fault
 from mjcompose.base.suggest import closest
-from mjcompose.language.forms.definitions import Schema
 from mjcompose.tree.pattern import Selector
+
+Schema = dict[str, Any]
+
+
+REFERENCE = "mjcf"
+
+
+_DEFINITIONS: dict[str, Callable[[str], Schema]] = {}
+
+
+def definition(kind: str) -> Callable[[Callable[[str], Schema]], Callable[[str], Schema]]:
+    """Return a decorator for the function that makes the definition `KIND:NAME`, or `KIND-NAME`, of a name.
+
+    The function gets an empty name if the reference is only `KIND`.
+    """
+
+    def register(make: Callable[[str], Schema]) -> Callable[[str], Schema]:
+        if kind in _DEFINITIONS:
+            raise TypeError(f"two functions make the definition {kind}")
+        _DEFINITIONS[kind] = make
+        return make
+
+    return register
+
+
+@definition("made")
+def _made(name: str) -> Schema:
+    """Return a reference to a definition derived from the whole schema: `InPlace`, `Piece`."""
+    return {"$ref": f"#/$defs/{name}"}
+
+
+def define(name: str) -> Schema:
+    """Return the schema that a reference leads to; the caller may change it. Raises KeyError for an unknown one."""
+    kind, _, rest = name.partition(":" if ":" in name else "-")
+    return deepcopy(_DEFINITIONS[kind](rest))
+
+
+def reference(name: str) -> Schema:
+    """Return a reference to a definition. It is not `$ref`, whose target pydantic would want to know."""
+    return {REFERENCE: name}
+
+
+def definition_key(name: str) -> str:
+    """Return the key of a definition in `$defs`.
+
+    >>> definition_key("variant:sensor/force")
+    'variant.sensor.force'
+    """
+    return name.replace(":", ".").replace("/", ".")
+
 
 DEFAULT_SEPARATOR = "/"
 

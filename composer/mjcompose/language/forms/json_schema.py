@@ -13,7 +13,7 @@ from pydantic import GetJsonSchemaHandler
 from pydantic.json_schema import GenerateJsonSchema
 from pydantic_core import CoreSchema
 
-from mjcompose.language.forms.definitions import Schema, definition, reference
+from mjcompose.language.forms.context import Schema, definition, reference
 from mjcompose.language.forms.model import Model, fields_of, is_hidden, is_whole, rest_of, rows_of
 from mjcompose.language.forms.rows import ELSEWHERE
 

@@ -12,8 +12,7 @@ from pydantic import BaseModel, GetCoreSchemaHandler, TypeAdapter, ValidationErr
 from pydantic_core import CoreSchema, core_schema
 
 from mjcompose.base.extensions import Table
-from mjcompose.language.forms.context import settings, together
-from mjcompose.language.forms.definitions import Schema
+from mjcompose.language.forms.context import Schema, settings, together
 
 ELSEWHERE = "mjcompose"
 """The key of pydantic's metadata for forms declared elsewhere: `Generator` asks them for their JSON Schema."""

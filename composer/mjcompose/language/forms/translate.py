@@ -13,8 +13,7 @@ from mjcompose.base.suggest import closest, exists_note, renaming
 from mjcompose.language.forms.model import IT, KEY, OWNER, Model, is_whole
 from mjcompose.language.forms.scalars import Expects, Keywords, Name, Unit
 from mjcompose.language.forms.walk import Spot, inside, is_model, spot
-from mjcompose.language.value import without_space, without_unit
-from mjcompose.language.wording import kind_of, shown, unknown_key
+from mjcompose.language.value import kind_of, shown, unknown_key, without_space, without_unit
 
 _NOUNS = {
     "float_type": "a number",

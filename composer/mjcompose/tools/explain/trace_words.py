@@ -19,7 +19,7 @@ from mjcompose.build.compose.keys import hold_poses
 from mjcompose.build.plan.plan import DropElements, Plan
 from mjcompose.build.plan.steps import DrawValues, EditElements, Step
 from mjcompose.language.assign import MASS
-from mjcompose.language.wording import shown
+from mjcompose.language.value import shown
 from mjcompose.link import numbers
 from mjcompose.link.agreement import agreement
 from mjcompose.link.angles import angles

@@ -9,7 +9,7 @@ from typing import Any, TypeAlias
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Path as Steps
 from mjcompose.base.sink import Sink
-from mjcompose.language.wording import is_unprintable
+from mjcompose.language.value import is_unprintable
 from mjcompose.text.faults import quoted, word
 from mjcompose.text.load import load
 from mjcompose.text.node import (

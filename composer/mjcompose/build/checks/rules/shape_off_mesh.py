@@ -11,7 +11,7 @@ from mjcompose.base.diagnostic import Fault
 from mjcompose.base.suggest import did_you_mean, exists_note
 from mjcompose.build.checks.check import Scope, failed
 from mjcompose.build.checks.rules.rule import SHOWN, Rule, listed
-from mjcompose.language.forms.rules import AnyOf
+from mjcompose.language.forms.model import AnyOf
 from mjcompose.language.forms.scalars import LENGTHS, Expects, Items, Name, NotNegative, Range, Scaled
 
 _Length = Annotated[float, Scaled(LENGTHS, ge=0)]
