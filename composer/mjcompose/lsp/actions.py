@@ -14,6 +14,7 @@ from mjcompose.lsp.analysis import Action, Analysis, Question
 from mjcompose.lsp.completion import complete
 from mjcompose.lsp.cursor import Path as Steps
 from mjcompose.lsp.hover import SECTIONS
+from mjcompose.lsp.markup import ModelQuestion
 from mjcompose.sources.fetching import model_files
 from mjcompose.text.decode import position
 from mjcompose.text.expression import Angle
@@ -152,7 +153,7 @@ OFFERS: tuple[Callable[[Offer], Iterator[Action]], ...] = (
 def actions(offered: Offer) -> list[Action]:
     """Return the changes that are offered at a place. The fixes of diagnostics come first."""
     found: dict[tuple[str, object], Action] = {}
-    for offer in OFFERS:
+    for offer in (offer_fixes, offer_near) if isinstance(offered.question, ModelQuestion) else OFFERS:
         for action in offer(offered):
             found.setdefault((action.title, action.changes), action)
     return list(found.values())

@@ -131,7 +131,10 @@ def span_after(span: Span, lines: Entries[int, int]) -> Span | None:
 
 @dataclass(frozen=True, slots=True)
 class Item:
-    """A completion. `insert` replaces the word; with `again`, the editor completes again. Small `rank`s come first."""
+    """A completion. `insert` replaces the word, and in an attribute or element of XML, `$0` is the cursor afterwards.
+
+    With `again`, the editor completes again. Small `rank`s come first.
+    """
 
     label: str
     kind: str
@@ -275,6 +278,14 @@ def names_of(plan: Plan, root: _Element | None, composed: Plan | None, library: 
             _take(known, _of_root(sources[place.part].root, place.prefix, parts))
     known.setdefault("body", {})[WORLD] = Known(WORLD, "body", "worldbody")
     return Names(known, plan.part_names, sources, {place.part: place.prefix for place in places})
+
+
+def names_in_tree(unit: Unit) -> Names:
+    """Return the names of one model."""
+    known: dict[str, dict[str, Known]] = {}
+    _take(known, _of_root(unit.root, "", []))
+    known.setdefault("body", {})[WORLD] = Known(WORLD, "body", "worldbody")
+    return Names(known, sources={"": unit}, prefixes={"": ""})
 
 
 def _take(known: dict[str, dict[str, Known]], found: Iterator[Known]) -> None:

@@ -13,9 +13,11 @@ from typing import Any
 
 from mjcompose.base.diagnostic import Span
 from mjcompose.base.report import counted
+from mjcompose.lsp import mjcf
 from mjcompose.lsp.analysis import Completion, Item, Known, Question
 from mjcompose.lsp.cursor import Path
 from mjcompose.lsp.language import Key, keys_of, words_of
+from mjcompose.lsp.markup import ModelQuestion
 from mjcompose.lsp.places import PART, Wanted, fitting, wanted_key
 from mjcompose.lsp.subject import Settable, of_nested, sets, settables, wanted_as_value
 from mjcompose.sources.fetching import model_files
@@ -218,6 +220,9 @@ def complete(question: Question) -> Completion:
     cursor = question.cursor
     if cursor.role == "text":
         return Completion()
+    if isinstance(question, ModelQuestion):
+        own = sorted((item for offer in mjcf.OFFERS for item in offer(question)), key=lambda each: each.rank)
+        return Completion(tuple(own), _span(question, cursor.start, cursor.end))
     name = begun(question)
     if name is not None:
         begin = cursor.start + len(cursor.word) - len(name)
@@ -240,4 +245,5 @@ def _quoted(item: Item, question: Question) -> Item:
 
 
 def _span(question: Question, start: int, end: int) -> Span:
-    return Span(question.analysis.file, question.line + 1, start + 1, question.line + 1, end + 1)
+    line = question.cursor.line + 1
+    return Span(question.analysis.file, line, start + 1, line, end + 1)

@@ -14,7 +14,7 @@ from typing import Literal
 from mjcompose.base.dataclass import dataclass
 
 Path = tuple[str | int, ...]
-Role = Literal["key", "value", "either", "text"]
+Role = Literal["key", "value", "either", "text", "tag", "content", "end"]
 
 _PLAIN = r"""[^\s\-?#&*!|>%@`"'\[\]{},:][^#\[\]{}:]*?|-[^\s:]+"""
 _KEY = re.compile(rf"""(?:"((?:[^"\\]|\\.)*)"|'((?:[^']|'')*)'|({_PLAIN}))\s*:(?=\s|$)""")
@@ -28,7 +28,8 @@ class Cursor:
     """The text that you are writing at a cursor.
 
     `path` leads to the mapping of a key that you are writing (`key`), to a value (`value`), or to a place for a value
-    or a first key (`either`). With the role `text`, the cursor is in a block of text or a comment. The word covers the
+    or a first key (`either`). With the role `text`, the cursor is in a block of text or a comment. In XML, a key is an
+    attribute, and there are the roles `tag` (of a start tag), `end` and `content` (between tags). The word covers the
     columns from `start` to `end`, counted from 0 and without quotes; `word` is the part of it before the cursor.
     `written` are the keys of the mapping before the cursor. `line` is counted from 0.
     """

@@ -23,6 +23,7 @@ from mjcompose.build.stages import Request, build
 from mjcompose.link.measure import measure_with
 from mjcompose.link.source_check import check_source
 from mjcompose.lsp.analysis import Analysis, Model, Shelf, is_saved, moved, shown, span_after
+from mjcompose.lsp.markup import ModelAnalysis, including, read_model
 from mjcompose.mujoco.engine import Session
 from mjcompose.sources.context import Context
 from mjcompose.sources.fetching import Fetching, model_files
@@ -32,7 +33,7 @@ from mjcompose.tools.explain.explain import Traced
 from mjcompose.tools.explain.trace import Trace
 from mjcompose.tree.files import RECIPES
 from mjcompose.tree.parse import parse_text, parse_xml
-from mjcompose.tree.unit import Watch, nobody
+from mjcompose.tree.unit import Unit, Watch, nobody
 from mjcompose.tree.xml_pieces import kind_of, root_of
 
 if TYPE_CHECKING:
@@ -40,7 +41,6 @@ if TYPE_CHECKING:
 
     from mjcompose.build.compose.load import Library
     from mjcompose.build.plan.plan import Plan
-    from mjcompose.tree.unit import Unit
 
 
 def carried(found: Iterable[Diagnostic], file: str, old: Sequence[str], new: Sequence[str]) -> tuple[Diagnostic, ...]:
@@ -222,6 +222,22 @@ class Workspace:
                 found.append(self.analyze(other, text, texts))
         return found
 
+    def analyze_model(
+        self, path: Path, text: str, texts: Mapping[str, bytes], before: Analysis | None = None
+    ) -> ModelAnalysis:
+        """Return the analysis of an MJCF file. A model that cannot be read at all is that of `before`."""
+        with unsaved(texts):
+            unit, nodes = read_model(path, text, self.folder)
+        found, old = self.check_model(path, text), before if isinstance(before, ModelAnalysis) else None
+        files = frozenset(each.path for each in unit.origins.texts.values() if each.path) if unit is not None else ()
+        if unit is None and old is not None:
+            return replace(old, text=text, found=found, is_current=False)
+        is_current = not any(each.code == "xml-syntax" for each in found)
+        return ModelAnalysis(
+            path, self.folder, text, found=found, files=frozenset(files), is_current=is_current, model_of=text,
+            unit=unit, nodes=nodes,
+        )  # fmt: skip
+
     def check_model(self, path: Path, text: str) -> tuple[Diagnostic, ...]:
         sink = Sink()
         content, file = text.encode("utf-8", "replace"), shown(path, self.folder)
@@ -324,14 +340,14 @@ class Desk:
         }
 
     async def analyzed(self, path: Path, newest: bool = False, *, traced: bool = False) -> Analysis | None:
-        """Return the latest analysis of an open recipe, with `newest` of the current text, and `traced` on request."""
+        """Return the latest analysis of an open file, with `newest` of the current text, and `traced` on request."""
         document = self.documents.get(path)
-        if document is None or document.kind != "recipe":
+        if document is None or not document.kind:
             return None
         while document.work is not None and (document.analysis is None or (newest and document.done < document.count)):
             await asyncio.wait([document.work])
         analysis = document.analysis
-        if not traced or analysis is None:
+        if not traced or analysis is None or document.kind == "model":
             return analysis
         whole = await asyncio.get_running_loop().run_in_executor(self._analysing, self.workspace.traced, analysis)
         if document.analysis is analysis:
@@ -343,10 +359,17 @@ class Desk:
             self._analysing, self.workspace.including, path, self.texts()
         )
 
+    async def models_including(self, path: Path) -> list[Unit]:
+        def found() -> list[Unit]:
+            with unsaved(self.texts()):
+                return list(including(path, self.folder))
+
+        return await asyncio.get_running_loop().run_in_executor(self._analysing, found)
+
     async def using(self, path: Path) -> list[Analysis]:
         found = []
         for document in list(self.documents.values()):
-            analysis = await self.analyzed(document.path, newest=True)
+            analysis = await self.analyzed(document.path, newest=True) if document.kind == "recipe" else None
             if analysis is not None and path in analysis.files:
                 found.append(await self.analyzed(document.path, newest=True, traced=True) or analysis)
         return found
@@ -372,7 +395,11 @@ class Desk:
                     )  # fmt: skip
                 elif document.kind == "model":
                     document.seen = version
-                    found = await loop.run_in_executor(self._analysing, self.workspace.check_model, document.path, text)
+                    document.analysis = await loop.run_in_executor(
+                        self._analysing, self.workspace.analyze_model, document.path, text,
+                        self.texts(document.path), document.analysis,
+                    )  # fmt: skip
+                    found = document.analysis.found
                     self._report(document.path, by_file(found, shown(document.path, self.folder)))
             except Exception:
                 self._log(traceback.format_exc())

@@ -14,10 +14,12 @@ from mjcompose.build.plan.plan import PlacedModel, Plan
 from mjcompose.build.plan.read import files_of_source
 from mjcompose.language.expand import cells, scope_of
 from mjcompose.link import numbers
+from mjcompose.lsp import mjcf
 from mjcompose.lsp.analysis import Analysis, Hover, Known, Question
 from mjcompose.lsp.language import doc_of, words_of
+from mjcompose.lsp.markup import ModelQuestion
 from mjcompose.lsp.places import label, matches, part_of_reference, selector_around
-from mjcompose.lsp.subject import Settable, in_model, named_at, names_in, of_nested, settables
+from mjcompose.lsp.subject import Settable, in_model, named_at, names_in, of_nested, settables, unit_of
 from mjcompose.sources.reference import Source
 from mjcompose.text.evaluate import Template
 from mjcompose.text.expression import ExpressionError, shown
@@ -49,6 +51,8 @@ def describe(known: Known, analysis: Analysis) -> str:
     lines += [f"- {fact}" for fact in _facts(known, traced if composed else None)]
     if traced is not None and composed and node is not None:
         lines += ["", "```text", render(traced.element(node)).partition("\n")[2], "```"]
+    if traced is None and node is not None and (unit := unit_of(known, analysis)) is not None:
+        lines += mjcf.settings(node, unit)
     return "\n".join(lines)
 
 
@@ -262,4 +266,7 @@ SHOWS = (show_expression, show, show_model, show_setting, show_selector, show_ke
 def hover(question: Question) -> Hover | None:
     if question.cursor.role == "text":
         return None
+    if isinstance(question, ModelQuestion):
+        texts = [found.text for each in (show, *mjcf.SHOWS) if (found := each(question)) is not None]
+        return Hover("\n\n---\n\n".join(texts), question.word) if texts else None
     return next((found for show in SHOWS if (found := show(question)) is not None), None)

@@ -15,18 +15,24 @@ from mjcompose.base.sink import Sink
 from mjcompose.build.plan.plan import Plan
 from mjcompose.language.expand import cells
 from mjcompose.language.value import angle_places
-from mjcompose.lsp import subject
+from mjcompose.lsp import mjcf, subject
 from mjcompose.lsp.analysis import Analysis, Fold, Hint, Hover, Known, Lens, Question, Symbol, shown
 from mjcompose.lsp.cursor import Path
 from mjcompose.lsp.hover import describe, values_of
 from mjcompose.lsp.language import Form, kinds_of
+from mjcompose.lsp.markup import ModelAnalysis, ModelQuestion
 from mjcompose.lsp.places import PART, is_selector, label, matches, part_called, part_of_reference
 from mjcompose.text.layout import format_recipe
 from mjcompose.text.node import Change, Mapping, Node, Scalar, Sequence, find, is_template, lines_of, locate, spans
 from mjcompose.tree.names import NameIndex
+from mjcompose.tree.unit import Unit
+from mjcompose.tree.xml_layout import format_mjcf
+from mjcompose.tree.xml_pieces import kind_of
 
 
 def definition(question: Question) -> list[Span]:
+    if isinstance(question, ModelQuestion):
+        return list(dict.fromkeys([*_named(question), *mjcf.file_at(question)]))
     return list(dict.fromkeys([*_named(question), *_declared(question), *_model(question)]))
 
 
@@ -183,8 +189,9 @@ _LINE = re.compile(r"[^\r\n]*(?:\r\n|\n|\r)|[^\r\n]+\Z")
 
 
 def formatted(text: str, file: str) -> list[Change]:
-    """Return the changes that `fmt` would make, or none if the text is not a recipe that it can format."""
-    result = format_recipe(text.encode("utf-8", "replace"), file, Sink())
+    """Return the changes that `fmt` would make, or none if it cannot format the text."""
+    layout = format_mjcf if kind_of(File(file), text) == "model" else format_recipe
+    result = layout(text.encode("utf-8", "replace"), file, Sink())
     if result is None:
         return []
     before, after = _LINE.findall(text), _LINE.findall(result.decode("utf-8"))
@@ -224,14 +231,20 @@ def lenses(analysis: Analysis) -> list[Lens]:
     return lenses
 
 
-def references(question: Question, declaration: bool = True) -> list[Span]:
-    """Return the places that use the name at the cursor. With `declaration`, its declaration comes first."""
+def references(question: Question, declaration: bool = True, others: Iterable[Unit] = ()) -> list[Span]:
+    """Return the places that use the name at the cursor. With `declaration`, its declaration comes first.
+
+    `others` are models that include the file of the question.
+    """
     analysis = question.analysis
     found: list[Span] = []
     for known in subject.named_at(question):
         meant = subject.in_model(known, analysis)
         found += subject.declared_at(meant, analysis) if declaration else ()
         found += uses_of(meant, analysis)
+        found += (span for unit in others for span in mjcf.uses(known, unit))
+    if isinstance(question, ModelQuestion):
+        return list(dict.fromkeys(found))
     if (at := subject.part_named_at(question)) is not None:
         uses = [use.span for use in uses_of_part(part_called(at, analysis.plan), analysis)]
         found += analysis.all_now(uses, analysis.tree_of)
@@ -241,6 +254,8 @@ def references(question: Question, declaration: bool = True) -> list[Span]:
 
 
 def uses_of(known: Known, analysis: Analysis) -> Iterator[Span]:
+    if isinstance(analysis, ModelAnalysis) and analysis.unit is not None:
+        yield from analysis.all_now(mjcf.uses(known, analysis.unit), analysis.model_of)
     for use in subject.uses_in(analysis.tree):
         if use.text == name_there(known, use, analysis) and known.namespace in use.wanted.namespaces:
             yield from analysis.all_now([use.span], analysis.tree_of)
@@ -278,6 +293,8 @@ _NAMING = ("name", "id", "to")
 
 def symbols(analysis: Analysis) -> list[Symbol]:
     """Return the outline down to elements and their settings; of half-written text, the readable part."""
+    if isinstance(analysis, ModelAnalysis):
+        return mjcf.symbols("\n".join(analysis.lines), analysis)
     return list(_symbols(analysis.tree, 0, analysis)) if isinstance(analysis.tree, Mapping) else []
 
 

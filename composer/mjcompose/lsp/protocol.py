@@ -133,7 +133,8 @@ _SEVERITIES = {
 }
 _K = lsp.CompletionItemKind
 _KINDS = {
-    "key": _K.Property, "word": _K.EnumMember, "part": _K.Module, "file": _K.File, "model": _K.Module,
+    "key": _K.Property, "element": _K.Struct, "word": _K.EnumMember, "part": _K.Module, "file": _K.File,
+    "model": _K.Module,
     "scheme": _K.Folder, "parameter": _K.Variable, "variant": _K.Enum, "function": _K.Function,
     "constant": _K.Constant, "pattern": _K.Operator, "site": _K.Reference, "frame": _K.Reference, "body": _K.Struct,
     "joint": _K.Field, "geom": _K.Value, "actuator": _K.Event, "sensor": _K.Event, "default": _K.Class,
@@ -155,6 +156,7 @@ class Converter:
         self, encoding: str, folder: Path, lines: Callable[[Path], list[str]], uri: Callable[[Path], str]
     ) -> None:
         self.encoding, self.folder, self._lines, self._uri = encoding, folder, lines, uri
+        self.takes_snippets = False
 
     def path(self, span: Span) -> Path:
         return Path(os.path.normpath(self.folder / span.file))
@@ -210,13 +212,16 @@ class Converter:
 
     def _item(self, item: analysis.Item, found: analysis.Completion, at: int) -> lsp.CompletionItem:
         text = item.insert or item.label
+        has_caret = "$0" in text and item.kind in ("key", "element")
+        form = lsp.InsertTextFormat.Snippet if has_caret and self.takes_snippets else None
+        text = text if not has_caret or self.takes_snippets else text.replace("$0", "")
         edit = None if found.span is None else lsp.TextEdit(self.range(found.span), text)
         again = lsp.Command("complete", "editor.action.triggerSuggest") if item.again else None
         return lsp.CompletionItem(
             item.label, kind=_KINDS.get(item.kind, _K.Text), detail=item.detail or None,
             documentation=lsp.MarkupContent(lsp.MarkupKind.Markdown, item.doc) if item.doc else None,
             sort_text=f"{at:05}", text_edit=edit, filter_text=item.label,
-            insert_text_mode=lsp.InsertTextMode.AsIs, command=again,
+            insert_text_mode=lsp.InsertTextMode.AsIs, command=again, insert_text_format=form,
         )  # fmt: skip
 
     def hover(self, found: analysis.Hover) -> lsp.Hover:

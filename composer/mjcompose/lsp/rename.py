@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import os
 import re
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 from fnmatch import fnmatchcase
 
 from mjcompose.base.diagnostic import Span
@@ -11,23 +13,23 @@ from mjcompose.base.files import read_regular
 from mjcompose.base.sink import Sink
 from mjcompose.build.plan.plan import Plan
 from mjcompose.language.attach import RESERVED
-from mjcompose.lsp import subject
+from mjcompose.lsp import mjcf, subject
 from mjcompose.lsp.analysis import Analysis, Question
 from mjcompose.lsp.cursor import Path
+from mjcompose.lsp.markup import ModelQuestion
+from mjcompose.lsp.mjcf import Refused
+from mjcompose.lsp.navigation import name_there
 from mjcompose.lsp.places import PART, part_called
 from mjcompose.text.faults import quoted, word
 from mjcompose.text.load import load
 from mjcompose.text.node import Change, Mapping, Scalar, find, locate, walk
+from mjcompose.tree.unit import Unit
 
 _CHOICE = re.compile(r"\{([^{}]*)\}")
 
 
 class NotSure(Exception):
     """Raised for a pattern that would match other names under the new key, and that cannot be rewritten."""
-
-
-class Refused(Exception):
-    """A reason why a name cannot be changed."""
 
 
 def renamed(text: str, old: str, new: str, separator: str, pattern: bool) -> str | None:
@@ -82,7 +84,9 @@ _USABLE = re.compile(r"[A-Za-z_]\w*")
 
 
 def renameable(question: Question) -> Span | None:
-    """Return the word at the cursor that can be renamed: a part, or a parameter of this recipe."""
+    """Return the word at the cursor that can be renamed: a part, a parameter of this recipe, or a name in MJCF."""
+    if isinstance(question, ModelQuestion):
+        return mjcf.renameable(question)
     at, parameter = subject.part_named_at(question), subject.parameter_at(question)
     if not question.analysis.is_current:
         return None
@@ -95,8 +99,13 @@ def renameable(question: Question) -> Span | None:
     return next((at for at in uses if at.line == line and at.column <= column <= (at.end_column or 0)), None)
 
 
-def rename(question: Question, new: str, others: Iterable[Analysis]) -> list[Change]:
-    """Return all changes that a new name needs; `others` are the recipes that may include this one. Raises Refused."""
+def rename(question: Question, new: str, others: Iterable[Analysis], models: Iterable[Unit] = ()) -> list[Change]:
+    """Return all changes that a new name needs. Raises Refused.
+
+    `others` are the recipes that may include this one or this model, `models` the models that include this one.
+    """
+    if isinstance(question, ModelQuestion):
+        return _rename_in_model(question, new, others, models)
     at, parameter = subject.part_named_at(question), subject.parameter_at(question)
     if renameable(question) is None:
         raise Refused("only parts, parameters and variants can be renamed, in a recipe without errors in its YAML")
@@ -108,6 +117,30 @@ def rename(question: Question, new: str, others: Iterable[Analysis]) -> list[Cha
             changes = _rename_parameter(parameter[0], new, question, others)
     except NotSure as pattern:
         raise Refused(f"`{pattern}` would match other names afterwards: change it first") from None
+    return list(dict.fromkeys(changes))
+
+
+def _rename_in_model(
+    question: ModelQuestion, new: str, others: Iterable[Analysis], models: Iterable[Unit]
+) -> list[Change]:
+    known, changes = mjcf.rename(question, new, models)
+    path = os.path.realpath(question.analysis.path)
+    for other in others:
+        for part, unit in other.names.sources.items():
+            if all(each.path is None or os.path.realpath(each.path) != path for each in unit.origins.texts.values()):
+                continue
+            final = replace(known, name=other.names.prefixes.get(part, "") + known.name)
+            for use in subject.uses_in(other.tree):
+                there, text = name_there(final, use, other), use.text
+                if there is None or known.namespace not in use.wanted.namespaces or use.wanted.part is not None:
+                    continue
+                now = there.removesuffix(known.name) + new
+                try:
+                    changed = renamed(text, there, now, other.separator, pattern=True) if use.wanted.pattern else None
+                except (NotSure, ValueError):
+                    raise Refused(f"`{text}` in `{other.file}` would match other names: change it first") from None
+                if changed is not None or text == there:
+                    changes.append(_written(use.span, changed or now, other))
     return list(dict.fromkeys(changes))
 
 

@@ -11,6 +11,7 @@ import signal
 import sys
 import traceback
 from collections.abc import Awaitable, Callable, Iterable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, BinaryIO, cast
 
@@ -23,19 +24,21 @@ from pygls.uris import from_fs_path, to_fs_path
 from mjcompose.base.diagnostic import Diagnostic, Span
 from mjcompose.base.files import read_regular, unsaved
 from mjcompose.base.version import __version__
-from mjcompose.lsp import language, navigation
+from mjcompose.lsp import language, mjcf, navigation
 from mjcompose.lsp.actions import Offer, actions
-from mjcompose.lsp.analysis import Analysis, Question
+from mjcompose.lsp.analysis import Analysis, Question, shown
 from mjcompose.lsp.completion import complete
 from mjcompose.lsp.desk import Desk, Document
 from mjcompose.lsp.hover import hover
+from mjcompose.lsp.markup import ModelAnalysis, ModelQuestion
+from mjcompose.lsp.mjcf import Refused
 from mjcompose.lsp.protocol import Converter, Errands, Frames
-from mjcompose.lsp.rename import Refused, rename, renameable
+from mjcompose.lsp.rename import rename, renameable
 from mjcompose.text.node import lines_of
 
 _TURN = 0.001  # how many seconds an analysis may keep Python for itself while an editor waits for an answer
 _WATCHED = "**/*.{yaml,yml,xml,mjcf,urdf,xacro,lock}"
-_TRIGGERS = [":", " ", "/", "{", "[", "$", ",", ".", "*", '"', "'"]
+_TRIGGERS = [":", " ", "/", "{", "[", "$", ",", ".", "*", '"', "'", "<"]
 
 
 class Server(LanguageServer):
@@ -51,6 +54,8 @@ class Server(LanguageServer):
     def begin(self, folder: Path) -> None:
         encoding = str(getattr(self.workspace.position_encoding, "value", self.workspace.position_encoding) or "utf-16")
         self.converter = Converter(encoding, folder, self.lines, self.uri)
+        support = get_capability(self.client_capabilities, "text_document.completion.completion_item.snippet_support")
+        self.converter.takes_snippets = bool(support)
         self.desk = Desk(folder, self.publish, self.say)
         self.errands = Errands(folder)
 
@@ -87,10 +92,10 @@ class Server(LanguageServer):
         """Write to the log of the editor. Errors of a provider are logged and do not end the server."""
         self.window_log_message(lsp.LogMessageParams(lsp.MessageType.Error, text))
 
-    def recipe(self, params: Any) -> Document:
-        """Return the open recipe that `params` names. Raises NotOpen."""
+    def document(self, params: Any) -> Document:
+        """Return the open recipe or model that `params` names. Raises NotOpen."""
         document = self.desk.documents.get(self.path(params.text_document.uri))
-        if document is None or document.kind != "recipe":
+        if document is None or not document.kind:
             raise NotOpen
         return document
 
@@ -106,7 +111,9 @@ class Server(LanguageServer):
     ) -> Question:
         """Return the question about a position in a recipe, or about the one in `params`. Raises NotOpen."""
         analysis = await self.analysis(params, newest, traced=traced)
-        lines, at = self.recipe(params).lines, position or params.position
+        lines, at = self.document(params).lines, position or params.position
+        if isinstance(analysis, ModelAnalysis):
+            return ModelQuestion(analysis, lines, at.line, self.converter.column(lines, at))
         return Question(analysis, lines, at.line, self.converter.column(lines, at))
 
     def locations(self, spans: Iterable[Span]) -> list[lsp.Location]:
@@ -197,10 +204,12 @@ async def completion(own: Server, params: lsp.CompletionParams) -> lsp.Completio
 @_feature(lsp.TEXT_DOCUMENT_HOVER)
 async def hovered(own: Server, params: lsp.HoverParams) -> lsp.Hover | None:
     path = own.path(params.text_document.uri)
+    found = hover(await own.question(params, traced=True))
     if own.desk.is_model(path):
-        found = navigation.hover_in_model(path, params.position.line, await own.desk.using(path))
-    else:
-        found = hover(await own.question(params, traced=True))
+        composed = navigation.hover_in_model(path, params.position.line, await own.desk.using(path))
+        if found is not None and composed is not None:
+            found = replace(found, text=f"{found.text}\n\n---\n\n{composed.text}")
+        found = found or composed
     return None if found is None else own.converter.hover(found)
 
 
@@ -212,11 +221,12 @@ async def defined(own: Server, params: lsp.DefinitionParams) -> list[lsp.Locatio
 @_feature(lsp.TEXT_DOCUMENT_REFERENCES)
 async def referred(own: Server, params: lsp.ReferenceParams) -> list[lsp.Location]:
     path = own.path(params.text_document.uri)
-    if own.desk.is_model(path):
-        return own.locations(navigation.references_in_recipes(path, params.position.line, await own.desk.using(path)))
-    return own.locations(
-        navigation.references(await own.question(params, traced=True), params.context.include_declaration)
-    )
+    question, is_model = await own.question(params, traced=True), own.desk.is_model(path)
+    models = await own.desk.models_including(path) if is_model else []
+    found = navigation.references(question, params.context.include_declaration, models)
+    if is_model:
+        found += navigation.references_in_recipes(path, params.position.line, await own.desk.using(path))
+    return own.locations(dict.fromkeys(found))
 
 
 @_feature(lsp.TEXT_DOCUMENT_PREPARE_RENAME)
@@ -229,7 +239,9 @@ async def may_rename(own: Server, params: lsp.PrepareRenameParams) -> lsp.Range 
 async def renamed(own: Server, params: lsp.RenameParams) -> lsp.WorkspaceEdit:
     question = await own.question(params)
     try:
-        changes = rename(question, params.new_name, await own.desk.including(question.analysis.path))
+        path = question.analysis.path
+        models = await own.desk.models_including(path) if own.desk.is_model(path) else []
+        changes = rename(question, params.new_name, await own.desk.including(path), models)
     except Refused as refused:
         raise JsonRpcException(str(refused), lsp.LSPErrorCodes.RequestFailed) from None
     return own.converter.edit(changes)
@@ -251,7 +263,7 @@ async def outlined(own: Server, params: lsp.DocumentSymbolParams) -> list[lsp.Do
 @_feature(lsp.TEXT_DOCUMENT_FOLDING_RANGE)
 async def folded(own: Server, params: lsp.FoldingRangeParams) -> list[lsp.FoldingRange]:
     return [
-        lsp.FoldingRange(each.first, each.last, kind=each.kind) for each in navigation.folds(own.recipe(params).lines)
+        lsp.FoldingRange(each.first, each.last, kind=each.kind) for each in navigation.folds(own.document(params).lines)
     ]
 
 
@@ -267,9 +279,29 @@ async def lensed(own: Server, params: lsp.CodeLensParams) -> list[lsp.CodeLens]:
     return [own.converter.lens(each) for each in navigation.lenses(await own.analysis(params))]
 
 
+@_feature(lsp.TEXT_DOCUMENT_DOCUMENT_COLOR)
+async def colored(own: Server, params: lsp.DocumentColorParams) -> list[lsp.ColorInformation]:
+    document = own.document(params)
+    if document.kind != "model":
+        return []
+    found = mjcf.colors("\n".join(document.lines), shown(document.path, own.desk.folder))
+    return [lsp.ColorInformation(own.converter.range(span), lsp.Color(*color)) for span, color in found]
+
+
+@_feature(lsp.TEXT_DOCUMENT_COLOR_PRESENTATION)
+async def presented(own: Server, params: lsp.ColorPresentationParams) -> list[lsp.ColorPresentation]:
+    """Return a color as MJCF writes it, with an opacity if there was one or is one now."""
+    lines, place, color = own.document(params).lines, params.range, params.color
+    start, end = (own.converter.column(lines, each) for each in (place.start, place.end))
+    has_four = len(lines[place.start.line][start:end].split()) == 4 or color.alpha < 1
+    numbers = [color.red, color.green, color.blue, *([color.alpha] if has_four else [])]
+    text = " ".join(f"{each:.4g}" for each in numbers)
+    return [lsp.ColorPresentation(text, lsp.TextEdit(place, text))]
+
+
 @_feature(lsp.TEXT_DOCUMENT_FORMATTING)
 async def laid_out(own: Server, params: lsp.DocumentFormattingParams) -> list[lsp.TextEdit]:
-    document = own.recipe(params)
+    document = own.document(params)
     return [own.converter.text_edit(each) for each in navigation.formatted(document.text, str(document.path))]
 
 

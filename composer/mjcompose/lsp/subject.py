@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Span
@@ -13,6 +13,7 @@ from mjcompose.build.plan.read import read_recipe
 from mjcompose.lsp.analysis import Analysis, Known, Question
 from mjcompose.lsp.cursor import Path
 from mjcompose.lsp.language import Form, forms_at, forms_below
+from mjcompose.lsp.markup import ModelQuestion
 from mjcompose.lsp.places import PART, Wanted, fitting, part_at, wanted_key, wanted_value
 from mjcompose.sources.context import Context
 from mjcompose.sources.fetching import Fetching
@@ -20,6 +21,9 @@ from mjcompose.text.evaluate import Template
 from mjcompose.text.expression import ExpressionError
 from mjcompose.text.node import Key, Mapping, Node, Scalar, Sequence, to_python, walk
 from mjcompose.tree.unit import Unit
+
+if TYPE_CHECKING:
+    from lxml.etree import _Element as Element
 
 
 @dataclass(frozen=True, slots=True)
@@ -201,6 +205,8 @@ def wanted_as_value(question: Question) -> Wanted | None:
 
 
 def wanted_at(question: Question) -> Wanted | None:
+    if isinstance(question, ModelQuestion):
+        return question.named
     found = wanted_as_value(question)
     if found is None and question.cursor.role in ("key", "either"):
         return wanted_key(question.path)
@@ -229,6 +235,11 @@ def part_named_at(question: Question) -> Path | None:
     return None if part_at(at, plan) is None else at
 
 
+def declared_by(node: Element) -> str:
+    """Return the attribute from which an element has its name."""
+    return "class" if node.tag == "default" else "name" if node.get("name") or "file" not in node.attrib else "file"
+
+
 def declared_at(known: Known, analysis: Analysis) -> Iterator[Span]:
     node, traced = known.node, analysis.traced
     if node is None:
@@ -239,7 +250,7 @@ def declared_at(known: Known, analysis: Analysis) -> Iterator[Span]:
         places = [named] if named is not None else [each.span for each in traced.written(life)]
         yield from analysis.all_now(dict.fromkeys(places), analysis.model_of)
     elif (unit := unit_of(known, analysis)) is not None:
-        yield unit.origins.span(node, unit.file, "name")
+        yield from analysis.all_now([unit.origins.span(node, unit.file, declared_by(node))], analysis.model_of)
 
 
 def unit_of(known: Known, analysis: Analysis) -> Unit | None:

@@ -177,20 +177,13 @@ def parse_text(
     root = parse_xml(data, file, sink)
     if root is None:
         return None
-    header = take_header_in(root)
-    door = door or own_door(directory / "model.xml")
-    unit = Unit(root, file, directory, label=label, contents=contents or {}, header=header, door=door)
-    unit.origins.texts[file] = FileText(contents=data)
-    unit.origins.size = len(data)
+    unit = unit_of(root, data, file=file, directory=directory, label=label, contents=contents, door=door)
     if root.tag != "mujoco":
         help = SDF.help(file) if root.tag == "sdf" else _NO_MODEL.get(str(root.tag))
         message = f"`{file}` is not an MJCF model: its root is `<{root.tag}>`, not `<mujoco>`"
         sink.error("not-mjcf", message, unit.origins.span(root, file), help=help)
         return None
-    if next(root.iter("include"), None) is not None:
-        includes = _Includes(unit, sink)
-        includes.expand(root, file, directory)
-        find_beside(unit, includes.folders)
+    expand_includes(unit, sink)
     for section in list(root.iterchildren("*")) if sink.error_count == before else ():
         if section.tag not in GRAMMAR.root.children:
             _unknown_section(section, unit, sink)
@@ -198,6 +191,27 @@ def parse_text(
     if sink.error_count == before:
         check_size(unit, sink, opens_files=False)
     return None if sink.error_count > before else unit
+
+
+def unit_of(
+    root: Node, data: bytes | str, *, file: str, directory: Path, label: str,
+    contents: Mapping[str, bytes | Path] | None = None, door: Door | None = None,
+) -> Unit:  # fmt: skip
+    """Return the unit of a tree that was read from `data`, with its includes as written."""
+    header = take_header_in(root)
+    door = door or own_door(directory / "model.xml")
+    unit = Unit(root, file, directory, label=label, contents=contents or {}, header=header, door=door)
+    unit.origins.texts[file] = FileText(contents=data)
+    unit.origins.size = len(data)
+    return unit
+
+
+def expand_includes(unit: Unit, sink: Sink) -> None:
+    """Put the contents of included files in the place of each `<include>`."""
+    if next(unit.root.iter("include"), None) is not None:
+        includes = _Includes(unit, sink)
+        includes.expand(unit.root, unit.file, unit.directory)
+        find_beside(unit, includes.folders)
 
 
 def _unknown_section(section: Node, unit: Unit, sink: Sink) -> None:

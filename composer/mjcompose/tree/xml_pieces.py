@@ -12,10 +12,11 @@ from mjcompose.tree.files import RECIPES
 MODELS = (".xml", ".mjcf")
 """The ends of the names of MJCF files."""
 _PIECE = re.compile(
-    r"<!--.*?(?:-->|\Z)|<!\[CDATA\[.*?(?:\]\]>|\Z)|<\?.*?(?:\?>|\Z)|<![A-Za-z][^>]*>?|</[^<>]*>?|<[^\s<>/!?\"'=]*|[^<]+|<",
+    r"<!--.*?(?:-->|\Z)|<!\[CDATA\[.*?(?:\]\]>|\Z)|<\?.*?(?:\?>|\Z)|<![A-Za-z][^>]*>?|</[^<>]*>?|<(?:[A-Za-z_][^\s<>/!?\"'=]*)?|[^<]+",
     re.DOTALL,
 )
 _ATTRIBUTE = re.compile(r"""\s*([^\s=<>/"']+)(?:\s*=\s*(?:"([^"<]*)"?|'([^'<]*)'?)?)?""")
+_BLANK = re.compile(r"\s*")
 _TAG_END = re.compile(r"\s*(/?)>")
 _BEFORE_ROOT = r"\s*(?:(?:<\?.*?\?>|<!--.*?-->|<!DOCTYPE[^>]*>)\s*)*"
 _ROOT = re.compile(rf"\ufeff?{_BEFORE_ROOT}<(mujoco|mujocoinclude)(?=[\s/>]|\Z)", re.DOTALL)
@@ -81,7 +82,7 @@ def _start_tag(text: str, start: int, tag: str) -> Piece:
         attributes.append(Written(found[1], found.start(1), value, begin, end))
     if (closing := _TAG_END.match(text, at)) is not None:
         return Piece("start", start, closing.end(), tag, tuple(attributes), closed=bool(closing[1]))
-    return Piece("start", start, at, tag, tuple(attributes), complete=False)
+    return Piece("start", start, _BLANK.match(text, at).end(), tag, tuple(attributes), complete=False)  # type: ignore[union-attr]
 
 
 def root_of(text: str) -> str | None:

@@ -2,7 +2,7 @@
 import * as vscode from "vscode";
 import { onInterpreter } from "./interpreter";
 import { Panels } from "./panel";
-import { isRecipe, LANGUAGE, MOST_LINES_ABOVE } from "./recipes";
+import { isModel, isRecipe, LANGUAGE, MOST_LINES_ABOVE } from "./recipes";
 import { Server } from "./server";
 import { runTask } from "./tasks";
 
@@ -49,9 +49,9 @@ async function withCommand(act: (command: string[]) => void | Promise<void>): Pr
 
 const changed = new Set<string>();
 
-/** A recipe gets its language, once: who chooses another one afterwards keeps it. The first recipe starts the server. */
+/** A recipe gets its language, once: who chooses another one afterwards keeps it. The first recipe or MJCF model starts the server. */
 async function meet(document: vscode.TextDocument): Promise<void> {
-  if (document.languageId === LANGUAGE) return server?.start();
+  if (document.languageId === LANGUAGE || (document.languageId === "xml" && isModel(document.getText()))) return server?.start();
   const key = document.uri.toString();
   if (document.languageId !== "yaml" || !["file", "untitled"].includes(document.uri.scheme) || changed.has(key)) return;
   if (!vscode.workspace.getConfiguration("mjcompose", document).get("recognizeRecipes") || !isRecipe(document.getText())) return;

@@ -1,4 +1,4 @@
-// Which texts are recipes.
+// Which texts are recipes, and which are MJCF models.
 
 export const LANGUAGE = "mjcompose-recipe";
 /** As many lines may stand above `recipe:`. */
@@ -7,6 +7,11 @@ export const MOST_LINES_ABOVE = 50;
 const NOTHING = /^\s*(#.*)?$|^---\s*(#.*)?$|^%\w+/;
 // With its number: other formats begin with `recipe:` too.
 const VERSION = /^(["']?)recipe\1\s*:\s+\d+\s*(#.*)?$/;
+
+const MODEL = /^\uFEFF?\s*(?:(?:<\?[^]*?\?>|<!--[^]*?-->|<!DOCTYPE[^>]*>)\s*)*<(?:mujoco|mujocoinclude)(?=[\s/>]|$)/;
+
+/** Whether the root of an XML text is `<mujoco>` or `<mujocoinclude>`. */
+export const isModel = (text: string): boolean => MODEL.test(text);
 
 /** Whether the first key of a YAML text is `recipe`, with a number. */
 export function isRecipe(text: string): boolean {
