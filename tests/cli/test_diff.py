@@ -29,6 +29,27 @@ def test_exit_codes(folder: Path) -> None:
     assert snapshot(folder) == before
 
 
+def test_exit_codes_of_breaking(folder: Path) -> None:
+    for name, change, code, level in (
+        ("minor.yaml", "option: {timestep: 0.001}\n", 1, "minor"),
+        ("major.yaml", "actuator: {push: {type: motor, joint: shoulder}}\n", 2, "major"),
+        ("patch.yaml", "visual: {headlight: {ambient: [1, 1, 1]}}\n", 0, "patch"),
+        ("same.yaml", "", 0, None),
+    ):
+        (folder / name).write_text(RECIPE + change)
+        result = run("diff", "--breaking", "cell.yaml", name)
+        assert (result.exit_code, result.stderr) == (code, "")
+        assert result.stdout.splitlines()[2].startswith(level or "the same")
+        data = json.loads(run("diff", "--breaking", "cell.yaml", name, "--output-format", "json").stdout)
+        assert data["level"] == level and list(data["levels"]) == ([level] if level else [])
+        comments = [
+            run("diff", "--breaking", "cell.yaml", name, "--output-format", form).stdout
+            for form in ("github", "markdown")
+        ]
+        assert comments[0] == comments[1] and comments[0].startswith("### `cell.yaml` → ")
+    assert run("diff", "--breaking", "cell.yaml", "wrong.yaml").exit_code == 2
+
+
 def test_computed_numbers_are_listed_when_asked_for(folder: Path) -> None:
     (folder / "new.yaml").write_text(RECIPE.replace("site: flange", "site: flange, pos: [0, 0, 0.1]"))
     assert "--computed lists them" in run("diff", "cell.yaml", "new.yaml").stdout

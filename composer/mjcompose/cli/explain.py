@@ -19,7 +19,7 @@ from mjcompose.cli.reporting import FINDINGS, USAGE, progress, source_reader, us
 from mjcompose.cli.run import RECIPE_PATH, Answer, Run, Stop, argument, command, flag, group, option
 
 if TYPE_CHECKING:
-    from mjcompose.tools.diff.changes import Diff
+    from mjcompose.tools.diff.changes import Breaking, Diff
     from mjcompose.tools.diff.sides import Side
 
 
@@ -189,6 +189,7 @@ def names(options: NamesOptions, run: Run) -> Answer:
 
 
 _DIFFERENT = 1
+_CODES = {"major": 2, "minor": 1}
 _KINDS = (
     "body joint geom site camera light texture material mesh hfield skin flex tendon equality pair exclude actuator"
     " sensor numeric text tuple plugin key option visual statistic count address"
@@ -216,6 +217,8 @@ class DiffOptions:
                               help="Treat numbers as equal if their relative difference is smaller than"
                               " this.")  # fmt: skip
     computed: bool = flag("--computed", help="Also list numbers that MuJoCo computes from others.")
+    breaking: bool = flag("--breaking", help="Sort the changes: major breaks the interface, minor changes the motion,"
+                          " patch only the looks. Exit codes: 2 major, 1 minor, 0 patch or none.")  # fmt: skip
     all: None = option("--all", is_flag=True, hidden=True, is_eager=True, callback=_no_all)
     renders: Path | None = option("--renders", type=click.Path(path_type=Path, file_okay=False), metavar="DIR",
                                   help="Write pictures of both models here: of the whole model, and from each camera"
@@ -232,17 +235,22 @@ def diff(options: DiffOptions, run: Run) -> Answer:
     """Report the differences between model A and model B, grouped by the line that causes them.
 
     A and B are recipes, MJCF files or bundles (folder, .zip, .mjz). They may be in a git revision: `main:arm.yaml`.
-    Exit codes: 0 no difference, 1 differences, 2 a model cannot be read or built.
+    Exit codes: 0 no difference, 1 differences, 2 a model cannot be read or built. With --breaking, 2 is also a major
+    change.
     """
     from mjcompose.mujoco.engine import Session
     from mjcompose.tools.diff.diff import diff
-    from mjcompose.tools.diff.text import as_data, render, render_markdown
+    from mjcompose.tools.diff.text import as_data, breaking_as_data, render, render_breaking, render_markdown
 
     context = run.context
+    levels: list[Breaking | None] = []
 
     def show(first: Side, second: Side, compared: Diff) -> None:
+        from mjcompose.tools.diff.breaking import breaking
         from mjcompose.tools.view.page import write_comparison
 
+        if options.breaking:
+            levels.append(breaking(first, second, compared, session=session, context=context))
         if options.html is not None:
             write_comparison(first, second, compared, out=options.html, context=context, session=session)
 
@@ -256,6 +264,15 @@ def diff(options: DiffOptions, run: Run) -> Answer:
         )  # fmt: skip
     if found is None:
         raise Stop(USAGE)
+    aside = None if options.html is None else f"wrote {options.html}: open it in a browser"
+    if options.breaking:
+        by_level = levels[0]
+        if by_level is None:
+            raise Stop(USAGE)
+        code = _CODES.get(by_level.levels[0].name, 0) if by_level.levels else 0
+        is_comment = run.form in ("markdown", "github")
+        words, data = render_breaking(by_level, markdown=is_comment), breaking_as_data(by_level)
+        return Answer(words, data, code=code, reports=False, aside=aside)
 
     return Answer(
         lambda: render(found),
@@ -263,5 +280,5 @@ def diff(options: DiffOptions, run: Run) -> Answer:
         markdown=lambda: render_markdown(found).removesuffix("\n"),
         code=0 if found.same else _DIFFERENT,
         reports=False,
-        aside=None if options.html is None else f"wrote {options.html}: open it in a browser",
+        aside=aside,
     )

@@ -174,6 +174,27 @@ class Diff:
         return self.a.sha256 == self.b.sha256
 
 
+LEVELS = ("major", "minor", "patch")
+
+
+@dataclass(frozen=True, slots=True)
+class Level:
+    """The changes of one level, which is one of `LEVELS`."""
+
+    name: str
+    groups: tuple[Group, ...]
+    moves: tuple[Move, ...]
+    arrays: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Breaking:
+    """A diff by levels, the most important first; levels without changes are missing."""
+
+    diff: Diff
+    levels: tuple[Level, ...]
+
+
 _HOLDERS = ("body", "worldbody")
 _KINDS = {path: kind for kind in KINDS if kind != "plugin" for path in paths_of(kind, None).paths}
 

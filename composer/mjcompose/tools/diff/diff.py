@@ -68,7 +68,7 @@ def grouped(changes: Iterable[Change], causes: Causes, a: Side, b: Side) -> list
         several.append(change)
         if known is not None and known.before is None and cause is not None and cause.before is not None:
             found[_key(cause)] = cause, several
-    groups = [Group(_worded(cause, a, b), tuple(each)) for cause, each in found.values()]
+    groups = [Group(worded(cause, a, b), tuple(each)) for cause, each in found.values()]
     return sorted(groups, key=_place)
 
 
@@ -86,7 +86,7 @@ def _place(group: Group) -> tuple[bool, bool, str, int]:
     return False, not span.file.endswith((".yaml", ".yml")), span.file, span.line
 
 
-def _worded(cause: Cause | None, a: Side, b: Side) -> Cause | None:
+def worded(cause: Cause | None, a: Side, b: Side) -> Cause | None:
     """Return the cause with its lines; if both sides have some, only those that differ."""
     if cause is None:
         return None

@@ -414,3 +414,36 @@ def _keys(matching: Correspondence, tolerance: float) -> Iterator[Change]:
 
 def _alone(value: Value) -> Value:
     return value[0] if isinstance(value, tuple) and len(value) == 1 else value
+
+
+def looks(mujoco: Any, *models_and_none: Any) -> list[dict[str, list[int]]]:
+    """Return the geoms, meshes and cameras of each model that only a viewer or a renderer uses.
+
+    It runs under `mjcompose.mujoco.engine.call`. A rangefinder meets every geom.
+    """
+    return [{"geom": sorted(found := _seen_only(mujoco, each)), "mesh": _meshes(mujoco, each, found),
+             "camera": sorted({*range(each.ncam)} - _sensed(mujoco, each, "CAMERA"))}
+            for each in models_and_none[:-1]]  # fmt: skip
+
+
+def _sensed(mujoco: Any, model: Model, kind: str) -> set[int]:
+    ends = ((model.sensor_objtype, model.sensor_objid), (model.sensor_reftype, model.sensor_refid))
+    wanted = int(getattr(mujoco.mjtObj, f"mjOBJ_{kind}"))
+    return {int(each) for types, ids in ends for each in ids[types == wanted]}
+
+
+def _seen_only(mujoco: Any, model: Model) -> set[int]:
+    if (model.sensor_type == int(mujoco.mjtSensor.mjSENS_RANGEFINDER)).any():
+        return set()
+    wraps = [int(getattr(mujoco.mjtWrap, f"mjWRAP_{each}")) for each in ("SPHERE", "CYLINDER")]
+    used = {int(each) for wrap in wraps for each in model.wrap_objid[model.wrap_type == wrap]}
+    used |= {*model.pair_geom1.tolist(), *model.pair_geom2.tolist()} | _sensed(mujoco, model, "GEOM")
+    free = (model.geom_contype == 0) & (model.geom_conaffinity == 0) & (model.geom_plugin < 0)
+    free &= model.geom_fluid[:, 0] == 0
+    return {int(each) for each in free.nonzero()[0]} - used
+
+
+def _meshes(mujoco: Any, model: Model, seen_only: set[int]) -> list[int]:
+    types = [int(getattr(mujoco.mjtGeom, f"mjGEOM_{each}")) for each in ("MESH", "SDF")]
+    used = {int(model.geom_dataid[at]) for at in {*range(model.ngeom)} - seen_only if int(model.geom_type[at]) in types}
+    return sorted({*range(model.nmesh)} - used)

@@ -10,7 +10,7 @@ from typing import Any, TypeAlias
 
 from mjcompose.base.report import counted, printable
 from mjcompose.mujoco.arrays import about, is_place, unit
-from mjcompose.tools.diff.changes import SETTINGS, Cause, Change, Count, Diff, End, Group, Move, Value, View
+from mjcompose.tools.diff.changes import SETTINGS, Breaking, Cause, Change, Count, Diff, End, Group, Move, Value, View
 
 _NAMED = 5
 _PLURALS = {
@@ -180,16 +180,19 @@ def _numbers(value: Value) -> list[float]:
 def as_data(diff: Diff) -> dict[str, Any]:
     """Return everything, element by element; spans have file, line and column. Values are in MuJoCo's units."""
     contrast = diff.contrast
-    groups = [
-        {"cause": None if cause is None else asdict(cause), "changes": list(map(_change, changes))}
-        for cause, changes in ((group.cause, group.changes) for group in diff.groups)
-    ]
     return {
         "same": diff.same, "identical": contrast.identical, "a": _end(diff.a), "b": _end(diff.b),
-        "files": list(diff.files), "counts": list(map(asdict, contrast.counts)), "groups": groups,
+        "files": list(diff.files), "counts": list(map(asdict, contrast.counts)), "groups": _groups(diff.groups),
         "addresses": list(map(asdict, contrast.moves)), "arrays": list(contrast.arrays), "follows": diff.follows,
         "views": list(map(asdict, diff.views)),
     }  # fmt: skip
+
+
+def _groups(groups: Iterable[Group]) -> list[dict[str, Any]]:
+    return [
+        {"cause": None if cause is None else asdict(cause), "changes": list(map(_change, changes))}
+        for cause, changes in ((group.cause, group.changes) for group in groups)
+    ]
 
 
 def _end(end: End) -> dict[str, Any]:
@@ -265,12 +268,7 @@ def _lines(diff: Diff) -> Iterator[str]:
     yield from (f"A {diff.a.named}", f"B {diff.b.named}", verdict(diff), *_remarks(diff))
     if contrast.counts:
         yield from ("", "the whole model", *(f"  {count(each)}" for each in contrast.counts))
-    for group in diff.groups:
-        yield from ("", *_group(group))
-    if contrast.moves:
-        yield from ("", "addresses", *(f"  {each}" for each in moved(contrast.moves)))
-    if contrast.arrays:
-        yield from ("", f"arrays of mjModel that differ: {', '.join(contrast.arrays)}")
+    yield from _changes(diff.groups, contrast.moves, contrast.arrays)
     if diff.views:
         yield from ("", "pictures")
         yield from (f"  {each.name}: {view(each)}: {each.before}, {each.after}" for each in diff.views)
@@ -278,6 +276,15 @@ def _lines(diff: Diff) -> Iterator[str]:
         yield from ("", more)
     if diff.same_bytes != diff.same and diff.files:
         yield from ("", f"files that differ: {', '.join(diff.files)}")
+
+
+def _changes(groups: Iterable[Group], moves: Sequence[Move], arrays: Sequence[str]) -> Iterator[str]:
+    for group in groups:
+        yield from ("", *_group(group))
+    if moves:
+        yield from ("", "addresses", *(f"  {each}" for each in moved(moves)))
+    if arrays:
+        yield from ("", f"arrays of mjModel that differ: {', '.join(arrays)}")
 
 
 def _group(group: Group) -> Iterator[str]:
@@ -299,7 +306,11 @@ _LONGEST = 60_000
 
 def render_markdown(diff: Diff) -> str:
     """Return headings by line, the lines as a diff, the changes as a list; cut to the length of a comment."""
-    text = printable("\n".join(_lines_markdown(diff))).strip() + "\n"
+    return _cut(_lines_markdown(diff))
+
+
+def _cut(lines: Iterable[str]) -> str:
+    text = printable("\n".join(lines)).strip() + "\n"
     if len(text) <= _LONGEST:
         return text
     kept = text[:_LONGEST].rpartition("\n#### ")[0]
@@ -314,12 +325,7 @@ def _lines_markdown(diff: Diff) -> Iterator[str]:
         yield from ("", f"<sub>{remark[0].upper()}{remark[1:]}</sub>")
     if contrast.counts:
         yield from ("", *(f"- {count(each)}" for each in contrast.counts))
-    for group in diff.groups:
-        yield from ("", *_group_markdown(group))
-    if contrast.moves:
-        yield from ("", "#### Addresses", "", *_list([*moved(contrast.moves)]))
-    if contrast.arrays:
-        yield from ("", f"Arrays of `mjModel` that differ: {', '.join(map(_code, contrast.arrays))}")
+    yield from _changes_markdown(diff.groups, contrast.moves, contrast.arrays)
     if diff.views:
         yield from ("", "#### Pictures", "", "| view | before | after |", "|---|---|---|")
         yield from (
@@ -328,6 +334,15 @@ def _lines_markdown(diff: Diff) -> Iterator[str]:
         )
     for more in _following(diff):
         yield from ("", f"<sub>{more}</sub>")
+
+
+def _changes_markdown(groups: Iterable[Group], moves: Sequence[Move], arrays: Sequence[str]) -> Iterator[str]:
+    for group in groups:
+        yield from ("", *_group_markdown(group))
+    if moves:
+        yield from ("", "#### Addresses", "", *_list([*moved(moves)]))
+    if arrays:
+        yield from ("", f"Arrays of `mjModel` that differ: {', '.join(map(_code, arrays))}")
 
 
 def _group_markdown(group: Group) -> Iterator[str]:
@@ -360,3 +375,37 @@ def _escaped(line: str) -> str:
 def _code(text: str) -> str:
     fence = "`" * (1 + max(len(each) for each in re.findall("`*", text)))
     return f"{fence}{text}{fence}" if fence == "`" else f"{fence} {text} {fence}"
+
+
+_EFFECTS = {
+    "major": "programs that use the interface break",
+    "minor": "programs still run, and the model may move in another way",
+    "patch": "the model only looks different",
+}
+
+
+def render_breaking(breaking: Breaking, *, markdown: bool) -> str:
+    """Return the changes by level: for a terminal, or as a comment on GitHub."""
+    diff, names = breaking.diff, [level.name for level in breaking.levels]
+    says = f"{names[0]}: {_EFFECTS[names[0]]}" if names else "the same interface, motion and looks"
+    lines = [f"A {diff.a.named}", f"B {diff.b.named}", says, *_remarks(diff)]
+    if markdown:
+        lines = [f"### {_code(diff.a.named)} → {_code(diff.b.named)}", "", f"**{says.capitalize()}.**"]
+        lines += [f"\n<sub>{remark}</sub>" for remark in _remarks(diff)]
+    for level in breaking.levels:
+        changes = level.groups, level.moves, level.arrays
+        if markdown:
+            lines += ["", f"### {level.name.capitalize()}", *_changes_markdown(*changes)]
+        else:
+            lines += ["", level.name.upper(), *_changes(*changes)]
+    return _cut(lines).removesuffix("\n") if markdown else "\n".join(lines)
+
+
+def breaking_as_data(breaking: Breaking) -> dict[str, Any]:
+    """Return the data of the diff, with its `level` and the changes by level."""
+    levels = {
+        level.name: {"groups": _groups(level.groups), "addresses": list(map(asdict, level.moves))}
+        for level in breaking.levels
+    }
+    level = breaking.levels[0].name if breaking.levels else None
+    return {**as_data(breaking.diff), "level": level, "levels": levels}
