@@ -146,13 +146,16 @@ def tree(options: TreeOptions, run: Run) -> Answer:
 
 
 @dataclass(frozen=True, slots=True)
-class NamesOptions(ModelOptions):
+class NamesOptions:
     model: str = argument(shell_complete=completion.files)
     python: bool = flag("--python", help="Write a Python module.")
     cpp: bool = flag("--cpp", help="Write a C++17 header.")
     json: bool = flag("--json", help="Write JSON.")
     out: str | None = output("Where to write it. Default: standard output.")
+    choices: Choices = group(Choices)
+    cell: CellOptions = group(CellOptions)
     limits: TimeOptions = group(TimeOptions)
+    reporting: ReportOptions = group(ReportOptions)
 
 
 @command(NamesOptions)

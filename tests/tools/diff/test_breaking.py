@@ -82,7 +82,9 @@ def session() -> Iterator[Session]:
 def compared(folder: Path, session: Session, a: str = "a.xml", b: str = "b.xml") -> Breaking:
     context = Context(folder=folder, environment={})
     made: list[Breaking | None] = []
-    found = diff(a, b, context, session, show=lambda *sides: made.append(breaking(*sides, session=session, context=context)))
+    found = diff(
+        a, b, context, session, show=lambda *sides: made.append(breaking(*sides, session=session, context=context))
+    )
     assert found is not None and made[0] is not None, context.sink.diagnostics
     return made[0]
 
