@@ -42,14 +42,15 @@ _SHOWN = """count => new Promise(done => {
 
 
 _HANDLE = """([name, far]) => {
-  const { gizmo, stage, world } = mjcompose, body = world.model.scene.body.name.indexOf(name);
+  const { gizmo, stage: { camera, canvas }, world } = mjcompose, body = world.model.scene.body.name.indexOf(name);
   if (name) { mjcompose.select({ kind: "body", index: body }, false); return null; }
   if (!gizmo.controls.object) return null;
   gizmo.handle.updateMatrixWorld(true);
-  const V = stage.camera.position.constructor, at = new V().setFromMatrixPosition(gizmo.handle.matrixWorld);
-  const size = at.distanceTo(stage.camera.position) * Math.min(1.9 * Math.tan(Math.PI * stage.camera.fov / 360), 7) / 4;
-  const point = new V(0, 0, far * size).applyMatrix4(gizmo.handle.matrixWorld).project(stage.camera), box = stage.canvas.getBoundingClientRect();
-  return [box.left + (point.x + 1) * box.width / 2, box.top + (1 - point.y) * box.height / 2, gizmo.controls.axis === "Z"];
+  const V = camera.position.constructor, at = new V().setFromMatrixPosition(gizmo.handle.matrixWorld);
+  const size = at.distanceTo(camera.position) * Math.min(1.9 * Math.tan(Math.PI * camera.fov / 360), 7) / 4;
+  const { x, y } = new V(0, 0, far * size).applyMatrix4(gizmo.handle.matrixWorld).project(camera);
+  const { left, top, width, height } = canvas.getBoundingClientRect(), hovers = gizmo.controls.axis === "Z";
+  return [left + (x + 1) * width / 2, top + (1 - y) * height / 2, hovers];
 }"""
 _DRAWN = """before => new Promise(done => {
   const look = () => { if (mjcompose.stage.frames > before) done(); else requestAnimationFrame(look); };
