@@ -91,6 +91,7 @@ MODELS_OF = {
         "arm.xml": ARM.format("", HOME.format(1)),
         "gripper.xml": ARM.format("", HOME.format(1.5)),
     },
+    "mirror": {"bent_arm.xml": ARM.format("", "").replace('name="link" pos="0 0 0.5"', 'name="link" pos="0 0.02 0.5"')},
     "mesh-unusable": {"arm.xml": WEIGHED},
     "name-clash": {"arm.xml": PROP.format("table", "", "")},
     "not-held": {"arm.xml": ARM.format("", '<actuator><motor name="shoulder" joint="elbow"/></actuator>')},

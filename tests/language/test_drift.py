@@ -165,6 +165,9 @@ PARTS = r"""
 {model: ./x.xml, quat: [1, 0, 0, 0], euler: [0, 0, 0]}
 {model: ./x.xml, euler: [90, 0, 0]}                                               # angle
 {model: ./x.xml, replicate: [{cout: 3}]}
+{model: ./x.xml, mirror: {of: a}}
+{model: ./x.xml, mirror: {of: a, across: w}}
+{model: ./x.xml, mirror: {of: a, across: y}, mate: b}
 {model: ./x.xml, replicate: [{count: 0}]}
 {model: ./x.xml, replicate: [{scatter: {count: 2, over: {site: top}}}, {count: 2}]}
 {model: ./x.xml, pos: [0, 0, 1], replicate: [{scatter: {count: 2, over: top, clearance: 1cm, settle: 2s}}]}

@@ -59,6 +59,7 @@ BY_TOPIC: dict[str, dict[str, str]] = {
         "class-clash": "two default classes would have the same name",
         "compiler-setting": "a compiler setting cannot be kept or set",
         "freejoint-on-body": "a free joint would be below another body",
+        "mirror": "a part is not the mirror image of another part",
         "mocap-on-body": "a mocap body would be below another body",
         "option-conflict": "two parts ask for different values of one global setting",
         "part-changed": "a part differs from its source",

@@ -54,6 +54,23 @@ class Pose:
         a, b, c, d = (round(each, quat) + 0.0 for each in self.quat)
         return Pose((x, y, z), (a, b, c, d))
 
+    def reflected(self, axis: int, own: int) -> Pose:
+        """Return the pose of the mirror image across an axis, of something that is symmetric across its `own` axis.
+
+        >>> Pose((1.0, 2.0, 3.0), (0.8, 0.0, 0.0, 0.6)).reflected(1, 1)
+        Pose(pos=(1.0, -2.0, 3.0), quat=(0.8, 0.0, 0.0, -0.6))
+        >>> Pose((1.0, 2.0, 3.0)).reflected(0, 1)
+        Pose(pos=(-1.0, 2.0, 3.0), quat=(0.0, 0.0, 0.0, 1.0))
+        """
+        signs = [-1.0 if each == axis else 1.0 for each in range(3)]
+        x, y, z = (sign * each + 0.0 for sign, each in zip(signs, self.pos, strict=True))
+        a, b, c = (0.0 - sign * each for sign, each in zip(signs, self.quat[1:], strict=True))
+        quat: Quat = (self.quat[0], a, b, c)
+        if own != axis:  # half a turn about the third axis
+            w, i, j, k = (float(each == 4 - axis - own) for each in range(4))
+            quat = multiply(quat, (w, i, j, k))
+        return Pose((x, y, z), quat)
+
     def inverse(self) -> Pose:
         w, x, y, z = self.quat
         back: Quat = (w, -x, -y, -z)

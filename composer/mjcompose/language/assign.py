@@ -52,6 +52,9 @@ class Checker:
                 continue
             below = tuple(kind.children[name] for kind in kinds if name in kind.children)
             if isinstance(item, dict) and (below or not kinds):
+                if not item:
+                    message = f"`{name}` of `{verb}` is empty"
+                    self.faults.append(Fault("wrong-type", message, path, help="write an attribute and its value"))
                 self._attributes(verb, item, below, tag=name, at=path)
                 continue
             attribute, index = attribute_and_index(name)

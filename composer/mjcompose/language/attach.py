@@ -23,9 +23,9 @@ from mjcompose.base.suggest import closest
 from mjcompose.language.codes import Codes
 from mjcompose.language.edit import Edits
 from mjcompose.language.forms.context import Schema, Settings, settings, validated_with
-from mjcompose.language.forms.model import IT, Exclusive, Model
+from mjcompose.language.forms.model import IT, Bars, Exclusive, Model
 from mjcompose.language.forms.scalars import Expects, Items, Name, NotNegative, Text, When
-from mjcompose.language.placing import ORIENTATIONS, Inline, JointField, JointWord, ModelReference, Offset
+from mjcompose.language.placing import ORIENTATIONS, Inline, JointField, JointWord, Mirror, ModelReference, Offset
 from mjcompose.language.replicate import Axes, Scatter, ScatterAlone, Vector
 from mjcompose.language.used_model import Drops, Given, UrdfKeys
 from mjcompose.language.value import Element, is_unprintable, unprintable
@@ -112,10 +112,13 @@ class _Prefix:
         yield {"if": without, "then": {"properties": {"replicate": False}, "errorMessage": message}}
 
 
+_MIRROR = Bars("mirror", *("pos", *ORIENTATIONS, "mate", "replicate"), why="takes its pose from another part")
+
+
 class Attachment(Model):
     """A part: its model, its place, its pose there, and the joints in between."""
 
-    rules: ClassVar = (Inline(), Exclusive(*PLACES), Exclusive(*ORIENTATIONS), _Prefix(), ScatterAlone())
+    rules: ClassVar = (Inline(), Exclusive(*PLACES), Exclusive(*ORIENTATIONS), _Prefix(), ScatterAlone(), _MIRROR)
     example: ClassVar = "{model: …}"
     instead: ClassVar = {
         "keyframes": "write `keys: prefix` to keep them apart, or `drop: [key]` to leave them out",
@@ -157,6 +160,8 @@ class Attachment(Model):
     """Rotation in the frame of that place, as the x axis and the y axis of the part."""
     zaxis: Annotated[Vector | None, Offset("zaxis")] = None
     """Rotation in the frame of that place, as the z axis of the part, turned the shortest way."""
+    mirror: Mirror | None = None
+    """The pose of another part, reflected, at the same site, body or frame unless the part has its own."""
     joint: Annotated[JointWord | Element | tuple[Element, ...] | None, JointField()] = None
     """The joint between the place and the part. Without it nothing is added, and a free joint of the part's
     root is kept where it may be; `none` removes it."""
@@ -214,7 +219,7 @@ class Attachment(Model):
 _OF_A_MODEL = ("packages", "urdf", "with", "subtree", "drop", "edit", "keys", "allow")
 """Keys about the model itself, which an unknown key seldom means."""
 _OF_A_PLACE = frozenset({*ORIENTATIONS, "pos", "mate", "joint", "sense"})
-_NOT_OF_A_BASE = (*PLACES, "prefix", "replicate")
+_NOT_OF_A_BASE = (*PLACES, "prefix", "replicate", "mirror")
 
 
 @dataclass(frozen=True, slots=True)

@@ -83,6 +83,29 @@ class Frame(Model):
     """the name of a frame"""
 
 
+_LETTERS = "xyz"
+
+
+class Mirror(Model):
+    """The pose of another part, reflected."""
+
+    example: ClassVar = "{of: left, across: y}"
+
+    of: Annotated[str, Name(what="the name of a part")] = Field(examples=["left"])
+    """the other part"""
+    across: Literal["x", "y", "z"] = Field(examples=["y"])
+    """the axis of the recipe's world that points across the mirror"""
+    symmetry: Literal["x", "y", "z"] | None = None
+    """the part's own axis that points across its plane of symmetry; without it, the same letter as `across`"""
+    keys: bool = False
+    """takes the keyframes of the other part, too, reflected joint by joint"""
+
+    @property
+    def axes(self) -> tuple[int, int]:
+        """The numbers of the two axes: in the world, and in the part."""
+        return _LETTERS.index(self.across), _LETTERS.index(self.symmetry or self.across)
+
+
 Place = Annotated[
     Annotated[str, Name("body", computed=True, what="a body, `world`, or `{frame: NAME}`"), Tag("<name>")]
     | Annotated[Frame, Tag("<mapping>")],

@@ -93,7 +93,10 @@ class _AttachmentOrder:
         else:
             part.mount = linking.names.find(place.kind, str(place.name))
         root = None if part.mount is None else part.mount.getroottree().getroot()
-        if root is linking.base.root:
+        if root is linking.base.root and part.mirrors in self.waiting:
+            assert part.mirrors is not None
+            self.until.setdefault(part.mirrors.unit.root, []).append(part)
+        elif root is linking.base.root:
             self.ready.add(self.numbers[part])
         elif root is not None:
             self.until.setdefault(root, []).append(part)
@@ -132,7 +135,8 @@ def _report_ring(linking: Linking, waiting: list[Part]) -> None:
     while True:
         mount = ring[-1].mount
         assert mount is not None
-        host = by_root[mount.getroottree().getroot()]
+        image = ring[-1].mirrors
+        host = image if image in waiting else by_root[mount.getroottree().getroot()]
         if host in ring:
             break
         ring.append(host)
@@ -280,6 +284,11 @@ class _PartAttachment:
                 help="omit `sense`, or fix the part to its place",
                 subjects=(part.called,),
             )
+        if part.mirrors is not None and part.mirrors.content is not None:
+            units = _angle_units(linking)
+            image = pose_in_world(part.mirrors.content, *units).reflected(*part.across)
+            moved = (pose_in_world(self.parent, *units) @ read_pose(self.pose, *units)).inverse() @ image
+            self.offset = {"pos": numbers.text(moved.pos), "quat": numbers.text(moved.quat)}
         if part.floats and part.place.kind != "world":  # a floating part cannot be below a body
             units = _angle_units(linking)
             there = pose_in_world(self.parent, *units) @ read_pose(self.pose, *units)

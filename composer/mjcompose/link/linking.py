@@ -52,8 +52,8 @@ class AttachmentPlace:
     """The place where a part is attached: an element of the model, by its final name, and an offset in its frame.
 
     `offset` holds the attributes of a `<frame>`: `pos` in meters, `quat`. `written` has the places of these in the
-    recipe. If `computed` is set, the value was computed for the key `mate` or `replicate`, and the place is the place
-    of this key.
+    recipe. If `computed` is set, the value was computed for the key `mate`, `mirror` or `replicate`, and the place is
+    the place of this key.
     """
 
     kind: Literal["world", "body", "site", "frame"] = "world"
@@ -61,7 +61,7 @@ class AttachmentPlace:
     offset: Mapping[str, str] = field(default_factory=dict)
     span: Span | None = None
     written: Mapping[str, Span] = field(default_factory=dict)
-    computed: Literal["", "mate", "replicate"] = ""
+    computed: Literal["", "mate", "replicate", "mirror"] = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,6 +93,7 @@ class Part:
 
     `content` is the element of the model that holds the part's world once the part is attached. `by_itself` is set if
     the part brings its own free joint or is a mocap body; it is then attached to the world, wherever its place is.
+    `mirrors` is the part whose pose it has, reflected; `across` are the numbers of the world's and of the part's axis.
     `key` is its key in the recipe. `outward` has the final names of the elements that the part refers to outside of
     itself, by the text of the reference.
     """
@@ -100,6 +101,8 @@ class Part:
     unit: Unit
     prefix: str
     place: AttachmentPlace = AttachmentPlace()
+    mirrors: Part | None = None
+    across: tuple[int, int] = (0, 0)
     keyframes: KeyPolicy = "merge"
     joints: tuple[Joint, ...] = ()
     weld: bool = False

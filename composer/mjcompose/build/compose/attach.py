@@ -75,7 +75,8 @@ def unplaced_records(
         if isinstance(model, Plan):
             own = [_in_outer_recipe(record, name, part, separator=plan.separator, cut=cut) for record in below]
         elif model is not None:
-            keys = {"merge": "", "prefix": part.prefix, "none": None}[part.keyframes]
+            mirrored = request.mirror is not None and request.mirror.keys
+            keys = None if mirrored else {"merge": "", "prefix": part.prefix, "none": None}[part.keyframes]
             member = PartRecord(
                 name, part.prefix, model, keys=keys, welded=part.weld, is_fixed_in_world=request.is_fixed_in_world,
                 obscure=cut if model.format == "urdf" else _OF_RECIPES if request.attaches_recipes else None,

@@ -42,6 +42,7 @@ from mjcompose.build.compose.interface import order_elements
 from mjcompose.build.compose.keyframe import write_keyframes
 from mjcompose.build.compose.keys import hold_poses
 from mjcompose.build.compose.load import Key, Library, Loader, PartRequest, part_requests, source_key
+from mjcompose.build.compose.mirror import mirror_keys, mirror_places
 from mjcompose.build.plan.plan import (
     BASE,
     Drawn,
@@ -252,6 +253,8 @@ class Composer:
         base, *units = self._units(plan, is_fixed) or [None]
         if base is None:
             return None
+        if any(step.attachment.mirror is not None for step in plan.parts):
+            mirror_keys(plan, units, self.context, self.loader.session, notes=self.keys)
         read = [unit for unit in units if unit is not None]
         if len(read) == len(units):
             return self._joined(plan, base, read, is_fixed=is_fixed)
@@ -345,6 +348,7 @@ class Composer:
     def _linking(self, plan: Plan, base: Unit, units: list[Unit], making: ElementBuilder) -> Linking:
         """Return the base and its parts, with the joints between them, ready to be linked."""
         parts = [part_of(step, unit, making) for step, unit in zip(plan.parts, units, strict=True)]
+        mirror_places(plan, parts)
         top = [step.element for step in plan.steps if isinstance(step, SetDefault) and step.name == MAIN]
         request = Request(
             plan.separator, plan.conflict, plan.settled, base_keyframes=plan.base_keys,

@@ -13,6 +13,7 @@ from mjcompose.base.diagnostic import Note, Path, Span
 from mjcompose.base.sink import Sink
 from mjcompose.build.plan.plan import BASE, Plan, Tables, is_fixed_in_world, part_name
 from mjcompose.language.edit import Edit
+from mjcompose.language.placing import Mirror
 from mjcompose.language.used_model import Drop
 from mjcompose.link.linking import Measure
 from mjcompose.link.measure import folder_of
@@ -143,6 +144,7 @@ class PartRequest:
     drop: tuple[Drop, ...] = ()
     edit: tuple[Edit, ...] = ()
     attaches_recipes: bool = False
+    mirror: Mirror | None = None
 
     @property
     def drops_elements(self) -> bool:
@@ -194,5 +196,5 @@ def part_requests(plan: Plan, is_fixed: bool) -> Iterator[PartRequest]:
         yield PartRequest(
             step.model, part.subtree, step.at, keyframes="merge" if is_read else part.key_policy,
             span=locate(document, (*step.at, "subtree")), is_fixed_in_world=is_fixed and is_fixed_in_world(part),
-            drop=part.drop, edit=part.edit, attaches_recipes=bool(step.inner),
+            drop=part.drop, edit=part.edit, attaches_recipes=bool(step.inner), mirror=part.mirror,
         )  # fmt: skip

@@ -82,6 +82,7 @@ def check_part_names(plan: Plan, sink: Sink) -> None:
                 help=f"write `part: {near[0]}`" if near else None, fix=renaming(check.part, parts), about=(check.name,),
             )  # fmt: skip
             sink.add(unknown)
+    _check_mirrors(plan, sink)
     for key in (step.key for step in plan.keyframes):
         for part in key.sources:
             span = locate(plan.document, (*key.at, FROM, part), key=True)
@@ -91,6 +92,21 @@ def check_part_names(plan: Plan, sink: Sink) -> None:
                 sink.error("name-clash", message, span, help=help, subjects=(part,))
             elif part not in parts:
                 sink.add(unknown_name("part", part, parts, span=span, purpose=" to take a key from"))
+
+
+def _check_mirrors(plan: Plan, sink: Sink) -> None:
+    """Report parts that mirror no single part, or a part that is a mirror image itself."""
+    by_name = {part_name(part, plan.separator): part for part in plan.parts if not part.copy}
+    for part in (each for each in plan.parts if each.attachment.mirror is not None):
+        assert part.attachment.mirror is not None
+        of, name = part.attachment.mirror.of, part_name(part, plan.separator)
+        span = locate(plan.document, (*part.at, "mirror", "of"))
+        if (other := by_name.get(of)) is None:
+            sink.add(unknown_name("part", of, by_name, span=span, purpose=f" that `{name}` mirrors"))
+        elif other.attachment.mirror is not None:
+            message = f"`{name}` mirrors `{of}`, which mirrors another part itself"
+            help = "mirror a part that has a place of its own"
+            sink.error("attach-cycle", message, span, help=help, subjects=(name,))
 
 
 # These may be correct in a build that also chooses another piece.

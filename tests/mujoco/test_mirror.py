@@ -1,0 +1,32 @@
+from __future__ import annotations
+
+import mujoco
+import pytest
+from mjcompose.mujoco.mirror import mirrored_keys
+
+ARM = """<mujoco><worldbody><body name="{left}_link"><joint name="{left}_pan" axis="0 0 {axis}"/><geom size=".1"/>
+  <body name="{left}_hand" pos=".3 {offset} 0"><freejoint/><geom size=".1"/></body></body></worldbody>
+  <keyframe>{key}</keyframe></mujoco>"""
+
+
+def test_names_with_left_and_right_exchanged() -> None:
+    text = ARM.replace("<freejoint/>", "").format
+    of = text(left="left", axis=1, offset=0.1, key='<key qpos=".5" qvel="2"/>')
+    image = text(left="right", axis=-1, offset=-0.1, key="")
+    assert mirrored_keys(mujoco, {"texts": [of, image], "axis": 1})["keys"][0]["qpos"] == [0.5]
+    turned = text(left="right", axis=1, offset=-0.1, key="")
+    found = mirrored_keys(mujoco, {"texts": [of, turned], "axis": 1})["keys"][0]
+    assert (found["qpos"], found["qvel"]) == ([-0.5], [-2.0])
+
+
+def test_free_and_mocap_bodies() -> None:
+    text = """<mujoco><worldbody><body name="a" pos="1 2 3" euler="10 20 30"><freejoint name="a"/><geom size=".1"/></body>
+      <body name="m" mocap="true" pos="0 1 0"/></worldbody><keyframe>{}</keyframe></mujoco>"""
+    key = '<key qpos="1 2 3 .5 .5 .5 .5" qvel="1 2 3 4 5 6" mpos="3 4 5" mquat="0 1 0 0"/>'
+    image = text.replace('pos="1 2 3" euler="10 20 30"', 'pos="1 -2 3" euler="-10 20 -30"').replace(
+        'pos="0 1 0"', 'pos="0 -1 0"'
+    )
+    row = mirrored_keys(mujoco, {"texts": [text.format(key), image.format("")], "axis": 1})["keys"][0]
+    assert row["qpos"] == pytest.approx([1, -2, 3, 0.5, -0.5, 0.5, -0.5])
+    assert row["qvel"] == pytest.approx([1, -2, 3, -4, 5, -6])
+    assert row["mpos"] == [3, -4, 5] and row["mquat"] == pytest.approx([0, -1, 0, 0])
