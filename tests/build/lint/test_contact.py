@@ -28,7 +28,7 @@ def boxes(one: str, other: str) -> str:
 
 
 CLASS = '<mujoco><default><default class="visual"><geom group="2" {}/></default></default><worldbody><body><freejoint/>\
-<geom size=".1"/><geom class="visual" size=".1" pos="1 0 0"/></body></worldbody></mujoco>'
+<geom name="collision" size=".1"/><geom class="visual" size=".1" pos="1 0 0"/></body></worldbody></mujoco>'
 CASES = [
     ("overlap", world(FLOOR + BALL.format(1), KEY.format(0.09)), world(FLOOR + BALL.format(1), KEY.format(0.097)),
      "in keyframe `home`, geom `floor` is 10 mm inside geom `ball`"),

@@ -26,6 +26,7 @@ def arm(actuator: str, joint: str = "", option: str = "") -> str:
     return ARM.format(joint=f" {joint}", actuator=actuator).replace("<worldbody>", f"{option}<worldbody>")
 
 
+CAMERA = BOX + '<body><joint/><inertial pos="0 0 0" mass="1e-7" diaginertia="1e-7 1e-7 1e-7"/><geom size=".1"/></body>'
 STIFF = '<position joint="shoulder" kp="{}" kv="1"/>'
 WEAK = '<position joint="shoulder" kp="50" kv="5" forcerange="-{0} {0}"/>'
 NUMB = '<motor joint="shoulder" ctrlrange="-1 1" gear="{}"/>'
@@ -40,6 +41,7 @@ CASES = [
         body(inertial(1, pos=".1 0 0")),
         "center of mass is 0.5 m",
     ),
+    ("inertia-implausible", body(inertial(1, "1 1 1")), body(CAMERA), ""),
     ("density-impossible", body(inertial(8000, "99 99 99")), body(inertial(80, "1 1 1")), "weighs 8000 kg in 8000 cm³"),
     ("inertial-missing", body(BOX), body(BOX.replace("/>", ' mass="1"/>')), "body `link` has no `<inertial>`"),
     ("inertial-ignored", body(inertial(2), IGNORED), body(inertial(8), IGNORED), "it computes 8 kg from the geoms"),

@@ -130,10 +130,10 @@ def _collides(subject: Subject, geom: Node) -> bool:
 
 @rule("visual-collides")
 def visual_collides(subject: Subject) -> Found:
-    """A geom for looks that collides next to one for collisions.
+    """A geom for looks that collides.
 
-    The class or name of the geom says that it is only visual, and the body has another geom that collides. Contacts
-    then double, and the simulation is slow, because visual meshes are fine.
+    The class or name of the geom says that it is only visual, and other geoms of the model say that they are for
+    collisions. Contacts then double, and the simulation is slow, because visual meshes are fine.
 
     ```xml
     <default class="visual"><geom group="2"/></default>   <!-- contype="0" conaffinity="0" is missing -->
@@ -141,10 +141,10 @@ def visual_collides(subject: Subject) -> Found:
 
     Write `contype="0" conaffinity="0"` in the class.
     """
-    for body in subject.root.iter("body", "worldbody"):
-        colliding = [geom for geom in body.iterchildren("geom") if _collides(subject, geom)]
-        visual = [geom for geom in colliding if "visual" in _name(geom) and "collision" not in _name(geom)]
-        for geom in visual if len(visual) < len(colliding) else ():
+    if not any("collision" in _name(geom) for geom in subject.each("geom")):
+        return
+    for geom in subject.each("geom"):
+        if "visual" in _name(geom) and "collision" not in _name(geom) and _collides(subject, geom):
             message = f"the class or name of {subject.called(geom)} says that it is visual, but it collides"
             yield Finding(geom, message, help='write `contype="0" conaffinity="0"`')
 

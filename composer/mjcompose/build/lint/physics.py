@@ -19,6 +19,7 @@ _BOXES = 0.1
 """A mesh fills more of its box than this."""
 _GYRATION, _OUTSIDE, _SMALL = 1.5, 1.0, 0.005
 _MUCH = 1.02
+_NEGLIGIBLE = 1e-6
 _MASS = "NVIDIA SimReady, RB.007 “Rigid Body Mass”: {}"
 _UNITS = _MASS.format("“all units must be consistent with the stage’s unit system”")
 _DRIVE = "NVIDIA SimReady, DJ.006 “drive-joint-value-reasonable”: {}"
@@ -43,7 +44,8 @@ def inertia_implausible(subject: Subject) -> Found:
     ```
 
     Write the inertia of the CAD model, or remove `<inertial>` and give the geoms a `mass`. The geoms of bodies that are
-    fixed to each other count together.
+    fixed to each other count together. The rule ignores bodies without a geom or with less than a millionth of the
+    mass of the robot, whose inertia is a placeholder.
     """
     from mjcompose.mujoco.solids import Shapes, faults
 
@@ -51,7 +53,8 @@ def inertia_implausible(subject: Subject) -> Found:
     for body in range(1, subject.model.nbody):
         node = subject.node("body", body)
         inertial = None if node is None else node.find("inertial")
-        if subject.model.body_mass[body] > 0 and shapes.own(body) and shapes.reach(body) > _SMALL:
+        mass, whole = subject.model.body_mass[body], subject.model.body_subtreemass[subject.model.body_rootid[body]]
+        if mass > _NEGLIGIBLE * whole and shapes.own(body) and shapes.reach(body) > _SMALL:
             for fault in faults(shapes, body, _GYRATION, _OUTSIDE):
                 yield Finding(
                     node if inertial is None else inertial, f"{subject.name('body', body)}: {fault}",

@@ -38,7 +38,7 @@ _SIMULATORS = (
 )
 _READERS = (
     "The parser of {title} ignores elements of MJCF that it does not know, so the robot moves or looks otherwise.",
-    "Build with `mjcompose build --target {name}`, which writes the model for it and reports the same losses.",
+    "Build with `mjcompose build --target {name}`, which writes the model for it and reports all losses.",
 )
 _EXAMPLES = {
     "mjx": '<flexcomp name="cloth" type="grid" count="9 9 1"/>',
