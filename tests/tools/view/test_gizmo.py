@@ -214,3 +214,72 @@ def test_a_page_that_is_read_only_has_no_handles(folder: Path, open_page: Callab
         assert page.get_by_title("move (M)").is_hidden()
         page.keyboard.press("m")
         assert page.locator(".gizmo").is_hidden() and "read-only" in page.locator(".toast").inner_text()
+
+
+@pytest.mark.slow
+def test_the_page_asks_before_it_writes_an_edit_or_a_keyframe(folder: Path, open_page: Callable[..., Any]) -> None:
+    keyed = RECIPE + "keyframe:\n  home: {qpos: {cube/free: [0.15, 0, 0.8, 1, 0, 0, 0]}}\n"
+    (folder / "cell.yaml").write_text(keyed)
+    with running("cell.yaml", folder) as server:
+        page = open_page(server.address)
+        hand = Mouse(page, folder / "cell.yaml", server.workshop)
+        page.keyboard.press("m")
+        for kind, name in (("site", "arm/attachment_site"), ("body", "arm/elbow")):
+            page.evaluate(
+                "([kind, name]) => mjcompose.select({kind, index: mjcompose.world.model.scene[kind].name.indexOf(name)}, true)",
+                [kind, name],
+            )
+            page.get_by_label("what moves").select_option(label=f"{name}, by an edit")
+            hand.until("mjcompose.gizmo.controls.object !== undefined")
+            before = hand.text
+            start = page.get_by_label("z, relative to its place").input_value()
+            page.get_by_label("z, relative to its place").fill("0.2")
+            page.keyboard.press("Enter")
+            page.get_by_role("button", name="Cancel").click()
+            hand.until(f"""document.querySelector('[aria-label^="z, relative"]').value === '{start}'""")
+            assert hand.text == before
+            page.get_by_label("z, relative to its place").fill("0.2")
+            page.keyboard.press("Enter")
+            assert f"select: {{{kind}: {name}}}" in page.locator("dialog pre").inner_text()
+            page.get_by_role("button", name="Write it").click()
+            assert f"select: {{{kind}: {name}}}" in hand.changed(before)
+            hand.rebuilt()
+        page.evaluate("mjcompose.setKey(mjcompose.world.model.scene.key.name.indexOf('home'))")
+        hand.select("cube/cube")
+        for answer, expected in (
+            ("Write keyframe home", "cube/free: [0.15, 0.1, 0.8,"),
+            ("Write the place", "pos: [0.15, 0.1, 0.75]"),
+        ):
+            before = hand.text
+            page.get_by_label("y, relative to its place").fill("0.1")
+            page.keyboard.press("Enter")
+            page.get_by_role("button", name=answer).click()
+            assert expected in hand.changed(before), hand.text
+            hand.rebuilt()
+
+
+@pytest.mark.slow
+def test_what_is_computed_or_changed_elsewhere_is_refused(folder: Path, open_page: Callable[..., Any]) -> None:
+    recipe = RECIPE.replace("pos: [0.15, 0, 0.75]", 'pos: ["${x}", 0, 0.75]') + "params: {x: 0.15}\n"
+    (folder / "cell.yaml").write_text(recipe)
+    with running("cell.yaml", folder) as server:
+        page = open_page(server.address)
+        hand = Mouse(page, folder / "cell.yaml", server.workshop)
+        page.keyboard.press("m")
+        page.evaluate(
+            "mjcompose.select({kind: 'body', index: mjcompose.world.model.scene.body.name.indexOf('cube/cube')}, true)"
+        )
+        page.get_by_label("parameter x").fill("0.3")
+        assert "`pos` is computed: `${x}`" in page.locator(".gizmo .words").inner_text()
+        page.keyboard.press("Enter")
+        assert hand.changed(recipe) == recipe.replace("params: {x: 0.15}", "params: {x: 0.3}")
+        hand.rebuilt()
+
+        hand.select("gripper/base")
+        server.workshop.build = lambda: server.workshop.shown  # type: ignore[method-assign]
+        other = hand.text + "# mine\n"
+        hand.recipe.write_text(other)
+        start = hand.pose("gripper/base")
+        hand.drag([[0, 0, 1]], "Z", 0.55, lambda number: [0, -60])
+        page.locator(".gizmo .words", has_text="has changed since this model was built").wait_for()
+        assert hand.text == other and hand.pose("gripper/base") == pytest.approx(start, abs=1e-9)
