@@ -401,3 +401,31 @@ def test_a_model_that_is_no_recipe_says_what_to_write(tmp_path: Path, session: S
     assert "base: ./MODEL.xml" in json.loads(workshop.build().text)["move"]["why"]
     workshop.writes = False
     assert "move" not in json.loads(workshop.build().text)
+
+
+def test_a_place_that_another_key_says_is_not_given_an_offset(tmp_path: Path, session: Session) -> None:
+    recipe = """recipe: 1
+attach:
+  left: {model: ./ball.xml, pos: [0, 1, 0]}
+  right: {model: ./ball.xml, mirror: {of: left, across: y}}
+"""
+    page = Page(tmp_path, session, recipe)
+    assert page.move("right", PLACE)["refused"] == "`mirror` says this place: change that"
+    assert page.text == recipe and "refused" not in page.move("left", PLACE)
+
+
+def test_a_page_that_is_a_build_behind_means_its_own_lines(tmp_path: Path, session: Session) -> None:
+    recipe = "recipe: 1\nattach:\n  a:\n    model: ./ball.xml\n  b:\n    model: ./ball.xml\n"
+    page = Page(tmp_path, session, recipe)
+    page.move("a", Pose((1, 0, 0)))
+    page.writer.know(page.workshop.build())  # the page does not show it yet, and the lines of b have moved
+    page.move("b", Pose((2, 0, 0)))
+    assert page.text == recipe.replace("ball.xml\n  b", "ball.xml\n    pos: [1, 0, 0]\n  b") + "    pos: [2, 0, 0]\n"
+    assert "select it again" in page.ask("look", "a", version=99)["refused"]
+
+
+def test_a_urdf_and_a_bundle_are_not_recipes(tmp_path: Path, session: Session) -> None:
+    (tmp_path / "robot.urdf").write_text('<robot name="r"><link name="base"/></robot>')
+    workshop = Workshop("robot.urdf", Asked(), session, lambda: Context(folder=tmp_path), words_of)
+    workshop.writes = True
+    assert "base: ./MODEL.xml" in json.loads(workshop.build().text)["move"]["why"]

@@ -114,7 +114,7 @@ class Workshop:
 
     `open` returns a new context for each build, `words` the terminal's text for its faults. A build takes `lock` while
     the engine works. `shown` and `inputs`, the files to watch, are replaced as a whole. If it `writes`, the page
-    learns what it can move.
+    gets a table of movable things.
     """
 
     def __init__(

@@ -58,7 +58,7 @@ def name_text(name: str) -> str:
 
 
 def short(value: float, digits: int) -> str:
-    """Return a number with at most so many digits after the point.
+    """Return a number with at most `digits` after the point.
 
     >>> short(0.30000000004, 5), short(-1e-9, 5)
     ('0.3', '0')
@@ -69,7 +69,7 @@ def short(value: float, digits: int) -> str:
 
 @dataclass(slots=True)
 class Draft:
-    """A recipe, its tree, and the changes to be made. `wanted` is what its new text has to mean."""
+    """A recipe, its tree, and the changes to be made. `wanted` is the meaning of its new text."""
 
     file: str
     path: Path
@@ -153,7 +153,7 @@ class Draft:
         self.set(path, values, *changes)
 
     def result(self) -> bytes:
-        """Return the new text. Refuses it if it means something else than wanted."""
+        """Return the new text. Refuses a text with another meaning."""
         text = changed(self.text, self.changes)
         tree: Node | None = load(text, self.file, sink := Sink())
         if sink.has_errors or tree is None or to_python(tree) != self.wanted:
@@ -166,7 +166,7 @@ def _meaning(value: Written) -> Any:
 
 
 def _rendered(value: Written, indent: int | None) -> str:
-    """Return what follows the colon of a key: lines with an indent, or all in one line."""
+    """Return the text after the colon of a key: lines with an indent, or all in one line."""
     if isinstance(value, str):
         return f" {value}"
     entries = [(name_text(name), each) for name, each in value.items()]

@@ -135,7 +135,7 @@ class Offset:
         return texts if said and _turn(self._quat(form, said), quat) < _TURN else []
 
     def _angle(self, form: str, at: int, value: float) -> str:
-        """Return an angle in the unit in which it is written now, or otherwise in that of the recipe."""
+        """Return an angle in the unit of its present text, or in the unit of the recipe."""
         node = find(self.mapping, (form, at))
         written = node.text[-3:] if isinstance(node, Scalar) and node.text[-3:] in UNITS else None
         bare = {"degree": "deg", "radian": "rad"}.get(self.settings.angle or "")

@@ -193,6 +193,7 @@ class Server:
         self.physics = Physics(workshop, lambda state: self.hub.send("state", state))
 
     def show(self, shown: Shown) -> None:
+        self.writer.know(shown)
         for event, data in news(shown):
             self.hub.send(event, data)
 
@@ -390,7 +391,7 @@ class _Handler(BaseHTTPRequestHandler):
         return json.loads(self.rfile.read(size))
 
     def _change(self, said: Any) -> None:
-        """Let a page change a recipe, and answer what came of it."""
+        """Let a page change a recipe, and send the result."""
         origins, sites = (self.headers.get_all(name, []) for name in ("origin", "sec-fetch-site"))
         if not self.owner.guard.may_write(origins, sites):
             self._refuse(HTTPStatus.FORBIDDEN)

@@ -1,4 +1,4 @@
-"""Parts and added elements whose place a recipe says, so that the page can move them."""
+"""Parts and added elements whose place a recipe says. The page can move them."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ class Targets:
 
 
 def movable(side: Side, scene: Mapping[str, Any], texts: Mapping[str, bytes | None]) -> tuple[dict[str, Any], Targets]:
-    """Return what the page has to know to move things, and what the server has to know to write that."""
+    """Return the table of movable things for the page, and for the server."""
     operand = side.operand
     if side.plan is None or side.traced is None or operand.revision or operand.path.suffix.lower() not in _RECIPES:
         return {"why": "only a recipe can be changed here: write one with `base: ./MODEL.xml`"}, Targets()

@@ -44,6 +44,10 @@ _MOST_DONE, _MOST_VERSIONS = 200, 4
 _MOST_RECIPES, _MOST_SIZE = 2000, 1 << 18
 _WIDTHS, _HINGE = (7, 4, 1, 1), 3
 _RECIPES = (".yaml", ".yml")
+_ELSEWHERE: dict[str, Steps] = {
+    "mirror": ("mirror",), "scatter": ("replicate", 0, "scatter"), "fromto": ("fromto",),
+}  # fmt: skip
+"""Keys that say a place in another way than by an offset."""
 _STALE = "`{}` has changed since this model was built, so nothing is written"
 _BREAK = re.compile(r"\r\n|\n|\r")
 Answer = dict[str, Any]
@@ -69,7 +73,7 @@ class Writer:
         self._scene: tuple[int, Any] = (-1, None)
 
     def answer(self, said: Any) -> Answer:
-        """Return what the page gets to know; `refused` says why nothing has changed."""
+        """Return the answer for the page; `refused` says why nothing has changed."""
         acts: dict[str, Callable[[Any], Answer]] = {
             "look": self._look, "place": self._place, "edit": self._edit, "keyframe": self._keyframe,
             "free": self._free, "attach": self._attach, "models": self._models, "parameter": self._parameter,
@@ -78,7 +82,7 @@ class Writer:
         act = acts[said["kind"]]
         with self._lock:
             now = self.workshop.shown
-            self._known = dict([*self._known.items(), (now.version, now)][-_MOST_VERSIONS:])
+            self.know(now)
             try:
                 self._now = now if act in (self._undo, self._redo) else self._version(said)
                 found = act(said)
@@ -91,7 +95,11 @@ class Writer:
             undo, redo = (stack[-1][3] if stack else None for stack in (self._done, self._undone))
             return {**found, "undo": undo, "redo": redo}
 
-    # -- what the page shows -------------------------------------------------------------------------------------------
+    def know(self, shown: Shown) -> None:
+        """Remember a model, from which pages that are a little late still ask."""
+        self._known = dict([*self._known.items(), (shown.version, shown)][-_MOST_VERSIONS:])
+
+    # -- the model of the page --------------------------------------------------------------------------------------
 
     def _version(self, said: Any) -> Shown:
         version = said["version"]
@@ -140,8 +148,11 @@ class Writer:
         return self._draft(self._now.targets.recipe, said)
 
     def _offset(self, target: Target, said: Any) -> Offset:
-        """Return what a recipe says of the place of a target, in the file that says it."""
+        """Return the offset of a target, in the file that says it."""
         mapping = target.mapping
+        for key, path in _ELSEWHERE.items():
+            if find(mapping, path) is not None:
+                raise Refused(f"`{key}` says this place: change that")
         spans = [mapping.entries[key][1].span for key in ("pos", *ORIENTATIONS) if key in mapping.entries]
         files = list(dict.fromkeys(span.file for span in spans)) or [target.span.file]
         if len(files) > 1:
@@ -153,8 +164,6 @@ class Writer:
         before, now = find(saved, holder), find(draft.tree, holder)
         if before is None or not isinstance(now, Mapping) or to_python(now) != to_python(before):
             raise Refused("your unsaved text says another place: save it first", stale=True)
-        if "fromto" in now.entries:
-            raise Refused("`fromto` says this place: change its numbers")
         context = target.plan.angle_context
         found = Offset(draft, holder, context.others.get(draft.file, context.whole))
         if computed := found.computed:
@@ -329,7 +338,7 @@ class Writer:
         return self._finish(draft, f"attach {prefix}", said)
 
     def _models(self, said: Any) -> Answer:
-        """Say which models can be attached: those of the folder, and those that the recipe uses."""
+        """List the models that can be attached: all of the folder, and all that the recipe uses."""
         targets = self._now.targets
         if targets.plan is None:
             raise Refused("only a recipe can be changed here")
