@@ -41,12 +41,30 @@ _SHOWN = """count => new Promise(done => {
 })"""
 
 
+_HANDLE = """([name, far]) => {
+  const { gizmo, stage: { camera, canvas }, world } = mjcompose, body = world.model.scene.body.name.indexOf(name);
+  if (name) { mjcompose.select({ kind: "body", index: body }, false); return null; }
+  if (!gizmo.controls.object) return null;
+  gizmo.handle.updateMatrixWorld(true);
+  const V = camera.position.constructor, at = new V().setFromMatrixPosition(gizmo.handle.matrixWorld);
+  const size = at.distanceTo(camera.position) * Math.min(1.9 * Math.tan(Math.PI * camera.fov / 360), 7) / 4;
+  const { x, y } = new V(0, 0, far * size).applyMatrix4(gizmo.handle.matrixWorld).project(camera);
+  const { left, top, width, height } = canvas.getBoundingClientRect(), hovers = gizmo.controls.axis === "Z";
+  return [left + (x + 1) * width / 2, top + (1 - y) * height / 2, hovers];
+}"""
+_DRAWN = """before => new Promise(done => {
+  const look = () => { if (mjcompose.stage.frames > before) done(); else requestAnimationFrame(look); };
+  look();
+})"""
+_MOVED, _WRITTEN = 0.3, 0.3
+
+
 def rows() -> Iterator[Row]:
     yield _sheet()
     yield from _watched()
     with _browser() as browser:
         if browser is None:
-            yield Row("save to shown", None, None, "no Chromium, or playwright is not installed")
+            yield Row("save to pixels", None, None, "no Chromium, or playwright is not installed")
             return
         yield from _saves(browser)
         yield _many(browser)
@@ -102,20 +120,23 @@ def _saves(browser: Any) -> Iterator[Row]:
         first, saves = _shown(browser, demo, "pos: [0.15, ", "pos: [0.{}, ")
         yield Row("first picture, cold: demo", first / _FIRST, 1.0, f"{first:.2f} of {_FIRST} s")
         yield _row("demo", saves, 0.25)
+        yield from _drags(browser, demo, "gripper/base")
         if os.environ.get("MENAGERIE_ROOT") or os.environ.get("MJCOMPOSE_CORPUS"):
             ur5e = Path(folder, "ur5e_2f85.yaml")
             ur5e.write_text(_UR5E)
             yield _row("ur5e + 2f85", _shown(browser, ur5e, "0.0]}", "0.{}]}}")[1], 0.6)
+            yield from _drags(browser, ur5e, "gripper/base_mount")
 
 
-def _row(name: str, seconds: list[float], limit: float, what: str = "save to shown") -> Row:
+def _row(name: str, seconds: list[float], limit: float, what: str = "save to pixels") -> Row:
     middle = median(seconds)
     span = f"{min(seconds) * 1e3:.0f} to {max(seconds) * 1e3:.0f}"
     return Row(f"{what}: {name}", middle / limit, 1.0, f"median {middle * 1e3:.0f} ms of {len(seconds)}, {span}")
 
 
-def _shown(browser: Any, recipe: Path, old: str, new: str) -> tuple[float, list[float]]:
-    """Seconds from the start of the command to the first picture, and from each save to its own."""
+@contextmanager
+def _viewed(browser: Any, recipe: Path) -> Iterator[tuple[Any, float]]:
+    """A page of a recipe, and the seconds from the start of the command to its first picture."""
     started = time.perf_counter()
     process = subprocess.Popen(
         [sys.executable, "-m", "mjcompose", "view", str(recipe), "--no-open"], cwd=recipe.parent,
@@ -127,7 +148,16 @@ def _shown(browser: Any, recipe: Path, old: str, new: str) -> tuple[float, list[
         address = next((line.strip() for line in process.stdout if line.startswith("http")), "")
         page.goto(address)
         page.evaluate(_SHOWN, 1)
-        first = time.perf_counter() - started
+        yield page, time.perf_counter() - started
+    finally:
+        page.close()
+        process.terminate()
+        process.wait()
+
+
+def _shown(browser: Any, recipe: Path, old: str, new: str) -> tuple[float, list[float]]:
+    """Seconds from the start of the command to the first picture, and from each save to its own."""
+    with _viewed(browser, recipe) as (page, first):
         text, saves = recipe.read_text(), []
         for count in range(_ROUNDS):
             time.sleep(0.1)
@@ -135,11 +165,38 @@ def _shown(browser: Any, recipe: Path, old: str, new: str) -> tuple[float, list[
             recipe.write_text(text.replace(old, new.format(20 + count)))
             page.evaluate(_SHOWN, count + 2)
             saves.append(time.perf_counter() - started)
-    finally:
-        page.close()
-        process.terminate()
-        process.wait()
     return first, saves
+
+
+def _drags(browser: Any, recipe: Path, body: str) -> Iterator[Row]:
+    """A part is dragged by its handle: from the mouse to the picture, and from the release to the recipe's new text."""
+    with _viewed(browser, recipe) as (page, _):
+        page.keyboard.press("m")
+        page.evaluate(_HANDLE, [body, 0])
+        moves, releases, models = [], [], []
+        for count in range(_ROUNDS // 4):
+            while not (found := page.evaluate(_HANDLE, ["", 0.5])) or not found[2]:
+                if found:
+                    page.mouse.move(found[0] - 1, found[1])
+                    page.mouse.move(found[0], found[1])
+                page.wait_for_timeout(100)
+            before = recipe.read_bytes()
+            page.mouse.down()
+            for step in range(1, 6):
+                frames, started = page.evaluate("mjcompose.stage.frames"), time.perf_counter()
+                page.mouse.move(found[0], found[1] + (10 if count % 2 else -10) * step)
+                page.evaluate(_DRAWN, frames)
+                moves.append(time.perf_counter() - started)
+            started = time.perf_counter()
+            page.mouse.up()
+            while recipe.read_bytes() == before:
+                time.sleep(0.002)
+            releases.append(time.perf_counter() - started)
+            page.evaluate(_SHOWN, count + 2)
+            models.append(time.perf_counter() - started)
+    yield _row(recipe.stem, moves, _MOVED, "drag to pixels")
+    yield _row(recipe.stem, releases, _WRITTEN, "release to the recipe's new text")
+    yield _row(recipe.stem, models, 1.0, "release to the new model shown")
 
 
 def _many(browser: Any) -> Row:

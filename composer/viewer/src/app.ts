@@ -287,7 +287,7 @@ export class App {
   }
 
   private point(x: number, y: number): void {
-    const element = this.stage.pick(x, y);
+    const element = this.gizmo?.controls.axis ? null : this.stage.pick(x, y);
     this.tip.hidden = !element;
     if (!element) return;
     const { model } = this.world, on = element.kind === "body" ? -1 : bodyOf(model, element);

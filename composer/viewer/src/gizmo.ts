@@ -26,6 +26,7 @@ export class Gizmo {
   private element: Element | null = null;
   private choices: Choice[] = [];
   private chosen = 0;
+  private called = "";
   private moved: Moved[] = [];
   private start = new Matrix4();
   private last = new Matrix4();
@@ -96,7 +97,10 @@ export class Gizmo {
     this.moved = [];
     this.box.hidden = !MODES[this.mode] || !move;
     this.choices = move && !move.why && element ? this.found(element) : [];
-    this.chosen = Math.max(0, this.choices.findIndex((each) => each.label === before?.label));
+    // Of a new model the same element is selected again, and the same thing moves with it.
+    const called = element ? `${element.kind} ${(scene as any)[element.kind].name?.[element.index]}` : "";
+    this.chosen = called === this.called ? Math.max(0, this.choices.findIndex((each) => each.label === before?.label)) : 0;
+    this.called = called;
     if (panel && element && move && !move.why) panel.append(h("div", { className: "acts" }, ...this.acts(element)));
     if (!this.box.hidden) void this.look();
   }

@@ -344,7 +344,8 @@ class Writer:
             raise Refused("only a recipe can be changed here")
         used = (find(targets.plan.document, (*step.at, "model")) for step in targets.plan.parts)
         texts = [each.text for each in used if isinstance(each, Scalar)]
-        files = [f"./{each}" for each in model_files(targets.paths[targets.recipe].parent)]
+        recipe = targets.paths[targets.recipe]
+        files = [f"./{each}" for each in model_files(recipe.parent) if each != recipe.name]
         return {"models": list(dict.fromkeys([*texts, *files]))}
 
     def _parameter(self, said: Any) -> Answer:
