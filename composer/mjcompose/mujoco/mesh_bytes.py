@@ -4,10 +4,11 @@ The bytes are a head of three uint32 (vertices, triangles, flags), six float32 (
 axis) and, if `MAPPED`, two float32 of texture coordinates for each vertex. Then come differences in byte planes, which
 means the lowest byte of all numbers, then the next byte:
 
-- vertices: for each axis the zigzag differences to the vertex before, in two planes;
-- normals, unless `FLAT`: the differences of their two bytes (`octahedral`), in one plane each;
-- triangles: three numbers each, in as many planes as the flags say above `PLANES`. They are the first vertex minus that
-  of the triangle before, the second minus the first, and the zigzag difference of the third and the second.
+- vertices: for each axis the zigzag differences to the vertex before, in two planes
+- normals, unless `FLAT`: the differences of their two bytes (`octahedral`), in one plane each
+- triangles: three numbers each, in as many planes as the flags say above `PLANES`. The first is the difference of first
+  vertices to the triangle before. The second is the difference of the second vertex to the first, and the third the
+  zigzag difference of the third vertex to the second.
 
 Vertices are in Morton order, and triangles in the order of their first vertex, which is their least.
 """
@@ -19,7 +20,7 @@ from typing import Any
 import numpy as np
 
 MAPPED, FLAT, PLANES = 1, 2, 8
-_BITS, _BITS_OF_LARGE, _LARGE = 14, 16, 2.0  # steps of a mesh, and of one that is longer than so many meters
+_BITS, _BITS_OF_LARGE, _LARGE = 14, 16, 2.0  # bits of a vertex, bits in a large mesh, its least size in meters
 _FLAT_ANGLE, _FLAT_SHARE = 2.5, 0.95
 
 

@@ -1,4 +1,4 @@
-"""The files of a model without what only shows, for physics in a page."""
+"""The files that physics in a page need, without visual meshes and textures."""
 
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ def strip(mujoco: Any, asked: Mapping[str, Any]) -> str:
 def _replaced(
     mujoco: Any, path: Path, model: Any, files: dict[str, bytes], bodies: Mapping[str, Iterable[int]], out: Path
 ) -> Path | None:
-    """Write the model with those of the files that change no number of the physics; return None if there are none."""
+    """Write the model with the files that change no number of the physics; return None if there are none."""
     text, weighed = path.read_text(encoding="utf-8"), set[int]()
     for number in range(_ROUNDS):
         tried = out / str(number) / path.name  # a new path, because MuJoCo keeps meshes by their path

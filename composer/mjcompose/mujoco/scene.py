@@ -95,6 +95,7 @@ COLUMNS: dict[str, dict[str, str]] = {
     "actuator": {
         "transmission": "actuator_trntype", "target": "actuator_trnid", "gear": "actuator_gear",
     },
+    "sensor": {"first": "sensor_adr", "count": "sensor_dim"},
     "key": {"time": "key_time", "qpos": "key_qpos", "ctrl": "key_ctrl", "mpos": "key_mpos", "mquat": "key_mquat"},
 }  # fmt: skip
 """A kind's names are added as `name`; every column is one flat list."""
@@ -272,7 +273,7 @@ _PULLEY = -2
 
 
 def poses(mujoco: Any, model: Any, data: Any) -> Iterator[dict[str, Any]]:
-    """Yield contacts and tendon paths at the reference configuration, then at each keyframe.
+    """Yield the answer of `seen` at the reference configuration, then at each keyframe.
 
     `data` is at the reference configuration again afterwards.
     """
@@ -280,18 +281,62 @@ def poses(mujoco: Any, model: Any, data: Any) -> Iterator[dict[str, Any]]:
         if key is not None:
             mujoco.mj_resetDataKeyframe(model, data, key)
         place(mujoco, model, data)
-        yield {"contacts": contacts(data), "tendons": _ways(data)}
+        yield seen(mujoco, model, data)
     mujoco.mj_resetData(model, data)
     place(mujoco, model, data)
 
 
-def contacts(data: Any) -> list[list[Any]]:
-    """Return each contact: its two geoms, its position and its normal; a flex is geom -1."""
-    shown = min(int(data.ncon), _MOST_CONTACTS)
-    return [
-        [*(int(geom) for geom in each.geom), *short(each.pos), *short(each.frame[:3])]
-        for each in (data.contact[number] for number in range(shown))
-    ]
+def seen(mujoco: Any, model: Any, data: Any) -> dict[str, Any]:
+    """Return the contacts, tendon paths and values of sensors of a state.
+
+    A contact has its two geoms (-1 for a flex), its position, its normal, and the force on the second geom.
+    """
+    return {
+        "contacts": [_contact(mujoco, model, data, number) for number in range(min(int(data.ncon), _MOST_CONTACTS))],
+        "tendons": _ways(data), "sensors": _rounded(data.sensordata),
+    }  # fmt: skip
+
+
+def _contact(mujoco: Any, model: Any, data: Any, number: int) -> list[Any]:
+    contact, force = data.contact[number], np.zeros(6)
+    mujoco.mj_contactForce(model, data, number, force)
+    along = force[:3] @ contact.frame.reshape(3, 3)
+    return [*(int(geom) for geom in contact.geom), *short(contact.pos), *short(contact.frame[:3]), *_rounded(along)]
+
+
+def _rounded(values: Any) -> list[float]:
+    return [float(f"{each:.5g}") for each in np.nan_to_num(values).tolist()]
+
+
+_PULL = ("at", "to")
+
+
+def pull(mujoco: Any, model: Any, data: Any, asked: Mapping[str, Any]) -> None:
+    """Pull a ``body`` by its point ``at``, in its frame, to the point ``to``, with a spring and a damper.
+
+    Both suit the body's weight and the model's `visual/map` stiffness. Any other request does nothing.
+    """
+    body, points = asked.get("body", 0), [asked.get(name) for name in _PULL]
+    if not 0 < body < model.nbody or not all(point is not None and len(point) == 3 for point in points):
+        return
+    mujoco.mj_fwdPosition(model, data)
+    mujoco.mj_fwdVelocity(model, data)
+    at = data.xpos[body] + data.xmat[body].reshape(3, 3) @ points[0]
+    turning, moving = data.cvel[body][:3], data.cvel[body][3:]
+    speed = moving + np.cross(turning, at - data.subtree_com[model.body_rootid[body]])
+    weight, stiffness = 1 / max(float(model.body_invweight0[body, 0]), 1e-9), float(model.vis.map.stiffness)
+    force = weight * (stiffness * (np.array(points[1]) - at) - 2 * np.sqrt(stiffness) * speed)
+    data.xfrc_applied[body] = [*force, *np.cross(at - data.xipos[body], force)]
+
+
+def look(mujoco: Any, model: Any, asked: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the answer of `seen` at ``qpos`` and ``ctrl``, at rest; runs under `mjcompose.mujoco.engine.call`."""
+    data = mujoco.MjData(model)
+    for name in ("qpos", "ctrl"):
+        if len(value := asked[name]) == len(array := getattr(data, name)):
+            array[:] = value
+    place(mujoco, model, data)
+    return seen(mujoco, model, data)
 
 
 def _ways(data: Any) -> list[list[float]]:
@@ -324,6 +369,7 @@ def describe(mujoco: Any, model: Any, asked: Mapping[str, Any]) -> dict[str, Any
     place(mujoco, model, data)
     found: dict[str, Any] = {"format": FORMAT, **columns(model)}
     found["material"]["texture"] = of_materials(model)
+    found["sensor"]["kind"] = [mujoco.mjtSensor(int(kind)).name[7:].lower() for kind in model.sensor_type]
     found["mesh"] = meshes(model, blobs)
     found["meshes"] = [name.rpartition("/")[2] for name in names(model, "mesh")]
     found["hfield"] = height_fields(model, blobs)
@@ -350,5 +396,6 @@ def _look(model: Any) -> dict[str, Any]:
             "specular": short(light.specular),
         },
         "haze": short(model.vis.rgba.haze), "jointwidth": float(model.vis.scale.jointwidth),
+        "stiffness": float(model.vis.map.stiffness),
         "framewidth": float(model.vis.scale.framewidth), "meansize": float(model.stat.meansize),
     }  # fmt: skip

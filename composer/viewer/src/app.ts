@@ -1,24 +1,34 @@
 // The page around the canvas, and what its parts do to each other.
 import { Contrast } from "./compare";
+import { Clock } from "./clock";
+import { Compass } from "./compass";
 import type { Element, Model, Scene } from "./data";
 import { h, icon, toast } from "./dom";
-import { Extras, EXTRAS, type Extra } from "./extras";
+import { Extras, EXTRAS, gridStep, type Extra } from "./extras";
+import { Ghosts } from "./ghosts";
 import type { Gizmo } from "./gizmo";
 import { Info, typeOf } from "./info";
 import { WIDTHS } from "./kinematics";
+import { Meters } from "./meters";
+import { copyPicture } from "./picture";
 import { places } from "./places";
+import { Puller } from "./pull";
+import { Ruler } from "./ruler";
+import type { Pull, Seen } from "./seen";
 import { Sliders } from "./sliders";
 import { Stage } from "./stage";
 import { bodyOf, nameOf, numberOf, Tree } from "./tree";
 import { host } from "./wire";
 import { World } from "./world";
 
-const TABS = ["Changes", "Info", "Joints", "Controls", "Show", "Attach"] as const;
-const EXTRA_WORDS: Record<Extra, string> = { frames: "body frames", axes: "joint axes", inertia: "inertia boxes", contacts: "contacts", cameras: "cameras" };
+const TABS = ["Changes", "Info", "Joints", "Controls", "Sensors", "Show", "Attach"] as const;
+const EXTRA_WORDS: Record<Extra, string> = { frames: "body frames", axes: "joint axes", inertia: "inertia boxes", contacts: "contacts", forces: "contact forces", cameras: "cameras", grid: "grid" };
 const KEYS: [string, string][] = [
   ["F", "fit the selection, or the whole"], ["0 … 5", "geom groups"], ["C", "collision shapes only"], ["J", "joint axes"], ["I", "inertia boxes"],
   ["B", "body frames"], ["S", "sites"], ["R", "reference pose"], ["K", "copy the pose as a keyframe"], ["L", "light or dark"], ["X", "before or after, where two models are compared"],
-  ["M", "move or turn, where a server can change the recipe"], ["Ctrl Z", "undo a move"], ["/", "search"], ["Space", "physics, where a server runs it"], ["Esc", "select nothing"],
+  ["M", "move or turn, where a server can change the recipe"], ["Ctrl Z", "undo a move"],
+  ["G", "grid"], ["O", "contact forces"], ["D", "measure a distance"], ["P", "copy the picture"], ["Ctrl + drag", "pull a body while physics run"],
+  ["/", "search"], ["Space", "run or pause the physics"], ["Esc", "select nothing"],
 ];
 
 export class App {
@@ -28,7 +38,10 @@ export class App {
   selection: Element | null = null;
   key = -1;
   /** What the server does when the page asks for it; a page without one has none. */
-  server: { play: () => void; pose: () => void; choose: (name: string, value: string) => void } | null = null;
+  server: { play: () => void; pose: () => void; choose: (name: string, value: string) => void; look: () => void; pull: (pull: Pull | null) => void } | null = null;
+  readonly meters = new Meters();
+  /** The keyframe whose pose is shown, -1 for the reference; null for any other pose. */
+  at: number | null = -1;
 
   /** Moves what the recipe places; only a live page has one. */
   gizmo: Gizmo | null = null;
@@ -38,6 +51,13 @@ export class App {
   private tree!: Tree;
   private info!: Info;
   private extras: Extras | null = null;
+  private ghosts!: Ghosts;
+  private readonly clock = new Clock();
+  private readonly compass: Compass;
+  private readonly ruler: Ruler;
+  private readonly puller: Puller;
+  private readonly rulerButton = h("button", { className: "tool", title: "measure a distance (D)", ariaLabel: "measure a distance (D)", onclick: () => this.ruler.flip() }, icon("ruler"));
+  private playing = false;
   private readonly groups = [true, true, true, false, false, false];
   private collision = false;
   private readonly softs: Record<string, boolean> = { site: true, tendon: true, skin: true, flex: true };
@@ -52,16 +72,17 @@ export class App {
   private readonly searchBox = h("input", { type: "search", placeholder: "Search names  /", ariaLabel: "search names", oninput: () => this.search() });
   private readonly treeBox = h("div", { className: "scroll" });
   private readonly panels = Object.fromEntries(TABS.map((tab) => [tab, h("div", { className: "scroll", hidden: true })])) as unknown as Record<(typeof TABS)[number], HTMLElement>;
-  private readonly tabs = Object.fromEntries(TABS.map((tab) => [tab, h("button", { role: "tab", onclick: () => this.open(tab) }, tab)])) as unknown as Record<(typeof TABS)[number], HTMLElement>;
+  private readonly tabs = Object.fromEntries(TABS.map((tab) => [tab, h("button", { role: "tab", onclick: () => this.open(tab), onkeydown: (event: KeyboardEvent) => this.nextTab(event) }, tab)])) as unknown as Record<(typeof TABS)[number], HTMLElement>;
   private readonly tip = h("div", { className: "tip", hidden: true });
   private readonly fault = h("div", { className: "fault", hidden: true, role: "alert" });
   private readonly status = h("div", { className: "status" });
   private readonly keyButtons = h("div", { className: "keys" });
+  private readonly contactCount = h("span", {});
 
   constructor(root: HTMLElement) {
     this.theme(host?.theme ?? remembered("theme") ?? (matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light"));
     const tool = (name: string, title: string, act: () => void, className = "tool") => h("button", { className, title, ariaLabel: title, onclick: act }, icon(name));
-    const view = h("main", {}, this.canvas, this.tip, this.status, this.fault);
+    const view = h("main", {}, this.canvas, this.meters.plot.root, this.tip, h("div", { className: "chips" }, this.status, this.clock.root), this.fault);
     const left = h("aside", { className: "left" }, this.searchBox, this.treeBox);
     const right = h("aside", { className: "right" }, h("div", { className: "tabs", role: "tablist" }, ...TABS.map((tab) => this.tabs[tab])), ...TABS.map((tab) => this.panels[tab]));
     const drawer = (side: string) => { root.classList.toggle(`show-${side}`); root.classList.remove(side === "left" ? "show-right" : "show-left"); };
@@ -69,11 +90,15 @@ export class App {
       h("header", { className: "bar" },
         tool("tree", "the composition", () => drawer("left"), "tool narrow"), this.title, this.choices, h("span", { className: "gap" }),
         this.keySelect, this.cameraSelect, this.moveButton, this.playButton,
-        tool("fit", "fit (F)", () => this.fit()), tool("theme", "light or dark (L)", () => this.flipTheme()), tool("help", "keys (?)", () => this.help()),
+        this.rulerButton, tool("camera", "copy the picture (P)", () => this.copyPicture()), tool("fit", "fit (F)", () => this.fit()), tool("theme", "light or dark (L)", () => this.flipTheme()), tool("help", "keys (?)", () => this.help()),
         tool("panel", "joints and more", () => drawer("right"), "tool narrow")),
       left, view, right);
     this.stage = new Stage(this.canvas);
-    this.stage.beforeFrame = () => this.extras?.update();
+    this.compass = new Compass(this.stage);
+    this.ruler = new Ruler(this.stage, toast, () => this.rulerButton.classList.toggle("on", this.ruler.isOn));
+    this.puller = new Puller(this.stage, () => this.playing, (pull) => this.server?.pull(pull), toast);
+    view.append(this.compass.root, this.ruler.label);
+    this.stage.beforeFrame = () => { for (const each of [this.extras, this.compass, this.ruler, this.puller]) each?.update(); };
     this.open("Info");
     this.pointer();
     addEventListener("keydown", (event) => this.keyboard(event));
@@ -90,8 +115,11 @@ export class App {
     const through = this.stage.through !== null && before ? before.model.scene.camera.name[this.stage.through] : null;
     const oldKey = this.key;
     if (before) {
+      const isMoved = this.at === null;
       this.key = this.key < 0 ? -1 : model.scene.key.name.indexOf(before.model.scene.key.name[this.key]);
       carry(before, oldKey, world, this.key);
+      if (!isMoved) world.softs.seen = model.scene.poses[this.key + 1];
+      this.at = isMoved ? null : this.key;
     }
     this.world = world;
     const { scene } = model;
@@ -106,9 +134,14 @@ export class App {
     this.panels.Info.replaceChildren(this.info.root);
     this.panels.Joints.replaceChildren(this.poseTools(), this.sliders.joints);
     this.panels.Controls.replaceChildren(this.sliders.controls);
+    this.meters.use(model, world.pose.qpos, this.sliders.ctrl);
+    this.panels.Sensors.replaceChildren(this.meters.panel);
+    this.ruler.clear();
+    this.clock.reset();
     this.panels.Attach.replaceChildren(places(model, (element) => this.select(element, true), (element) => this.hover(element)));
     this.extras = new Extras(world);
-    world.root.add(this.extras.root);
+    this.ghosts = new Ghosts(world);
+    world.root.add(this.extras.root, this.ghosts.root);
     this.stage.show(world);
     for (const each of this.extra) this.extras.set(each, true);
     this.showPanel();
@@ -140,11 +173,17 @@ export class App {
   private menus(): void {
     const { scene } = this.world.model;
     const option = (value: number, words: string) => h("option", { value: String(value) }, words);
-    this.keySelect.replaceChildren(option(-1, "reference pose"), ...scene.key.name.map((name, k) => option(k, name || `key#${k}`)));
-    this.keySelect.value = String(this.key);
+    const named = (k: number) => (k < 0 ? "reference" : scene.key.name[k] || `key#${k}`);
+    this.keySelect.replaceChildren(option(-1, "reference pose"), ...scene.key.name.map((_, k) => option(k, named(k))));
+    if (this.at === null) this.keySelect.append(h("option", { value: "", disabled: true }, `${named(this.key)}, moved`));
+    this.keySelect.value = this.at === null ? "" : String(this.at);
     this.cameraSelect.replaceChildren(option(-1, "free camera"), ...scene.camera.name.map((name, k) => option(k, name || `camera#${k}`)));
     this.cameraSelect.hidden = !scene.camera.name.length;
-    this.keyButtons.replaceChildren(...[-1, ...scene.key.name.keys()].map((k) => h("button", { className: k === this.key ? "chip on" : "chip", onclick: () => this.setKey(k) }, k < 0 ? "reference" : scene.key.name[k] || `key#${k}`)));
+    this.keyButtons.replaceChildren(...[-1, ...scene.key.name.keys()].map((k) => {
+      const ghost = h("button", { className: "ghost", title: `show a ghost at ${named(k)}`, ariaLabel: `show a ghost at ${named(k)}`, ariaPressed: String(this.ghosts.has(k)), onclick: () => { this.ghosts.flip(k); this.menus(); this.stage.draw(); } }, icon("ghost"));
+      if (this.ghosts.has(k)) ghost.style.color = this.ghosts.color(k);
+      return h("span", { className: k === this.at ? "chip on" : "chip" }, h("button", { onclick: () => this.setKey(k) }, named(k)), ghost);
+    }));
     this.choices.replaceChildren(...(scene.choices ?? []).map((each) =>
       h("select", { title: each.label, ariaLabel: each.label, onchange: (event: Event) => this.server?.choose(each.name, (event.target as HTMLSelectElement).value) },
         ...each.values.map((value) => h("option", { value, selected: value === each.value }, value)))));
@@ -169,29 +208,47 @@ export class App {
   // -- pose --------------------------------------------------------------------------------------------------------
 
   setKey(key: number): void {
-    this.key = key;
+    this.key = this.at = key;
     const { scene } = this.world.model;
     this.world.pose.reset(key);
-    this.world.softs.known = key;
     this.sliders.setControls(controlsAt(scene, key));
     this.menus();
+    this.see(scene.poses[key + 1]);
     this.posed();
     this.server?.pose();
+  }
+
+  /** What MuJoCo says of the pose that is shown, with the time if physics run; null while it is not known. */
+  see(seen: Seen | null, time: number | null = null): void {
+    this.world.softs.seen = seen;
+    this.meters.show(seen, time);
+    if (time !== null) this.clock.show(time);
+    this.contactCount.textContent = seen ? String(seen.contacts.length) : "–";
   }
 
   /** A slider has moved a joint. */
   private moved(): void {
     this.world.pose.update();
-    this.world.softs.known = null;
+    this.stray();
     this.posed();
     this.server?.pose();
+    if (!this.playing) this.server?.look();
+  }
+
+  /** The pose is no longer that of a keyframe. */
+  private stray(): void {
+    this.see(null);
+    if (this.at === null) return;
+    this.at = null;
+    this.menus();
   }
 
   /** The server or a test has a configuration. */
-  setQpos(qpos: ArrayLike<number>): void {
+  setQpos(qpos: ArrayLike<number>, seen: Seen | null = null, time: number | null = null): void {
     this.world.pose.qpos.set(qpos);
     this.world.pose.update();
-    this.world.softs.known = null;
+    this.stray();
+    this.see(seen, time);
     this.stage.move();
     this.posed();
   }
@@ -232,7 +289,7 @@ export class App {
 
   private showPanel(): void {
     const { scene } = this.world.model;
-    const check = (words: string, on: boolean, set: (on: boolean) => void, more = "") =>
+    const check = (words: string, on: boolean, set: (on: boolean) => void, more: string | Node = "") =>
       h("label", { className: "check" }, h("input", { type: "checkbox", checked: on, onchange: (event: Event) => { set((event.target as HTMLInputElement).checked); } }), h("span", {}, words), h("span", { className: "more" }, more));
     const counts = this.groups.map((_, group) => scene.geom.group.filter((each: number) => each === group).length);
     const groups = this.groups.flatMap((on, group) => (counts[group] ? [check(`group ${group}`, on, (now) => { this.groups[group] = now; this.applyGroups(); }, `${counts[group]} geoms`)] : []));
@@ -243,7 +300,7 @@ export class App {
     this.panels.Show.replaceChildren(h("div", { className: "show" },
       h("h3", {}, "Geoms"), ...groups, check("collision shapes only", this.collision, (now) => { this.collision = now; this.applyGroups(); }),
       softs.length ? h("h3", {}, "More of the model") : null, ...softs,
-      h("h3", {}, "Marks"), ...EXTRAS.map((each) => check(EXTRA_WORDS[each], this.extra.has(each), (on) => this.setExtra(each, on), each === "contacts" ? `${scene.poses[this.key + 1]?.contacts.length ?? 0}` : ""))));
+      h("h3", {}, "Marks"), ...EXTRAS.map((each) => check(EXTRA_WORDS[each], this.extra.has(each), (on) => this.setExtra(each, on), each === "contacts" ? this.contactCount : each === "grid" ? `${gridStep(scene.look.extent)} m` : ""))));
   }
 
   setExtra(name: Extra, on: boolean): void {
@@ -275,8 +332,12 @@ export class App {
     this.canvas.addEventListener("pointerdown", (event) => { down = [event.clientX, event.clientY]; this.tip.hidden = true; });
     this.canvas.addEventListener("pointerup", (event) => {
       if (this.gizmo?.busy) down = null;
-      if (down && Math.hypot(event.clientX - down[0], event.clientY - down[1]) < 5) this.select(this.stage.pick(event.clientX, event.clientY), true);
+      const isClick = down && Math.hypot(event.clientX - down[0], event.clientY - down[1]) < 5;
       down = null;
+      if (!isClick) return;
+      if (this.ruler.isOn) return this.ruler.click(event.clientX, event.clientY);
+      const found = this.stage.pick(event.clientX, event.clientY);
+      this.select(found, found !== null);
     });
     this.canvas.addEventListener("pointerleave", () => { this.tip.hidden = true; });
     this.canvas.addEventListener("pointermove", (event) => {
@@ -311,7 +372,18 @@ export class App {
     for (const each of TABS) {
       this.panels[each].hidden = each !== tab;
       this.tabs[each].ariaSelected = String(each === tab);
+      this.tabs[each].tabIndex = each === tab ? 0 : -1;
     }
+    if (tab === "Sensors") this.meters.open();
+  }
+
+  /** The arrows go from tab to tab. */
+  private nextTab(event: KeyboardEvent): void {
+    const way = event.key === "ArrowRight" ? 1 : event.key === "ArrowLeft" ? -1 : 0, shown = TABS.filter((tab) => !this.tabs[tab].hidden);
+    if (!way) return;
+    const next = shown[(shown.findIndex((tab) => this.tabs[tab] === event.target) + way + shown.length) % shown.length];
+    this.open(next);
+    this.tabs[next].focus();
   }
 
   private keyboard(event: KeyboardEvent): void {
@@ -323,11 +395,11 @@ export class App {
     }
     const flip = (extra: Extra) => { this.setExtra(extra, !this.extra.has(extra)); this.showPanel(); };
     const acts: Record<string, () => void> = {
-      m: () => this.gizmo?.cycle(), f: () => this.fit(), l: () => this.flipTheme(), "?": () => this.help(), "/": () => this.searchBox.focus(), r: () => this.setKey(-1),
+      m: () => this.gizmo?.cycle(), g: () => flip("grid"), o: () => flip("forces"), d: () => this.ruler.flip(), p: () => this.copyPicture(), f: () => this.fit(), l: () => this.flipTheme(), "?": () => this.help(), "/": () => this.searchBox.focus(), r: () => this.setKey(-1),
       x: () => { if (this.contrast) void this.show(this.models, 1 - this.contrast.at); }, k: () => void this.sliders.copyPose(), j: () => flip("axes"), i: () => flip("inertia"), b: () => flip("frames"),
       c: () => { this.collision = !this.collision; this.applyGroups(); this.showPanel(); },
       s: () => { this.softs.site = !this.softs.site; this.applyGroups(); this.showPanel(); },
-      escape: () => { this.select(null, false); document.querySelector("dialog")?.remove(); this.fault.hidden = true; }, " ": () => this.server?.play(),
+      escape: () => { if (this.ruler.isOn) return this.ruler.flip(false); this.select(null, false); document.querySelector("dialog")?.remove(); this.fault.hidden = true; }, " ": () => this.server?.play(),
     };
     const group = "012345".indexOf(event.key);
     const act = group >= 0 ? () => { this.groups[group] = !this.groups[group]; this.applyGroups(); this.showPanel(); } : acts[event.key.toLowerCase()];
@@ -355,7 +427,9 @@ export class App {
   }
 
   setPlaying(playing: boolean): void {
+    this.playing = playing;
     if (playing) this.setStopped(null);
+    else this.clock.pause();
     this.playButton.replaceChildren(icon(playing ? "pause" : "play"));
     this.playButton.classList.toggle("on", playing);
   }
@@ -379,6 +453,10 @@ export class App {
     this.fault.replaceChildren(h("header", {}, h("b", {}, head), h("span", {}, more), h("button", { title: "hide (Esc)", onclick: () => { this.fault.hidden = true; } }, "×")), h("pre", {}, ...lines));
   }
 
+  private copyPicture(): void {
+    void copyPicture(this.stage, this.world.model.scene.title);
+  }
+
   notice(words: string): void {
     toast(words);
   }
@@ -396,7 +474,7 @@ function carry(before: World, oldKey: number, after: World, key: number): void {
     const moved = Array.from({ length: width }, (_, at) => pose.qpos[from + at] !== still[from + at]).some(Boolean);
     if (moved) for (let at = 0; at < width; at++) after.pose.qpos[to + at] = pose.qpos[from + at];
   });
-  after.softs.known = null;
+  after.softs.seen = null;
   after.pose.update();
   after.update();
 }

@@ -1,5 +1,7 @@
 // The model as the server or the file has it: `composer/mjcompose/mujoco/scene.py` says what is in it.
 
+import type { Seen } from "./seen";
+
 export interface Columns {
   name: string[];
   /** Flat lists, with a few numbers for each element. */
@@ -23,10 +25,9 @@ export interface Flex {
   name: string; body: number; blob: string; count: number; dimensions: number; triangles: number; edges: number; radius: number;
   material: number; rgba: number[]; group: number;
 }
-export interface PoseFacts { contacts: number[][]; tendons: number[][] }
 export interface Look {
   center: number[]; extent: number; azimuth: number; elevation: number; fovy: number; jointwidth: number;
-  framewidth: number; meansize: number; haze: number[];
+  framewidth: number; stiffness: number; meansize: number; haze: number[];
   headlight: { active: boolean; ambient: number[]; diffuse: number[]; specular: number[] };
 }
 export interface Difference { text: string; before: Record<string, string[]>; after: Record<string, string[]>; label: string }
@@ -43,10 +44,10 @@ export interface Move { why?: string; version: number; files: string[]; targets:
 export interface Scene {
   format: number; title: string; made: string;
   body: Columns; joint: Columns; geom: Columns; site: Columns; camera: Columns; light: Columns; material: Columns;
-  tendon: Columns; actuator: Columns; key: Columns; exclude: { body1: number[]; body2: number[] };
+  tendon: Columns; sensor: Columns; actuator: Columns; key: Columns; exclude: { body1: number[]; body2: number[] };
   mesh: string[]; meshes?: string[]; hfield: HeightField[]; texture: Texture[]; skin: Skin[]; flex: Flex[];
   wrap: { type: number[]; object: number[]; parameter: number[] };
-  poses: PoseFacts[]; qpos0: number[]; timestep: number; look: Look;
+  poses: Seen[]; qpos0: number[]; timestep: number; look: Look;
   origins: { files: string[]; parts: [string, Place | null][]; of: Record<string, Origin[]>; exclude: Excluded[] };
   editor?: { template: string; files: Record<string, string> };
   key_named?: string | null;

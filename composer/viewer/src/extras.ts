@@ -1,14 +1,19 @@
 // What is drawn of a model beyond its surfaces: frames, joint axes, inertia boxes, contacts, cameras.
 import {
-  BoxGeometry, BufferAttribute, BufferGeometry, Color, ConeGeometry, CylinderGeometry, Group, InstancedMesh, LineBasicMaterial,
+  BoxGeometry, BufferAttribute, BufferGeometry, Color, ConeGeometry, CylinderGeometry, GridHelper, Group, InstancedMesh, LineBasicMaterial,
   LineSegments, Matrix4, MeshBasicMaterial, MeshPhongMaterial, Quaternion, SphereGeometry, Vector3,
 } from "three";
 import { row } from "./data";
 import { FREE, rotated, SLIDE } from "./kinematics";
 import type { World } from "./world";
 
-export const EXTRAS = ["frames", "axes", "inertia", "contacts", "cameras"] as const;
+export const EXTRAS = ["frames", "axes", "inertia", "contacts", "forces", "cameras", "grid"] as const;
 export type Extra = (typeof EXTRAS)[number];
+
+const MOST_CONTACTS = 500;
+
+/** The side of the squares of the grid. */
+export const gridStep = (extent: number): number => 10 ** Math.round(Math.log10(extent / 8));
 
 export class Extras {
   readonly root = new Group();
@@ -114,14 +119,13 @@ export class Extras {
   }
 
   private contacts() {
-    const group = new Group(), { poses } = this.world.model.scene, r = this.unit * 0.22;
-    const most = Math.max(1, ...poses.map((each) => each.contacts.length));
-    const discs = new InstancedMesh(new CylinderGeometry(r, r, r * 0.3, 18).rotateX(Math.PI / 2), overlay(0xff3b6b), most);
+    const group = new Group(), r = this.unit * 0.22;
+    const discs = new InstancedMesh(new CylinderGeometry(r, r, r * 0.3, 18).rotateX(Math.PI / 2), overlay(0xff3b6b), MOST_CONTACTS);
     discs.frustumCulled = false;
     discs.renderOrder = 4;
     group.add(discs);
     const update = () => {
-      const { known } = this.world.softs, found = known === null ? [] : poses[known + 1].contacts;
+      const found = this.world.softs.seen?.contacts ?? [];
       const matrix = new Matrix4(), turn = new Quaternion(), one = new Vector3(1, 1, 1);
       discs.count = found.length;
       found.forEach((each, at) => {
@@ -131,6 +135,43 @@ export class Extras {
       discs.instanceMatrix.needsUpdate = true;
     };
     return { group, update };
+  }
+
+  /** Forces of contacts. The square root of a force is a length: one as large as the weight of the model is as long as half of it. */
+  private forces() {
+    const { body, look } = this.world.model.scene, width = this.unit * 0.07, most = 0.5 * look.extent;
+    const weight = 9.81 * body.mass.reduce((sum: number, each: number) => sum + each, 0);
+    const rod = new InstancedMesh(new CylinderGeometry(width, width, 1, 10).rotateX(Math.PI / 2).translate(0, 0, 0.5), overlay(0xf5a524), MOST_CONTACTS);
+    const tip = new InstancedMesh(new ConeGeometry(2.4 * width, 6 * width, 14).rotateX(Math.PI / 2), overlay(0xf5a524), MOST_CONTACTS);
+    const group = new Group();
+    for (const each of [rod, tip]) { each.frustumCulled = false; each.renderOrder = 5; group.add(each); }
+    const update = () => {
+      const matrix = new Matrix4(), turn = new Quaternion(), along = new Vector3(), place = new Vector3(), one = new Vector3(1, 1, 1);
+      let count = 0;
+      for (const each of this.world.softs.seen?.contacts ?? []) {
+        const force = along.fromArray(each, 8).length(), length = Math.min(most, most * Math.sqrt(force / weight));
+        if (!(length > 0.1 * width)) continue;
+        turn.setFromUnitVectors(new Vector3(0, 0, 1), along.normalize());
+        place.fromArray(each, 2);
+        rod.setMatrixAt(count, matrix.compose(place, turn, new Vector3(1, 1, length)));
+        tip.setMatrixAt(count++, matrix.compose(place.addScaledVector(along, length), turn, one));
+      }
+      for (const each of [rod, tip]) { each.count = count; each.instanceMatrix.needsUpdate = true; }
+    };
+    return { group, update };
+  }
+
+  /** Squares on the ground, whose side is a power of ten of a meter. */
+  private grid() {
+    const { extent, center } = this.world.model.scene.look, group = new Group(), step = gridStep(extent), half = Math.ceil(0.3 * extent / step);
+    for (const [cells, opacity] of [[20 * half, 0.4], [2 * half, 0.9]]) {
+      const lines = new GridHelper(20 * half * step, cells, 0x94a3b8, 0x94a3b8);
+      lines.rotateX(Math.PI / 2);
+      lines.position.set(10 * step * Math.round(center[0] / step / 10), 10 * step * Math.round(center[1] / step / 10), 0.002 * extent);
+      Object.assign(lines.material, { transparent: true, opacity, depthWrite: false });
+      group.add(lines);
+    }
+    return { group, update: () => {} };
   }
 
   private cameras() {

@@ -15,7 +15,7 @@ export const degrees = (angle: number): string => `${neat(angle * 180 / Math.PI,
 
 /** A number as short as it is still true to some digits. */
 export function neat(value: number, digits = 4): string {
-  return String(Number(value.toPrecision(digits))).replace("-", "−");
+  return String(Math.abs(value) < 1e-12 ? 0 : Number(value.toPrecision(digits))).replaceAll("-", "−");
 }
 
 const list = (values: number[], unit = ""): string => values.map((each) => neat(each)).join("  ") + unit;

@@ -11,11 +11,17 @@ export class Live {
   private playing = false;
   private loading: Promise<void> = Promise.resolve();
   private version = -1;
+  private looking: "asked" | "again" | null = null;
+  private readonly page = Math.random().toString(36).slice(2);
+  private count = 0;
+  private looked = "";
 
   constructor(private readonly app: App) {
     app.server = {
       play: () => void this.wire.post("play", { playing: !this.playing, qpos: Array.from(app.world.pose.qpos), ctrl: app.sliders.ctrl, key: app.key }),
       pose: () => { if (this.playing) void this.wire.post("pose", { ctrl: app.sliders.ctrl }); },
+      look: () => this.look(),
+      pull: (pull) => void this.wire.post("pull", pull ?? {}),
       choose: (name, value) => void this.wire.post("choose", { name, value }),
     };
     if (this.wire.ask) app.gizmo = new Gizmo(app, (said) => this.wire.ask!("change", said));
@@ -26,13 +32,30 @@ export class Live {
     });
   }
 
+  /** Ask what MuJoCo says of the pose, once at a time. */
+  private look(): void {
+    if (this.looking) { this.looking = "again"; return; }
+    this.looking = "asked";
+    const { pose } = this.app.world;
+    this.looked = `${this.page} ${++this.count}`;
+    void this.wire.post("look", { version: this.version, looked: this.looked, qpos: Array.from(pose.qpos), ctrl: this.app.sliders.ctrl }).finally(() => {
+      const again = this.looking === "again";
+      this.looking = null;
+      if (again) this.look();
+    });
+  }
+
   private take(name: string, data: any): void {
     if (name === "model") this.loading = this.loading.then(() => this.load(data.version)).catch((error: Error) => this.app.notice(error.message));
     else if (name === "fault") this.app.setFault(data.text);
     else if (name === "state") {
-      const { qpos, playing, version, stopped } = data;
+      const { qpos, playing, version, stopped, seen, time, looked } = data;
+      if (looked !== undefined) {
+        if (looked === this.looked && version === this.version && !this.playing && this.app.at === null) { this.app.see(seen); this.app.posed(); }
+        return;
+      }
       if (playing !== this.playing) this.app.setPlaying((this.playing = playing));
-      if (qpos && version === this.version) this.app.setQpos(qpos);
+      if (qpos && version === this.version) this.app.setQpos(qpos, seen, time);
       if (stopped) this.app.setStopped(stopped);
     }
   }

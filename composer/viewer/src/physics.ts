@@ -2,10 +2,15 @@
 import loadMujoco from "@mujoco/mujoco";
 import type { App } from "./app";
 import type { Model } from "./data";
+import type { Pull, Seen } from "./seen";
 
 /** No frame may take longer than this, in seconds of physics and in milliseconds: a slow machine plays slowly. */
 const MOST = 1 / 30, MOST_MILLISECONDS = 200;
 const WASM = "mujoco.wasm", MODEL = "model.xml";
+
+const MOST_CONTACTS = 500, PULLEY = -2;
+
+const cross = (a: ArrayLike<number>, b: ArrayLike<number>): number[] => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
 
 class Physics {
   private engine: any = null;
@@ -14,6 +19,8 @@ class Physics {
   private warnings: { kind: number; word: string; firsts: number[] }[] = [];
   private playing = false;
   private before = 0;
+  private pulled: Pull | null = null;
+  private force: any = null;
 
   constructor(private readonly app: App, private readonly packed: Model) {}
 
@@ -31,6 +38,17 @@ class Physics {
   };
 
   choose = (): void => {};
+
+  pull = (pull: Pull | null): void => { this.pulled = pull; };
+
+  /** What MuJoCo says of a pose, if it runs in the page already. */
+  look = (): void => {
+    if (!this.data || this.playing) return;
+    this.pose();
+    this.engine.mj_forward(this.model, this.data);
+    this.app.see(this.seen());
+    this.app.posed();
+  };
 
   private async flip(): Promise<void> {
     try {
@@ -56,6 +74,7 @@ class Physics {
     this.model = this.engine.MjModel.from_xml_string(new TextDecoder().decode(this.packed.blobs.get(MODEL)!), files);
     if (this.model.nq !== this.app.world.pose.qpos.length) throw new Error("it compiles to another model there");
     this.data = new this.engine.MjData(this.model);
+    this.force = new this.engine.DoubleBuffer(6);
     const { mjWARN_BADQPOS, mjWARN_BADQVEL, mjWARN_BADQACC } = this.engine.mjtWarning, { jnt_qposadr, jnt_dofadr } = this.model;
     this.warnings = [[mjWARN_BADQPOS, "position", jnt_qposadr], [mjWARN_BADQVEL, "velocity", jnt_dofadr], [mjWARN_BADQACC, "acceleration", jnt_dofadr]]
       .map(([kind, word, firsts]) => ({ kind: kind.value, word, firsts: Array.from(firsts as Int32Array) }));
@@ -73,6 +92,7 @@ class Physics {
     if (!this.playing) return;
     const end = this.data.time + Math.min((now - this.before) / 1000, MOST);
     this.before = now;
+    this.drag();
     // MuJoCo sets what diverges back to the time 0, so the steps are counted.
     const timestep = this.model.opt.timestep;
     for (let left = Math.ceil(MOST / timestep) + 1; left > 0 && this.data.time < end && performance.now() - now < MOST_MILLISECONDS; left--)
@@ -84,9 +104,48 @@ class Physics {
       this.app.setStopped(stopped);
       return;
     }
-    this.app.setQpos(this.data.qpos);
+    this.app.setQpos(this.data.qpos, this.seen(), this.data.time);
     requestAnimationFrame(this.frame);
   };
+
+  private seen(): Seen {
+    const contacts: number[][] = [], all = this.data.contact, count = Math.min(all.size(), MOST_CONTACTS);
+    for (let k = 0; k < count; k++) {
+      const each = all.get(k), frame = each.frame;
+      this.engine.mj_contactForce(this.model, this.data, k, this.force);
+      const own = this.force.GetView(), along = [0, 1, 2].map((axis) => own[0] * frame[axis] + own[1] * frame[3 + axis] + own[2] * frame[6 + axis]);
+      contacts.push([...each.geom, ...each.pos, frame[0], frame[1], frame[2], ...along]);
+      each.delete();
+    }
+    all.delete();
+    return { contacts, tendons: this.ways(), sensors: Array.from(this.data.sensordata) };
+  }
+
+  /** The straight pieces of tendons. */
+  private ways(): number[][] {
+    const { ten_wrapadr: first, ten_wrapnum: count, wrap_obj: object, wrap_xpos: place } = this.data;
+    return Array.from(first as Int32Array, (start, tendon) => {
+      const found: number[] = [];
+      for (let k = start; k < start + count[tendon] - 1; k++) if (object[k] !== PULLEY && object[k + 1] !== PULLEY) found.push(...place.slice(3 * k, 3 * k + 6));
+      return found;
+    });
+  }
+
+  /** The pull of the mouse: `pull` in `composer/mjcompose/mujoco/scene.py`. */
+  private drag(): void {
+    const { data, model, pulled } = this;
+    data.xfrc_applied.fill(0);
+    if (!pulled) return;
+    this.engine.mj_fwdPosition(model, data);
+    this.engine.mj_fwdVelocity(model, data);
+    const { body, to } = pulled, turn = data.xmat.slice(9 * body, 9 * body + 9), own = pulled.at, root = model.body_rootid[body];
+    const at = [0, 1, 2].map((k) => data.xpos[3 * body + k] + turn[3 * k] * own[0] + turn[3 * k + 1] * own[1] + turn[3 * k + 2] * own[2]);
+    const turning = data.cvel.slice(6 * body, 6 * body + 3), arm = at.map((each, k) => each - data.subtree_com[3 * root + k]);
+    const swung = cross(turning, arm), weight = 1 / Math.max(model.body_invweight0[2 * body], 1e-9), { stiffness } = this.app.world.model.scene.look;
+    const force = at.map((each, k) => weight * (stiffness * (to[k] - each) - 2 * Math.sqrt(stiffness) * (data.cvel[6 * body + 3 + k] + swung[k])));
+    const torque = cross(at.map((each, k) => each - data.xipos[3 * body + k]), force);
+    data.xfrc_applied.set([...force, ...torque], 6 * body);
+  }
 
   /** Which number became NaN, infinite, or larger than MuJoCo accepts. */
   private diverged(): string | null {

@@ -6,7 +6,7 @@ export function places(model: Model, choose: (element: Element) => void, hover: 
   const { scene } = model;
   const entry = (kind: "site" | "body", index: number, name: string): HTMLElement => {
     const text = `attach:\n  tool:\n    model: ./tool.xml\n    ${kind}: ${name}\n`;
-    return h("div", { className: "place-row", onclick: () => choose({ kind, index }), onpointerenter: () => hover({ kind, index }), onpointerleave: () => hover(null) },
+    return h("div", { className: "place-row", tabIndex: 0, onkeydown: (event: KeyboardEvent) => { if (event.key === "Enter" && event.target === event.currentTarget) choose({ kind, index }); }, onclick: () => choose({ kind, index }), onpointerenter: () => hover({ kind, index }), onpointerleave: () => hover(null) },
       h("span", { className: "name" }, name),
       h("button", { className: "small", title: "copy the name", onclick: (event: Event) => { event.stopPropagation(); void copy(name); } }, icon("copy")),
       h("button", { className: "small wide", title: "copy an entry of `attach`", onclick: (event: Event) => { event.stopPropagation(); void copy(text); } }, "attach:"));

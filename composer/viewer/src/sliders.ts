@@ -79,7 +79,7 @@ export class Sliders {
     };
     range.addEventListener("input", () => change(Number(range.value)));
     number.addEventListener("change", () => {
-      const value = parseFloat(number.value.replace("−", "-").replace(",", ".")) / factor;
+      const value = parseFloat(number.value.replaceAll("−", "-").replace(",", ".")) / factor;
       if (Number.isFinite(value)) change(value);
       number.blur();
       show();

@@ -6,6 +6,7 @@ import {
 import { type Element, row, type Flex, type Model, type Skin } from "./data";
 import { rotated, type Pose } from "./kinematics";
 import { colourOf, type Painter } from "./paint";
+import type { Seen } from "./seen";
 
 interface Soft { object: Object3D; kind: string; index: number; group: number; update: () => void; members?: number[] }
 
@@ -14,10 +15,12 @@ const SITE = 3, PULLEY = 2, JOINT = 1;
 export class Softs {
   readonly root = new Group();
   private readonly all: Soft[] = [];
-  /** The pose of the model as the server has it, whose ways of tendons are known to the point; -1 is the reference. */
-  known: number | null = -1;
+  /** What MuJoCo says of the pose, such as the ways of tendons; null while it is not known. */
+  seen: Seen | null;
 
-  constructor(private readonly model: Model, private readonly painter: Painter, private readonly pose: Pose) {}
+  constructor(private readonly model: Model, private readonly painter: Painter, private readonly pose: Pose) {
+    this.seen = model.scene.poses[0];
+  }
 
   build(): void {
     const { scene } = this.model;
@@ -144,14 +147,14 @@ export class Softs {
   private tendon(index: number): { object: Object3D; update: () => void } {
     const { tendon } = this.model.scene;
     const most = Math.max(tendon.count[index] - 1, ...this.model.scene.poses.map((each) => each.tendons[index].length / 6));
-    const rods = new Rods(this.paint(tendon.material[index], row(tendon.rgba, index, 4), false), Math.max(1, most));
+    const rods = new Rods(this.paint(tendon.material[index], row(tendon.rgba, index, 4), false), Math.max(1, most, 2 * tendon.count[index]));
     return { object: rods.root, update: () => rods.place(this.way(index), tendon.width[index]) };
   }
 
   /** The straight pieces of a tendon; away from a known pose those from site to site, past what it winds around. */
   private way(index: number): number[] {
     const { scene } = this.model, { tendon, wrap, site } = scene;
-    if (this.known !== null) return scene.poses[this.known + 1].tendons[index];
+    if (this.seen) return this.seen.tendons[index];
     const found: number[] = [];
     let last: number[] | null = null;
     for (let k = tendon.first[index]; k < tendon.first[index] + tendon.count[index]; k++) {

@@ -143,10 +143,35 @@ export class Stage {
   }
 
   pick(x: number, y: number): Element | null {
-    const box = this.canvas.getBoundingClientRect();
+    return this.hit(x, y)?.element ?? null;
+  }
+
+  /** What is drawn at a point of the window, and where that is. */
+  hit(x: number, y: number): { element: Element; point: Vector3 } | null {
     const ray = new Raycaster();
-    ray.setFromCamera(new Vector2(2 * (x - box.left) / box.width - 1, 1 - 2 * (y - box.top) / box.height), this.camera);
-    return this.world?.pick(ray) ?? null;
+    ray.setFromCamera(this.place(x, y), this.camera);
+    return this.world?.hit(ray) ?? null;
+  }
+
+  /** A point of the window as the camera counts: from -1 to 1, up. */
+  place(x: number, y: number): Vector2 {
+    const box = this.canvas.getBoundingClientRect();
+    return new Vector2(2 * (x - box.left) / box.width - 1, 1 - 2 * (y - box.top) / box.height);
+  }
+
+  /** Look at the same point from a direction. */
+  lookFrom(way: Vector3): void {
+    const { target } = this.controls, distance = this.camera.position.distanceTo(target);
+    this.through = null;
+    this.camera.position.copy(target).addScaledVector(way, distance);
+    this.controls.update();
+    this.draw();
+  }
+
+  /** Draw at once with all detail. */
+  sharp(): void {
+    this.isMoving = false;
+    this.now();
   }
 
   background(color: string | null): void {

@@ -8,7 +8,7 @@ const SOFT = ["skin", "flex"] as const;
 const MARKS: Record<string, string> = { body: "◆", joint: "↻", geom: "■", site: "◎", camera: "▣", light: "✷", part: "▸", tendon: "∿", skin: "▒", flex: "▒", actuator: "⚙", key: "⚑", exclude: "⊘" };
 
 export class Tree {
-  readonly root = h("div", { className: "tree", role: "tree" });
+  readonly root = h("div", { className: "tree", role: "tree", onkeydown: (event: KeyboardEvent) => this.step(event) });
   private readonly rows = new Map<string, HTMLElement>();
   private readonly children: number[][];
   private readonly on = new Map<number, Element[]>();
@@ -91,6 +91,9 @@ export class Tree {
       whole.ariaExpanded = String(to);
     };
     (whole as any).flip = flip;
+    line.addEventListener("keydown", (event) => {
+      if (event.key === "ArrowRight" || event.key === "ArrowLeft" || (!element && event.key === "Enter")) flip(event.key === "Enter" ? undefined : event.key === "ArrowRight");
+    });
     if (!element) line.addEventListener("click", () => flip());
     else line.addEventListener("dblclick", () => flip());
     if (open) flip(true);
@@ -108,6 +111,7 @@ export class Tree {
       this.rows.set(`${element.kind} ${element.index}`, line);
       line.addEventListener("click", () => this.choose(element));
       line.addEventListener("keydown", (event) => { if (event.key === "Enter") this.choose(element); });
+      line.addEventListener("focus", () => this.hover(element));
       line.addEventListener("pointerenter", () => this.hover(element));
       line.addEventListener("pointerleave", () => this.hover(null));
     }
@@ -131,6 +135,15 @@ export class Tree {
     line.classList.add("selected");
     line.scrollIntoView({ block: "nearest" });
     this.selected = line;
+  }
+
+  /** The arrows go from row to row. */
+  private step(event: KeyboardEvent): void {
+    const way = event.key === "ArrowDown" ? 1 : event.key === "ArrowUp" ? -1 : 0, rows = [...this.root.querySelectorAll<HTMLElement>(".row")].filter((row) => row.offsetParent);
+    const next = rows[rows.indexOf(event.target as HTMLElement) + way];
+    if (!way || !next) return;
+    event.preventDefault();
+    next.focus();
   }
 
   /** Show only what has a text in its name. */

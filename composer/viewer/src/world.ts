@@ -256,13 +256,18 @@ export class World {
     this.isShadowOld = true;
   }
 
-  pick(ray: Raycaster): Element | null {
+  /** The geoms that are drawn at once, with their places on their bodies. */
+  *surfaces(): Generator<{ mesh: InstancedMesh; members: number[]; matrices: Matrix4[] }> {
+    for (const { mesh, members, kind } of this.batches) if (kind === "geom") yield { mesh, members, matrices: this.local.geom };
+  }
+
+  hit(ray: Raycaster): { element: Element; point: Vector3 } | null {
     const hits = ray.intersectObjects([...this.batches.filter(({ mesh }) => mesh.visible).map(({ mesh }) => mesh), ...this.softs.targets()], false);
     const hit = hits[0];
     if (!hit) return null;
     const batch = this.batches.find(({ mesh }) => mesh === hit.object);
-    if (batch) return { kind: batch.kind, index: batch.members[hit.instanceId!] };
-    return this.softs.element(hit.object, hit.instanceId);
+    const element = batch ? { kind: batch.kind, index: batch.members[hit.instanceId!] } : this.softs.element(hit.object, hit.instanceId);
+    return element && { element, point: hit.point };
   }
 
   /** Color elements in another way than the model does. What has a texture gets the color on top of it. */

@@ -223,3 +223,37 @@ def test_the_browser_gets_the_token_through_a_file_of_this_user(
         assert stat.S_IMODE(file.stat().st_mode) == 0o600
         assert f'content="0; url={server.address}"' in file.read_text()
     assert not file.exists() and len(opened) == 1
+
+
+TOUCHING = """<mujoco><worldbody><geom type="plane" size="1 1 1"/>
+<body pos="0 0 0.5"><joint name="lift" type="slide" axis="0 0 1" range="-1 1"/><geom name="ball" size="0.1"/></body></worldbody>
+<sensor><jointpos name="height" joint="lift"/></sensor><keyframe><key name="low" qpos="-0.42"/></keyframe></mujoco>"""
+
+
+def seen(page: Any) -> Any:
+    """The answer of the server about the pose that is shown."""
+    end = time.monotonic() + 20
+    while (found := page.evaluate("mjcompose.world.softs.seen")) is None and time.monotonic() < end:
+        page.wait_for_timeout(50)
+    return found
+
+
+@pytest.mark.slow
+def test_contacts_and_sensors_are_those_of_the_pose_that_is_shown(
+    tmp_path: Path, open_page: Callable[..., Any]
+) -> None:
+    (tmp_path / "touching.xml").write_text(TOUCHING)
+    with running("touching.xml", tmp_path) as server:
+        page = open_page(server.address)
+        page.get_by_role("tab", name="Joints").click()
+        chips = page.locator("span.chip.on button:first-child")
+        assert chips.all_inner_texts() == ["low"]
+        slider = page.locator("input[type=range][aria-label='lift']")
+        slider.evaluate("each => { each.value = 0.3; each.dispatchEvent(new Event('input')); }")
+        assert chips.count() == 0, "no keyframe has this pose"
+        assert page.locator("select[title=keyframe] option:checked").inner_text() == "low, moved"
+        assert seen(page)["contacts"] == []
+        slider.evaluate("each => { each.value = -0.45; each.dispatchEvent(new Event('input')); }")
+        assert len(seen(page)["contacts"]) == 1 and seen(page)["sensors"] == [-0.45]
+        page.get_by_role("button", name="low", exact=True).click()
+        assert chips.all_inner_texts() == ["low"] and page.evaluate("mjcompose.world.softs.seen.sensors") == [-0.42]

@@ -95,3 +95,62 @@ def test_a_model_that_diverges_stops_with_a_sentence(tmp_path: Path, open_page: 
         assert "unstable: NaN or a huge acceleration in joint `spring`" in words
         page.wait_for_selector(".tool.on", state="detached")
         page.keyboard.press("Escape")
+
+
+RESTING = """<mujoco>
+  <visual><map stiffness="1000"/></visual>
+  <worldbody>
+    <geom name="floor" type="plane" size="1 1 1"/>
+    <body name="box" pos="0 0 0.1"><freejoint/><geom type="box" size="0.1 0.1 0.1" mass="2"/><site name="s"/></body>
+  </worldbody>
+  <sensor><framepos name="place" objtype="body" objname="box"/></sensor>
+</mujoco>
+"""
+
+
+def test_sensors_contacts_and_the_clock_are_those_of_the_physics(tmp_path: Path, open_page: Callable[..., Any]) -> None:
+    (tmp_path / "model.xml").write_text(RESTING)
+    with Session() as session:
+        page = open_page(page_of("model.xml", tmp_path, session, physics=True).as_uri())
+    page.get_by_role("tab", name="Sensors").click()
+    page.get_by_label("place z").check()
+    page.keyboard.press("Space")
+    page.wait_for_function("mjcompose.server.data?.time > 0.3", timeout=60_000)
+    page.keyboard.press("Space")
+    page.wait_for_selector(".tool.on", state="detached")
+    time, height, up = page.evaluate(
+        "[mjcompose.server.data.time, mjcompose.server.data.qpos[2],"
+        " mjcompose.world.softs.seen.contacts.reduce((sum, each) => sum + each[10], 0)]"
+    )
+    assert abs(up - 2 * 9.81) < 0.2
+    head, *rows = page.evaluate("mjcompose.meters.plot.table()").splitlines()
+    assert head == "time,place z" and len(rows) > 3
+    assert [float(each) for each in rows[-1].split(",")] == pytest.approx([time, height], abs=1e-6)
+    shown = page.locator(".meters label", has_text="place z").locator(".value").inner_text()
+    assert float(shown.removesuffix(" m")) == pytest.approx(height, abs=1e-4)
+    assert page.locator(".clock").inner_text() == f"{time:.2f} s · paused"
+
+
+def test_ctrl_and_the_mouse_pull_a_body(tmp_path: Path, open_page: Callable[..., Any]) -> None:
+    (tmp_path / "model.xml").write_text(RESTING)
+    with Session() as session:
+        page = open_page(page_of("model.xml", tmp_path, session, physics=True).as_uri())
+    page.evaluate("mjcompose.stage.lookFrom(mjcompose.stage.camera.position.clone().set(0, -1, 0.3).normalize())")
+    page.keyboard.press("Space")
+    page.wait_for_function("mjcompose.server.data?.time > 0", timeout=60_000)
+    x, y = page.evaluate(
+        "(() => { const at = mjcompose.stage.camera.position.clone().set(0, 0, 0.1).project(mjcompose.stage.camera),"
+        " box = mjcompose.canvas.getBoundingClientRect();"
+        " return [box.left + (at.x + 1) / 2 * box.width, box.top + (1 - at.y) / 2 * box.height]; })()"
+    )
+    view = page.evaluate("mjcompose.stage.camera.position.toArray()")
+    page.keyboard.down("Control")
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x, y - 120)
+    assert page.evaluate("mjcompose.puller.arrow.visible || mjcompose.puller.isPulling")
+    page.wait_for_function("mjcompose.world.pose.pos[5] > 0.2", timeout=60_000)
+    page.mouse.up()
+    page.keyboard.up("Control")
+    assert page.evaluate("mjcompose.stage.camera.position.toArray()") == view, "the camera stays"
+    page.wait_for_function("!mjcompose.puller.isPulling && !mjcompose.server.data.xfrc_applied.some(Boolean)")

@@ -18,6 +18,7 @@ from mjcompose.base.files import Mark, mark_of, read_regular
 from mjcompose.base.limits import in_force
 from mjcompose.mujoco import engine
 from mjcompose.mujoco.controls import advance as simulate
+from mjcompose.mujoco.scene import look, pull, seen
 from mjcompose.sources.context import Context
 from mjcompose.text.node import texts
 from mjcompose.tools.diff.sides import Operand, Side, load, read_operand
@@ -220,11 +221,13 @@ def advance(mujoco: Any, model: Any, asked: Mapping[str, Any]) -> State:
         if value is not None and len(value) == len(array):
             array[:] = value
     data.time = asked.get("time", 0.0)
+    pull(mujoco, model, data, asked.get("pull") or {})
     begun = data.time
     stopped = simulate(mujoco, model, data, end=asked["seconds"], begun=begun, most=_MOST_SECONDS)
     if stopped is not None:
         return {"stopped": stopped}
-    return {name: getattr(data, name).tolist() for name in ("qpos", "qvel", "act")} | {"time": float(data.time)}
+    state = {name: getattr(data, name).tolist() for name in ("qpos", "qvel", "act")} | {"time": float(data.time)}
+    return state | {"seen": seen(mujoco, model, data)}
 
 
 class Physics:
@@ -250,6 +253,18 @@ class Physics:
 
     def control(self, ctrl: list[float]) -> None:
         self._state = {**self._state, "ctrl": ctrl}
+
+    def pull(self, asked: State) -> None:
+        """Pull a body while the simulation runs, until the next request; an empty one ends it."""
+        self._state = {**self._state, "pull": asked}
+
+    def look(self, version: int, asked: State) -> None:
+        """Send contacts, tendons and sensors of a pose, with the `looked` of the page that asks."""
+        with self.workshop.lock:
+            if version == self.workshop.shown.version:
+                answer = engine.call(self.workshop.session, look, [KEPT], argument=asked)
+                if answer.ok:
+                    self.send({"looked": asked["looked"], "version": version, "seen": answer.value})
 
     def close(self) -> None:
         self._stop.set()
@@ -277,5 +292,7 @@ class Physics:
             return
         with self._lock:
             if self._going.is_set():  # otherwise it was paused meanwhile, which every page knows
+                seen = answer.value.pop("seen")
                 self._state = {**self._state, **answer.value}
-                self.send({"playing": True, "qpos": answer.value["qpos"], "version": self._version})
+                shown = {"qpos": answer.value["qpos"], "time": answer.value["time"], "seen": seen}
+                self.send({"playing": True, "version": self._version} | shown)

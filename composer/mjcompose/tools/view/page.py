@@ -393,7 +393,7 @@ def write_page(side: Side, out: Path, key: str | None, context: Context, session
 
 
 def _played(bundle: Bundle, session: Session) -> dict[str, bytes]:
-    """Return the files that MuJoCo reads, and no others, which reveal their origin; what only shows is tiny."""
+    """Return the files that MuJoCo reads, and no others, which reveal their origin; visual meshes are tiny."""
     names = [name for name in bundle.files if name.startswith("assets/")]
     with scratch("physics") as folder:
         (source := folder / "in").mkdir()

@@ -407,6 +407,12 @@ class _Handler(BaseHTTPRequestHandler):
             return partial(physics.control, _numbers(said["ctrl"]))
         if key == "choose":
             return partial(self.owner.choose, _text(said["name"]), _text(said["value"]))
+        if key == "look":
+            asked = {name: _numbers(said[name]) for name in ("qpos", "ctrl")} | {"looked": _text(said["looked"])}
+            return partial(physics.look, int(said["version"]), asked)
+        if key == "pull":
+            points = {name: _numbers(said[name]) for name in ("at", "to") if name in said}
+            return partial(physics.pull, {"body": int(said.get("body", 0))} | points)
         return (lambda: None) if key == "shown" else None
 
     def _events(self) -> None:
