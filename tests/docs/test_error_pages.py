@@ -113,6 +113,7 @@ NOT_A_BUILD = {
         "needs a package: tests/docs/test_extending_packages.py",
     ),
     **dict.fromkeys(("lock-invalid", "lock-stale", "store-unusable"), "needs a lock or a store: tests/cli"),
+    "interface-changed": "needs a lock: tests/tools/test_lock_interface.py",
     **dict.fromkeys(
         ("bundle-changed", "bundle-manifest", "keyframe-wrong", "part-changed", "part-not-compared"),
         "tests/build/verify",

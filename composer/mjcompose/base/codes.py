@@ -85,6 +85,7 @@ BY_TOPIC: dict[str, dict[str, str]] = {
         "git-revision": "a git revision cannot be read",
         "license-missing": "a part has no license",
         "lock-invalid": "a lock cannot be read",
+        "interface-changed": "the interface of the model differs from the lock",
         "lock-stale": "the lock does not match the recipe",
         "source-changed": "the bytes of a source differ from the lock",
         "source-cycle": "a recipe or model uses itself, directly or through others",

@@ -199,7 +199,7 @@ class Build:
     def _verify(self, draft: _Draft) -> Compiled | None:
         """Return MuJoCo's verdict, after running the recipe's checks."""
         # A build without verification does not need these.
-        from mjcompose.build.compose.interface import check_index
+        from mjcompose.build.compose.interface import check_index, check_locked_interface
         from mjcompose.build.verify.checks import Checks, checks_in
         from mjcompose.build.verify.compile import WHOLE, compile_and_report
         from mjcompose.build.verify.kept_keys import check_kept_keys, check_key_ranges, check_stiffness
@@ -213,6 +213,8 @@ class Build:
             return None
         if compiled.index is not None:
             check_index(plan, compiled.index, sink=context.sink)
+            if self.request.name is None and not self.request.sample and not self.request.given:
+                check_locked_interface(plan, compiled.index, context)
             check_key_ranges(plan, composed.model, compiled.index, sink=context.sink)
             check_stiffness(composed.model, compiled.index, plan.span, sink=context.sink)
         with context.timed("keys"):

@@ -189,7 +189,9 @@ def _bytes(size: float) -> str:
 class LockOptions(RecipeOptions):
     recipe: Path = RECIPE
     upgrade: bool = flag("--upgrade", help="Lock all sources as they are now: the newest commits of branches, and"
-                         " archives as served now.")  # fmt: skip
+                         " archives as served now. Lock the interface, too.")  # fmt: skip
+    upgrade_interface: bool = flag("--upgrade-interface", help="Lock the interface as it is now: names, order, sizes,"
+                                   " units and ranges.")  # fmt: skip
     upgrade_sources: tuple[str, ...] = option(
         "--upgrade-source", multiple=True, metavar="NAME",
         help="Lock this source as it is now: the prefix of a part, `base`, or a source as named in the lock.",
@@ -201,12 +203,14 @@ def lock(options: LockOptions, run: Run) -> Answer:
     """Lock the sources of RECIPE: write their commits, hashes and licenses to a file next to it.
 
     The lock of ARM.yaml is ARM.lock. Sources that are already locked keep their entries, unless you upgrade them. New
-    sources are added, your own files are hashed again, and sources that are no longer used are removed.
+    sources are added, your own files are hashed again, and sources that are no longer used are removed. If the recipe
+    has an `interface`, the lock has its names, sizes, units and ranges.
     """
     from mjcompose.tools.lock import write_lock
 
     names = () if options.upgrade else options.upgrade_sources or None
-    made = write_lock(options.recipe, names, run.context, given=options.choices.given(run))
+    given = options.choices.given(run)
+    made = write_lock(options.recipe, names, run.context, given=given, interface=options.upgrade_interface)
     if made is None and any(each.code == "unknown-name" for each in run.context.sink.errors):
         raise Stop(USAGE)
     path, changes = run.need(made, options.recipe)

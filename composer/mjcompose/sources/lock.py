@@ -54,6 +54,16 @@ if missing := {*PINS} - Locked.model_fields.keys():
     raise TypeError(f"kinds of source pin {sorted(missing)}, and a lock has no such field")
 
 
+class LockedName(_Part):
+    """A joint, an actuator, a sensor or a key of the interface: its numbers in `qpos`, `ctrl` and so on, and ranges."""
+
+    name: str
+    type: str | None = None
+    unit: str | None = None
+    sizes: list[int] = Field(default_factory=list)
+    ranges: list[list[float] | None] = Field(default_factory=list)
+
+
 class Lock(_Part):
     """All sources of a recipe and its nested recipes, by id; file names are relative to the source.
 
@@ -68,6 +78,7 @@ class Lock(_Part):
     sources: dict[str, Locked]
     extensions: dict[str, str] = Field(default_factory=dict)
     shapes: dict[_Sha256, _Sha256] = Field(default_factory=dict)
+    interface: dict[str, list[LockedName]] = Field(default_factory=dict)
 
 
 def lock_path(recipe: Path) -> Path:

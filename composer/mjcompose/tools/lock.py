@@ -15,24 +15,33 @@ from mjcompose.base.suggest import did_you_mean, exists_note
 from mjcompose.build.bundle.bundle import OutputError
 from mjcompose.build.bundle.staging import staged_file
 from mjcompose.build.cache.cells import cells_of, choices_of
+from mjcompose.build.compose.interface import interface_changes, locked_interface
 from mjcompose.build.plan.locked import lock_changes, lock_of, plan_with_intact_store, use_lock
 from mjcompose.build.plan.matrix import filled_from_first_cell
 from mjcompose.build.plan.parts import parameters_choose
 from mjcompose.build.plan.plan import Plan
 from mjcompose.build.plan.planner import make_plan, plan_what_remains
 from mjcompose.build.plan.read import Given, read_recipe
+from mjcompose.mujoco.engine import Session
 from mjcompose.sources.blobs import differences, digest
 from mjcompose.sources.context import Context
 from mjcompose.sources.fetching import Fetching
-from mjcompose.sources.lock import Disputed, Lock, kind_of, shapes_folder, to_text
+from mjcompose.sources.lock import Disputed, Lock, LockedName, kind_of, shapes_folder, to_text
+from mjcompose.tools.diff.sides import Kind, Operand, load_cell
+from mjcompose.tools.names import names_of
 
 
 def write_lock(
-    recipe: Path, names: tuple[str, ...] | None, context: Context, given: Given | None = None
-) -> tuple[str, list[str]] | None:
+    recipe: Path,
+    names: tuple[str, ...] | None,
+    context: Context,
+    given: Given | None = None,
+    *,
+    interface: bool = False,
+) -> tuple[str, list[str]] | None:  # fmt: skip
     """Write the lock; return its place and its new entries, or None after errors, which are reported.
 
-    `names` are the sources to upgrade: none for None, all for `()`.
+    `names` are the sources to upgrade: none for None, all for `()`, and with them or with `interface` the interface.
     """
     if not os.path.isfile(context.folder / recipe):
         make_plan(recipe, context)  # which reports the existing names
@@ -61,6 +70,13 @@ def write_lock(
         shapes = shapes_for_plans(plans, context)
     digests = {key: digest(content) for key, content in shapes.items()}
     after = lock_of(plans, how, how.lock_file.parent, context=context, shapes=digests)
+    if plan.interface and (found := _interface(recipe, plan, context, whole)) is not None:
+        kept = before.interface if before is not None and names != () and not interface else {}
+        if changes := [*interface_changes(kept, found)] if kept else []:
+            help = f"to accept the changes, run `mjcompose lock {recipe} --upgrade-interface`"
+            message = "the interface differs from the lock"
+            context.sink.error("interface-changed", message, notes=list(map(Note, changes)), help=help)
+        after = after.model_copy(update={"interface": found})
     if before is not None and how.fresh is not None:
         _report_changes(before, after, how.fresh, recipe=recipe, context=context)
     if context.sink.has_errors:
@@ -80,6 +96,18 @@ def write_lock(
             changes = changes or ["no sources to pin"]
         changes = changes or ["made with other versions" if before != after else "the same, written again"]
     return context.shown(how.lock_file), changes
+
+
+def _interface(recipe: Path, plan: Plan, context: Context, given: Given) -> dict[str, list[LockedName]] | None:
+    """Return the interface of the compiled model, or None after reported errors."""
+    own = replace(context, sink=Sink())
+    with Session() as session:
+        operand = Operand(str(recipe), Kind.RECIPE, context.folder / recipe, own)
+        side = load_cell(operand, "lock", session, given=given, cell=None)
+        found = None if side is None else names_of(side, session, own)
+    for each in own.sink.errors:
+        context.sink.add(each)
+    return None if found is None else locked_interface(plan.interface, found.index)
 
 
 def _wrote_shapes(lock_file: Path, shapes: dict[str, bytes], before: Lock | None, context: Context) -> bool:

@@ -1,11 +1,14 @@
-"""Step: joints, actuators, sensors and keys in the order of `interface`, and errors for other names and orders."""
+"""Step: joints, actuators, sensors and keys in the order of `interface`, and errors for other names and orders.
+
+It also compares the interface with the lock of the recipe.
+"""
 
 from __future__ import annotations
 
 import json
 import re
-from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from collections.abc import Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
 
 from mjcompose.base.diagnostic import Note, Span
 from mjcompose.base.report import counted
@@ -17,6 +20,8 @@ from mjcompose.language.interface import Order
 from mjcompose.link.key_layout import BLOCKS
 from mjcompose.link.linking import Linking
 from mjcompose.link.ordering import elements_in_order, put_in_order, why_before
+from mjcompose.sources.context import Context
+from mjcompose.sources.lock import LockedName
 from mjcompose.text.node import locate
 from mjcompose.tree.unit import Unit
 
@@ -46,8 +51,61 @@ def order_elements(plan: Plan, linking: Linking, *, keys: bool = False) -> None:
 def check_index(plan: Plan, index: Index, sink: Sink) -> None:
     """Report names and orders of the compiled model that differ from the interface."""
     for order in plan.interface:
-        rows: Sequence[object] = getattr(index, {"key": "keyframes"}.get(order.kind, f"{order.kind}s"))
-        _check(order, [str(getattr(each, "name", "")) for each in rows], plan, sink=sink)
+        _check(order, [each.name for each in _rows(index, order.kind)], plan, sink=sink)
+
+
+def locked_interface(orders: Sequence[Order], index: Index) -> dict[str, list[LockedName]]:
+    """Return the names that a recipe lists, as a lock has them."""
+    found: dict[str, list[LockedName]] = {}
+    for order in orders:
+        rows = {each.name: each for each in _rows(index, order.kind)}
+        found[order.kind] = [_locked(rows[name]) for name in order.names if name in rows]
+    return found
+
+
+def _rows(index: Index, kind: str) -> Sequence[Any]:
+    return {"joint": index.joints, "actuator": index.actuators, "sensor": index.sensors, "key": index.keyframes}[kind]
+
+
+def _locked(row: Any) -> LockedName:
+    sizes = [
+        getattr(row, name) for name in ("qpos_size", "dof_size", "ctrl_size", "act_size", "size") if hasattr(row, name)
+    ]
+    ranges = list(getattr(row, "ctrl_ranges", ())) or ([row.range] if getattr(row, "limited", False) else [])
+    # The last digits of a range in degrees depend on the machine.
+    exact = [None if pair is None else [float(f"{each:.12g}") for each in pair] for pair in ranges]
+    type, unit = getattr(row, "type", None), getattr(row, "unit", None)
+    return LockedName(name=row.name, type=type, unit=unit, sizes=sizes, ranges=exact)
+
+
+def check_locked_interface(plan: Plan, index: Index, context: Context) -> None:
+    """Report differences of the compiled model from the interface in the lock, if it has one."""
+    fetching = context.fetching
+    if fetching is None or fetching.lock is None or not fetching.lock.interface or fetching.lock_file is None:
+        return
+    before, after = fetching.lock.interface, locked_interface(plan.interface, index)
+    if changes := [*interface_changes(before, after)]:
+        span = locate(plan.document, ("interface",), key=True) if plan.interface else plan.span
+        help = f"if you want the change, run `mjcompose lock {plan.file} --upgrade-interface`"
+        message = f"the interface differs from the lock `{context.shown(fetching.lock_file)}`"
+        context.sink.error("interface-changed", message, span, notes=list(map(Note, changes)), help=help)
+
+
+def interface_changes(
+    before: Mapping[str, Sequence[LockedName]], after: Mapping[str, Sequence[LockedName]]
+) -> Iterator[str]:
+    """Yield how the names of an interface differ from earlier ones."""
+    for kind in dict.fromkeys((*before, *after)):
+        old, new = ({each.name: each for each in rows.get(kind, ())} for rows in (before, after))
+        yield from (f"the {kind} `{name}` is no longer listed" for name in old if name not in new)
+        yield from (f"the {kind} `{name}` is new" for name in new if name not in old)
+        kept = [name for name in new if name in old]
+        if kept != [name for name in old if name in new]:
+            yield f"the order of {kind}s is now {', '.join(f'`{name}`' for name in new)}"
+        for name in kept:
+            rows = old[name].model_dump(), new[name].model_dump()
+            yield from (f"the {kind} `{name}`: {field} {value} is now {rows[1][field]}"
+                        for field, value in rows[0].items() if value != rows[1][field])  # fmt: skip
 
 
 def pasted(order: Order, names: Sequence[str]) -> str:

@@ -353,3 +353,7 @@ def lock_changes(before: Lock | None, after: Lock) -> Iterator[str]:
     ):
         if keys:
             yield f"{len(keys)} result{'s' * (len(keys) != 1)} of work on meshes: {word}"
+    old_interface = before.interface if before is not None else {}
+    if old_interface != after.interface:
+        word = "no longer used" if not after.interface else "changed" if old_interface else "locked"
+        yield f"the interface: {word}"
