@@ -46,13 +46,32 @@ ARM = """\
 """
 SCENE = '<mujoco>\n  <include file="arm.xml"/>\n  <include file="keys.xml"/>\n  <sensor><jointvel joint="turn"/></sensor>\n</mujoco>\n'
 KEYS = '<mujocoinclude>\n  <contact>\n    <exclude body1="base" body2="world"/>\n  </contact>\n</mujocoinclude>\n'
+CELL = """\
+<mujoco>
+  <asset>
+    <model name="arm" file="arm.xml"/>
+  </asset>
+  <worldbody>
+    <attach model="arm" body="base" prefix="a_"/>
+  </worldbody>
+  <sensor>
+    <jointpos joint="a_turn"/>
+  </sensor>
+</mujoco>
+"""
 RECIPE = "recipe: 1\nattach:\n  left: {model: ./arm.xml}\nsensor:\n  angle: {type: jointpos, joint: left/turn}\n"
 
 
 @pytest.fixture(scope="module")
 def lab(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("lab")
-    for name, text in {"arm.xml": ARM, "scene.xml": SCENE, "keys.xml": KEYS, "cell.yaml": RECIPE}.items():
+    for name, text in {
+        "arm.xml": ARM,
+        "scene.xml": SCENE,
+        "keys.xml": KEYS,
+        "cell.xml": CELL,
+        "cell.yaml": RECIPE,
+    }.items():
         (folder / name).write_text(text)
     (folder / "meshes").mkdir()
     (folder / "meshes" / "cover.obj").write_text(
@@ -136,7 +155,7 @@ def test_definition_and_references(own: Editor, lab: Path) -> None:
     assert found["range"]["start"]["line"] == 15 and stretch(found["range"], text) == "turn"
     uses = own.ask("textDocument/references", {**params, "context": {"includeDeclaration": True}})
     places = {(Path(each["uri"]).name, each["range"]["start"]["line"]) for each in uses}
-    assert places == {("arm.xml", 15), ("arm.xml", 21), ("arm.xml", 25), ("scene.xml", 3)}
+    assert places == {("arm.xml", 15), ("arm.xml", 21), ("arm.xml", 25), ("scene.xml", 3), ("cell.xml", 8)}
     params, _ = own.at(marked("cover.obj", "cov▮er.obj"), "arm.xml")
     (found,) = own.ask("textDocument/definition", params)
     assert found["uri"] == (lab / "meshes" / "cover.obj").as_uri()
@@ -156,7 +175,7 @@ def renamed(own: Editor, lab: Path, text: str, name: str, new: str) -> dict[str,
     params, _ = own.at(text, name)
     assert own.ask("textDocument/prepareRename", params) is not None
     changes = own.ask("textDocument/rename", {**params, "newName": new})["changes"]
-    texts = {"arm.xml": ARM, "scene.xml": SCENE, "keys.xml": KEYS, "cell.yaml": RECIPE}
+    texts = {"arm.xml": ARM, "scene.xml": SCENE, "keys.xml": KEYS, "cell.xml": CELL, "cell.yaml": RECIPE}
     return {Path(uri).name: applied(texts[Path(uri).name], edits) for uri, edits in changes.items()}
 
 
@@ -166,6 +185,7 @@ def test_rename_in_everything_that_refers_to_it(own: Editor, lab: Path) -> None:
         "arm.xml": ARM.replace('<joint name="turn"', '<joint name="yaw"').replace('joint="turn"', 'joint="yaw"'),
         "scene.xml": SCENE.replace("turn", "yaw"),
         "cell.yaml": RECIPE.replace("left/turn", "left/yaw"),
+        "cell.xml": CELL.replace("a_turn", "a_yaw"),
     }
     found = renamed(own, lab, marked('childclass="link"', 'childclass="li▮nk"'), "arm.xml", "part")
     assert found == {"arm.xml": ARM.replace('class="link"', 'class="part"').replace('"link"', '"part"')}

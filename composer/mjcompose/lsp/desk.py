@@ -359,8 +359,8 @@ class Desk:
             self._analysing, self.workspace.including, path, self.texts()
         )
 
-    async def models_including(self, path: Path) -> list[Unit]:
-        def found() -> list[Unit]:
+    async def models_including(self, path: Path) -> list[tuple[Unit, str]]:
+        def found() -> list[tuple[Unit, str]]:
             with unsaved(self.texts()):
                 return list(including(path, self.folder))
 

@@ -282,27 +282,38 @@ def read_model(path: Path, text: str, folder: Path) -> tuple[Unit | None, tuple[
     data = whole.encode("utf-8", "replace")
     with unsaved({os.path.realpath(path): data}):
         is_piece = root_of(whole) == "mujocoinclude"
-        unit = next(including(path, folder), None) if is_piece else None
+        unit = next((unit for unit, _ in including(path, folder)), None) if is_piece else None
         unit = unit or read_unit(data, shown(path, folder), path.parent)
     if unit is None:
         return None, ()
     own = next((name for name, each in unit.origins.texts.items() if each.path == path), unit.file)
-    nodes = [each for each in unit.root.iter("*") if unit.origins.owner(each, unit.file) == own]
+    every = (each for each in unit.root.iter("*") if each.tag != "include")  # those that lead nowhere stay
+    nodes = [each for each in every if unit.origins.owner(each, unit.file) == own]
     if is_piece and own == unit.file:  # without its root, and the section that it has got
         nodes = [each for each in nodes[1:] if line_of(each) is not None]
     tags = [each.tag for each in pieces(whole) if each.kind == "start" and each.tag not in ("include", "mujocoinclude")]
     return unit, tuple(nodes) if [each.tag for each in nodes] == tags else ()
 
 
-def including(path: Path, folder: Path) -> Iterator[Unit]:
-    """Yield the models that include a file, of its folder, the folder above, and the workspace."""
+def including(path: Path, folder: Path) -> Iterator[tuple[Unit, str]]:
+    """Yield the models that include or attach a file, each with the prefix that its names have there.
+
+    They are in its folder, in the folder above, or in the workspace.
+    """
     near = (each for place in (path.parent, path.parent.parent) for each in sorted(place.glob("*.xml")))
     for other in dict.fromkeys((*near, *(folder / each for each in model_files(folder) if each.endswith(MODELS)))):
         try:
             data = b"" if other == path else read_regular(other)
         except OSError:
             continue
-        if b"<include" in data and path.name.encode() in data and root_of(data.decode("utf-8", "replace")) == "mujoco":
-            unit = read_unit(data, shown(other, folder), other.parent)
-            if unit is not None and any(each.path == path for each in unit.origins.texts.values()):
-                yield unit
+        if path.name.encode() not in data or root_of(data.decode("utf-8", "replace")) != "mujoco":
+            continue
+        unit = read_unit(data, shown(other, folder), other.parent)
+        if unit is not None and any(each.path == path for each in unit.origins.texts.values()):
+            yield unit, ""
+        elif unit is not None:
+            files = {each.get("name"): str(each.get("file") or "") for each in unit.root.iterfind("asset/model")}
+            for attach in unit.root.iter("attach"):
+                file = files.get(attach.get("model"))
+                if file and os.path.normpath(unit.directory / file) == str(path):
+                    yield unit, str(attach.get("prefix") or "")

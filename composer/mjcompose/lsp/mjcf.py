@@ -6,6 +6,7 @@ import os
 import re
 from bisect import bisect_right
 from collections.abc import Callable, Iterable, Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -234,8 +235,8 @@ def renameable(question: ModelQuestion) -> Span | None:
     return question.word if found and question.analysis.is_current else None
 
 
-def rename(question: ModelQuestion, new: str, others: Iterable[Unit]) -> tuple[Known, list[Change]]:
-    """Return the changes that a new name needs in the model, and in the `others` that include its file.
+def rename(question: ModelQuestion, new: str, others: Iterable[tuple[Unit, str]]) -> tuple[Known, list[Change]]:
+    """Return the changes that a new name needs in the model, and in the `others`, as `including` yields them.
 
     The changed texts are read again: every other name must mean the same. Raises Refused.
     """
@@ -246,9 +247,10 @@ def rename(question: ModelQuestion, new: str, others: Iterable[Unit]) -> tuple[K
     if not new or new != new.strip() or re.search(r"""["'<>&\n]""", new) or (known.namespace, new) in ALWAYS:
         raise Refused(f"`{new}` cannot be the name of an element")
     every: dict[Change, None] = {}
-    for unit in (own, *(each for each in others if each.file != own.file)):
-        changes = _changes(known, new, unit)
-        if changes and not _means_the_same(known, new, unit, changes):
+    for unit, prefix in ((own, ""), *others):
+        there, now = replace(known, name=prefix + known.name), prefix + new
+        changes = _changes(there, now, unit)
+        if changes and not _means_the_same(there, now, unit, changes):
             raise Refused(f"`{known.name}` cannot be renamed: other names in `{unit.file}` would change")
         every.update(dict.fromkeys(changes))
     return known, list(every)
@@ -259,15 +261,13 @@ def _changes(known: Known, new: str, unit: Unit) -> list[Change]:
     node = index.find(known.namespace, old)
     if index.find(known.namespace, new) is not None:
         raise Refused(f"there is a {known.namespace} `{new}` already, in `{unit.file}`")
-    if node is None:
-        return []
-    if declared_by(node) == "file":
+    if node is not None and declared_by(node) == "file":
         raise Refused(f"`{old}` has its name from its file: give it a `name` first")
-    copies = [each for names in index.uses.values() for each in names if multiplies(node) and is_copy(each, old)]
-    if copies:
-        raise Refused(f"`{copies[0]}` refers to a copy that MuJoCo makes of `{old}`: rename it by hand")
-    spans = [unit.origins.span(node, unit.file, declared_by(node)), *uses(known, unit)]
-    return [Change(span, new) for span in spans]
+    others = (each for names in index.uses.values() for each in names if node is not None and multiplies(node))
+    if (copy := next((each for each in others if is_copy(each, old)), None)) is not None:
+        raise Refused(f"`{copy}` refers to a copy that MuJoCo makes of `{old}`: rename it by hand")
+    spans = [] if node is None else [unit.origins.span(node, unit.file, declared_by(node))]
+    return [Change(span, new) for span in (*spans, *uses(known, unit))]
 
 
 def _means_the_same(known: Known, new: str, unit: Unit, changes: list[Change]) -> bool:
@@ -281,11 +281,10 @@ def _means_the_same(known: Known, new: str, unit: Unit, changes: list[Change]) -
         again = read_unit(main, unit.file, unit.directory)
     expected = unit.copied().root
     index = NameIndex.of(expected)
-    if again is None or (node := index.find(known.namespace, known.name)) is None:
-        return False
-    node.set(declared_by(node), new)
+    if (node := index.find(known.namespace, known.name)) is not None:
+        node.set(declared_by(node), new)
     index.follow(known.namespace, {known.name: new})
-    return as_it_is(expected) == as_it_is(again.root)
+    return again is not None and as_it_is(expected) == as_it_is(again.root)
 
 
 def _spans(text: str, file: str) -> Callable[[int, int], Span]:

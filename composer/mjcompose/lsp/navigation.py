@@ -231,10 +231,10 @@ def lenses(analysis: Analysis) -> list[Lens]:
     return lenses
 
 
-def references(question: Question, declaration: bool = True, others: Iterable[Unit] = ()) -> list[Span]:
+def references(question: Question, declaration: bool = True, others: Iterable[tuple[Unit, str]] = ()) -> list[Span]:
     """Return the places that use the name at the cursor. With `declaration`, its declaration comes first.
 
-    `others` are models that include the file of the question.
+    `others` are models that include or attach the file of the question, with the prefix of its names there.
     """
     analysis = question.analysis
     found: list[Span] = []
@@ -242,7 +242,8 @@ def references(question: Question, declaration: bool = True, others: Iterable[Un
         meant = subject.in_model(known, analysis)
         found += subject.declared_at(meant, analysis) if declaration else ()
         found += uses_of(meant, analysis)
-        found += (span for unit in others for span in mjcf.uses(known, unit))
+        for unit, prefix in others:
+            found += mjcf.uses(replace(known, name=prefix + known.name), unit)
     if isinstance(question, ModelQuestion):
         return list(dict.fromkeys(found))
     if (at := subject.part_named_at(question)) is not None:

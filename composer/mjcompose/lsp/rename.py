@@ -99,10 +99,13 @@ def renameable(question: Question) -> Span | None:
     return next((at for at in uses if at.line == line and at.column <= column <= (at.end_column or 0)), None)
 
 
-def rename(question: Question, new: str, others: Iterable[Analysis], models: Iterable[Unit] = ()) -> list[Change]:
+def rename(
+    question: Question, new: str, others: Iterable[Analysis], models: Iterable[tuple[Unit, str]] = ()
+) -> list[Change]:
     """Return all changes that a new name needs. Raises Refused.
 
-    `others` are the recipes that may include this one or this model, `models` the models that include this one.
+    `others` are the recipes that may include this one or this model, `models` the models that include or attach
+    this one, with the prefix of its names there.
     """
     if isinstance(question, ModelQuestion):
         return _rename_in_model(question, new, others, models)
@@ -121,7 +124,7 @@ def rename(question: Question, new: str, others: Iterable[Analysis], models: Ite
 
 
 def _rename_in_model(
-    question: ModelQuestion, new: str, others: Iterable[Analysis], models: Iterable[Unit]
+    question: ModelQuestion, new: str, others: Iterable[Analysis], models: Iterable[tuple[Unit, str]]
 ) -> list[Change]:
     known, changes = mjcf.rename(question, new, models)
     path = os.path.realpath(question.analysis.path)
