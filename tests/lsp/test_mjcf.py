@@ -226,6 +226,24 @@ def test_quick_fixes(own: Editor) -> None:
     assert applied(text, action["edit"]["changes"][uri]) == ARM
 
 
+def test_lint(own: Editor, lab: Path) -> None:
+    text = ARM.replace('<default class="tip"/>', '<default class="tip">\n        <geom size="1"/>\n      </default>')
+    (lab / "linted.xml").write_text(ARM)  # the text of the editor counts
+    params, _ = own.at(MARK + text, "linted.xml")
+    uri = params["textDocument"]["uri"]
+    (found,) = [each for each in own.wait(uri, bool) if each["code"] == "unused-class"]
+    asked = {"textDocument": {"uri": uri}, "range": found["range"], "context": {"diagnostics": [found]}}
+    action, ignore = own.ask("textDocument/codeAction", asked)
+    ignored = applied(text, ignore["edit"]["changes"][uri])
+    assert '      <!-- mjcompose: ignore[unused-class] -->\n      <default class="tip">' in ignored
+    without = applied(text, action["edit"]["changes"][uri])
+    assert "tip" not in without
+    for text in (without, ignored):
+        own.change(uri, text)
+        codes = own.wait(uri, lambda found: "unused-mesh" in [each["code"] for each in found])
+        assert "unused-class" not in [each["code"] for each in codes]
+
+
 def test_symbols_and_folding(own: Editor) -> None:
     uri = own.at(MARK + ARM, "arm.xml")[0]["textDocument"]
     (root,) = own.ask("textDocument/documentSymbol", {"textDocument": uri})

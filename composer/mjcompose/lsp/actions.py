@@ -9,6 +9,7 @@ from pathlib import Path
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Diagnostic, Severity, Span
 from mjcompose.base.suggest import closest
+from mjcompose.build.lint.rule import rules
 from mjcompose.language.codes import ALLOW
 from mjcompose.lsp.analysis import Action, Analysis, Question
 from mjcompose.lsp.completion import complete
@@ -127,6 +128,20 @@ def _settings(diagnostic: Diagnostic, analysis: Analysis) -> Iterator[tuple[str,
                             yield part, (*steps, str(name)), str(value)
 
 
+def offer_ignore(offered: Offer) -> Iterator[Action]:
+    """Yield, for each finding of a rule in a model, a comment that ignores it."""
+    lines, file = offered.question.lines, offered.analysis.file
+    for diagnostic in offered.diagnostics:
+        span = diagnostic.span
+        if diagnostic.code in rules() and span is not None and span.file == file:
+            line = lines[span.line - 1] if span.line <= len(lines) else ""
+            comment = f"<!-- mjcompose: ignore[{diagnostic.code}] -->"
+            text = f"{line[: len(line) - len(line.lstrip())]}{comment}\n"
+            yield Action(
+                f"ignore this: `{comment}`", (Change(Span(file, span.line, 1, span.line, 1), text),), diagnostic
+            )
+
+
 _OTHER = {"deg": "rad", "rad": "deg"}
 
 
@@ -153,7 +168,7 @@ OFFERS: tuple[Callable[[Offer], Iterator[Action]], ...] = (
 def actions(offered: Offer) -> list[Action]:
     """Return the changes that are offered at a place. The fixes of diagnostics come first."""
     found: dict[tuple[str, object], Action] = {}
-    for offer in (offer_fixes, offer_near) if isinstance(offered.question, ModelQuestion) else OFFERS:
+    for offer in (offer_fixes, offer_near, offer_ignore) if isinstance(offered.question, ModelQuestion) else OFFERS:
         for action in offer(offered):
             found.setdefault((action.title, action.changes), action)
     return list(found.values())

@@ -17,6 +17,7 @@ from mjcompose.base.diagnostic import Diagnostic, Note, Severity, Span
 from mjcompose.base.files import read_regular, unsaved
 from mjcompose.base.sink import Sink, TooManyFaults
 from mjcompose.build.compose.compose import ComposeOptions, Composer
+from mjcompose.build.lint.rule import chosen
 from mjcompose.build.plan.describe import acknowledge
 from mjcompose.build.plan.planner import plan_what_remains
 from mjcompose.build.stages import Request, build
@@ -31,6 +32,7 @@ from mjcompose.text.load import load
 from mjcompose.text.node import lines_of
 from mjcompose.tools.explain.explain import Traced
 from mjcompose.tools.explain.trace import Trace
+from mjcompose.tools.lint import lint
 from mjcompose.tree.files import RECIPES
 from mjcompose.tree.parse import parse_text, parse_xml
 from mjcompose.tree.unit import Unit, Watch, nobody
@@ -91,7 +93,7 @@ def uses_of(analysis: Analysis) -> dict[str, Span]:
 
 
 class Verifier:
-    """Builds recipes as `check` does, with one process of MuJoCo for all. It must be used from one thread only."""
+    """Builds recipes as `check` does, and lints models, with one process of MuJoCo. Used from one thread only."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
@@ -111,6 +113,19 @@ class Verifier:
                 context.sink = too_many.sink
             self._shelf.note(texts)
         return tuple(context.sink.sorted())
+
+    def lint(self, path: Path, text: str, texts: Mapping[str, bytes]) -> tuple[Diagnostic, ...]:
+        """Return the findings about an MJCF file, as `mjcompose lint` reports them. A file must exist."""
+        if not path.is_file():
+            return ()
+        context = Context(folder=self.folder, fetching=Fetching(offline=True))
+        with unsaved({**texts, os.path.realpath(path): text.encode("utf-8", "replace")}):
+            linted = lint(path, context, self._session, chosen())
+        return (*context.sink.sorted(), *linted.found)
+
+
+def _has_errors(found: Iterable[Diagnostic]) -> bool:
+    return any(each.severity is Severity.ERROR for each in found)
 
 
 _MOST_TEXT = 1_000_000
@@ -394,42 +409,41 @@ class Desk:
                         document.analysis,
                     )  # fmt: skip
                 elif document.kind == "model":
-                    document.seen = version
                     document.analysis = await loop.run_in_executor(
                         self._analysing, self.workspace.analyze_model, document.path, text,
                         self.texts(document.path), document.analysis,
                     )  # fmt: skip
-                    found = document.analysis.found
-                    self._report(document.path, by_file(found, shown(document.path, self.folder)))
             except Exception:
                 self._log(traceback.format_exc())
             document.done, document.seen = count, version
-            if document.kind == "recipe" and self.documents.get(document.path) is document:
-                self._report_recipe(document)
+            if document.kind and self.documents.get(document.path) is document:
+                self._report_found(document)
         document.work = None
-        if document.kind == "recipe" and self.documents.get(document.path) is document:
+        if document.kind and self.documents.get(document.path) is document:
             document.timer = loop.call_later(PAUSE, lambda: loop.create_task(self._verify(document)))
 
     async def _verify(self, document: Document) -> None:
-        """Build with MuJoCo. The result is dropped if the text has changed in the meantime."""
+        """Build a recipe with MuJoCo, or lint a model. The result is dropped if the text changes in the meantime."""
         analysis, count, texts = document.analysis, document.count, self.texts(document.path)
-        if analysis is None or not analysis.is_composed:
+        is_model = isinstance(analysis, ModelAnalysis) and root_of(document.text) == "mujoco"
+        if analysis is None or not (analysis.is_composed or is_model) or _has_errors(analysis.found):
             return
         models = {os.path.realpath(each) for each in analysis.files if each.suffix.lower() not in RECIPES}
         if not all(is_saved(path, text) for path, text in texts.items() if path in models):
             return  # MuJoCo reads the files on disk
         try:
             found = await asyncio.get_running_loop().run_in_executor(
-                self._verifying, self.verifier.verify, document.path, document.text, texts
-            )
+                self._verifying, self.verifier.lint if is_model else self.verifier.verify, document.path, document.text,
+                texts,
+            )  # fmt: skip
         except Exception:
             self._log(traceback.format_exc())
             return
         if document.count == count and self.documents.get(document.path) is document:
             document.verified, document.verified_lines = found, analysis.lines
-            self._report_recipe(document)
+            self._report_found(document)
 
-    def _report_recipe(self, document: Document) -> None:
+    def _report_found(self, document: Document) -> None:
         analysis = document.analysis
         if analysis is None:
             return
@@ -437,9 +451,10 @@ class Desk:
         document.verified = carried(document.verified, analysis.file, document.verified_lines, lines)
         document.verified_lines = lines
         found = list(analysis.found)
-        if not any(each.severity is Severity.ERROR for each in found):  # with errors there is no model
+        if not _has_errors(found):  # with errors there is no model
             found += [each for each in document.verified if each not in found]
-        self._report(document.path, by_file(found, analysis.file, uses_of(analysis)))
+        uses = None if isinstance(analysis, ModelAnalysis) else uses_of(analysis)
+        self._report(document.path, by_file(found, analysis.file, uses))
 
     def _report(self, path: Path, files: Mapping[str, list[Diagnostic]]) -> None:
         """Publish the diagnostics that changed. Those that several recipes report in one file are merged."""
