@@ -1,4 +1,4 @@
-"""The mass and the shape of compiled bodies: what their geoms allow, and the volume of geoms. Imports no MuJoCo."""
+"""Mass, inertia and volume of compiled bodies, compared with their geoms. Imports no MuJoCo."""
 
 from __future__ import annotations
 

@@ -23,6 +23,11 @@ def exclude(one: str, other: str) -> str:
     return f'<contact><exclude body1="{one}" body2="{other}"/></contact>'
 
 
+def foot(condim: str, friction: str = "") -> str:
+    geoms = f'<default><geom condim="{condim}" {friction}/></default>'
+    return world(FLOOR + BALL.format(1).replace("ball", "left_foot")).replace("<mujoco>", f"<mujoco>{geoms}")
+
+
 def boxes(one: str, other: str) -> str:
     return world(f'<body><freejoint/><geom name="a" size=".1" {one}/><geom name="b" size=".1" {other}/></body>')
 
@@ -45,6 +50,8 @@ CASES = [
     ("hull-too-fine", SPHERE.format(4), SPHERE.format(3), "mesh `m`, which collides, has 2,562 vertices"),
     ("geom-twice", boxes("", ""), boxes("", 'pos="1 0 0"'), "geom `b` is the same as geom `a`, and both collide"),
     ("geom-twice", boxes("", ""), boxes("", 'contype="0" conaffinity="0"'), ""),
+    ("frictionless-foot", foot("1"), foot("3"), "geom `left_foot` slides on geom `floor`: `condim` is 1"),
+    ("frictionless-foot", foot("3", 'friction="0"'), foot("3"), "the sliding friction is 0"),
     ("exclude-needless", world(CHAIN.format(0.3), exclude("base", "arm")),
      world(CHAIN.format(0.3), exclude("base", "hand")), "one is the parent of the other"),
 ]  # fmt: skip

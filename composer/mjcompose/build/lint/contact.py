@@ -13,6 +13,7 @@ if TYPE_CHECKING:
 
 _DEEP, _RESTING = 2e-3, 5e-3
 _FINE = 1000
+_ICE = 0.02
 
 
 @rule("overlap", in_mujoco=True, profiles={
@@ -263,3 +264,50 @@ def exclude_needless(subject: Subject) -> Found:
         if why is not None and node is not None:
             message = f"this `<exclude>` of `{node.get('body1')}` and `{node.get('body2')}` has no effect: {why}"
             yield Finding(node, message, help="remove it", edit=Edit(removes=True))
+
+
+@rule("frictionless-foot", in_mujoco=True)
+def frictionless_foot(subject: Subject) -> Found:
+    """A foot that slides on the floor without friction.
+
+    In a contact, MuJoCo uses the larger `condim` and friction of both geoms; a geom with a higher `priority` overrides
+    the other. With `condim="1"` on both there is no friction, so the robot slides as on ice.
+
+    ```xml
+    <default><geom condim="1"/></default>
+    ...
+    <geom name="floor" type="plane" size="1 1 1"/>
+    <geom name="left_foot" size=".05"/>
+    ```
+
+    Write `condim="3"` on the foot or the floor. The rule looks at geoms whose name or body says `foot` or `toe`.
+    """
+    model = subject.model
+    plane = int(subject.mujoco.mjtGeom.mjGEOM_PLANE)
+    floors = [
+        each for each in range(model.ngeom) if int(model.geom_type[each]) == plane and not model.geom_bodyid[each]
+    ]
+    for geom in range(model.ngeom):
+        body = int(model.geom_bodyid[geom])
+        words = f"{subject.roster.names['geom'][geom]} {subject.roster.names['body'][body]}".lower()
+        if not body or not ("foot" in words or "toe" in words):
+            continue
+        for floor in floors:
+            if not _fit(model, geom, floor):
+                continue
+            first, last = sorted((geom, floor), key=lambda each: int(model.geom_priority[each]))
+            pair = (last,) if model.geom_priority[last] > model.geom_priority[first] else (first, last)
+            condim = max(int(model.geom_condim[each]) for each in pair)
+            friction = max(float(model.geom_friction[each][0]) for each in pair)
+            if condim == 1 or friction < _ICE:
+                why = "`condim` is 1" if condim == 1 else f"the sliding friction is {friction:.3g}"
+                message = f"{subject.name('geom', geom)} slides on {subject.name('geom', floor)}: {why}"
+                yield Finding(subject.node("geom", geom), message, help='write `condim="3"`, and `friction`')
+
+
+def _fit(model: Any, one: int, other: int) -> bool:
+    """Return whether the bits of two geoms let them collide."""
+    return bool(
+        model.geom_contype[one] & model.geom_conaffinity[other]
+        or model.geom_contype[other] & model.geom_conaffinity[one]
+    )

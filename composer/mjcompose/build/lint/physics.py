@@ -382,7 +382,7 @@ def motor_too_weak(subject: Subject) -> Found:
 
 
 def _held(subject: Subject, data: Any, servos: Servos) -> Iterator[tuple[int, int, float, tuple[float, float]]]:
-    """Yield the joints that cannot be held: joint, degree of freedom, the force that is needed, and the limits."""
+    """Yield joint, degree of freedom, necessary force and limits of each joint that its actuators cannot hold."""
     model = subject.model
     fixed = int(subject.mujoco.mjtJoint.mjJNT_SLIDE)
     floating = {int(model.dof_treeid[model.jnt_dofadr[joint]]) for joint in range(model.njnt)

@@ -42,7 +42,7 @@ def range_in_radians(subject: Subject) -> Found:
 
 
 def _angle(subject: Subject) -> str:
-    """Return the unit of angles in the file: that of the last `<compiler>` that sets it."""
+    """Return the unit of angles in the file, which the last `<compiler>` with `angle` sets."""
     found = [str(each.get("angle")) for each in subject.root.iterfind("compiler") if each.get("angle")]
     return found[-1] if found else "degree"
 
