@@ -81,14 +81,9 @@ class Request:
 
 
 def build(
-    request: Request,
-    context: Context,
-    *,
-    session: Session | None = None,
-    limits: Limits | None = None,
-    library: Library | None = None,
-    outcomes: list[Outcome] | None = None,
-) -> Built | None:
+    request: Request, context: Context, *, session: Session | None = None, limits: Limits | None = None,
+    library: Library | None = None, outcomes: list[Outcome] | None = None,
+) -> Built | None:  # fmt: skip
     """Return the bundle of a recipe, without writing it, or None if `context.sink` has errors.
 
     MuJoCo runs in the process of `session`, or in a process with `limits` that ends with the build. `library` has

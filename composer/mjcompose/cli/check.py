@@ -228,12 +228,9 @@ class _Checking:
 
 
 def _suite(
-    recipe: Path,
-    outcomes: Sequence[Outcome],
-    found: Iterable[Diagnostic],
-    context: Context,
+    recipe: Path, outcomes: Sequence[Outcome], found: Iterable[Diagnostic], context: Context,
     cell: CellName | None = None,
-) -> Suite:
+) -> Suite:  # fmt: skip
     """Return the results of a recipe, or of one cell: the first case is the model itself, followed by its checks."""
     of_checks = {each for outcome in outcomes for each in outcome.diagnostics}
     others = [each for each in found if each.severity is Severity.ERROR and each not in of_checks]

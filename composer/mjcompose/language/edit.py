@@ -119,13 +119,9 @@ class _DoesSomething:
         if alone is not None and len(verbs) > 1:
             other = next(name for name in verbs if name != alone)
             yield Fault(
-                EXCLUSIVE,
-                f"`{alone}` excludes other keys, and there is `{other}` as well",
-                (alone,),
-                key=True,
-                related=((f"`{other}` is written here", (other,)),),
-                help=f"leave `{alone}` or `{other}` out",
-            )
+                EXCLUSIVE, f"`{alone}` excludes other keys, and there is `{other}` as well", (alone,), key=True,
+                related=((f"`{other}` is written here", (other,)),), help=f"leave `{alone}` or `{other}` out",
+            )  # fmt: skip
 
     def schema(self) -> Iterator[Schema]:
         for verb in VERBS.own:

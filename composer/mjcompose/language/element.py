@@ -57,13 +57,9 @@ def lost_indentation(mapping: Mapping, at: Path) -> tuple[Fault, Iterable[str]] 
         if beside:
             keys = " and ".join(f"`{key}`" for key in beside)
             stand = "stands" if len(beside) == 1 else "stand"
-            fault = Fault(
-                "wrong-type",
-                f"{keys} {stand} next to `{name}`, not below it",
-                (*at, beside[0]),
-                key=True,
-                help=f"indent {keys} two spaces deeper than `{name}`",
-            )
+            message = f"{keys} {stand} next to `{name}`, not below it"
+            help = f"indent {keys} two spaces deeper than `{name}`"
+            fault = Fault("wrong-type", message, (*at, beside[0]), key=True, help=help)
             return fault, [name, *beside]
     return None
 
@@ -124,13 +120,8 @@ def _raw(node: Node, at: Path, faults: list[Fault]) -> Any:
 
 def _nothing(at: Path) -> Fault:
     if at and isinstance(at[-1], str):
-        return Fault(
-            "wrong-type",
-            f"`{at[-1]}` has no value",
-            at,
-            key=True,
-            help="write a value behind it (`{}` for an element without attributes), or leave the key out",
-        )
+        help = "write a value behind it (`{}` for an element without attributes), or leave the key out"
+        return Fault("wrong-type", f"`{at[-1]}` has no value", at, key=True, help=help)
     return Fault("wrong-type", "a value is missing here", at)
 
 
@@ -149,17 +140,9 @@ class Reader:
     faults: list[Fault] = field(default_factory=list)
 
     def element(
-        self,
-        kind: ElementType,
-        value: Any,
-        at: Path,
-        owner: str,
-        *,
-        keyed: AbcMapping[str, str] | None = None,
-        own: Collection[str] = (),
-        children: tuple[Element, ...] = (),
-        joint: str | None = None,
-    ) -> Element | None:
+        self, kind: ElementType, value: Any, at: Path, owner: str, *, keyed: AbcMapping[str, str] | None = None,
+        own: Collection[str] = (), children: tuple[Element, ...] = (), joint: str | None = None,
+    ) -> Element | None:  # fmt: skip
         """Return the element of a mapping of attributes and children, or None if it is not a mapping.
 
         `owner` is its name in messages. `keyed` are attributes that a key above gives, which must not be written
@@ -259,14 +242,9 @@ class Reader:
                 yield Element(CONFIG, {"key": key, "value": text}, at=(*above, CONFIG, key))
 
     def fragment(
-        self,
-        kinds: AbcMapping[str, ElementType],
-        place: str,
-        value: dict[str, Any],
-        at: Path,
-        keyed: AbcMapping[str, str] | None = None,
-        own: Collection[str] = (),
-    ) -> Element | None:
+        self, kinds: AbcMapping[str, ElementType], place: str, value: dict[str, Any], at: Path,
+        keyed: AbcMapping[str, str] | None = None, own: Collection[str] = (),
+    ) -> Element | None:  # fmt: skip
         """Return the element of a mapping with a fragment of MJCF, `{xml: <geom …/>}`, or None after a fault."""
         keyed = keyed or {}
         for name in value:
@@ -280,14 +258,9 @@ class Reader:
             self.faults.append(Fault("wrong-type", message, path))
             return None
         found = check_fragment(
-            text,
-            kinds,
-            place,
-            at=path,
-            bare_angles=self.settings.bare_angles,
-            faults=self.faults,
+            text, kinds, place, at=path, bare_angles=self.settings.bare_angles, faults=self.faults,
             named="name" in keyed,
-        )
+        )  # fmt: skip
         if found is None:
             return None
         tag, written = found
@@ -318,15 +291,9 @@ class Reader:
                     self.faults.append(fault)
 
     def unknown(
-        self,
-        kind: ElementType,
-        name: str,
-        value: Any,
-        at: Path,
-        owner: str,
-        own: Collection[str],
+        self, kind: ElementType, name: str, value: Any, at: Path, owner: str, own: Collection[str],
         taken: Collection[str],
-    ) -> Fault:
+    ) -> Fault:  # fmt: skip
         """Return the fault of a key that is neither an attribute nor a child. `taken` are the written ones."""
         attributes = [each for each in (*own, *kind.attributes) if each not in taken]
         known = [*attributes, *(each for each in kind.children if each not in taken)]
@@ -415,13 +382,8 @@ def _no_names(owner: str, value: Any, at: Path) -> Fault:
 
 
 def _keyed(owner: str, name: str, given: str, at: Path) -> Fault:
-    return Fault(
-        "unknown-key",
-        f"`{name}` of {owner} is given by its key, `{given}`",
-        at,
-        key=True,
-        help=f"leave `{name}` out; `{name}: ''` is for an element without a name",
-    )
+    help = f"leave `{name}` out; `{name}: ''` is for an element without a name"
+    return Fault("unknown-key", f"`{name}` of {owner} is given by its key, `{given}`", at, key=True, help=help)
 
 
 def _is_named(kind: ElementType, value: dict[str, Any]) -> bool:

@@ -168,13 +168,9 @@ def nameless() -> dict[str, Schema]:
 
 
 def element(
-    kind: ElementType,
-    keyed: Sequence[str] = (),
-    properties: dict[str, Schema] | None = None,
-    required: Sequence[str] = (),
-    fragment: bool = True,
-    children: bool = True,
-) -> Schema:
+    kind: ElementType, keyed: Sequence[str] = (), properties: dict[str, Schema] | None = None,
+    required: Sequence[str] = (), fragment: bool = True, children: bool = True,
+) -> Schema:  # fmt: skip
     """Return the schema of an element: attributes, children and rules; and, where allowed, a fragment."""
     known: dict[str, Schema] = dict(properties or {})
     for name, each in kind.attributes.items():

@@ -80,12 +80,9 @@ class Condition:
                 return node.value
             if isinstance(node.value, str) and is_template(node.value):
                 return self._true(node)
-        self.sink.error(
-            "wrong-type",
-            "`when` is a mapping from variants and parameters to values, or one boolean expression",
-            node.span,
-            help='write `when: {gripper: hand}` or `when: "${payload > 1}"`',
-        )
+        message = "`when` is a mapping from variants and parameters to values, or one boolean expression"
+        help = 'write `when: {gripper: hand}` or `when: "${payload > 1}"`'
+        self.sink.error("wrong-type", message, node.span, help=help)
         return True
 
     def _true(self, node: Scalar) -> bool:
@@ -193,13 +190,9 @@ def expand(document: Mapping, given: Map[str, Node], sink: Sink, any: bool = Fal
     substituted = substitution.of(without_ids(condition.kept(rest), sink))
     assert isinstance(substituted, Mapping)
     return Concrete(
-        substituted,
-        scope,
-        parameters,
-        variants=chosen,
-        lost=frozenset(substitution.lost | condition.in_doubt),
+        substituted, scope, parameters, variants=chosen, lost=frozenset(substitution.lost | condition.in_doubt),
         gone=frozenset(substitution.gone),
-    )
+    )  # fmt: skip
 
 
 def scope_of(document: Mapping, given: Map[str, Node]) -> dict[str, Value]:
@@ -347,12 +340,8 @@ class _Matrix:
             size *= len(values)
         most = in_force().cells
         if size > most:
-            self.sink.error(
-                "limit-exceeded",
-                f"the matrix has {size} cells; {most} are allowed",
-                self.key.span,
-                help=advice("cells", size),
-            )
+            message = f"the matrix has {size} cells; {most} are allowed"
+            self.sink.error("limit-exceeded", message, self.key.span, help=advice("cells", size))
             return
         excluded = list(self._entries("exclude"))
         hit = [False] * len(excluded)

@@ -73,14 +73,10 @@ def _exclusive(rule: Constraint, present: Collection[str], owner: str, at: Path)
         return None
     first, second = clash
     return Fault(
-        EXCLUSIVE,
-        f"{owner} has both `{first}` and `{second}`, of which only one is allowed",
-        (*at, second),
-        key=True,
-        related=((f"`{first}` is written here", (*at, first)),),
-        help=f"leave `{first}` or `{second}` out",
+        EXCLUSIVE, f"{owner} has both `{first}` and `{second}`, of which only one is allowed", (*at, second),
+        key=True, related=((f"`{first}` is written here", (*at, first)),), help=f"leave `{first}` or `{second}` out",
         names=(first, second),
-    )
+    )  # fmt: skip
 
 
 def _cheapest(bundles: Iterable[Iterable[str]], present: Collection[str]) -> str:
@@ -109,14 +105,9 @@ def _says(name: str, doc: str) -> bool:
 
 
 def check_fragment(
-    text: str,
-    kinds: Mapping[str, ElementType],
-    place: str,
-    at: Path,
-    bare_angles: bool,
-    faults: list[Fault],
+    text: str, kinds: Mapping[str, ElementType], place: str, at: Path, bare_angles: bool, faults: list[Fault],
     named: bool = False,
-) -> tuple[str, Mapping[str, str]] | None:
+) -> tuple[str, Mapping[str, str]] | None:  # fmt: skip
     """Return tag and attributes of the one element of a fragment, or None after a reported fault.
 
     `kinds` are the allowed elements, and `place` says in messages where. With `bare_angles`, angles need no unit.
@@ -155,14 +146,9 @@ class _Check:
     """Receives the events of the XML parser. `stack` has the open elements, with None for unknown ones."""
 
     def __init__(
-        self,
-        kinds: Mapping[str, ElementType],
-        place: str,
-        at: Path,
-        bare_angles: bool,
-        faults: list[Fault],
+        self, kinds: Mapping[str, ElementType], place: str, at: Path, bare_angles: bool, faults: list[Fault],
         named: bool,
-    ) -> None:
+    ) -> None:  # fmt: skip
         self.kinds, self.place, self.at = kinds, place, at
         self.bare_angles, self.faults, self.named = bare_angles, faults, named
         self.stack: list[ElementType | None] = []
@@ -244,13 +230,9 @@ class _Check:
         self.fault("xml-syntax", "a fragment has no `<!DOCTYPE>`")
 
     def fault(
-        self,
-        code: str,
-        message: str,
-        within: tuple[int, int, int] | None = None,
-        help: str | None = None,
+        self, code: str, message: str, within: tuple[int, int, int] | None = None, help: str | None = None,
         names: tuple[str, str, Collection[str]] | None = None,
-    ) -> None:
+    ) -> None:  # fmt: skip
         notes: Iterable[Note] = ()
         if names is not None:
             kind, written, known = names

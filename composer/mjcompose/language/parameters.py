@@ -29,12 +29,8 @@ def is_usable(key: Key, what: str, sink: Sink) -> bool:
         sink.error("bad-name", f"{what} has letters, digits and `_` in its name, got `{key.name}`", key.span, help=help)
         return False
     if key.name in RESERVED or key.name in KEYWORDS or key.name in FUNCTIONS or key.name in CONSTANTS:
-        sink.error(
-            "bad-name",
-            f"`{key.name}` has a meaning of its own in expressions and cannot name {what}",
-            key.span,
-            help=f"write for instance `{key.name}_`",
-        )
+        message = f"`{key.name}` has a meaning of its own in expressions and cannot name {what}"
+        sink.error("bad-name", message, key.span, help=f"write for instance `{key.name}_`")
         return False
     return True
 

@@ -83,15 +83,8 @@ def _unknown(name: str, at: Path, kinds: Mapping[str, ElementType], place: str) 
     note = exists_note("element", kinds, name)
     if name in GRAMMAR.root.children:
         help, fix = f"write it in the section `{name}`", None
-    return Fault(
-        "unknown-element",
-        f"`{name}` is not an element that can be added",
-        at,
-        key=True,
-        notes=(note,),
-        help=help,
-        fix=fix,
-    )
+    message = f"`{name}` is not an element that can be added"
+    return Fault("unknown-element", message, at, key=True, notes=(note,), help=help, fix=fix)
 
 
 class _Added(ByGrammar):

@@ -99,18 +99,9 @@ _TABLE = ("| key | type | default | meaning |", "|---|---|---|---|")
 _ELEMENTS_HEAD = """Names in bold are required. Each element links to the XML reference, which has types and units.
 A class has the same attributes, except the name."""
 _NO_PAGE = (
-    "recipe",
-    "name",
-    "description",
-    "angle",
-    "eulerseq",
-    "separator",
-    "conflict",
-    "allow",
-    "base",
-    "extends",
+    "recipe", "name", "description", "angle", "eulerseq", "separator", "conflict", "allow", "base", "extends",
     "variants",
-)
+)  # fmt: skip
 """Top-level keys that a row explains."""
 
 

@@ -244,15 +244,8 @@ class Defaults(Section):
         note = exists_note("element", tags, tag)
         if name in tags and help is None:
             help = f"the key is the name of a class; for all elements write `main: {{{name}: {{{tag}: …}}}}`"
-        return Fault(
-            "unknown-element",
-            f"`{tag}` has no defaults in class `{name}`",
-            at,
-            key=True,
-            notes=(note,),
-            help=help,
-            fix=fix,
-        )
+        message = f"`{tag}` has no defaults in class `{name}`"
+        return Fault("unknown-element", message, at, key=True, notes=(note,), help=help, fix=fix)
 
 
 @definition("class")
@@ -418,14 +411,11 @@ class Typed(Elements):
                          fix=renaming(meant, [TYPE]))  # fmt: skip
         inner = next((tag for tag in value if tag in self.kind.children and isinstance(value[tag], dict)), None)
         return Fault(
-            "missing-key",
-            f"{self.tag} `{name}` lacks `{TYPE}`",
-            (name,),
-            key=True,
+            "missing-key", f"{self.tag} `{name}` lacks `{TYPE}`", (name,), key=True,
             notes=(exists_note("type", self.kind.children),),
             help=f"write `{name}: {{{TYPE}: {inner}, …}}`" if inner else f"write the MJCF tag as its `{TYPE}`",
             lacks=TYPE,
-        )
+        )  # fmt: skip
 
 
 @definition("typed")

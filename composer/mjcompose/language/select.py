@@ -37,12 +37,8 @@ GLOB: Schema = {
 def pattern_fault(text: str, owner: str, at: Path) -> Fault | None:
     """Return the fault of the pattern with which `owner` is compared, or None."""
     if is_pattern(text) and (wrong := length_fault(text)) is not None:
-        return Fault(
-            "wrong-type",
-            f"{owner}: {wrong}",
-            at,
-            help="give the elements a class or a `part`, or write several entries",
-        )
+        help = "give the elements a class or a `part`, or write several entries"
+        return Fault("wrong-type", f"{owner}: {wrong}", at, help=help)
     if is_regular(text):
         wrong = fault_of(text[1:-1])
         return Fault("wrong-type", f"the regular expression of {owner} is not valid: {wrong}", at) if wrong else None

@@ -292,12 +292,8 @@ def _follows(fault: Fault, node: Mapping, gone: Collection[Path]) -> bool:
 
 
 def _no_mapping(node: Node, sink: Sink) -> None:
-    sink.error(
-        "wrong-type",
-        f"a recipe is a mapping, got {kind_of(to_python(node))}",
-        _start(node.span),
-        help="write `recipe: 1` as its first line, and the other keys below",
-    )
+    help = "write `recipe: 1` as its first line, and the other keys below"
+    sink.error("wrong-type", f"a recipe is a mapping, got {kind_of(to_python(node))}", _start(node.span), help=help)
 
 
 def _one_each(early: list[Fault], found: list[Fault]) -> Iterable[Fault]:

@@ -140,17 +140,10 @@ class Declaration(Model):
         low, high = (_in_unit(bound, unit) for bound in (self.min, self.max))
         length = len(sample) if isinstance(sample, tuple) else None
         return Parameter(
-            name,
-            self.type or guess,
-            None if self.default is None else sample,
-            span=span,
-            low=low,
-            high=high,
+            name, self.type or guess, None if self.default is None else sample, span=span, low=low, high=high,
             choices=tuple(_in_unit(_of_value(each), unit) for each in self.choices or ()),
-            length=self.length or length,
-            unit=unit,
-            doc=self.doc,
-        )
+            length=self.length or length, unit=unit, doc=self.doc,
+        )  # fmt: skip
 
 
 def _of_value(value: Any) -> Any:

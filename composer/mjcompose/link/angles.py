@@ -86,12 +86,9 @@ def _replicate(
     if own != sequence:
         moved = in_sequence(values, own, sequence)
         if moved is None:
-            linking.sink.error(
-                "compiler-setting",
-                f"`<replicate>` turns about several axes in the sequence `{own}`, the model reads `{sequence}`",
-                linking.span(unit, element),
-                help="give each axis a `<replicate>` of its own",
-            )
+            message = f"`<replicate>` turns about several axes in the sequence `{own}`, the model reads `{sequence}`"
+            help = "give each axis a `<replicate>` of its own"
+            linking.sink.error("compiler-setting", message, linking.span(unit, element), help=help)
             return
         values = moved
     element.set("euler", numbers.text(values))

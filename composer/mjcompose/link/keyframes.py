@@ -88,11 +88,8 @@ def cut_row(
     total = sum([width for _, width in owners])
     # MuJoCo fills a short row up, and refuses a long one: "invalid qpos size, expected 1, got 2" in 4.0.
     if len(row) > total:
-        linking.sink.error(
-            "keyframe-conflict",
-            f"`{vector}` of {called(element)} has {len(row)} numbers, and `{unit.file}` takes {total}",
-            linking.span(unit, element, vector),
-        )
+        message = f"`{vector}` of {called(element)} has {len(row)} numbers, and `{unit.file}` takes {total}"
+        linking.sink.error("keyframe-conflict", message, linking.span(unit, element, vector))
         return None
     taken: dict[Holder, list[Number]] = {}
     at = 0
@@ -125,15 +122,13 @@ def _check_copies_of_part(linking: Linking, part: Part, layout: Layout, key: Key
     else:
         floats = vector in ("mpos", "mquat") and bool(taken)
     if replicate is not None and floats:
-        linking.sink.error(
-            "not-supported",
+        message = (
             f"`{vector}` of {called(key.element)} has poses in the world, and `{part.called}` is attached in a "
-            "`<replicate>`, which makes several of each",
-            key.span(vector),
-            notes=(Note("the `<replicate>`", linking.span(linking.base, replicate)),),
-            help="omit the keys: `drop: [key]`",
-            subjects=(part.called,),
+            "`<replicate>`, which makes several of each"
         )
+        notes = (Note("the `<replicate>`", linking.span(linking.base, replicate)),)
+        help = "omit the keys: `drop: [key]`"
+        linking.sink.error("not-supported", message, key.span(vector), notes=notes, help=help, subjects=(part.called,))
 
 
 def _check_flexes(linking: Linking, part: Part, layout: Layout, key: Key, vector: str) -> None:
@@ -142,13 +137,11 @@ def _check_flexes(linking: Linking, part: Part, layout: Layout, key: Key, vector
         if isinstance(block, Copy) or slot.kind != BLOCK or block not in key.values[vector]:
             continue  # a `<flexcomp>` in a replicate is in a body
         if block.tag == "flexcomp" and _is_turned(part, block):
+            message = f"`{vector}` of {called(key.element)} has the vertices of a flex, which `{part.called}` turns"
+            help = "omit the keys, `drop: [key]`, or put the `<flexcomp>` into a body"
+            notes = (Note("the flex", linking.span(part.unit, block)),)
             linking.sink.error(
-                "not-supported",
-                f"`{vector}` of {called(key.element)} has the vertices of a flex, which `{part.called}` turns",
-                key.span(vector),
-                notes=(Note("the flex", linking.span(part.unit, block)),),
-                help="omit the keys, `drop: [key]`, or put the `<flexcomp>` into a body",
-                subjects=(part.called,),
+                "not-supported", message, key.span(vector), notes=notes, help=help, subjects=(part.called,)
             )
 
 
@@ -377,14 +370,9 @@ def _report_same_name(
         apart, other = its_part, second_part
         help = rename if apart is not None else "write `keys: prefix` at the part: the base has no prefix"
     owner, other_owner = ("the base" if part is None else f"`{part.called}`" for part in (apart, other))
-    linking.sink.error(
-        "keyframe-conflict",
-        f"the key `{first.name}` of {owner} must stay separate, and {other_owner} has a key of that name, too",
-        second.span(),
-        notes=(Note("the first one is here", first.span()),),
-        help=help,
-        subjects=(first.name,),
-    )
+    message = f"the key `{first.name}` of {owner} must stay separate, and {other_owner} has a key of that name, too"
+    notes = (Note("the first one is here", first.span()),)
+    linking.sink.error("keyframe-conflict", message, second.span(), notes=notes, help=help, subjects=(first.name,))
 
 
 def _check_attached(linking: Linking) -> None:
@@ -392,12 +380,10 @@ def _check_attached(linking: Linking) -> None:
     # They are in no tree: MuJoCo 4.0 makes a key `q/k` of the key `k` of a model that it attaches with the prefix `q/`.
     for part, attach in linking.keys.attached:
         if part.pose_in_world is not None and not part.pose_in_world.is_identity:
+            message = f"the model attached here has keys with poses of its free bodies, and `{part.called}` moves it"
+            help = f"write `drop: [key]` for `{part.called}`, or attach that model in the recipe"
             linking.sink.error(
-                "not-supported",
-                f"the model attached here has keys with poses of its free bodies, and `{part.called}` moves it",
-                linking.span(part.unit, attach),
-                help=f"write `drop: [key]` for `{part.called}`, or attach that model in the recipe",
-                subjects=(part.called,),
+                "not-supported", message, linking.span(part.unit, attach), help=help, subjects=(part.called,)
             )
 
 

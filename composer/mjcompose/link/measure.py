@@ -116,19 +116,9 @@ def _rejected(compiled: engine.Compiled, unit: Unit, text: bytes, context: Conte
 
 
 _ARRAYS = (
-    "nq",
-    "nv",
-    "qpos0",
-    "key_time",
-    "body_mocapid",
-    "body_pos",
-    "body_quat",
-    "jnt_type",
-    "jnt_qposadr",
-    "jnt_dofadr",
-    "actuator_actnum",
-    "actuator_ctrlnum",
-)
+    "nq", "nv", "qpos0", "key_time", "body_mocapid", "body_pos", "body_quat", "jnt_type", "jnt_qposadr", "jnt_dofadr",
+    "actuator_actnum", "actuator_ctrlnum",
+)  # fmt: skip
 
 
 def flexible_widths(linking: Linking, unit: Unit) -> dict[Node, Slot] | None:
@@ -233,14 +223,10 @@ def _measured_attach(linking: Linking, unit: Unit, attach: Node) -> Slot | None:
         return None
     acts, controls = _counts(arrays, "actnum"), _counts(arrays, "ctrlnum")
     return Slot(
-        BLOCK,
-        (int(arrays["nq"][0]), int(arrays["nv"][0])),
-        tuple(_free_joints(arrays)),
-        controls=(sum(controls), sum(acts)),
-        actuators=len(acts),
-        mocaps=sum(number >= 0 for number in arrays["body_mocapid"]),
-        keys=len(arrays["key_time"]),
-    )
+        BLOCK, (int(arrays["nq"][0]), int(arrays["nv"][0])), tuple(_free_joints(arrays)),
+        controls=(sum(controls), sum(acts)), actuators=len(acts),
+        mocaps=sum(number >= 0 for number in arrays["body_mocapid"]), keys=len(arrays["key_time"]),
+    )  # fmt: skip
 
 
 def _counts(arrays: Mapping[str, list[float]], name: str) -> list[int]:

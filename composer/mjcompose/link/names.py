@@ -104,12 +104,10 @@ class _UnitRenaming:
             elif name not in own or policy == "prefix":  # the former is of a model that MuJoCo attaches
                 element.set("objname", self.prefix + name)
             elif policy == "none" and request.requested_keys is None:  # else the recipe may write it
+                message = f"a tuple refers to the key `{name}`, which `drop: [key]` drops"
+                help = "drop the tuple, too: `drop: [tuple]`"
                 self.linking.sink.error(
-                    "unknown-name",
-                    f"a tuple refers to the key `{name}`, which `drop: [key]` drops",
-                    self.linking.span(unit, element, "objname"),
-                    help="drop the tuple, too: `drop: [tuple]`",
-                    subjects=(name,),
+                    "unknown-name", message, self.linking.span(unit, element, "objname"), help=help, subjects=(name,)
                 )
 
     def _report_dangling(self, namespace: str, name: str, *, element: Node, own: Sequence[str]) -> None:
@@ -129,12 +127,10 @@ class _UnitRenaming:
     def _report_repeated(self, clash: _Clash) -> None:
         name = clash.name.removeprefix(self.prefix)
         attribute = "name" if clash.namespace != "default" else "class"
+        notes = (Note("the first one is here", self.linking.span(self.unit, clash.earlier)),)
+        message = f"`{self.unit.file}` declares the {word(clash.namespace)} `{name}` twice"
         self.linking.sink.error(
-            clash.code,
-            f"`{self.unit.file}` declares the {word(clash.namespace)} `{name}` twice",
-            self.linking.span(self.unit, clash.element, attribute),
-            notes=(Note("the first one is here", self.linking.span(self.unit, clash.earlier)),),
-            subjects=(name,),
+            clash.code, message, self.linking.span(self.unit, clash.element, attribute), notes=notes, subjects=(name,)
         )
 
     def _report_clashes(self, part: Part, clashes: Sequence[_Clash]) -> None:

@@ -190,11 +190,8 @@ def merge_sizes(linking: Linking) -> None:
                 for section in part.unit.root.iterchildren("size"):
                     if section.get(name) == own:
                         span = linking.span(part.unit, section, name)
-            linking.sink.warning(
-                "option-conflict",
-                f"`size.{name}` = {own} gives way to `size.memory` of another part: only one may be written",
-                span,
-            )
+            message = f"`size.{name}` = {own} gives way to `size.memory` of another part: only one may be written"
+            linking.sink.warning("option-conflict", message, span)
 
 
 def _enlarge(linking: Linking, name: str, value: str) -> None:

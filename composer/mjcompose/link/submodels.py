@@ -181,12 +181,9 @@ class _Bundler:
                 return
             source = held(f"{source}#{hashlib.sha256(known).hexdigest()}")  # two may have one path
         if source in above:
-            self.linking.sink.error(
-                "source-cycle",
-                f"the model `{file}` contains itself",
-                self.linking.span(unit, element, "file"),
-                help="MuJoCo attaches a copy of this file: remove this `<model>`, or name another file",
-            )
+            help = "MuJoCo attaches a copy of this file: remove this `<model>`, or name another file"
+            message = f"the model `{file}` contains itself"
+            self.linking.sink.error("source-cycle", message, self.linking.span(unit, element, "file"), help=help)
             return
         self._count(unit, element, depth=len(above))
         before = self.linking.sink.error_count
@@ -307,14 +304,9 @@ def parse_held(unit: Unit, file: str, data: bytes, sink: Sink) -> Unit | None:
     """Parse a sub-model in memory. Its files are in memory too, relative to its own folder."""
     folder, _, name = join("", file).rpartition("/")
     return parse_text(
-        data,
-        sink,
-        file=file,
-        directory=Path(join(str(unit.directory), folder)) if folder else unit.directory,
-        label=posixpath.splitext(name)[0],
-        contents=FromFolder(unit.contents, folder),
-        door=unit.door,
-    )
+        data, sink, file=file, directory=Path(join(str(unit.directory), folder)) if folder else unit.directory,
+        label=posixpath.splitext(name)[0], contents=FromFolder(unit.contents, folder), door=unit.door,
+    )  # fmt: skip
 
 
 def door_of_submodel(unit: Unit, path: Path, known: bytes | Path | None) -> Door:

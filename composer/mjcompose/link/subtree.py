@@ -272,14 +272,9 @@ class Subtree:
 
 
 def take_subtree(
-    unit: Unit,
-    name: str,
-    sink: Sink,
-    *,
-    span: Span | None = None,
-    keyframes: KeyPolicy = "merge",
+    unit: Unit, name: str, sink: Sink, *, span: Span | None = None, keyframes: KeyPolicy = "merge",
     measure: Measure | None = None,
-) -> Subtree | None:
+) -> Subtree | None:  # fmt: skip
     """Keep the body `name` of `unit` and the elements that it needs. Return None after errors, which are reported.
 
     The body keeps its pose relative to its parent, which becomes the world. Elements that also refer outside of the
@@ -319,14 +314,10 @@ def _find(unit: Unit, name: str, sink: Sink, span: Span | None) -> Node | None:
         return None
     copies = next(body.iterancestors("replicate"), None)
     if copies is not None:
-        sink.error(
-            "not-supported",
-            f"the body `{name}` cannot be taken alone: it is in a `<replicate>`, which makes several of it",
-            span,
-            notes=(Note("the `<replicate>`", unit.origins.span(copies, unit.file)),),
-            help="take a body around the `<replicate>`",
-            subjects=(name,),
-        )
+        message = f"the body `{name}` cannot be taken alone: it is in a `<replicate>`, which makes several of it"
+        notes = [Note("the `<replicate>`", unit.origins.span(copies, unit.file))]
+        help = "take a body around the `<replicate>`"
+        sink.error("not-supported", message, span, notes=notes, help=help, subjects=(name,))
         return None
     return body
 

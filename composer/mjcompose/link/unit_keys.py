@@ -459,9 +459,6 @@ def _slots(linking: Linking) -> dict[Node, Slot]:
 def report_not_laid_out(linking: Linking, unit: Unit, unknown: Unknown) -> None:
     """Report that the keys of a unit cannot be laid out."""
     more = "" if linking.request.requested_keys is None else ", and no `keyframe` in the recipe"
-    linking.sink.error(
-        "not-supported",
-        f"keyframes of a model with this `<{unknown.element.tag}>` cannot be laid out: only MuJoCo knows its size",
-        linking.span(unit, unknown.element),
-        help=f"omit the keys: `drop: [key]`{more}",
-    )
+    message = f"keyframes of a model with this `<{unknown.element.tag}>` cannot be laid out: only MuJoCo knows its size"
+    help = f"omit the keys: `drop: [key]`{more}"
+    linking.sink.error("not-supported", message, linking.span(unit, unknown.element), help=help)

@@ -221,14 +221,12 @@ def _refuse(linking: Linking, hung: _MovedWorld, found: list[Node]) -> None:
     else:
         why, note = "that body has no name", Note("the body", linking.span(linking.base, hung.holder))
         help = 'name it, in its part: `edit: [{select: {body: "**", where: {name: ""}}, rename: "b${index}"}]`'
-    linking.sink.error(
-        "attach-place",
+    message = (
         f"{first.tag}{named} of `{part.called}` refers to the world, which becomes the body that carries the part: "
-        f"{why}{more}",
-        linking.span(part.unit, first),
-        notes=(note,),
-        help=help,
-        subjects=(part.called,),
+        f"{why}{more}"
+    )
+    linking.sink.error(
+        "attach-place", message, linking.span(part.unit, first), notes=(note,), help=help, subjects=(part.called,)
     )
 
 

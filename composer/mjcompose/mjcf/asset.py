@@ -237,13 +237,9 @@ class Asset:
     __slots__ = ("_data", "_model", "extension", "path", "prefix")
 
     def __init__(
-        self,
-        contents: bytes | None = None,
-        extension: str = "",
-        prefix: str = "asset",
-        *,
+        self, contents: bytes | None = None, extension: str = "", prefix: str = "asset", *,
         path: str | os.PathLike[str] | None = None,
-    ) -> None:
+    ) -> None:  # fmt: skip
         """Make an asset from either `contents` or `path`. The file at a path is read when `contents` is accessed."""
         if (contents is None) == (path is None):
             raise failure("wrong-type", "an `Asset` takes either `contents` or a `path`")

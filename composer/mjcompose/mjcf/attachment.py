@@ -61,19 +61,13 @@ class AttachmentFrame(Element):
     def _add(self, tag: str, position: int | None, attributes: Mapping[str, object]) -> Element:
         self._alive()
         if tag not in _JOINTS:
-            raise failure(
-                "unknown-element",
-                f"an attachment frame takes joints, got `{tag}`",
-                help="add it to the attached model, or to the body that the model is attached to",
-            )
+            help = "add it to the attached model, or to the body that the model is attached to"
+            raise failure("unknown-element", f"an attachment frame takes joints, got `{tag}`", help=help)
         free = [joint for joint in self._node if _is_free(joint)]
         if free or (len(self._node) and (tag == "freejoint" or attributes.get("type") == "free")):
             there = free[0] if free else self._node[0]
-            raise failure(
-                "name-clash",
-                "a free joint must be the only joint of a frame",
-                notes=(Note(f"{describe(self._model, there)} is here", self._model.span(there)),),
-            )
+            notes = (Note(f"{describe(self._model, there)} is here", self._model.span(there)),)
+            raise failure("name-clash", "a free joint must be the only joint of a frame", notes=notes)
         kind = self._child_kind(tag)
         self._check_body_name()
         checked = edit.check(self._model, kind, targets(attributes), frame=self._attachment)
@@ -84,11 +78,8 @@ class AttachmentFrame(Element):
     def _write(self, attributes: Mapping[str, object]) -> None:
         for name in attributes:
             if name not in _OF_FRAMES and name in self._kind.attributes:
-                raise failure(
-                    "unknown-attribute",
-                    f"an attachment frame has no `{name}` of its own",
-                    help="it has `pos`, one orientation, and `mocap`; its name is the child's `model`",
-                )
+                help = "it has `pos`, one orientation, and `mocap`; its name is the child's `model`"
+                raise failure("unknown-attribute", f"an attachment frame has no `{name}` of its own", help=help)
         if attributes.get("mocap") not in (None, False, "false"):
             self._check_body_name()
         super()._write(attributes)
@@ -99,12 +90,10 @@ class AttachmentFrame(Element):
         name = attachment.child.prefix
         taken = None if attachment.is_body else model.top.lookup("body", model.full_prefix + name)
         if taken is not None:
-            raise failure(
-                "name-clash",
-                f"another body is called `{name}` already, as the frame would be",
-                notes=(Note(f"{describe(taken.model, taken.node)} is here", taken.model.span(taken.node)),),
-                help="give it another name, or the attached model: `other.model = '…'`",
-            )
+            notes = (Note(f"{describe(taken.model, taken.node)} is here", taken.model.span(taken.node)),)
+            help = "give it another name, or the attached model: `other.model = '…'`"
+            message = f"another body is called `{name}` already, as the frame would be"
+            raise failure("name-clash", message, notes=notes, help=help)
 
     def remove(self, cascade: bool = False) -> None:
         """Raise `MjcfError`: an attachment frame cannot be removed. Call `detach()` on the child instead."""

@@ -163,11 +163,8 @@ class Attributed:
             self._write({name: value})
 
     def _refuse_child(self, name: str) -> None:
-        raise failure(
-            "wrong-type",
-            f"`{name}` of {self._described()} is an element and cannot be set",
-            help=f"set its attributes, or add one: `add('{name.rstrip('_')}', …)`",
-        )
+        message = f"`{name}` of {self._described()} is an element and cannot be set"
+        raise failure("wrong-type", message, help=f"set its attributes, or add one: `add('{name.rstrip('_')}', …)`")
 
     if not TYPE_CHECKING:  # a checker knows the names of each kind of element: see `elements.pyi`
         __getattr__, __setattr__ = _member, _set_member

@@ -304,11 +304,9 @@ class Binding:
         """Return the name of a field and an index into its columns, which is None for all columns."""
         name, *rest = key if isinstance(key, tuple) else (key,)
         if not isinstance(name, str) or len(rest) > 1:
-            raise failure(
-                "wrong-type",
-                f"a binding is indexed by the name of a field, got `{shorten(repr(key))}`",
-                help="`binding['xpos']`, `binding['xpos', 'z']` or `binding['xpos', [0, 2]]`",
-            )
+            message = f"a binding is indexed by the name of a field, got `{shorten(repr(key))}`"
+            help = "`binding['xpos']`, `binding['xpos', 'z']` or `binding['xpos', [0, 2]]`"
+            raise failure("wrong-type", message, help=help)
         if not rest:
             return name, None
         has = getattr(self, name)
@@ -386,11 +384,8 @@ class Binding:
     def _rows(self, run: Run, at: int, field: Field) -> range:
         rows = run.rows(self._model, self._ids[at])
         if run.required is not None and not rows:
-            raise failure(
-                "unknown-attribute",
-                f"{self._labels[at]} is not {run.required} and has no `{field.array}`",
-                kind=MjcfAttributeError,
-            )
+            message = f"{self._labels[at]} is not {run.required} and has no `{field.array}`"
+            raise failure("unknown-attribute", message, kind=MjcfAttributeError)
         return rows
 
     def _cannot_take(self, name: str, value: object, of: Array | None = None) -> Exception:
@@ -407,12 +402,10 @@ class Binding:
 
     def _unknown(self, name: str) -> Exception:
         known = sorted(fields(self._kind))
+        notes = (Note("fields that exist: " + ", ".join(_shortest(self._kind))),)
+        message = f"a compiled {self._kind} has no field `{name}`"
         return failure(
-            "unknown-attribute",
-            f"a compiled {self._kind} has no field `{name}`",
-            notes=(Note("fields that exist: " + ", ".join(_shortest(self._kind))),),
-            help=did_you_mean(name, known),
-            kind=MjcfAttributeError,
+            "unknown-attribute", message, notes=notes, help=did_you_mean(name, known), kind=MjcfAttributeError
         )
 
 

@@ -217,11 +217,8 @@ def _known(attributes: Collection[str]) -> frozenset[str]:
         known = next(filter(None, (attribute_of(kind, as_name("attributes", name)) for kind in kinds)), None)
         if known is None:
             every = sorted({spoken(each) for kind in kinds for each in kind.attributes})
-            raise failure(
-                "unknown-attribute",
-                f"default classes give no element an attribute `{name}`",
-                help=did_you_mean(name, every),
-            )
+            message = f"default classes give no element an attribute `{name}`"
+            raise failure("unknown-attribute", message, help=did_you_mean(name, every))
         found.add(known.name)
     return frozenset(found)
 

@@ -31,11 +31,8 @@ from mjcompose.tree.select import attribute_of, kind_of, naming_attribute, spoke
 def remove(model: Model, node: Node, cascade: bool) -> None:
     """Remove a node from its model. A top-level section stays and is emptied."""
     if node is model.unit.root:
-        raise failure(
-            "not-supported",
-            "the root of a model cannot be removed",
-            help="`detach()` removes an attached model from the model that it is attached to",
-        )
+        help = "`detach()` removes an attached model from the model that it is attached to"
+        raise failure("not-supported", "the root of a model cannot be removed", help=help)
     removal = Removal.of([(model, node)]).with_referrers() if cascade else None
     if removal is not None:
         removal.drop_references()
@@ -98,12 +95,9 @@ class Edit:
 
 
 def check(
-    model: Model,
-    kind: ElementType,
-    values: Mapping[str, object],
-    node: Node | None = None,
+    model: Model, kind: ElementType, values: Mapping[str, object], node: Node | None = None,
     frame: Attachment | None = None,
-) -> Edit:
+) -> Edit:  # fmt: skip
     """Check the values, and return the edit that sets them on `node`, or on a new element if `node` is None.
 
     `frame` is the attachment that a new joint is for. Elements among the values must have been replaced by
@@ -275,23 +269,18 @@ def _check_name(model: Model, kind: ElementType, edit: Edit, node: Node | None, 
     if taken is None or (taken.model is model and taken.node is node):
         return
     is_class = namespace == "default"
-    raise failure(
-        "class-clash" if is_class else "name-clash",
-        f"another {'default class' if is_class else namespace} is called `{model.full_prefix + name}` already",
-        notes=(Note(f"{describe(taken.model, taken.node)} is here", taken.model.span(taken.node)),),
-        help="give one of the two another name",
-    )
+    message = f"another {'default class' if is_class else namespace} is called `{model.full_prefix + name}` already"
+    notes = (Note(f"{describe(taken.model, taken.node)} is here", taken.model.span(taken.node)),)
+    help = "give one of the two another name"
+    raise failure("class-clash" if is_class else "name-clash", message, notes=notes, help=help)
 
 
 def check_lists(renaming: Renaming[Model]) -> None:
     """Raise `MjcfError` if a new name contains a space and would have to be in a list of names."""
     for reference, new in renaming.unlistable():
         here, user = reference.model, reference.node
-        raise failure(
-            "wrong-type",
-            unlistable_message(reference, new, describe(here, user)),
-            notes=(Note("the list is here", here.span(user)),),
-        )
+        notes = (Note("the list is here", here.span(user)),)
+        raise failure("wrong-type", unlistable_message(reference, new, describe(here, user)), notes=notes)
 
 
 def _bad_value(

@@ -112,11 +112,8 @@ class Element(NodeView):
         once = kind.max_count == 1 or self._kind.tag == "mujoco"
         existing = next(self._node.iterchildren(kind.tag), None) if once else None
         if existing is not None and (len(existing) or existing.attrib):
-            raise failure(
-                "name-clash",
-                f"{self._described()} has a `<{kind.tag}>` already, and can have one only",
-                notes=(Note("it is here", self._model.span(existing)),),
-            )
+            message = f"{self._described()} has a `<{kind.tag}>` already, and can have one only"
+            raise failure("name-clash", message, notes=(Note("it is here", self._model.span(existing)),))
         checked = edit.check(self._model, kind, targets(attributes))
         if existing is None and self._kind.tag == "mujoco":
             existing = self._model.section(kind.tag)
@@ -458,11 +455,8 @@ class ElementList(Sequence[_E]):
 
     def __setitem__(self, index: SupportsIndex | str | slice, value: object) -> None:
         """Raise `MjcfError`: elements of the list cannot be replaced. Set their attributes, or insert another one."""
-        raise failure(
-            "wrong-type",
-            f"a {self.tag} of a list cannot be set",
-            help=f"set its attributes, or remove it and `insert('{self.tag}', position, …)` another one",
-        )
+        help = f"set its attributes, or remove it and `insert('{self.tag}', position, …)` another one"
+        raise failure("wrong-type", f"a {self.tag} of a list cannot be set", help=help)
 
     def clear(self) -> None:
         """Remove all elements of the list from the model."""

@@ -52,14 +52,9 @@ _OF_CODES: dict[str, type[MjcfError]] = {
 
 
 def failure(
-    code: str,
-    message: str,
-    span: Span | None = None,
-    *,
-    notes: Iterable[Note] = (),
-    help: str | None = None,
+    code: str, message: str, span: Span | None = None, *, notes: Iterable[Note] = (), help: str | None = None,
     kind: type[MjcfError] | None = None,
-) -> MjcfError:
+) -> MjcfError:  # fmt: skip
     """Return an exception for one error, by default at the line of the caller's program."""
     return error_of(Diagnostic(code, message, span or call_site(), notes=tuple(notes), help=help), kind)
 

@@ -190,13 +190,11 @@ def check_references(model: Model, sink: Sink) -> None:
     for each in model.composition():
         for (node, attribute), (target, text) in each.awaited.items():
             if node.get(attribute) == text and each.has(node):
-                sink.error(
-                    "unknown-name",
+                message = (
                     f"{describe(each, node)} refers by `{spoken(attribute)}` to {describe_target(target)} of the model"
-                    f" `{target.model.name}`, which is not attached to `{model.name}`",
-                    each.span(node),
-                    help="attach it",
+                    f" `{target.model.name}`, which is not attached to `{model.name}`"
                 )
+                sink.error("unknown-name", message, each.span(node), help="attach it")
         depth = 0 if each is model else 1 + [*each.ancestors()].index(model)
         for namespace, uses in each.names.uses.items():
             declared = each.names.declared.get(namespace, {})  # has most of them, so it comes first

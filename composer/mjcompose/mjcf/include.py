@@ -188,12 +188,8 @@ def _check_names(model: Model, source: Model, other: Model, sink: Sink) -> None:
                     help="rename one of the two, or `attach` the other",
                 )
     for attached in source.attachments.keys() & model.attachments.keys():
-        sink.error(
-            "name-clash",
-            f"models called `{attached[:-1]}` are attached to both",
-            call_site(),
-            help="give one of the two another name first: `child.model = '…'`",
-        )
+        help = "give one of the two another name first: `child.model = '…'`"
+        sink.error("name-clash", f"models called `{attached[:-1]}` are attached to both", call_site(), help=help)
 
 
 def _settings(root: Node) -> Iterator[_Setting]:

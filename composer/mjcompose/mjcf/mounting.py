@@ -206,13 +206,9 @@ def _unknown_element(unit: Unit, node: Node, parent: ElementType, sink: Sink) ->
     if (other := of_other_version(node, None, unit.file)) is not None:
         sink.add(replace(other, span=span))
         return
-    sink.error(
-        "unknown-element",
-        f"`<{parent.tag}>` cannot have a `<{tag}>`",
-        span,
-        notes=(exists_note("element", sorted(parent.children), tag),),
-        help=did_you_mean(tag, parent.children, "<{}>"),
-    )
+    notes = (exists_note("element", sorted(parent.children), tag),)
+    message = f"`<{parent.tag}>` cannot have a `<{tag}>`"
+    sink.error("unknown-element", message, span, notes=notes, help=did_you_mean(tag, parent.children, "<{}>"))
 
 
 def _check_attributes(unit: Unit, node: Node, kind: ElementType, sink: Sink) -> None:
@@ -274,14 +270,10 @@ class Mounting:
             copied = self.copy(attachment.child)
             place = self._place(attachment, host, unit, prefix=prefix, own=own)
             part = Part(
-                copied,
-                prefix + attachment.child.prefix,
-                place,
-                keyframes="prefix",
-                mocap=attachment.frame.get("mocap") == "true",
-                span=model.span(attachment.frame),
+                copied, prefix + attachment.child.prefix, place, keyframes="prefix",
+                mocap=attachment.frame.get("mocap") == "true", span=model.span(attachment.frame),
                 outward=_outward_names(attachment.child, self.model),
-            )
+            )  # fmt: skip
             mounted = _Mounted(attachment, part, unit, parent_prefix=prefix, host=host)
             self.mounted.append(mounted)
             self._mount(attachment.child, copied, part.prefix, own=mounted)
@@ -376,12 +368,9 @@ def _joint(joint: Node, mounted: _Mounted, top_class: str, to_radians: bool) -> 
             return Joint("freejoint", {k: v for k, v in attributes.items() if k in ("name", "group")})
         if part.place.kind != "world":
             parent = mounted.attachment.parent
-            raise failure(
-                "not-supported",
-                f"the free joint of `{part.prefix}` has settings of its own, and can be in the world only",
-                parent.span(joint),
-                help="use a `freejoint`, or attach the model to the worldbody",
-            )
+            message = f"the free joint of `{part.prefix}` has settings of its own, and can be in the world only"
+            help = "use a `freejoint`, or attach the model to the worldbody"
+            raise failure("not-supported", message, parent.span(joint), help=help)
     attributes["class"] = top_class if written in (None, MAIN) else mounted.parent_prefix + written
     if to_radians:
         for name in _ANGULAR.get(kind, ()):

@@ -45,13 +45,10 @@ def escape_separators(model: Model) -> None:
         for name, node in names.items():
             taken = model.names.find(namespace, _escaped(name))
             if taken is not None:
-                sink.error(
-                    "name-clash",
-                    f"{describe(model, node)} would be called `{_escaped(name)}`, as another {namespace} is",
-                    model.span(node),
-                    notes=(Note("the other is here", model.span(taken)),),
-                    help="rename one of the two, or read the model without `escape_separators`",
-                )
+                message = f"{describe(model, node)} would be called `{_escaped(name)}`, as another {namespace} is"
+                help = "rename one of the two, or read the model without `escape_separators`"
+                notes = (Note("the other is here", model.span(taken)),)
+                sink.error("name-clash", message, model.span(node), notes=notes, help=help)
     raise_errors(sink)
     add_files(model, renamed_skins(model, _escaped))
     for names in declared.values():
@@ -77,11 +74,8 @@ def attach(model: Model, host: Node, child: Model) -> Node:
     """Attach `child` to a node and return the attachment frame. See `Element.attach`."""
     place = describe(model, host)
     if kind_of(host).path not in HOSTS or model.frame_above(host) is not None:
-        raise failure(
-            "attach-place",
-            f"nothing can be attached to {place}",
-            help="attach to a site, a body, a frame or the worldbody",
-        )
+        help = "attach to a site, a body, a frame or the worldbody"
+        raise failure("attach-place", f"nothing can be attached to {place}", help=help)
     if any(above.tag == "replicate" for above in host.iterancestors()):
         raise failure("not-supported", f"{place} is inside a `<replicate>`, which nothing can be attached to")
     if child is model or child in model.ancestors():
@@ -135,12 +129,9 @@ def _check_prefix(model: Model, child: Model, name: str, itself: Model | None = 
     prefix = f"{name}/"
     taken = model.attachments.get(prefix)
     if taken is not None and taken.child is not itself:
-        raise failure(
-            "name-clash",
-            f"a model called `{name}` is attached to `{model.name}` already",
-            notes=(Note("it was attached here", model.span(taken.frame)),),
-            help="give one of the two another name first: `other.model = '…'`",
-        )
+        message = f"a model called `{name}` is attached to `{model.name}` already"
+        help = "give one of the two another name first: `other.model = '…'`"
+        raise failure("name-clash", message, notes=(Note("it was attached here", model.span(taken.frame)),), help=help)
     full = prefix
     for here in (model, *model.ancestors()):
         for namespace, names in here.names.declared.items():
@@ -153,15 +144,13 @@ def _check_prefix(model: Model, child: Model, name: str, itself: Model | None = 
                     between = child.hung.find(namespace, rest)
                     found = None if between is None else Target(child.hung.parent, between)
                 if found is not None:
-                    raise failure(
-                        "name-clash",
-                        f"there is a {namespace} `{known}` in `{here.name}`, which would have two",
-                        notes=(
-                            Note("one is here", here.span(node)),
-                            Note("the other is here", found.model.span(found.node)),
-                        ),
-                        help="give one of the two another name, or the model: `other.model = '…'`",
+                    notes = (
+                        Note("one is here", here.span(node)),
+                        Note("the other is here", found.model.span(found.node)),
                     )
+                    message = f"there is a {namespace} `{known}` in `{here.name}`, which would have two"
+                    help = "give one of the two another name, or the model: `other.model = '…'`"
+                    raise failure("name-clash", message, notes=notes, help=help)
         full = here.prefix + full
 
 
@@ -247,11 +236,8 @@ class NodeView(Attributed):
         Raises `MjcfError` for an element that is copied alone.
         """
         if not memo:
-            raise failure(
-                "not-supported",
-                "an element cannot be copied without its model",
-                help="copy the model: `copy.deepcopy(element.root)`",
-            )
+            message = "an element cannot be copied without its model"
+            raise failure("not-supported", message, help="copy the model: `copy.deepcopy(element.root)`")
         return cast(Self, copied(self, memo))
 
     def __copy__(self) -> Self:

@@ -67,13 +67,10 @@ def from_path(
 
 @short_traceback
 def from_xml_string(
-    xml_string: str | bytes,
-    *,
-    assets: Mapping[str, bytes] | None = None,
-    base_dir: str | os.PathLike[str] | None = None,
-    escape_separators: bool = False,
+    xml_string: str | bytes, *, assets: Mapping[str, bytes] | None = None,
+    base_dir: str | os.PathLike[str] | None = None, escape_separators: bool = False,
     confine_to: Folders | None = None,
-) -> RootElement:
+) -> RootElement:  # fmt: skip
     """Read a model from MJCF text.
 
     `assets` has the bytes of files by their path in the model (including the folder that the compiler sets) or by
@@ -112,11 +109,8 @@ def from_file(
     'arm'
     """
     if not callable(getattr(file_object, "read", None)):
-        raise failure(
-            "wrong-type",
-            f"`file_object` expects an open file, got `{type(file_object).__name__}`",
-            help="`from_path` takes the path of a file, `from_xml_string` text",
-        )
+        message = f"`file_object` expects an open file, got `{type(file_object).__name__}`"
+        raise failure("wrong-type", message, help="`from_path` takes the path of a file, `from_xml_string` text")
     try:
         data = file_object.read()
     except (OSError, ValueError) as error:  # closed, or not open for reading
@@ -160,14 +154,10 @@ def from_zip(path: str | os.PathLike[str], *, escape_separators: bool = False) -
 
     def parse(sink: Sink) -> Unit | None:
         unit = parse_text(
-            bundle.files[bundle.model],
-            sink,
-            file=f"{archive}/{bundle.model}",
-            directory=archive / folder,
-            label=label,
-            contents=Files(files),
+            bundle.files[bundle.model], sink, file=f"{archive}/{bundle.model}", directory=archive / folder,
+            label=label, contents=Files(files),
             door=Door.of((archive,), f"the zip `{archive}`, which may read only itself"),
-        )
+        )  # fmt: skip
         if unit is not None:
             all_admitted(unit, sink)
         return unit
@@ -192,12 +182,9 @@ def _model(parse: Callable[[Sink], Unit | None], escape: bool) -> RootElement:
 
 @short_traceback
 def export_with_assets(
-    model: RootElement,
-    out_dir: str | os.PathLike[str],
-    model_filename: str = "model.xml",
-    *,
+    model: RootElement, out_dir: str | os.PathLike[str], model_filename: str = "model.xml", *,
     conflict: Policy = "error",
-) -> None:
+) -> None:  # fmt: skip
     """Write the model as `model_filename`, and its files below `assets/`, into the folder `out_dir`.
 
     The files of each model are in a folder named after the model. Files with equal bytes are stored once, and the same
@@ -229,12 +216,9 @@ def export_with_assets(
 
 @short_traceback
 def export_with_assets_as_zip(
-    model: RootElement,
-    zip_path: str | os.PathLike[str],
-    model_filename: str = "model.xml",
-    *,
+    model: RootElement, zip_path: str | os.PathLike[str], model_filename: str = "model.xml", *,
     conflict: Policy = "error",
-) -> None:
+) -> None:  # fmt: skip
     """Write the model and its files into a zip file, which MuJoCo can open directly (`MjSpec.from_zip`, MJZ).
 
     The bytes do not depend on the time, the path or the operating system. MuJoCo looks in the zip for `model.xml` or
@@ -264,11 +248,8 @@ def _files(model: RootElement, model_filename: str, conflict: Policy) -> tuple[d
         raise failure("wrong-type", f"a model is a `RootElement`, got {got}")
     is_xml = isinstance(model_filename, str) and model_filename.endswith(".xml")
     if not is_xml or Path(model_filename).name != model_filename:
-        raise failure(
-            "output-kind",
-            f"`model_filename` expects the name of an XML file, got `{model_filename}`",
-            help="a name without folders that ends in `.xml`",
-        )
+        message = f"`model_filename` expects the name of an XML file, got `{model_filename}`"
+        raise failure("output-kind", message, help="a name without folders that ends in `.xml`")
     flat = flatten(model._model, conflict)
     sink = Sink()
     files = collect(flat.unit, flat.files, sink)

@@ -75,11 +75,8 @@ def _renderer(model: Any, height: int, width: int) -> Any:
             size = f"{width} times {height} pixels"
             message = f"OpenGL has no room for a picture of {size}: {error}"
             raise failure("out-of-range", message) from error
-        raise failure(
-            "not-supported",
-            f"OpenGL is not available for rendering: {error}",
-            help="without a display set `MUJOCO_GL=egl` (or `osmesa`) before MuJoCo is imported",
-        ) from error
+        help = "without a display set `MUJOCO_GL=egl` (or `osmesa`) before MuJoCo is imported"
+        raise failure("not-supported", f"OpenGL is not available for rendering: {error}", help=help) from error
     finally:
         limits.offwidth, limits.offheight = kept
 
@@ -327,11 +324,8 @@ class Physics:
     def _kind(self, element: NodeView) -> str:
         kind = compiled_kind(element._node)
         if kind is None:
-            raise failure(
-                "not-supported",
-                f"{element._described()} is not an object of a compiled model",
-                notes=(exists_note("kind", sorted(KINDS), element.tag),),
-            )
+            message = f"{element._described()} is not an object of a compiled model"
+            raise failure("not-supported", message, notes=(exists_note("kind", sorted(KINDS), element.tag),))
         return kind
 
     def _found(self, element: NodeView, kind: str) -> int:

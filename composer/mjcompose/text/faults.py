@@ -409,26 +409,16 @@ def _block_text(it: ParserStop) -> SyntaxFault:
 
 
 _RULES: tuple[tuple[str, str, Callable[[ParserStop], SyntaxFault | None]], ...] = (
-    ("", "", _long_key),
-    ("", "", _template),
-    ("scanning an a", "", _alias),
-    ("", "cannot start|tab", _tab),
+    ("", "", _long_key), ("", "", _template), ("scanning an a", "", _alias), ("", "cannot start|tab", _tab),
     ("", "cannot start|mapping keys are not allowed", _reserved_start),
-    ("plain scalar", "unexpected ':'", _colon_in_flow),
-    ("", "", _glob_choice),
-    ("", "mapping values are not allowed", _mapping_not_allowed),
-    ("", "could not find expected ':'", _no_colon),
+    ("plain scalar", "unexpected ':'", _colon_in_flow), ("", "", _glob_choice),
+    ("", "mapping values are not allowed", _mapping_not_allowed), ("", "could not find expected ':'", _no_colon),
     ("", "sequence entries are not allowed", _list_in_line),
-    ("quoted scalar", "end of stream|document indicator", _open_quote),
-    ("quoted scalar", "", _escape),
-    ("flow sequence|flow mapping", "", _flow),
-    ("block scalar", "", _block_text),
+    ("quoted scalar", "end of stream|document indicator", _open_quote), ("quoted scalar", "", _escape),
+    ("flow sequence|flow mapping", "", _flow), ("block scalar", "", _block_text),
     ("block mapping|block collection", "", _block),
     ("", "node content", lambda it: it.fault(f"a value is missing before {it.shown}", it.span(it.at))),
     ("", "document start", lambda it: it.fault(f"{it.shown} is after the end of the document", it.span(it.at))),
-    ("tag", "", _tag),
-    ("", "tag", _tag),
-    ("directive", "", _directive),
-    ("", "YAML document", _directive),
-)
+    ("tag", "", _tag), ("", "tag", _tag), ("directive", "", _directive), ("", "YAML document", _directive),
+)  # fmt: skip
 """Patterns for the context and the problem in the parser's message, and the rule for them; the first one counts."""

@@ -190,9 +190,6 @@ def _report_changes(before: Lock, after: Lock, fresh: frozenset[str], recipe: Pa
         there = {name: digest for name, digest in now.files.items() if name in was.files}
         kept = {name: digest for name, digest in was.files.items() if name in there}
         if changes := differences(kept, there):
-            context.sink.error(
-                "source-changed",
-                f"`{id}` has other files than the lock pins",
-                notes=[Note(change) for change in changes[:8]],
-                help=f"to accept the changes, run `mjcompose lock {recipe} --upgrade-source {now.used_by[0]}`",
-            )
+            help = f"to accept the changes, run `mjcompose lock {recipe} --upgrade-source {now.used_by[0]}`"
+            message = f"`{id}` has other files than the lock pins"
+            context.sink.error("source-changed", message, notes=[Note(change) for change in changes[:8]], help=help)

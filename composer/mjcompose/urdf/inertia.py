@@ -61,13 +61,10 @@ def bad_inertias(robot: Robot) -> Iterator[Bad]:
 def report(robot: Robot, sink: Sink, notes: tuple[Note, ...]) -> None:
     for bad in bad_inertias(robot):
         sink.error(
-            CODE,
-            f"the link `{bad.link.get('name')}` has an impossible inertia: {bad.why}",
-            _span(robot, bad),
-            notes=notes,
-            help="correct it, or add `urdf: {inertia: repair}` next to `model`",
+            CODE, f"the link `{bad.link.get('name')}` has an impossible inertia: {bad.why}", _span(robot, bad),
+            notes=notes, help="correct it, or add `urdf: {inertia: repair}` next to `model`",
             cause=Cause(f"inertia {robot.unit.file}", f"`{bad.link.get('name')}`: {bad.why}"),
-        )
+        )  # fmt: skip
 
 
 def _span(robot: Robot, bad: Bad) -> Span:

@@ -252,12 +252,9 @@ class UrdfReader:
         roots = [link for link in robot.root.iterchildren("link") if str(link.get("name")) not in children]
         if len(roots) > 1:
             names = ", ".join(f"`{link.get('name')}`" for link in roots[:8])
-            self.sink.warning(
-                "urdf-roots",
-                f"{len(roots)} links have no parent, but a URDF has one such link: {names}",
-                self._span(roots[1], "name"),
-                help="write a `<joint>` to all of them except one; MuJoCo puts all in the world",
-            )
+            message = f"{len(roots)} links have no parent, but a URDF has one such link: {names}"
+            help = "write a `<joint>` to all of them except one; MuJoCo puts all in the world"
+            self.sink.warning("urdf-roots", message, self._span(roots[1], "name"), help=help)
 
     def _report_unread(self, robot: Robot) -> None:
         """Warn of everything that MuJoCo ignores in `<mujoco>`, including typing errors."""

@@ -63,11 +63,8 @@ def moment_of(environment: Mapping[str, str]) -> Moment:
     epoch, seconds = environment.get("SOURCE_DATE_EPOCH"), _FIRST_SECOND
     if epoch:
         if not (epoch.isascii() and epoch.removeprefix("-").isdigit()):
-            raise OutputError(
-                "output-unwritable",
-                f"the environment variable `SOURCE_DATE_EPOCH` is `{epoch}`, no whole number of seconds",
-                "unset it, or give it the seconds since 1970-01-01",
-            )
+            message = f"the environment variable `SOURCE_DATE_EPOCH` is `{epoch}`, no whole number of seconds"
+            raise OutputError("output-unwritable", message, "unset it, or give it the seconds since 1970-01-01")
         seconds = min(max(int(epoch[:20]), _FIRST_SECOND), _LAST_SECOND)
     moment = time.gmtime(seconds)
     return moment.tm_year, moment.tm_mon, moment.tm_mday, moment.tm_hour, moment.tm_min, moment.tm_sec
@@ -119,11 +116,8 @@ def form_of(out: str | PathLike[str]) -> OutputForm:
         return OutputForm.FOLDER
     form = _SUFFIXES.get(path.suffix.lower())
     if form is None:
-        raise OutputError(
-            "output-kind",
-            f"no output is called `*{path.suffix}`: `{name}`",
-            f"end it in `.mjz`, `.zip`, `.xml`, `.mjb` or `.usdz`, or write `{name}/` for a folder",
-        )
+        help = f"end it in `.mjz`, `.zip`, `.xml`, `.mjb` or `.usdz`, or write `{name}/` for a folder"
+        raise OutputError("output-kind", f"no output is called `*{path.suffix}`: `{name}`", help)
     return form
 
 

@@ -59,9 +59,7 @@ def report_unlicensed(rows: Iterable[Row], context: Context) -> None:
     names = ", ".join(f"`{row.part}`" for row in bare[:20])
     if len(bare) > 20:
         names += f" and {len(bare) - 20} other parts"
-    context.sink.warning(
-        "license-missing",
-        f"nothing says under which license {names} may be passed on",
-        help="put a `LICENSE` with its text next to the model, or"
-        " `<!-- SPDX-License-Identifier: CC-BY-4.0 -->` at its top",
+    help = (
+        "put a `LICENSE` with its text next to the model, or `<!-- SPDX-License-Identifier: CC-BY-4.0 -->` at its top"
     )
+    context.sink.warning("license-missing", f"nothing says under which license {names} may be passed on", help=help)

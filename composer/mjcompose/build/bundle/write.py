@@ -195,13 +195,9 @@ def needed_files(bundle: Bundle) -> list[str]:
 
 
 def write_usd(
-    bundle: Bundle,
-    out: Path,
-    environment: Mapping[str, str],
-    warn: Callable[[str], None],
-    *,
+    bundle: Bundle, out: Path, environment: Mapping[str, str], warn: Callable[[str], None], *,
     session: engine.Session | None = None,
-) -> None:
+) -> None:  # fmt: skip
     """Write the model as USD: one layer (`.usd`, `.usda`, `.usdc`), or a package with its textures (`.usdz`).
 
     `warn` receives the converter's warnings, such as elements that USD cannot represent. The same model gives the
@@ -287,14 +283,9 @@ def _manifest(out: Path | str) -> bytes:
 
 
 def write(
-    bundle: Bundle,
-    out: str | PathLike[str],
-    *,
-    environment: Mapping[str, str],
-    session: engine.Session | None = None,
-    packing: Packing = pack_file,
-    warn: Callable[[str], None] = lambda _: None,
-) -> OutputForm:
+    bundle: Bundle, out: str | PathLike[str], *, environment: Mapping[str, str],
+    session: engine.Session | None = None, packing: Packing = pack_file, warn: Callable[[str], None] = lambda _: None,
+) -> OutputForm:  # fmt: skip
     """Write the bundle to `out` in the form for its name, and return the form.
 
     The output is complete, or OutputError is raised and everything is as before. `environment` may hold

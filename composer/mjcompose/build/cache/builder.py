@@ -158,14 +158,9 @@ class Maker:
     """
 
     def __init__(
-        self,
-        recipe: Path,
-        options: BuildOptions,
-        cache: Cache | None,
-        context: Context,
-        form: str | None = None,
+        self, recipe: Path, options: BuildOptions, cache: Cache | None, context: Context, form: str | None = None,
         place: OutputLocator = no_output,
-    ) -> None:
+    ) -> None:  # fmt: skip
         is_piped = recipe.name == STDIN  # the cache compares files
         self.recipe, self.options, self.context = recipe, options, context
         self.cache = None if is_piped else cache
@@ -207,15 +202,9 @@ class Maker:
         return made, ()
 
     def make(
-        self,
-        context: Context,
-        session: Session,
-        choice: ModelChoice,
-        *,
-        key: CacheKey | None = None,
-        why: tuple[str, ...] = (),
-        outcomes: list[Outcome] | None = None,
-    ) -> BuildResult | None:
+        self, context: Context, session: Session, choice: ModelChoice, *, key: CacheKey | None = None,
+        why: tuple[str, ...] = (), outcomes: list[Outcome] | None = None,
+    ) -> BuildResult | None:  # fmt: skip
         """Plan the model, and build it unless the cache has the plan; report errors."""
         from mjcompose.build import stages
 
@@ -365,13 +354,9 @@ class Maker:
         return replace(record, sha256=bundle.sha256, files=self._kept(bundle, known), recipes=recipes)
 
     def _keep(
-        self,
-        result: BuildResult,
-        outcomes: Sequence[Outcome],
-        context: Context,
-        cell: str | None,
+        self, result: BuildResult, outcomes: Sequence[Outcome], context: Context, cell: str | None,
         text: bytes | None = None,
-    ) -> None:
+    ) -> None:  # fmt: skip
         """Store a model that was built now, unless one of its inputs has changed meanwhile."""
         from mjcompose.build.bundle.assemble import portable
         from mjcompose.build.bundle.bundle import MANIFEST

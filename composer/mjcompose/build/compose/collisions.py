@@ -30,13 +30,9 @@ _COLLIDING = ("contype", "conaffinity")
 
 
 def set_collisions(
-    plan: Plan,
-    linking: Linking,
-    making: ElementBuilder,
-    context: Context,
-    session: engine.Session | None,
+    plan: Plan, linking: Linking, making: ElementBuilder, context: Context, session: engine.Session | None,
     samples: bool = True,
-) -> list[tuple[Node, str]]:
+) -> list[tuple[Node, str]]:  # fmt: skip
     """Write the excludes and pairs that the recipe describes by its parts, in the order of the file.
 
     Return the excludes that MuJoCo finds, each with the reason; "" for bodies that touch.

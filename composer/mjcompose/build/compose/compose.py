@@ -137,15 +137,9 @@ class Composer:
     """
 
     def __init__(
-        self,
-        context: Context,
-        measure: Measure | None,
-        session: Session | None = None,
-        *,
-        watch: Watch = nobody,
-        library: Library | None = None,
-        options: ComposeOptions | None = None,
-    ) -> None:
+        self, context: Context, measure: Measure | None, session: Session | None = None, *, watch: Watch = nobody,
+        library: Library | None = None, options: ComposeOptions | None = None,
+    ) -> None:  # fmt: skip
         self.context, self.measure, self.watch = context, measure, watch
         self.options = options or ComposeOptions()
         self.notes_parts = self.options.notes_parts

@@ -62,14 +62,9 @@ def make_plan(
 
 
 def plan_what_remains(
-    recipe: Path,
-    context: Context,
-    given: Given | None = None,
-    *,
-    name: str | None = None,
-    sample: int = 0,
+    recipe: Path, context: Context, given: Given | None = None, *, name: str | None = None, sample: int = 0,
     worlds: bool = False,
-) -> Plan | None:
+) -> Plan | None:  # fmt: skip
     """Return the plan without its faulty pieces, so later stages can find more errors; None without a base.
 
     `name` is the name of a cell of the matrix. Without it, the plan has the recipe's name, and the matrix is checked.

@@ -98,13 +98,10 @@ def _no_target(value: Mapping[str, Any]) -> Fault:
     to = str(value[_TO])
     near = closest(to, _KINDS)
     return Fault(
-        "wrong-keyword",
-        f"an actuator cannot be converted to {kind_of(value[_TO])}",
-        (_TO,),
-        notes=(exists_note("kind", _KINDS, to),),
-        help=f"write `to: {near[0]}`" if near else None,
+        "wrong-keyword", f"an actuator cannot be converted to {kind_of(value[_TO])}", (_TO,),
+        notes=(exists_note("kind", _KINDS, to),), help=f"write `to: {near[0]}`" if near else None,
         fix=renaming(to, _KINDS),
-    )
+    )  # fmt: skip
 
 
 def _conditions() -> list[Schema]:

@@ -87,21 +87,15 @@ def _move(editing: Editing, node: Node, index: int, to: str | Frame, at: Path) -
     target = _target(editing, node, index, to=to, at=(*at, "to"))
     span = editing.span((*at, "to"))
     if node is target or node in list(target.iterancestors()):
-        editing.sink.error(
-            "wrong-type",
-            f"{editing.called(node)} cannot be moved into itself",
-            span,
-            subjects=(*editing.subjects(node), *editing.subjects(target)),
-        )
+        message = f"{editing.called(node)} cannot be moved into itself"
+        editing.sink.error("wrong-type", message, span, subjects=(*editing.subjects(node), *editing.subjects(target)))
         raise UnusableValue
     kind = kind_of(target)
     if str(node.tag) not in kind.children:
+        message = f"{editing.called(node)} cannot stand in {editing.called(target)}"
+        notes = (Note("it is written here", editing.span_of(node)),)
         editing.sink.error(
-            "unknown-element",
-            f"{editing.called(node)} cannot stand in {editing.called(target)}",
-            span,
-            notes=(Note("it is written here", editing.span_of(node)),),
-            subjects=(*editing.subjects(node), *editing.subjects(target)),
+            "unknown-element", message, span, notes=notes, subjects=(*editing.subjects(node), *editing.subjects(target))
         )
         raise UnusableValue
     _check_free(editing, node, target, at=at)

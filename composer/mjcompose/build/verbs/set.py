@@ -97,13 +97,8 @@ def _remove(editing: Editing, found: list[Node], going: Mapping[str, Any], at: P
             given = next((node for node in found if editing.effective(node, name) is not None), None)
             by_class = given is not None and kind_of(given).takes_class and _by_class(editing, given, name)
             help = "its class gives it: change it there, `select: {default: CLASS}`" if by_class else None
-            editing.sink.error(
-                "unknown-attribute",
-                f"`{name}` is written on none of the selected elements",
-                editing.span(path, key=True),
-                help=help,
-                subjects=(name,),
-            )
+            message = f"`{name}` is written on none of the selected elements"
+            editing.sink.error("unknown-attribute", message, editing.span(path, key=True), help=help, subjects=(name,))
             raise UnusableValue
         for node in writing:
             editing.write(node, {name: path})
@@ -140,13 +135,10 @@ def _report_newly_missing(
             notes = fault.all_notes()
             notes.append(Note("it is written here", editing.span_of(node)))
             editing.sink.error(
-                fault.code,
-                fault.message,
-                editing.span((*at, name), key=True),
-                notes=notes,
+                fault.code, fault.message, editing.span((*at, name), key=True), notes=notes,
                 help=f"leave `{name}` where it is, or set its replacement in the same entry",
                 subjects=(*fault.names, *editing.subjects(node)),
-            )
+            )  # fmt: skip
             raise UnusableValue
 
 

@@ -201,13 +201,9 @@ class OutsideFilesError(Exception):
 
 
 def verify(
-    bundle: Bundle,
-    *,
-    limits: engine.Limits | None = None,
-    session: engine.Session | None = None,
-    keep: str | None = None,
-    stranger: str | None = None,
-) -> Verified:
+    bundle: Bundle, *, limits: engine.Limits | None = None, session: engine.Session | None = None,
+    keep: str | None = None, stranger: str | None = None,
+) -> Verified:  # fmt: skip
     """Compile the bundle in a folder of its own, as a user would, and run one mj_forward.
 
     If the bundle may come from anyone, `stranger` is its name in messages; it is then compiled only if it

@@ -174,13 +174,9 @@ class _Comparison:
     notes: KeyNotes
 
     def differences(
-        self,
-        meant: Meant,
-        row: Mapping[str, list[float]],
-        computed: Mapping[Any, Span],
-        *,
+        self, meant: Meant, row: Mapping[str, list[float]], computed: Mapping[Any, Span], *,
         controls: Sequence[float | None] | None,
-    ) -> Iterator[_Difference]:
+    ) -> Iterator[_Difference]:  # fmt: skip
         """Yield the unexpected numbers of a key. `controls` are those that MuJoCo has `computed`."""
         for vector in VECTORS:
             values = meant.get(vector, {})

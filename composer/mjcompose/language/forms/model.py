@@ -240,14 +240,10 @@ class Exclusive:
         if others:
             last = others[-1]
             yield Fault(
-                EXCLUSIVE,
-                f"{IT} has both `{first}` and `{last}`, of which only one is allowed",
-                (last,),
-                key=True,
+                EXCLUSIVE, f"{IT} has both `{first}` and `{last}`, of which only one is allowed", (last,), key=True,
                 related=((f"`{first}` is written here", (first,)),),
-                help=self.help or f"leave `{first}` or `{last}` out",
-                names=(first, last),
-            )
+                help=self.help or f"leave `{first}` or `{last}` out", names=(first, last),
+            )  # fmt: skip
 
     def schema(self) -> Iterator[Schema]:
         for index, name in enumerate(self.names[:-1]):
@@ -266,14 +262,9 @@ class OneOf(Exclusive):
     exclusive = True
 
     def __init__(
-        self,
-        *names: str,
-        lacks: str,
-        advice: str,
-        help: str | None = None,
-        unless: str | None = None,
+        self, *names: str, lacks: str, advice: str, help: str | None = None, unless: str | None = None,
         noun: str | None = None,
-    ) -> None:
+    ) -> None:  # fmt: skip
         super().__init__(*names, help=help)
         self.lacks, self.advice, self.unless, self.noun = lacks, advice, unless, noun
 
@@ -334,13 +325,10 @@ class Bars:
         for other in value if self.name in value else ():
             if other in self.others:
                 yield Fault(
-                    EXCLUSIVE,
-                    f"{IT} {self.why}, and has `{other}` as well",
-                    (other,),
-                    key=True,
+                    EXCLUSIVE, f"{IT} {self.why}, and has `{other}` as well", (other,), key=True,
                     related=((f"`{self.name}` is written here", (self.name,)),),
                     help=f"leave `{self.name}` or `{other}` out",
-                )
+                )  # fmt: skip
 
     def schema(self) -> Iterator[Schema]:
         others: Schema = {**dict.fromkeys(self.others, False)}

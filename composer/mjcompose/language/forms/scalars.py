@@ -97,13 +97,9 @@ class Name:
     what: str
 
     def __init__(
-        self,
-        *scope: str,
-        glob: bool = False,
-        computed: bool = False,
-        inside: str | None = None,
+        self, *scope: str, glob: bool = False, computed: bool = False, inside: str | None = None,
         what: str | None = None,
-    ) -> None:
+    ) -> None:  # fmt: skip
         tags = " or ".join(f"{'an' if tag[0] in 'aeiou' else 'a'} {tag}" for tag in scope)
         usual = (f"a glob over names: {tags}" if glob else f"the name of {tags}") if scope else "a name"
         values = {"scope": scope, "glob": glob, "computed": computed, "inside": inside, "what": what or usual}

@@ -181,9 +181,6 @@ def _narrowed(found: Contrast, tolerance: float, only: Collection[str]) -> Contr
     if not only:
         return found if tolerance == 0 else replace(found, arrays=())
     return replace(
-        found,
-        changes=tuple(each for each in found.changes if each.kind.partition("/")[0] in only),
-        moves=found.moves if ADDRESSES in only else (),
-        counts=found.counts if COUNTS in only else (),
-        arrays=(),
-    )
+        found, changes=tuple(each for each in found.changes if each.kind.partition("/")[0] in only),
+        moves=found.moves if ADDRESSES in only else (), counts=found.counts if COUNTS in only else (), arrays=(),
+    )  # fmt: skip

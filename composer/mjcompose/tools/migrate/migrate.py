@@ -68,11 +68,8 @@ def known(text: str, option: str, context: Context) -> str | None:
     """Return the release that the user names, or None if there is no such release, which is reported."""
     found = release(text)
     if found is None:
-        context.sink.error(
-            "migrate-version",
-            f"mjcompose cannot migrate from or to `{option} {text}`",
-            help=f"name a version from {RELEASED[0]} to {RELEASED[-1]}; `{option} 3.1` is the last 3.1",
-        )
+        help = f"name a version from {RELEASED[0]} to {RELEASED[-1]}; `{option} 3.1` is the last 3.1"
+        context.sink.error("migrate-version", f"mjcompose cannot migrate from or to `{option} {text}`", help=help)
     return found
 
 
@@ -167,11 +164,8 @@ def migrate(
             mark = _MARK if data.startswith(_MARK) else b""
             new = mark + text.encode("utf-8", "surrogateescape")
             if result.files.setdefault(path, (data, new))[1] != new:
-                context.sink.error(
-                    "migrate-cannot",
-                    f"two of these models include `{context.shown(path)}`, and each needs another text of it",
-                    help="make a copy for one of the models",
-                )
+                message = f"two of these models include `{context.shown(path)}`, and each needs another text of it"
+                context.sink.error("migrate-cannot", message, help="make a copy for one of the models")
                 return None
     result.steps = tuple(step for editing in whole for step in editing.steps)
     result.meanings = (*pieces.left, *(each for editing in whole for each in editing.meanings))
@@ -275,12 +269,9 @@ def _matched(markup: Markup, nodes: list[Node], is_included: bool) -> list[Node 
 
 
 def _cannot_edit(path: Path, context: Context) -> None:
-    context.sink.error(
-        "migrate-cannot",
-        f"mjcompose cannot edit the text of `{context.shown(path)}`",
-        help="build a recipe with this model as its `base`, and migrate the result",
-        cause=Cause("form", str(path)),
-    )
+    help = "build a recipe with this model as its `base`, and migrate the result"
+    message = f"mjcompose cannot edit the text of `{context.shown(path)}`"
+    context.sink.error("migrate-cannot", message, help=help, cause=Cause("form", str(path)))
 
 
 def _assets(unit: Unit) -> Iterator[Path]:
