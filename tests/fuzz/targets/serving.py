@@ -37,11 +37,25 @@ _LINES = (
 _METHODS = ("GET", "POST", "HEAD", "PUT", "OPTIONS", "TRACE", "get", "", "GET GET")
 
 
+_POSE = {"pos": [0.1, 0, 0], "quat": [1, 0, 0, 0]}
+_CHANGES: list[dict[str, Any]] = [
+    {"kind": "place", "version": 0, "at": ["{secret}", 1, 1], **_POSE}, {"kind": "look", "version": 0, "at": ["a.yaml", 1, 1]},
+    {"kind": "edit", "version": 0, "of": "site", "index": 0, **_POSE}, {"kind": "undo", "texts": {"{secret}": "a"}},
+    {"kind": "attach", "version": 0, "prefix": "a", "model": "{secret}", "site": 0}, {"kind": "models", "version": 0},
+]  # fmt: skip
+
+
 def _requests(corpus: Path | None) -> Iterator[Seed]:
     for key in ("", "page.js", "page.css", "model/0", "blob/b", "none"):
         yield Seed(f"GET /{{token}}/{key} HTTP/1.1\r\nHost: {{host}}\r\n\r\n".encode())
     play = {"playing": False, "qpos": [0.0], "ctrl": [], "key": -1}
-    for key, said in (("play", play), ("pose", {"ctrl": [1]}), ("shown", {}), ("choose", {"name": "a", "value": "b"})):
+    for key, said in (
+        ("play", play),
+        ("pose", {"ctrl": [1]}),
+        ("shown", {}),
+        ("choose", {"name": "a", "value": "b"}),
+        *(("change", each) for each in _CHANGES),
+    ):
         body = json.dumps(said)
         head = f"POST /{{token}}/{key} HTTP/1.1\r\nHost: {{host}}\r\nOrigin: http://{{host}}\r\nContent-Type: application/json"
         yield Seed(f"{head}\r\nContent-Length: {len(body)}\r\n\r\n{body}".encode())
@@ -83,7 +97,7 @@ class _Shop:
 @cache
 def _served() -> tuple[Server, Path, list[str]]:
     """A server, a file beside it, and what its threads have opened."""
-    server = Server(cast(Workshop, _Shop()), "127.0.0.1", 0)
+    server = Server(cast(Workshop, _Shop()), "127.0.0.1", 0, writes=True)
     threading.Thread(target=server.run, daemon=True).start()
     folder = tempfile.TemporaryDirectory(prefix="mjcompose-fuzz-")
     atexit.register(folder.cleanup)
@@ -127,7 +141,19 @@ def check_request(path: Path, tools: Tools) -> str | None:
         return f"opened: {opened.pop()}"
     words = sent.split(b"\r\n")[0].split(b" ")
     status = int(found[9:12]) if re.match(rb"HTTP/1\.1 \d{3} ", found) else 0
-    keys = {b"", b"page.js", b"page.css", b"model/0", b"blob/b", b"events", b"play", b"pose", b"shown", b"choose"}
+    keys = {
+        b"",
+        b"page.js",
+        b"page.css",
+        b"model/0",
+        b"blob/b",
+        b"events",
+        b"play",
+        b"pose",
+        b"shown",
+        b"choose",
+        b"change",
+    }
     allowed = len(words) > 1 and words[1] in {f"/{token}/".encode() + key for key in keys}
     if status not in (0, 100, 200, 204, 400, 403, 404):
         return f"status-{status}"

@@ -9,7 +9,6 @@ from typing import Any, TypeAlias
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Path as Steps
 from mjcompose.base.sink import Sink
-from mjcompose.language.value import is_unprintable
 from mjcompose.text.faults import quoted, word
 from mjcompose.text.load import load
 from mjcompose.text.node import (
@@ -52,7 +51,7 @@ def name_text(name: str) -> str:
     """Return a name as YAML that means the same name again."""
     text = word(name)
     text = text if isinstance(resolve(text), str) else quoted(name)
-    if not name or is_unprintable(name) or value_of(text) != name:
+    if not name.isprintable() or not name or value_of(text) != name:
         raise Refused("this name has characters that a recipe cannot have")
     return text
 
