@@ -118,3 +118,29 @@ def test_what_is_wrong_is_a_line(folder: Path, words: list[str], code: int, said
     assert said in result.output
     assert result.exit_code == code
     assert not (folder / "build").exists() and "Traceback" not in result.output
+
+
+def test_a_picture_looks_at_an_element_with_names_and_parts_apart(folder: Path) -> None:
+    (folder / "two.xml").write_text(MODEL.replace("<body pos", '<body name="left/a" pos').replace(
+        "</worldbody>", '<body name="right/b" pos="3 0 1"><geom name="far" size="0.2"/></body></worldbody>'
+    ))  # fmt: skip
+    for number, words in enumerate(([], ["--look", "geom/far"], ["--explode"], ["--labels", "body,geom"])):
+        result = _run("two.xml", "-o", f"{number}.png", "--size", "64x48", *words)
+        assert (result.exit_code, result.output) == (0, f"wrote {number}.png\n")
+    assert len({(folder / f"{number}.png").read_bytes() for number in range(4)}) == 4
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["--look", "far"], "is not an element: write body/NAME"),
+        (["--look", "geom/fax"], "the geom `fax` does not exist"),
+        (["--look", "geom/ball", "--camera", "front"], "both choose the view"),
+        (["--labels", "site,links"], "`links` is not a kind with labels"),
+        (["--explode", "--play", "1"], "for a model at rest"),
+    ],
+)
+def test_a_wrong_subject_is_an_error(folder: Path, words: list[str], message: str) -> None:
+    result = _run("ball.xml", "-o", "a.png", *words)
+    assert result.exit_code and not (folder / "a.png").exists()
+    assert message in result.output

@@ -144,6 +144,25 @@ def _size(context: click.Context, option: click.Parameter, text: str | None) -> 
     return size
 
 
+def _look(context: click.Context, option: click.Parameter, text: str | None) -> tuple[str, str] | None:
+    from mjcompose.tools.view.render import LOOKS, look_of
+
+    found = None if text is None else look_of(text)
+    if text is not None and found is None:
+        kinds = ", ".join(f"{kind}/NAME" for kind in LOOKS)
+        raise click.BadParameter(f"`{text}` is not an element: write {kinds}.")
+    return found
+
+
+def _labels(context: click.Context, option: click.Parameter, text: str | None) -> tuple[str, ...]:
+    from mjcompose.tools.view.render import LABELS
+
+    kinds = () if text is None else tuple(each.strip() for each in text.split(","))
+    if wrong := next((each for each in kinds if each not in LABELS), None):
+        raise click.BadParameter(f"`{wrong}` is not a kind with labels: write {', '.join(LABELS)}.")
+    return kinds
+
+
 def _color(context: click.Context, option: click.Parameter, text: str | None) -> tuple[int, int, int, int] | None:
     from mjcompose.tools.view.render import COLORS, color_of
 
@@ -165,8 +184,13 @@ class RenderOptions:
     )  # fmt: skip
     size: tuple[int, int] | None = option(
         "--size", callback=_size, metavar="WIDTHxHEIGHT",
-        help="The size in pixels. Default: 960x720, or 320x240 for each picture of a contact sheet.",
+        help="The size in pixels. Default: 1920x1440, 960x720 for a film, 640x480 for each picture of a contact sheet.",
     )  # fmt: skip
+    look: tuple[str, str] | None = option("--look", callback=_look, metavar="KIND/NAME", help="Fill the picture with a"
+                                          " body and its parts, a geom, a site or a joint: body/arm/base.")  # fmt: skip
+    explode: bool = flag("--explode", help="Move the parts apart, with lines to their places.")
+    labels: tuple[str, ...] = option("--labels", callback=_labels, metavar="KINDS", help="Show names of sites, joints,"
+                                     " bodies or geoms: --labels site,joint.")  # fmt: skip
     background: tuple[int, int, int, int] | None = option(
         "--background", callback=_color, metavar="COLOR",
         help="#RRGGBB, white, black, grey or transparent. Default: the model's sky, or grey if it has none.",
@@ -191,7 +215,7 @@ def render(options: RenderOptions, run: Run) -> Answer:
     """
     from mjcompose.mujoco.engine import Session
     from mjcompose.tools.diff.sides import read_operand
-    from mjcompose.tools.view.render import TILE, Wish
+    from mjcompose.tools.view.render import FILM, TILE, Wish
 
     given = options.choices.values(run.context)
     several, moves = not options.cells.one, options.turntable or options.play is not None
@@ -200,10 +224,15 @@ def render(options: RenderOptions, run: Run) -> Answer:
         raise click.UsageError("A contact sheet does not move: remove --turntable and --play.")
     if options.turntable and options.camera is not None:
         raise click.UsageError("--turntable goes around the whole model: remove --camera.")
+    if options.look is not None and options.camera is not None:
+        raise click.UsageError("--look and --camera both choose the view: remove one of them.")
+    if options.explode and options.play is not None:
+        raise click.UsageError("--explode is for a model at rest: remove --play.")
     run.check()
     wish = Wish(
-        options.size or (TILE if several else Wish().size), options.key, options.camera,
-        background=options.background, turntable=options.turntable, play=options.play,
+        options.size or (TILE if several else FILM if moves else Wish().size), options.key, options.camera,
+        background=options.background, turntable=options.turntable, play=options.play, look=options.look,
+        explode=options.explode, labels=options.labels,
     )  # fmt: skip
     with ExitStack() as opened:
         operand = read_operand(options.target, run.context, opened)

@@ -14,6 +14,7 @@ from mjcompose.base.dataclass import dataclass
 from mjcompose.mujoco.attributes import names, place
 from mjcompose.mujoco.controls import advance
 from mjcompose.mujoco.film import NoEncoder, encoder, gif, png, write_mp4
+from mjcompose.mujoco.subject import corners, decorate, explode, points_of
 
 SKYLESS = (235, 235, 235, 1)
 """The background of a model without a sky. MuJoCo 4.0 leaves it black, which hides dark models."""
@@ -36,26 +37,25 @@ def over(picture: Any, drawn: Any, background: tuple[int, int, int, int] | None)
 
 _MARGIN = 1.08
 _ROUNDS = 4
-_SHOWN_GROUPS = 3
-_CORNERS = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=float)
 # MuJoCo's default view: straight at one side, and steeply down.
 _UNSAID = (90.0, -45.0)
 _OBLIQUE = (135.0, -22.0)
 _AMBIENT, _DIFFUSE, _SPECULAR = 0.3, 0.6, 0.3
 
 
-def camera(mujoco: Any, scenes: Sequence[tuple[Any, Any]], aspect: float) -> Any:
+def camera(mujoco: Any, scenes: Sequence[tuple[Any, Any]], aspect: float, subject: Any = None) -> Any:
     """Return the free camera that shows the whole of some models, each with its data.
 
     It looks in the direction of the first model's `azimuth` and `elevation` in `visual/global`, or obliquely if
-    these are MuJoCo's defaults. `aspect` is the width of the picture divided by its height.
+    these are MuJoCo's defaults. `aspect` is the width of the picture divided by its height, `subject` the points to
+    show instead of the whole.
     """
     model = scenes[0][0]
     free = mujoco.MjvCamera()
     mujoco.mjv_defaultFreeCamera(model, free)
     if (free.azimuth, free.elevation) == _UNSAID:
         free.azimuth, free.elevation = _OBLIQUE
-    points = np.concatenate([corners(mujoco, *each) for each in scenes])
+    points = np.concatenate([corners(mujoco, *each) for each in scenes]) if subject is None else subject
     if not len(points):
         return free
     azimuth, elevation = math.radians(free.azimuth), math.radians(free.elevation)
@@ -80,33 +80,6 @@ def camera(mujoco: Any, scenes: Sequence[tuple[Any, Any]], aspect: float) -> Any
     free.lookat[:] = at
     free.distance = max(float((np.abs(seen[:, :2]) / slopes - seen[:, 2:]).max()), 1e-6)
     return free
-
-
-def corners(mujoco: Any, model: Any, data: Any) -> Any:
-    """Return the corners of the boxes around all drawn geoms; the ground counts only if there is nothing else."""
-    drawn = [each for each in range(model.ngeom) if _is_drawn(model, each)]
-    plane, terrain = int(mujoco.mjtGeom.mjGEOM_PLANE), int(mujoco.mjtGeom.mjGEOM_HFIELD)
-    solid = [each for each in drawn if int(model.geom_type[each]) not in (plane, terrain)]
-    found = [np.zeros((0, 3))]
-    for geom in solid or drawn:
-        center, half = model.geom_aabb[geom][:3], model.geom_aabb[geom][3:]
-        if model.geom_type[geom] == plane:
-            half = model.geom_size[geom][:2]  # 0 for infinite, which counts as 1
-            center, half = np.zeros(3), np.array([*np.where(half > 0, half, 1.0), 0.0])
-        rotation = data.geom_xmat[geom].reshape(3, 3)
-        found.append((center + _CORNERS * half) @ rotation.T + data.geom_xpos[geom])
-    if model.nflexvert:
-        found.append(data.flexvert_xpos.reshape(-1, 3))
-    if model.nskin:
-        found.append(data.xpos[model.skin_bonebodyid])
-    points = np.concatenate(found)
-    return points[np.isfinite(points).all(axis=1)]
-
-
-def _is_drawn(model: Any, geom: int) -> bool:
-    material = int(model.geom_matid[geom])
-    rgba = model.geom_rgba[geom] if material < 0 else model.mat_rgba[material]
-    return int(model.geom_group[geom]) < _SHOWN_GROUPS and float(rgba[3]) > 0
 
 
 @contextmanager
@@ -167,6 +140,8 @@ class Look:
     height: int = 480
     background: tuple[int, int, int, int] | None = None
     is_tile: bool = False
+    explode: bool = False
+    labels: tuple[str, ...] = ()
 
     @property
     def aspect(self) -> float:
@@ -182,13 +157,14 @@ class Stage:
         if key is not None:
             mujoco.mj_resetDataKeyframe(model, self.data, model.key(key).id)
         place(mujoco, model, self.data)
+        self.links = explode(mujoco, model, self.data) if look.explode else []
         self._prepare_buffers()
         try:
             from mujoco.gl_context import GLContext
 
             self._window = GLContext(look.width * _FINER, look.height * _FINER)
             self._window.make_current()
-            self._drawing = mujoco.MjrContext(model, mujoco.mjtFontScale.mjFONTSCALE_100.value)
+            self._drawing = mujoco.MjrContext(model, self._font_scale())
         except Exception as error:
             raise NoOpenGL(str(error).strip() or type(error).__name__) from error
         mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN.value, self._drawing)
@@ -205,9 +181,13 @@ class Stage:
         if look.is_tile:
             quality.offsamples = min(quality.offsamples, _SAMPLES_OF_TILES)
 
-    def whole(self) -> Any:
-        """Return the camera that shows the whole model."""
-        return camera(self.mujoco, [(self.model, self.data)], self.look.aspect)
+    def _font_scale(self) -> int:
+        scale = 50 * min(6, max(2, round(self.look.width / 480)))
+        return int(getattr(self.mujoco.mjtFontScale, f"mjFONTSCALE_{scale}").value)
+
+    def whole(self, subject: Any = None) -> Any:
+        """Return the camera that shows the whole model, or the points of a subject."""
+        return camera(self.mujoco, [(self.model, self.data)], self.look.aspect, subject)
 
     def picture(self, view: Any) -> Any:
         """Return the picture of a camera, `(height, width, 3)` or with opacity `(height, width, 4)`, in bytes.
@@ -221,6 +201,7 @@ class Stage:
                 self.model, self.data, mujoco.MjvOption(), None, self._camera(view),
                 mujoco.mjtCatBit.mjCAT_ALL.value, self._scene,
             )  # fmt: skip
+            decorate(mujoco, self.model, self.data, self._scene, self.links, look.labels)
             sky = has_sky(mujoco, self.model) and look.background is None
             self._scene.flags[mujoco.mjtRndFlag.mjRND_SKYBOX] = sky
             mujoco.mjr_render(mujoco.MjrRect(0, 0, look.width, look.height), self._scene, self._drawing)
@@ -299,11 +280,15 @@ def draw(mujoco: Any, model: Any, asked: Mapping[str, Any]) -> dict[str, Any]:
     for kind in ("key", "camera"):
         if asked[kind] is not None and asked[kind] not in names(model, kind):
             return {"unknown": kind, "known": [name for name in names(model, kind) if name]}
+    if (subject := asked["look"]) is not None and subject[1] not in names(model, subject[0]):
+        return {"unknown": subject[0], "known": [name for name in names(model, subject[0]) if name]}
     out = Path(asked["out"])
     background = None if asked["background"] is None else tuple(asked["background"])
     tile = asked.get("tile")
     width, height = asked["size"]
-    look = Look(width, height, background, is_tile=tile is not None)
+    look = Look(
+        width, height, background, is_tile=tile is not None, explode=asked["explode"], labels=tuple(asked["labels"])
+    )
     key = asked["key"] if asked["key"] is not None else (0 if model.nkey else None)
     try:
         if out.suffix == ".mp4":
@@ -313,11 +298,14 @@ def draw(mujoco: Any, model: Any, asked: Mapping[str, Any]) -> dict[str, Any]:
         return {"no encoder": str(error)}
     except NoOpenGL as error:
         return {"no OpenGL": str(error)}
-    view = asked["camera"] if asked["camera"] is not None else stage.whole()
+    view = asked["camera"]
+    if view is None:
+        view = stage.whole(None if subject is None else points_of(mujoco, model, stage.data, *subject))
     try:
         if tile is not None:
             picture = stage.picture(view)[:, :, :3]
-            strip = stage.text(tile, picture.shape[1], _STRIP, ink=_INK, paper=_DRAW_PAPER)
+            high = round(_STRIP * max(1.0, picture.shape[1] / 480))
+            strip = stage.text(tile, picture.shape[1], high, ink=_INK, paper=_DRAW_PAPER)
             np.save(out, np.concatenate([picture, strip]))
         elif out.suffix == ".png":
             out.write_bytes(png(stage.picture(view)))

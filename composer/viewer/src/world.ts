@@ -7,7 +7,7 @@ import { shade, suit } from "./detail";
 import { row, type Columns, type Element, type Model } from "./data";
 import { Pose } from "./kinematics";
 import { colourOf, Painter } from "./paint";
-import { PLANE, shapeOf } from "./shapes";
+import { HFIELD, PLANE, shapeOf } from "./shapes";
 import { Softs } from "./soft";
 
 type Drawn = "geom" | "site";
@@ -215,7 +215,7 @@ export class World {
     return into.multiplyMatrices(this.bodies[this.model.scene[kind].body[index]], this.local[kind][index]);
   }
 
-  /** The box around all geoms, or also all sites; planes have no end and count only where nothing else is. */
+  /** The box around all geoms, or also all sites; the ground, planes and height fields, counts only if all is ground. */
   box(sites = false): Box3 {
     const found = new Box3(), planes = new Box3();
     for (const { mesh, members, kind } of this.batches) {
@@ -223,8 +223,9 @@ export class World {
       mesh.geometry.computeBoundingBox();
       members.forEach((index) => {
         const box = mesh.geometry.boundingBox!.clone().applyMatrix4(this.matrixOf(kind, index));
-        if (kind !== "geom" || this.model.scene.geom.type[index] !== PLANE) found.union(box);
-        else if (this.model.scene.geom.size[3 * index] > 0) planes.union(box);
+        const type = kind === "geom" ? this.model.scene.geom.type[index] : -1;
+        if (type !== PLANE && type !== HFIELD) found.union(box);
+        else if (type === HFIELD || this.model.scene.geom.size[3 * index] > 0) planes.union(box);
       });
     }
     found.union(this.softs.box());

@@ -65,16 +65,34 @@ class Wish:
     """The settings of a picture or film.
 
     `size` is width and height in pixels, `background` RGB of 255 and an opacity of 0 or 1. None keeps the model's own.
-    `key` and `camera` are names, None for the first keyframe and for a camera that shows the whole model. `play` are
-    the seconds of physics in a film, None for a film without physics.
+    `key` and `camera` are names, None for the first keyframe and for a camera that shows the whole model, or only
+    `look`, the kind and name of an element. `labels` are kinds of elements whose names are shown. `play` are the
+    seconds of physics in a film, None for a film without physics.
     """
 
-    size: tuple[int, int] = (960, 720)
+    size: tuple[int, int] = (1920, 1440)
     key: str | None = None
     camera: str | None = None
     background: Color | None = None
     turntable: bool = False
     play: float | None = None
+    look: tuple[str, str] | None = None
+    explode: bool = False
+    labels: tuple[str, ...] = ()
+
+
+FILM = (960, 720)
+LOOKS, LABELS = ("body", "geom", "site", "joint"), ("body", "geom", "site", "joint")
+
+
+def look_of(text: str) -> tuple[str, str] | None:
+    """Return the kind and the name in `KIND/NAME`; None for anything else.
+
+    >>> look_of("body/arm/base")
+    ('body', 'arm/base')
+    """
+    kind, _, name = text.partition("/")
+    return (kind, name) if kind in LOOKS and name else None
 
 
 def format_of(out: Path, wish: Wish) -> Format:
@@ -173,13 +191,15 @@ def drawn(kept: str, asked: dict[str, Any], context: Context, session: Session) 
         return False
     if "unknown" in said:
         kind = said["unknown"]
-        word = "keyframe" if kind == "key" else kind
-        context.sink.add(unknown_name(word, asked[kind], said["known"], written=f"--{kind} {{}}"))
+        word, name, written = "keyframe" if kind == "key" else kind, str(asked.get(kind)), f"--{kind} {{}}"
+        if asked["look"] is not None and kind == asked["look"][0]:
+            name, written = asked["look"][1], f"--look {kind}/{{}}"
+        context.sink.add(unknown_name(word, name, said["known"], written=written))
         return False
     return True
 
 
-TILE = (320, 240)
+TILE = (640, 480)
 _KEPT = "tile"
 _CELLS_A_PROCESS = 2
 _ENDS = ("no-rendering", "mujoco-missing")  # errors that apply to all cells if they apply to one
