@@ -84,14 +84,14 @@ def lint(options: Options, run: Run) -> Answer | int:
         if fixed:
             say(f"fixed {counted(fixed, 'finding')}")
     results = lint_all(
-        targets, run.context, selected, jobs=options.jobs or cores(), done=lambda path: progress(f"linted {path}")
+        targets, run.new_context, selected, jobs=options.jobs or cores(), done=lambda path: progress(f"linted {path}")
     )
     shows = not options.statistics and options.profile is None
     found = list(dict.fromkeys(each for result, _ in results for each in result.found))
     for each, cause in merged(found) if shows else ():
         run.context.sink.add(each, cause if run.form == "text" else None)
     for _, context in results:
-        for each in context.sink.sorted():
+        for each in context.sink.errors:  # `check` reports the warnings of a recipe
             run.context.sink.add(each)
     failed = [result.path for result, context in results if context.sink.has_errors]
     code = run.code_of_failure(*failed) if failed else FINDINGS if found else 0

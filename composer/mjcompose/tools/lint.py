@@ -240,10 +240,15 @@ def _names(codes: str, code: str) -> bool:
 
 
 def lint_all(
-    targets: Sequence[Target], context: Context, selected: Sequence[Rule], jobs: int, done: Callable[[Path], None]
-) -> list[tuple[Linted, Context]]:
-    """Lint files with `jobs` processes of MuJoCo; each result has a context with the errors of its model."""
+    targets: Sequence[Target], new_context: Callable[[], Context], selected: Sequence[Rule], jobs: int,
+    done: Callable[[Path], None],
+) -> list[tuple[Linted, Context]]:  # fmt: skip
+    """Lint files with `jobs` processes of MuJoCo; each result has a context with the errors of its model.
+
+    Each file has a new context, because the lock file of a recipe belongs to its context.
+    """
     from concurrent.futures import ThreadPoolExecutor
+    from contextvars import copy_context
     from queue import SimpleQueue
 
     with ExitStack() as opened:
@@ -252,7 +257,7 @@ def lint_all(
             free.put(opened.enter_context(Session()))
 
         def one(target: Target) -> tuple[Linted, Context]:
-            own, session = replace(context, sink=Sink(), recipes={}, concrete={}), free.get()
+            own, session = new_context(), free.get()
             try:
                 linted = lint(target.path, own, session, selected=selected)
             finally:
@@ -262,8 +267,8 @@ def lint_all(
                 return Linted(target.path, ()), replace(own, sink=Sink())
             return linted, own
 
-        with ThreadPoolExecutor(jobs) as executor:
-            return list(executor.map(one, targets))
+        with ThreadPoolExecutor(jobs) as executor:  # the limits of the command are variables of its context
+            return [each.result() for each in [executor.submit(copy_context().run, one, target) for target in targets]]
 
 
 def merged(found: Collection[Diagnostic]) -> Iterator[tuple[Diagnostic, Cause]]:

@@ -244,8 +244,10 @@ def exclude_needless(subject: Subject) -> Found:
     <exclude body1="upper_arm" body2="forearm"/>   <!-- the forearm is a child of the upper arm -->
     ```
 
-    Remove it.
+    Remove it. In a recipe it does not count, because a part that is fixed to the world alone may need it.
     """
+    if not subject.is_part:
+        return
     model = subject.model
     filters = not model.opt.disableflags & int(subject.mujoco.mjtDisableBit.mjDSBL_FILTERPARENT)
     welded, parents, seen = model.body_weldid.tolist(), model.body_parentid.tolist(), set()
