@@ -132,7 +132,7 @@ def inertial_ignored(subject: Subject) -> Found:
 
     Remove `inertiafromgeom`: its default, `auto`, computes only the missing inertias. Or remove `<inertial>`.
     """
-    if _compiler(subject, "inertiafromgeom") != "true":
+    if subject.setting("compiler", "inertiafromgeom") != "true":
         return
     for body in range(1, subject.model.nbody):
         node = subject.node("body", body)
@@ -142,10 +142,6 @@ def inertial_ignored(subject: Subject) -> Found:
         if written is not None and abs(written - mass) > 1e-3 * max(written, mass):
             message = f"MuJoCo ignores this `mass` of {written:g} kg: it computes {mass:.4g} kg from the geoms"
             yield Finding(inertial, message, "mass", help='remove `inertiafromgeom="true"`, or `<inertial>`')
-
-
-def _compiler(subject: Subject, name: str) -> str | None:
-    return next((each.get(name) for each in [*subject.root.iterfind("compiler")][::-1] if each.get(name)), None)
 
 
 def _number(text: str | None) -> float | None:
@@ -172,7 +168,10 @@ def inertia_balanced(subject: Subject) -> Found:
     """
     import numpy as np
 
-    if _compiler(subject, "balanceinertia") != "true" or _compiler(subject, "inertiafromgeom") == "true":
+    if (
+        subject.setting("compiler", "balanceinertia") != "true"
+        or subject.setting("compiler", "inertiafromgeom") == "true"
+    ):
         return
     for element in subject.each("inertial"):
         full, name = subject.numbers(element, "fullinertia"), "fullinertia"
@@ -254,9 +253,7 @@ def timestep_too_long(subject: Subject) -> Found:
     the gain, or, if damping causes it, write `<option integrator="implicitfast"/>`. The rule ignores joints that an
     equality constraint couples.
     """
-    from mjcompose.mujoco.servos import Servos
-
-    servos = Servos(subject.mujoco, subject.model, subject.data)
+    servos = subject.servos
     for mode in servos.unstable():
         joint = int(subject.model.dof_jntid[mode.dof])
         actuators = servos.of_dof(mode.dof)
@@ -299,9 +296,7 @@ def servo_undamped(subject: Subject) -> Found:
 
     Write `dampratio="1"` or `kv` on the actuator, or `damping` on the joint.
     """
-    from mjcompose.mujoco.servos import Servos
-
-    model, servos = subject.model, Servos(subject.mujoco, subject.model, subject.data)
+    model, servos = subject.model, subject.servos
     for joint, dof in _single(subject):
         stiff = [each for each in servos.of_dof(dof) if servos.gains(each)[0] > 0]
         damping = _first(model.dof_damping[dof]) + servos.damping[dof, dof]
@@ -334,9 +329,7 @@ def friction_exceeds_motor(subject: Subject) -> Found:
 
     Lower `frictionloss`, or raise `forcerange` or `gear`.
     """
-    from mjcompose.mujoco.servos import Servos
-
-    servos = Servos(subject.mujoco, subject.model, subject.data)
+    servos = subject.servos
     for joint, dof in _single(subject):
         ends, friction = servos.strongest(dof), float(subject.model.dof_frictionloss[dof])
         if ends is not None and friction > 0 and max(abs(each) for each in ends) <= friction:
@@ -447,9 +440,7 @@ def armature_missing(subject: Subject) -> Found:
 
     Write `armature` from the data sheet of the motor: rotor inertia times gear ratio squared.
     """
-    from mjcompose.mujoco.servos import Servos
-
-    servos = Servos(subject.mujoco, subject.model, subject.data)
+    servos = subject.servos
     for joint, dof in _single(subject):
         if servos.of_dof(dof) and subject.model.dof_armature[dof] == 0:
             message = f"{subject.name('joint', joint)} has an actuator, and no `armature`"

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from lxml.etree import _Element as Node
 
     from mjcompose.mujoco.attributes import NameTable
+    from mjcompose.mujoco.servos import Servos
     from mjcompose.tree.unit import Unit
 
 FAMILIES = ("dead", "ranges", "order", "physics", "contact", "units", "names", "portable", "files")
@@ -203,6 +204,11 @@ class Subject:
         except ValueError:
             return None
 
+    def setting(self, section: str, attribute: str) -> str | None:
+        """Return the value that the last element of a section, such as `compiler`, writes; None if there is none."""
+        written = [each.get(attribute) for each in self.root.iterfind(section) if each.get(attribute)]
+        return str(written[-1]) if written else None
+
     @staticmethod
     def called(element: Node) -> str:
         """Return an element in words: joint `elbow`, or an unnamed geom of body `arm`."""
@@ -248,6 +254,13 @@ class Subject:
         data = self.mujoco.MjData(self.model)
         self.mujoco.mj_forward(self.model, data)
         return data
+
+    @cached_property
+    def servos(self) -> Servos:
+        """The servos at the reference configuration."""
+        from mjcompose.mujoco.servos import Servos
+
+        return Servos(self.mujoco, self.model, self.data)
 
     def at_keys(self) -> Iterator[tuple[int, str, Any]]:
         """Yield number, name and an mjData after `mj_forward` of each keyframe."""

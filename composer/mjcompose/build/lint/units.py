@@ -3,8 +3,14 @@
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING
 
 from mjcompose.build.lint.rule import Finding, Found, Subject, rule
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from lxml.etree import _Element as Node
 
 _TURN = 2 * math.pi
 _ROUND = tuple(math.pi * each for each in (1 / 6, 1 / 4, 1 / 3, 1 / 2, 2 / 3, 3 / 4, 1, 3 / 2, 2))
@@ -13,6 +19,15 @@ _DEGREES = 4 * math.pi
 _GRAVITY = 50.0
 _METERS = "ROS REP 103, “Units”: meter, kilogram, second; NVIDIA SimReady, robot profiles: `metersPerUnit = 1`"
 _LONGEST, _SHORTEST = 0.05, 1e-5
+
+
+def _ranges(subject: Subject, unit: str) -> Iterator[tuple[Node, list[float]]]:
+    """Yield the joints with a range of angles, if angles have this unit."""
+    if (subject.setting("compiler", "angle") or "degree") == unit:
+        for joint in subject.each("joint"):
+            ends = subject.numbers(joint, "range")
+            if ends is not None and len(ends) == 2 and subject.value(joint, "type") in ("hinge", "ball"):
+                yield joint, ends
 
 
 @rule("range-in-radians")
@@ -29,22 +44,11 @@ def range_in_radians(subject: Subject) -> Found:
     Write `<compiler angle="radian"/>`, if all angles of the file are in radians, or write the range in degrees. The
     rule finds ranges within ±2π, of which an end is a common fraction of π.
     """
-    if _angle(subject) == "radian":
-        return
-    for joint in subject.each("joint"):
-        ends = subject.numbers(joint, "range")
-        if subject.value(joint, "type") not in ("hinge", "ball") or ends is None or len(ends) != 2:
-            continue
+    for joint, ends in _ranges(subject, "degree"):
         is_round = any(abs(abs(end) - each) < _DIGITS for end in ends for each in _ROUND if end)
         if is_round and max(map(abs, ends)) < _TURN + _DIGITS:
             message = f"the range of {subject.called(joint)}, {ends[0]:g} to {ends[1]:g} degrees, looks like radians"
             yield Finding(joint, message, "range", help='write `<compiler angle="radian"/>`, or degrees')
-
-
-def _angle(subject: Subject) -> str:
-    """Return the unit of angles in the file, which the last `<compiler>` with `angle` sets."""
-    found = [str(each.get("angle")) for each in subject.root.iterfind("compiler") if each.get("angle")]
-    return found[-1] if found else "degree"
 
 
 @rule("range-in-degrees")
@@ -61,12 +65,7 @@ def range_in_degrees(subject: Subject) -> Found:
 
     Write the range in radians. The rule finds ends that are more than two turns and multiples of five.
     """
-    if _angle(subject) != "radian":
-        return
-    for joint in subject.each("joint"):
-        ends = subject.numbers(joint, "range")
-        if subject.value(joint, "type") not in ("hinge", "ball") or ends is None or len(ends) != 2:
-            continue
+    for joint, ends in _ranges(subject, "radian"):
         if max(map(abs, ends)) > _DEGREES and all(end % 5 == 0 for end in ends):
             message = f"the range of {subject.called(joint)}, {ends[0]:g} to {ends[1]:g} rad, looks like degrees"
             yield Finding(joint, message, "range", help="write the range in radians")
