@@ -5,7 +5,7 @@ import type { App } from "./app";
 import { row, type Element, type MoveRow, type Scene } from "./data";
 import { h } from "./dom";
 import { neat } from "./info";
-import { FREE } from "./kinematics";
+import { FREE, WIDTHS } from "./kinematics";
 
 type Ask = (said: Record<string, unknown>) => Promise<any>;
 /** Something that can be moved: a target of the recipe, or an element of a source, by an edit. */
@@ -310,11 +310,20 @@ export class Gizmo {
   }
 
   private save(): void {
-    const name = h("input", { type: "text", value: "pose", ariaLabel: "name of the keyframe" }), { actuator, body } = this.scene!;
+    const name = h("input", { type: "text", value: "pose", ariaLabel: "name of the keyframe" }), { actuator, joint, body, qpos0 } = this.scene!;
     const hold = h("input", { type: "checkbox", checked: true });
     const { qpos, mpos, mquat } = this.app.world.pose;
-    ask("Save this pose in the recipe", [h("label", {}, "Name ", name), actuator.name.length ? h("label", { className: "check" }, hold, "the actuators hold the pose (ctrl: hold)") : null], "Save", async () => {
-      const answer = await this.ask({ kind: "keyframe", name: name.value.trim(), qpos: Array.from(qpos), mpos: body.mocap.some((each: number) => each >= 0) ? Array.from(mpos) : [], mquat: Array.from(mquat), hold: hold.checked });
+    const differ = (now: number[], still: number[]) => now.some((value, k) => Math.abs(value - still[k]) > 1e-9);
+    const joints = joint.type.map((type: number, j: number) => [j, Array.from(qpos.slice(joint.qpos[j], joint.qpos[j] + WIDTHS[type]))] as [number, number[]])
+      .filter(([j, now]) => differ(now, qpos0.slice(joint.qpos[j])));
+    const mocap = (values: Float64Array, width: number, still: number[]) => body.mocap.map((m: number, b: number) => [b, Array.from(values.slice(width * m, width * m + width))] as [number, number[]])
+      .filter(([b, now]) => body.mocap[b] >= 0 && differ(now, row(still, b, width)));
+    const named = joints.filter(([j]) => joint.name[j]), lost = joints.length - named.length;
+    ask("Save this pose in the recipe", [
+      h("label", {}, "Name ", name), actuator.name.length ? h("label", { className: "check" }, hold, "the actuators hold the pose (ctrl: hold)") : null,
+      lost ? h("p", { className: "hint" }, `${lost} joints without a name keep their reference.`) : null,
+    ], "Save", async () => {
+      const answer = await this.ask({ kind: "keyframe", name: name.value.trim(), qpos: named, mpos: mocap(mpos, 3, body.pos), mquat: mocap(mquat, 4, body.quat), hold: hold.checked });
       this.app.notice(answer.refused ?? `saved: ${answer.said}`);
       return !answer.refused;
     });

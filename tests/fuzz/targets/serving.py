@@ -39,9 +39,9 @@ _METHODS = ("GET", "POST", "HEAD", "PUT", "OPTIONS", "TRACE", "get", "", "GET GE
 
 _POSE = {"pos": [0.1, 0, 0], "quat": [1, 0, 0, 0]}
 _CHANGES: list[dict[str, Any]] = [
-    {"kind": "place", "version": 0, "at": ["{secret}", 1, 1], **_POSE}, {"kind": "look", "version": 0, "at": ["a.yaml", 1, 1]},
-    {"kind": "edit", "version": 0, "of": "site", "index": 0, **_POSE}, {"kind": "undo", "texts": {"{secret}": "a"}},
-    {"kind": "attach", "version": 0, "prefix": "a", "model": "{secret}", "site": 0}, {"kind": "models", "version": 0},
+    {"kind": "place", "version": 0, "at": ["/etc/passwd", 1, 1], **_POSE}, {"kind": "look", "version": 0, "at": ["a.yaml", 1, 1]},
+    {"kind": "edit", "version": 0, "of": "site", "index": 0, **_POSE}, {"kind": "undo", "texts": {"/etc/passwd": "a"}},
+    {"kind": "attach", "version": 0, "prefix": "a", "model": "/etc/passwd", "site": 0}, {"kind": "models", "version": 0},
 ]  # fmt: skip
 
 

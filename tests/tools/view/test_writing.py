@@ -265,9 +265,7 @@ def test_an_element_of_a_source_is_moved_by_an_edit_that_is_confirmed(tmp_path: 
 def test_a_pose_is_saved_by_names(tmp_path: Path, session: Session) -> None:
     recipe = "recipe: 1\nattach:\n  arm: {model: ./arm.xml}\n  cube: {model: ./free.xml}\n"
     page = Page(tmp_path, session, recipe)
-    moved = [*page.scene["qpos0"]]
-    moved[0], moved[1:4] = math.radians(30), [0.1, 0.2, 0.3]
-    pose = {"qpos": moved, "mpos": [], "mquat": [], "hold": True}
+    pose = {"qpos": [[0, [math.radians(30)]], [1, [0.1, 0.2, 0.3, 1, 0, 0, 0]]], "mpos": [], "mquat": [], "hold": True}
     assert page.ask("keyframe", name="reach", **pose)["said"] == "keyframe reach"
     expected = "keyframe:\n  reach:\n    qpos:\n      arm/hinge: 30deg\n      cube/free: [0.1, 0.2, 0.3, 1, 0, 0, 0]\n    ctrl: hold\n"
     assert page.text == recipe + expected
@@ -322,7 +320,7 @@ def test_names_are_not_yaml(tmp_path: Path, session: Session) -> None:
         page.load()  # which fails if the recipe names another site
     for name in ("x: 1}\nbase: y", "x\ny", ""):
         before = page.text
-        assert "refused" in page.ask("keyframe", name=name, qpos=page.scene["qpos0"], mpos=[], mquat=[])
+        assert "refused" in page.ask("keyframe", name=name, qpos=[], mpos=[], mquat=[])
         assert page.text == before
 
 

@@ -42,7 +42,7 @@ _MOST = 1e4
 """No number of a page may be larger."""
 _MOST_DONE, _MOST_VERSIONS = 200, 4
 _MOST_RECIPES, _MOST_SIZE = 2000, 1 << 18
-_WIDTHS, _HINGE = (7, 4, 1, 1), 3
+_HINGE = 3
 _RECIPES = (".yaml", ".yml")
 _ELSEWHERE: dict[str, Steps] = {
     "mirror": ("mirror",), "scatter": ("replicate", 0, "scatter"), "fromto": ("fromto",),
@@ -284,34 +284,27 @@ class Writer:
         return self._finish(draft, f"{name}: an entry of `edit`", said)
 
     def _keyframe(self, said: Any) -> Answer:
-        """Write the pose of the page as a keyframe."""
-        scene, draft, name = self.scene, self._recipe(said), str(said["name"])
+        """Write the joints and mocap bodies that the page has moved as a keyframe."""
+        draft, name = self._recipe(said), str(said["name"])
         if find(draft.tree, ("keyframe", name)) is not None:
             raise Refused(f"there is a keyframe `{name}`: choose another name")
         entry: dict[str, Written] = {}
-        qpos, joint = _numbers(said["qpos"], len(scene["qpos0"])), scene["joint"]
-        moved: dict[str, Written] = {}
-        unnamed = 0
-        for label, kind, at in zip(joint["name"], joint["type"], joint["qpos"], strict=True):
-            now, still = (values[at : at + _WIDTHS[kind]] for values in (qpos, scene["qpos0"]))
-            if math.dist(now, still) > 1e-9:
-                unnamed += not label
-                moved |= {label: _joint_text(kind, now)} if label else {}
-        entry |= {"qpos": moved} if moved else {}
-        if said.get("hold") is True and scene["actuator"]["name"]:
+        for key, kind in (("qpos", "joint"), ("mpos", "body"), ("mquat", "body")):
+            moved: dict[str, Written] = {}
+            for number, values in said[key]:
+                moved[self._name(kind, number)] = self._values(key, number, _numbers(values))
+            entry |= {key: moved} if moved else {}
+        if said.get("hold") is True and self.scene["actuator"]["name"]:
             entry["ctrl"] = "hold"
-        bodies = [(at, number) for number, at in enumerate(scene["body"]["mocap"]) if at >= 0]
-        for key, width, still in (("mpos", 3, scene["body"]["pos"]), ("mquat", 4, scene["body"]["quat"])):
-            values = _numbers(said[key], width * len(bodies))
-            now_at: dict[str, Written] = {
-                self._name("body", number): _list(now)
-                for at, number in bodies
-                if math.dist(now := values[width * at :][:width], still[width * number :][:width]) > 1e-9
-            }
-            entry |= {key: now_at} if now_at else {}
         draft.write(("keyframe", name), entry)
-        draft.notes += [f"{unnamed} joints without a name are not in it"] if unnamed else []
         return self._finish(draft, f"keyframe {name}", said)
+
+    def _values(self, key: str, number: int, values: Sequence[float]) -> str:
+        """Return the values of a joint or a mocap body as a keyframe has them."""
+        if key == "qpos" and self.scene["joint"]["type"][number] == _HINGE:
+            return f"{short(math.degrees(values[0]), 4)}deg"
+        texts = [short(each, 6) for each in values]
+        return texts[0] if len(texts) == 1 else f"[{', '.join(texts)}]"
 
     def _free(self, said: Any) -> Answer:
         """Write the place of a free body into a keyframe of the recipe."""
@@ -421,10 +414,12 @@ def _parameter(tree: Mapping, name: str) -> tuple[Steps, Scalar | None]:
     return path, node if isinstance(node, Scalar) and is_number else None
 
 
-def _numbers(values: Any, count: int) -> list[float]:
-    """Return the numbers of a page: as many, finite, and of a size that a place can have."""
+def _numbers(values: Any, count: int | None = None) -> list[float]:
+    """Return the numbers of a page: `count` of them, finite, and of a size that a place can have."""
     found = [float(each) for each in values]
-    if len(found) != count or not all(math.isfinite(each) and abs(each) <= _MOST for each in found):
+    if len(found) != (count or len(found) or 1) or not all(
+        math.isfinite(each) and abs(each) <= _MOST for each in found
+    ):
         raise ValueError
     return found
 
@@ -435,16 +430,6 @@ def _pose(said: Any) -> Pose:
     if math.hypot(*quat) < 1e-6:
         raise ValueError
     return Pose((x, y, z), normalize(quat))
-
-
-def _list(values: Sequence[float]) -> str:
-    return f"[{', '.join(short(each, 6) for each in values)}]"
-
-
-def _joint_text(kind: int, values: Sequence[float]) -> str:
-    if kind == _HINGE:
-        return f"{short(math.degrees(values[0]), 4)}deg"
-    return short(values[0], 6) if len(values) == 1 else _list(values)
 
 
 def _difference(before: str, after: str) -> Answer:

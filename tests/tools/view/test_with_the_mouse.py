@@ -9,12 +9,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from tools.view.conftest import browser, open_page
 from tools.view.test_gizmo import AT, Mouse
 from tools.view.test_live import running
 
-__all__ = ["browser", "open_page"]
-PAGE = Path(__file__).resolve().parents[2] / "docs" / "tutorials" / "with_the_mouse.md"
+PAGE = Path(__file__).resolve().parents[3] / "docs" / "tutorials" / "with_the_mouse.md"
 SITE = """name => {
   const { scene } = mjcompose.world.model, { camera, canvas } = mjcompose.stage, box = canvas.getBoundingClientRect();
   const place = mjcompose.world.matrixOf("site", scene.site.name.indexOf(name));
