@@ -123,7 +123,7 @@ class TruncNormal(_Between):
 
     @cached_property
     def _span(self) -> tuple[float, float, float]:
-        """The probabilities of the two ends, and the sign: the upper side is computed by its mirror image."""
+        """The probabilities of the two ends, and the sign. The upper side is the mirror image of the lower."""
         low, high, sign = (self.low - self.mean) / self.std, (self.high - self.mean) / self.std, 1.0
         if low > 0:
             low, high, sign = -high, -low, -1.0

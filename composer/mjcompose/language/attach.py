@@ -137,7 +137,7 @@ class Attachment(Model):
     subtree: Annotated[str, Name("body", inside="model")] | None = None
     """The body of the model to take, with everything it needs. Without it, the whole model."""
     drop: Drops = ()
-    """What to leave out, with all that refers to it: sections, tags and selectors, in the part's own names."""
+    """Sections, tags and selectors to remove, with everything that refers to them. Use the part's own names."""
     edit: Edits = ()
     """Ordered changes to the part, in its own names, before it is attached."""
     site: Annotated[str, Name("site")] | None = None
@@ -147,7 +147,7 @@ class Attachment(Model):
     frame: Annotated[str, Name("frame")] | None = None
     """The frame that the part is attached to."""
     mate: Annotated[str, Name("site", "body", "frame", inside="model")] | None = None
-    """A site, body or frame of the part that is to coincide with that place; without it, the part's own origin."""
+    """The site, body or frame of the part that coincides with the place; by default the part's origin."""
     pos: Annotated[Vector | None, Offset("pos")] = None
     """Offset in the frame of that place."""
     quat: Annotated[Vector | None, Offset("quat")] = None
@@ -163,8 +163,8 @@ class Attachment(Model):
     mirror: Mirror | None = None
     """The pose of another part, reflected, at the same site, body or frame unless the part has its own."""
     joint: Annotated[JointWord | Element | tuple[Element, ...] | None, JointField()] = None
-    """The joint between the place and the part. Without it nothing is added, and a free joint of the part's
-    root is kept where it may be; `none` removes it."""
+    """The joint between the place and the part. By default no joint is added, and a free joint at the part's root
+    stays if the place allows it; `none` removes it."""
     sense: _Sense | None = None
     """Sensors at the place: force and torque between the place and the part."""
     prefix: Annotated[str, WithJsonSchema({"type": "string", **_pattern("*")})] | None = None
@@ -172,8 +172,8 @@ class Attachment(Model):
     replicate: Axes = ()
     """Copies in rows, one axis an entry: `PREFIX0/`, `PREFIX1/`, … or `PREFIX0_0/`, …; or scattered copies."""
     keys: Literal["merge", "prefix"] = "merge"
-    """The names of the part's keyframes: merged by name, or kept apart as `PREFIX/NAME`. `drop: [key]` leaves them
-    out."""
+    """`merge` joins the part's keyframes with others of the same name; `prefix` keeps them separate, as
+    `PREFIX/NAME`. `drop: [key]` removes them."""
     allow: Codes = ()
     """The codes of warnings about this part that you accept."""
     when: When = None

@@ -117,7 +117,7 @@ class CheckEntry(Model):
 
     kinds: Annotated[Mapping[str, Any], Rows(lambda: KINDS)] = Field({}, alias="<kinds>")
     severity: Literal["error", "warning"] = "error"
-    """an error if the check does not hold, or only a warning"""
+    """a check that does not hold is an error, or only a warning"""
     when: When = None
 
     @classmethod

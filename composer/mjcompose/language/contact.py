@@ -63,7 +63,7 @@ class Auto(Model):
     example: ClassVar = f"{{samples: {SAMPLES}}}"
 
     samples: Annotated[int, Field(ge=1, le=1_000_000), BeforeValidator(whole)] = SAMPLES
-    """in how many random poses nothing may touch"""
+    """the number of random poses in which nothing may touch"""
     seed: Count = 0
     """the seed of the poses"""
 
@@ -89,7 +89,7 @@ class Excluded(Model):
     between: _Sides | None = None
     """the two sides: parts by name, or globs over names of bodies"""
     auto: Auto | None = None
-    """bodies that need not collide; `plan` has the reason for each pair"""
+    """bodies that need not collide; `plan` lists the reason for each pair"""
     when: When = None
 
 
@@ -129,7 +129,7 @@ class Contact(Model):
     """Pairs of bodies that do not touch, the bodies `between` parts, those that are `touching` in the beginning, or all
     that need not collide: `auto`."""
     collide: Annotated[tuple[Between, ...], Items(single=True)] = ()
-    """A pair for every two geoms between parts that could not touch otherwise."""
+    """Adds a `pair` for every two geoms of these parts that could not touch otherwise."""
 
     _written: tuple[str, ...] = PrivateAttr(())
 

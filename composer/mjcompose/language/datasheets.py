@@ -37,7 +37,7 @@ class Sheet(Model):
     maker: Text | None = None
     """who makes it"""
     source: Text = Field(examples=["the data sheet"])
-    """where these numbers are from: a data sheet, with its address"""
+    """the origin of these numbers: a data sheet, with its address"""
     effort: Annotated[Positive, Unit("N·m")] = Field(examples=[4.1])
     """the greatest torque at the output, in N·m"""
     rated: Annotated[Positive, Unit("N·m")] | None = None
@@ -45,7 +45,7 @@ class Sheet(Model):
     speed: Annotated[Positive, Unit("rad/s")] | None = None
     """the speed of the output without load, in rad/s"""
     gear: Positive | None = None
-    """the reduction: how often the rotor turns for one turn of the output"""
+    """the reduction: turns of the rotor for one turn of the output"""
     rotor_inertia: Annotated[Positive, Unit("kg·m²")] | None = None
     """the inertia of the rotor before the reduction, in kg·m²"""
     armature: Annotated[Positive, Unit("kg·m²")] | None = None

@@ -171,14 +171,14 @@ class Interval(_Whole):
 
 
 class UniformBounds(Interval):
-    """Between two bounds, all numbers as likely: `[0.4, 1.2]`."""
+    """Uniform between two bounds: `[0.4, 1.2]`."""
 
     bounds: Annotated[tuple[Numbers, ...], *_bounds("[0.8, 1.2]")] = Field(alias=WHOLE)
     """the two"""
 
 
 class LogUniformBounds(Interval):
-    """Between two positive bounds, all orders of magnitude as likely: `[0.1, 10]`."""
+    """Between two positive bounds, with a uniform logarithm: `[0.1, 10]`."""
 
     bounds: Annotated[tuple[PositiveNumbers, ...], *_bounds("[0.1, 10]")] = Field(alias=WHOLE)
     """the two"""
@@ -222,9 +222,9 @@ class TruncatedOfChange(Written):
     std: PositiveSpread = Field(examples=["0.1"])
     """the standard deviation"""
     min: Numbers = Field(examples=["0.5"])
-    """the least that is drawn"""
+    """the lower bound"""
     max: Numbers = Field(examples=["1.5"])
-    """the greatest that is drawn"""
+    """the upper bound"""
 
 
 class Truncated(TruncatedOfChange):
@@ -258,7 +258,7 @@ def _no_value(value: Any) -> Fault | None:
 
 
 class Choice(_Whole):
-    """One of these values, all as likely: `[1, 2, 5]`."""
+    """One of these values, each equally likely: `[1, 2, 5]`."""
 
     values: Annotated[
         tuple[

@@ -180,7 +180,7 @@ class Edit(Model):
     }
 
     id: Text | None = None
-    """a name by which a recipe that extends this one can replace the entry"""
+    """a name for the entry, so a recipe that extends this one can replace it"""
     select: Annotated[Selector, Selects()] = Field(examples=["{TAG: NAME}"])
     """the selected elements"""
     expect: Count | None = None
@@ -192,7 +192,7 @@ class Edit(Model):
     )
     """the changes, in the order in which they are carried out"""
     allow: Codes = ()
-    """the codes of warnings about it that you accept"""
+    """the codes of warnings about this entry that you accept"""
     when: When = None
 
     @classmethod

@@ -50,11 +50,11 @@ class DrawField(Model):
     }
 
     select: Annotated[Selector, Selects()] | None = Field(None, examples=['{geom: "**"}'])
-    """whose attribute is drawn"""
+    """the elements whose attribute is drawn"""
     attr: Annotated[str, Name(what="an attribute of MJCF")] = Field("", examples=["friction"])
     """an attribute of MJCF, with an index for one number: `friction[0]`"""
     param: Annotated[str, Name(what="the name of a parameter")] | None = None
-    """a parameter that is drawn, instead of `select` and `attr`"""
+    """a parameter to draw, instead of `select` and `attr`"""
     written: Annotated[Mapping[str, Written], Rows(lambda: DISTRIBUTIONS)] = Field({}, alias="<kinds>")
     """the distribution of the value itself"""
     scale: Change | None = None
@@ -64,7 +64,7 @@ class DrawField(Model):
     per: Literal["element", "body", "part", "sample"] = "element"
     """a draw for each element, for each body, for each part, or one for all in a sample"""
     group: Annotated[Text, Expects("the name of a group", "wear")] | None = None
-    """fields of one group are drawn together: where one is high in its distribution, all are"""
+    """fields with the same group share their draws: if one is high in its distribution, all are"""
     expect: Count | None = None
     """how many elements must be selected"""
     optional: bool = False
@@ -211,13 +211,13 @@ class Randomize(Model):
     ] = Field(examples=["7"])
     """The seed of the draws: a whole number below 2**64."""
     samples: Annotated[int, Field(ge=1), BeforeValidator(whole), Checked(_samples_fault)] = Field(examples=["10"])
-    """How many samples there are, besides sample 0, the model without any draw."""
+    """The number of samples, in addition to sample 0, the model without draws."""
     named: Annotated[
         dict[str, DrawField],
         Field(min_length=1),
         Expects("a mapping from names to what is drawn", f"{{friction: {DrawField.example}}}"),
     ] = Field(alias="fields")
-    """The draws: a mapping from a name, which is part of the seed, to a distribution and its target."""
+    """The draws by name, each with a distribution and a target. The name is part of the seed."""
 
     @classmethod
     def owner(cls, at: Path) -> str:

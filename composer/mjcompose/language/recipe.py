@@ -192,29 +192,29 @@ class Recipe(Model):
     name: Annotated[str, Name(what="text")] | None = None
     """The model's name; without it, the stem of the recipe's file."""
     description: Annotated[str, Checked(_unprintable)] | None = None
-    """Free text that reaches the manifest."""
+    """Free text for the manifest."""
     extends: Annotated[Text | None, Settled()] = None
     """Another recipe, over which this file is merged."""
     trust: Annotated[Any, Lazy("mjcompose.language.variation:TrustKeys"), Settled()] = None
-    """Files and references on this machine that you open to others. It counts in the recipe alone that you build."""
+    """Files and references on this machine that others may use. It counts only in the recipe that you build."""
     angle: Literal["degree", "radian"] | None = None
     """The unit of angles without a unit in this file. Without it, such an angle is an error."""
     eulerseq: Annotated[str, Checked(_sequence_fault)] = "xyz"
     """The sequence of rotations of `euler` in this file: lower case for moving axes, upper case for fixed."""
     separator: Literal["/", ":", ".", "-", "_", "__"] = "/"
-    """The text between a prefix and a name."""
+    """The character between a prefix and a name."""
     conflict: Literal["error", "base", "mujoco"] = "error"
     """The treatment of parts that disagree in `option`, `size`, `statistic` or `visual`."""
     params: Annotated[Any, Lazy("mjcompose.language.variation:Params"), Settled()] = None
     """Parameters by name: the values of `${name}`, which --set and `with` may set."""
     base: Annotated[Attachment | None, Start()] = None
-    """The model to start from: a part without a prefix, at the world; without it, an empty one."""
+    """The model to start from, which keeps its names; by default an empty model."""
     attach: Annotated[
         Mapping[str, Attachment], Prefixes(), Expects("a mapping from prefix to part", "{PREFIX: {model: …}}")
     ] = Field(default_factory=dict)
-    """The parts: a mapping from the prefix of their names to their models and places."""
+    """The parts by prefix, each with a model and a place."""
     compiler: Annotated[Element | None, Singleton("compiler", SETTABLE)] = None
-    """Compiler settings that a whole model has; each part keeps its own of the others."""
+    """Compiler settings of the whole model. Each part keeps its own values of the others."""
     option: Annotated[Element | None, Singleton("option")] = None
     """Simulation options."""
     size: Annotated[Element | None, Singleton("size")] = None
@@ -226,40 +226,40 @@ class Recipe(Model):
     extension: Annotated[tuple[Element, ...], Extension("extension")] = ()
     """Plugins and their instances: `plugin: {NAME: {instance: {NAME: {config: {KEY: VALUE}}}}}`."""
     default: Annotated[tuple[DefaultClass, ...], Defaults("default")] = ()
-    """Default classes: a mapping from class to its settings by tag; `main` is the top class."""
+    """Default classes by name, each with settings by tag; `main` is the top class."""
     asset: Annotated[tuple[Element, ...], ByTag("asset")] = ()
-    """Meshes, textures, materials and other assets: by tag, a mapping from their names."""
+    """Meshes, textures, materials and other assets, by tag and name."""
     add: Annotated[tuple[Addition, ...], Items(), Expects("a list of entries", "[{to: NAME, TAG: {…}}]")] = ()
     """Elements under a body, a frame or the world."""
     deformable: Annotated[tuple[Element, ...], ByTag("deformable")] = ()
-    """Flexes and skins: by tag, a mapping from their names."""
+    """Flexes and skins, by tag and name."""
     contact: Contact = Field(default_factory=Contact)
     """Pairs of geoms that may touch and bodies that may not: lists by tag, or `exclude: touching`, `exclude` and
     `collide: {between: [ARM, TABLE]}`."""
     tendon: Annotated[tuple[Element, ...], Typed("tendon")] = ()
-    """Tendons: a mapping from their names; `path` has their steps in order."""
+    """Tendons by name; `path` has their steps in order."""
     equality: Annotated[tuple[Element, ...], Typed("equality")] = ()
-    """Equality constraints: a mapping from their names."""
+    """Equality constraints by name."""
     actuator: Annotated[tuple[Element, ...], Typed("actuator")] = ()
-    """Actuators: a mapping from their names."""
+    """Actuators by name."""
     sensor: Annotated[tuple[Element, ...], Typed("sensor")] = ()
-    """Sensors: a mapping from their names."""
+    """Sensors by name."""
     custom: Annotated[tuple[Element, ...], ByTag("custom")] = ()
-    """Custom numbers, texts and tuples: by tag, a mapping from their names."""
+    """Custom numbers, texts and tuples, by tag and name."""
     datasheets: Datasheets = Field(default_factory=dict)
     """Data sheets of motors for the verb `datasheet` of `edit`: a mapping from their names to torque, speed, gear,
     inertia and source."""
     edit: Edits = ()
-    """Ordered changes to the model, by selectors, when everything else is in place."""
+    """Changes to selected elements, in order, after everything else is in place."""
     keyframe: Annotated[
         dict[str, Keyframe], Named(), Expects("a mapping from names to keys", "{home: {qpos: {JOINT: 0.1}}}")
     ] = Field({})
-    """Keys: a mapping from their names to entries by the names of joints, actuators and mocap bodies."""
+    """Keyframes by name, with values by joint, actuator and mocap body."""
     interface: Interface | None = None
     """Names of joints, actuators, sensors and keys in the order that programs rely on: a list by kind, with `…` at the
     end if there are more."""
     variants: Annotated[Any, Lazy("mjcompose.language.variation:Variants"), Settled()] = None
-    """Pieces of recipe by axis and value, of which one of each axis is merged over the recipe."""
+    """Pieces of recipe by axis and value. One piece of each axis is merged over the recipe."""
     matrix: Annotated[Any, Lazy("mjcompose.language.variation:Grid"), Settled()] = None
     """The combinations that `build --all` builds."""
     randomize: Annotated[Any, Lazy("mjcompose.language.randomize:Randomize")] = None
@@ -267,7 +267,7 @@ class Recipe(Model):
     check: Annotated[dict[str, CheckEntry], Expects("a mapping from names to checks", "{whole: {unchanged: {}}}")] = (
         Field({})
     )
-    """Conditions that the model must meet: a mapping from a name to a check."""
+    """Conditions that the model must meet, by name."""
     allow: Codes = ()
     """The codes of warnings that you accept: they are not reported. Parts and edits can have it, too."""
 

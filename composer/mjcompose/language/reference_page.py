@@ -69,7 +69,7 @@ _CHAPTERS = {
         "edit.md#selectors",
         "One key is a tag, a family, a path of tags or `default`, with a glob over names; others narrow it.",
     ),
-    "Edit": ("Entries", "edit.md", "A selector, and what to do with the elements that it selects."),
+    "Edit": ("Entries", "edit.md", "A selector, and the changes to the elements that it selects."),
     "DrawField": ("Fields", "randomize.md#fields", "An attribute of the selected elements, or a parameter."),
 }
 """Definitions that have a table of their own: the title, the place, and the sentence above the keys."""

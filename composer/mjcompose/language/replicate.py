@@ -56,7 +56,7 @@ class Scatter(Model):
     count: AtLeastOne = Field(examples=["12"])
     """how many"""
     over: Surface = Field(examples=["{geom: NAME}"])
-    """the surface, which holds each copy as a whole"""
+    """the surface; each copy lies on it completely"""
     clearance: Annotated[float, Scaled(LENGTHS, ge=0)] = 0.0
     """the least distance of a copy from the others and from other bodies, in meters; `1cm` is 0.01"""
     upright: bool = True

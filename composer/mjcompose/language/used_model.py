@@ -21,16 +21,16 @@ class UrdfKeys(Model):
     """How to read elements that MuJoCo ignores. Omitted keys keep the behavior of the file or of MuJoCo."""
 
     visuals: Literal["keep", "drop"] | None = None
-    """Visuals as geoms that touch nothing. Collision geoms are then in group 3, which viewers hide. By
-    default `discardvisual` of the file decides, which is `true` in MuJoCo."""
+    """`keep` makes geoms of the visuals, which touch nothing, and puts collision geoms into group 3, which viewers
+    hide. By default `discardvisual` of the file decides."""
     fixed: Literal["keep", "fuse"] | None = None
-    """Links without a joint of their own as bodies, or as frames of the link above. By default as
-    `fusestatic` in the file says, which MuJoCo takes for `true`."""
+    """`keep` makes bodies of fixed links, `fuse` frames of the link above. By default `fusestatic` of the file
+    decides."""
     actuators: Literal["declared", "all", "none"] = "declared"
     """The joints that get an actuator: joints that `<ros2_control>` and `<transmission>` command, every joint that can
     move by itself, or none."""
     inertia: Annotated[Literal["repair", "keep"], Keywords({"mend": "repair"})] | None = None
-    """Changes inertias that no body can have, and that MuJoCo refuses, as little as possible. Each is a warning."""
+    """`repair` changes impossible inertias, which MuJoCo refuses, as little as possible. Each is a warning."""
 
 
 Given = Annotated[dict[str, Written], Expects("a mapping from names to values", "{reach: 0.5}")]

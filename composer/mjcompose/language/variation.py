@@ -102,19 +102,19 @@ class Declaration(Model):
         ]
         | None
     ) = None
-    """the kind of its value; without it, the kind of the default"""
+    """the type of the value; by default the type of `default`"""
     default: Annotated[Written, Checked(_default_fault), WithJsonSchema(_DEFAULT)] | None = None
-    """its value where none is given; without it, one must be given"""
+    """the value if you set none; if omitted, you must set one"""
     min: Bound | None = None
-    """the least that it, or a component of it, may be"""
+    """the smallest allowed value, of each component"""
     max: Bound | None = None
-    """the most that it, or a component of it, may be"""
+    """the largest allowed value, of each component"""
     choices: Values | None = None
-    """the values that it may have"""
+    """the allowed values"""
     length: AtLeastOne | None = None
-    """how many numbers a vector has"""
+    """the length of a vector"""
     unit: Text | None = None
-    """for readers; `deg` and `rad` make it an angle"""
+    """the unit, for readers; with `deg` or `rad` the parameter is an angle"""
     doc: str = ""
     """its purpose"""
 
@@ -177,9 +177,9 @@ class Grid(Model):
     axes: Annotated[dict[str, Values], Expects("a mapping from variants and parameters to lists of values")] = Field(
         examples=["{gripper: [small, large]}"]
     )
-    """The values of each variant or parameter, all combinations of which are built."""
+    """The values of each variant or parameter. `build --all` builds every combination."""
     exclude: Combinations = ()
-    """Combinations that are not built."""
+    """Combinations to leave out of the build."""
     include: Combinations = ()
     """More combinations."""
     name: Text | None = None
@@ -235,7 +235,7 @@ class TrustKeys(Model):
     references: Annotated[
         tuple[Annotated[_Plain, Checked(_wide)], ...], Items(), Expects("a list of texts", "[REFERENCE]")
     ] = ()
-    """References to this machine and its network that fetched recipes may use: how they begin, as
+    """References to this machine and its network that fetched recipes may use, by their beginning:
     `git+file:///srv/robots` or `package:NAME`."""
 
 

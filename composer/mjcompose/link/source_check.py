@@ -174,7 +174,7 @@ def _malformed(node: Node, attribute: Attribute, refusal: Refusal) -> _Fault:
 def _is_checked(node: Node) -> bool:
     """Return whether MuJoCo (3.12 to 4.0) checks the rules for an element of a body here. Inside a frame it does not.
 
-    A part ends up in a frame. MuJoCo checks elements outside the body tree in the composition, too.
+    The linker puts a part into a frame. MuJoCo checks elements outside the body tree in the composition, too.
     """
     around = {str(each.tag) for each in node.iterancestors()}
     return "worldbody" in around and around.isdisjoint(BLIND)

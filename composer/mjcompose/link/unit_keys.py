@@ -358,7 +358,7 @@ def _complete_rows(linking: Linking, unit: Unit, layout: Layout) -> None:
 
 
 def _complete(unit: Unit, key: Node, vector: str, start: int, whole: list[str]) -> None:
-    """Complete the numbers of the joint within which a row ends, and record which numbers come from MuJoCo."""
+    """If a row ends within a joint, add its missing numbers, and record that they come from MuJoCo."""
     record = unit.origins.keys.get(key)
     written = numbers_of(record, key, vector)
     source = KeySource("mujoco", vector, key)

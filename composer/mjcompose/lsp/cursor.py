@@ -291,7 +291,7 @@ def _unquoted(word: str) -> str:
 
 
 def _ends_in_comment(before: str) -> bool:
-    """Return whether a comment begins in a text. A `#` in quotes does not begin a comment."""
+    """Return whether a text contains a comment. A `#` in quotes does not begin one."""
     quote = ""
     for at, character in enumerate(before):
         if quote:

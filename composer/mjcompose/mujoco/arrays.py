@@ -121,7 +121,7 @@ AUTHORED_SLEEP = 3
 """The first value of `mjtSleepPolicy` that an author writes; lower ones follow from the whole tree."""
 
 _BEHAVIOURS: Mapping[str, tuple[str, ...]] = {
-    "address": ("skipped", "an address of the whole model; the joints, dofs and geoms themselves are compared"),
+    "address": ("skipped", "an address within the whole model; joints, dofs and geoms are compared by name"),
     "count": ("skipped", "a count that takes in the geoms others have put there; each geom is matched"),
     "tree": ("skipped", "follows from the parents and joints, which are compared, and from the part's place"),
     "shortcut": ("skipped", "a shortcut for bodies whose whole tree is simple; depends on the place of the tree"),

@@ -1,6 +1,6 @@
 """Servos of a compiled model as linear springs and dampers, the steps that they need, and their forces.
 
-Imports no MuJoCo; takes the module.
+Does not import MuJoCo: functions take the module.
 """
 
 from __future__ import annotations

@@ -25,7 +25,7 @@ else:
 
 
 class Targets(Check):
-    """Other programs have everything that the model has, and read back its numbers, poses and motion."""
+    """Other programs read the whole model, with the same numbers, poses and motion."""
 
     word: ClassVar = "targets"
     is_in_mujoco: ClassVar = False
@@ -38,9 +38,9 @@ class Targets(Check):
     )
     """the targets"""
     read: bool = True
-    """false: only losses are checked, and the programs need not be installed"""
+    """false only looks for losses; the programs need not be installed"""
     losses: Literal["error", "warning"] = "error"
-    """`warning`: a loss is only a warning"""
+    """`warning` reports losses as warnings"""
 
     def contradictions(self, context: Settings) -> Iterator[Fault]:
         for index, name in enumerate(self.targets if self.read else ()):

@@ -40,7 +40,7 @@ _ERASED = {
                 "tendon_frictionloss", "tendon_armature"),
     "actuators": ("actuator_armature",),
 }  # fmt: skip
-"""The elements that do nothing in a motion after the loss, by feature."""
+"""Elements that no longer affect the motion after a loss, by feature."""
 _MOVED = 0.01
 """How much of the longest way, and of 1, the end of a motion may be off: programs have integrators of their own."""
 

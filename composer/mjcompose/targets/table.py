@@ -199,7 +199,7 @@ FEATURES: Mapping[str, str] = {
     "options": "all integrators and solvers",
     "custom": "custom numbers, texts and tuples",
 }
-"""By name: words for people."""
+"""Descriptions by name."""
 
 COMPARED: Mapping[str, str] = {
     "inertia": "masses, centers of mass, inertias",

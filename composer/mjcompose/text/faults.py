@@ -356,7 +356,7 @@ def _flow(it: ParserStop) -> SyntaxFault | None:
         return it.fault(f"this `{it.sign}` has no `{closing}`", it.span(it.since), help, notes=notes)
     notes = [Note(f"the `{it.sign}` is here", it.span(it.since))]
     message = f"expected `,` or `{closing}` before {it.shown}"
-    return it.fault(message, it.span(it.at), "if both are one text, quote it as a whole", notes=notes)
+    return it.fault(message, it.span(it.at), "if this is one text, quote all of it", notes=notes)
 
 
 def _block(it: ParserStop) -> SyntaxFault:

@@ -319,7 +319,7 @@ def _expanded(node: Node, inside: Weight, attached: Callable[[Node], Weight], in
 
 
 def _soft(flexcomp: Node, points: int) -> Weight:
-    """The bodies of a flex; those that it pins, which are none, are counted too."""
+    """The number of bodies of a flex. Pinned vertices have no body, and are counted anyway."""
     if flexcomp.get("rigid") == "true":
         return NOTHING
     dof = flexcomp.get("dof") or "full"

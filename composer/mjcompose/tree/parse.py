@@ -283,7 +283,7 @@ class _Includes:
             return
         if depth > in_force().nesting:
             allowed = f"{in_force().nesting} files in one another are allowed"
-            refuse(f"files include one another too deep; {allowed}", advice("nesting"), code=CODE)
+            refuse(f"files include one another too deeply; {allowed}", advice("nesting"), code=CODE)
             return
         name = str(element.get("file") or "")
         if not name:

@@ -17,7 +17,7 @@ _BYTES = Annotated[float, Scaled(BYTES, ge=0)]
 
 
 class Budget(Check):
-    """The model does not cost more than it may."""
+    """The model stays within these limits of size and speed."""
 
     word: ClassVar = "budget"
     example: ClassVar = "{faces: 50000}"
@@ -25,21 +25,21 @@ class Budget(Check):
     instead: ClassVar = {"keys": "key"}
 
     geoms: NotNegative | None = None
-    """the most geoms"""
+    """the largest number of geoms"""
     faces: NotNegative | None = None
-    """the most triangles that the meshes have together"""
+    """the largest number of triangles of all meshes together"""
     meshes: _BYTES | None = None
-    """the most bytes that points, normals and faces of all meshes have in memory"""
+    """the largest memory of all meshes together, in bytes"""
     textures: _BYTES | None = None
-    """the most bytes that the textures have together in memory, unpacked"""
+    """the largest memory of all textures together, in bytes"""
     bytes: _BYTES | None = None
-    """the most bytes that the files of the model have together: its text, meshes, textures, …"""
+    """the largest size of all files of the model together, in bytes"""
     contacts: NotNegative | None = None
-    """the most contacts in a keyframe, or in the reference configuration"""
+    """the largest number of contacts in a keyframe, or in the reference configuration"""
     steps_per_second: Positive | None = None
-    """the least steps in a second of one thread of this machine: a measurement, which depends on the machine"""
+    """the smallest number of steps per second, in one thread on this machine"""
     key: Annotated[tuple[Annotated[str, Name("key", glob=True)], ...], Items(1, single=True)] = ()
-    """the keyframes in which contacts are counted; without it, all and the reference configuration"""
+    """the keyframes in which to count contacts; by default all, and the reference configuration"""
 
 
 KIND = Budget

@@ -29,9 +29,9 @@ class Clearance(Check):
     }
 
     key: Annotated[tuple[Annotated[str, Name("key", glob=True)], ...], Items(1, single=True)] = ()
-    """in which keyframes; without it, in the reference configuration"""
+    """the keyframes to check; by default the reference configuration"""
     min: Annotated[float, Scaled(LENGTHS)] = -1e-3
-    """the least distance, in meters; below 0 it is how deep they may be in each other"""
+    """the smallest allowed distance, in meters; a negative number allows an overlap of that depth"""
     excepted: Annotated[
         tuple[
             Annotated[tuple[_GLOB, ...], Items(2, 2), Expects("pairs of globs, each a list of its own", "[[a, b]]")],
@@ -40,7 +40,7 @@ class Clearance(Check):
         Items(),
         Expects("a list of pairs of globs", '[["gripper/**", "gripper/**"]]'),
     ] = Field((), alias="except")
-    """pairs of globs over names of geoms and bodies that do not count"""
+    """pairs to ignore, as globs over names of geoms and bodies"""
     between: (
         Annotated[
             tuple[_SIDE, ...],
@@ -49,7 +49,7 @@ class Clearance(Check):
         ]
         | None
     ) = None
-    """the two sides, each a glob over geoms and bodies or a list of them; without it, all geoms that can touch"""
+    """the two sides, each a glob over geoms and bodies, or a list of globs; by default all geoms that can touch"""
 
 
 KIND = Clearance

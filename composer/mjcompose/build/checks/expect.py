@@ -136,9 +136,9 @@ class Selector(CheckPart):
 
     tags: Annotated[Mapping[str, Any], Rows(lambda: _BY_TAG)] = Field({}, alias="<tags>")
     parent: Around | None = None
-    """only elements directly in a body of that name"""
+    """only elements directly inside a body with this name"""
     inside: Around | None = Field(None, alias="in")
-    """only elements somewhere in a body of that name"""
+    """only elements at any depth inside a body with this name"""
     where: (
         Annotated[
             dict[str, Any], Field(min_length=1), Expects("a mapping from attributes to values", '{"size[0]": 0.1}')
@@ -177,7 +177,7 @@ class Selector(CheckPart):
 
 
 class Expect(Check):
-    """How many elements the compiled model has, and the values of their attributes."""
+    """The compiled model has this number of elements, with these values."""
 
     word: ClassVar = "expect"
     example: ClassVar = "{select: {site: NAME}, count: 1}"
@@ -197,7 +197,7 @@ class Expect(Check):
     instead: ClassVar = {"value": "equals", "expect": "count"}
 
     select: Selector | None = None
-    """the elements; without it, `attr` is a number of the whole model"""
+    """the elements; if omitted, `attr` is a number of the whole model"""
     count: (
         Annotated[
             tuple[Count, ...],
@@ -207,14 +207,14 @@ class Expect(Check):
         ]
         | None
     ) = None
-    """how many there are, or the least and the most; without it, at least one"""
+    """the number of elements, or `[LOW, HIGH]`; by default at least one"""
     attr: Annotated[Text, Expects("an attribute of MJCF", "damping")] | None = None
-    """an attribute of MJCF, or one of its numbers: `range[1]`. A body also has `subtree_mass`. Without `select`,
-    `mass` or a size of mjModel such as `nu`"""
+    """an MJCF attribute, or one of its numbers: `range[1]`. Bodies also have `subtree_mass`. Without `select`: `mass`,
+    or a size of mjModel such as `nu`"""
     equals: _FIGURES | None = None
-    """the value: a number, an angle, a boolean, or a list"""
+    """the expected value: a number, an angle, a boolean, or a list"""
     tol: Annotated[float | Angle, Measure(ge=0)] | None = None
-    """the allowed difference of each number from `equals`; without it, rounding"""
+    """the allowed difference of each number; by default only rounding"""
     range: (
         Annotated[
             tuple[Annotated[float | Angle, Measure()], ...],
@@ -224,7 +224,7 @@ class Expect(Check):
         ]
         | None
     ) = None
-    """the least and the most that each number may be"""
+    """the smallest and largest allowed value of each number"""
 
     def contradictions(self, context: Settings) -> Iterator[Fault]:
         if self.attr is None:

@@ -72,7 +72,7 @@ class ExceptedElements(CheckPart):
 
 
 class Lint(Check):
-    """The model keeps rules that most models should keep."""
+    """The model follows rules that most models should follow."""
 
     word: ClassVar = "lint"
     example: ClassVar = "{except: [joint-unactuated]}"
@@ -96,7 +96,7 @@ class Lint(Check):
         ]
         | None
     ) = None
-    """the rules or families, in a list, or rules with their settings; without it, all usual rules without settings"""
+    """rules or families as a list, or rules with settings; by default all rules that need no settings"""
     excepted: (
         Annotated[
             Annotated[tuple[_Word, ...], Items(1), Expects("a list of rules", "[joint-unactuated]"), Tag("<list>")]
@@ -105,7 +105,7 @@ class Lint(Check):
         ]
         | None
     ) = Field(None, alias="except")
-    """rules that do not count, in a list, or elements that they ignore"""
+    """rules to skip, as a list, or the elements that each ignores"""
 
     @property
     def selected(self) -> dict[str, Rule | None]:

@@ -13,20 +13,20 @@ from mjcompose.language.forms.scalars import LENGTHS, Expects, Items, Name, Scal
 
 
 class Reachable(Check):
-    """Joint positions within their limits bring a site to a point. Collisions are not looked at."""
+    """The joints can bring a site to a point within their limits. Collisions do not count."""
 
     word: ClassVar = "reachable"
     needs_world: ClassVar = True
     example: ClassVar = "{site: tcp, target: [0.5, 0, 0.8]}"
 
     site: Annotated[str, Name("site")] = Field(examples=["NAME"])
-    """the site that is brought there"""
+    """the site to bring to the point"""
     target: Annotated[tuple[float, ...], Items(3, 3), Expects("a list of 3 numbers", "[0.5, 0, 0.8]")]
     """the point, in meters, in the world of this recipe"""
     tolerance: Annotated[float, Scaled(LENGTHS, gt=0)] = 1e-3
     """the largest remaining distance, in meters"""
     key: Annotated[str, Name("key", what="the name of a keyframe")] | None = None
-    """where everything else is, and the search starts; without it, the reference configuration"""
+    """the keyframe from which the search starts; by default the reference configuration"""
 
 
 KIND = Reachable

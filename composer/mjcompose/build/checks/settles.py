@@ -20,25 +20,25 @@ class Near(CheckPart):
     example: ClassVar = "{key: …, within: 0.05}"
 
     key: Annotated[str, Name("key", what="the name of a keyframe")] | None = None
-    """a keyframe; without it, the keyframe of the start"""
+    """a keyframe; by default the one to start from"""
     within: Positive = Field(examples=["0.05"])
-    """the allowed distance of a joint from where it is there, in m or rad"""
+    """the greatest distance of a joint from its position in that keyframe, in m or rad"""
 
 
 class Settles(Check):
-    """The model comes to rest: simulated from a keyframe, it does not diverge and is at rest at the end."""
+    """The simulation from a keyframe does not diverge, and the model is at rest at the end."""
 
     word: ClassVar = "settles"
     example: ClassVar = "{key: home}"
 
     key: Annotated[str, Name("key", what="the name of a keyframe")] | None = None
-    """the start; without it, the reference configuration"""
+    """the keyframe to start from; by default the reference configuration"""
     seconds: Annotated[Positive, Unit("s")] = 1.0
     """the length of the simulation"""
     max_speed: Positive = 0.05
     """the greatest speed of a joint in the last tenth of that time, in m/s or rad/s"""
     near: Near | None = None
-    """that all joints are still near to where they are in a keyframe"""
+    """every joint must also end near its position in a keyframe"""
 
 
 KIND = Settles

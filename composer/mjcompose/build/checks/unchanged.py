@@ -49,13 +49,13 @@ class Unchanged(Check):
     example: ClassVar = "{}"
 
     part: Annotated[str, Name("part", what="the prefix of a part")] | None = None
-    """the part, by its prefix, or `base`; without it, all of them"""
+    """the prefix of the part, or `base`; by default all parts"""
     excepted: Annotated[
         tuple[Annotated[Text, Checked(_known), Expects("an attribute of MJCF")], ...],
         Items(),
         Expects("a list of attributes", "[gravcomp]"),
     ] = Field((), alias="except")
-    """attributes of MJCF that are changed on purpose"""
+    """MJCF attributes that you change on purpose"""
 
 
 KIND = Unchanged

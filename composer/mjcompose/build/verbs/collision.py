@@ -30,7 +30,7 @@ class Hull(Model):
     example: ClassVar = "{}"
 
     vertices: _Vertices | None = None
-    """the most vertices (default: no limit)"""
+    """the largest number of vertices (default: no limit)"""
 
 
 class Decompose(Model):
@@ -39,11 +39,11 @@ class Decompose(Model):
     example: ClassVar = "{}"
 
     parts: _Count | None = None
-    """the most pieces (default: no limit)"""
+    """the largest number of pieces (default: no limit)"""
     threshold: Annotated[float, Field(ge=0.01, le=1)] = 0.05
     """the allowed concavity of a piece, by CoACD's measure"""
     vertices: _Vertices = 256
-    """the most vertices of a piece"""
+    """the largest number of vertices of a piece"""
     seed: _Seed = 0
     """the seed of random choices"""
 
@@ -73,7 +73,7 @@ class Collision(Verb):
     hull: Hull | None = None
     """the convex hull"""
     fit: Literal["box", "sphere", "capsule", "cylinder", "best"] | None = None
-    """one primitive around the mesh; `best` has the least volume"""
+    """one primitive around the mesh; `best` has the smallest volume"""
     decompose: Decompose | None = None
     """convex pieces, by CoACD"""
     spheres: Spheres | None = None

@@ -1,7 +1,7 @@
 """Verb `convert`: replace an actuator by one of another kind that does the same, or report the losses.
 
 MuJoCo computes the actuator's effect from its attributes and classes: gain, bias and the dynamics of the
-activation. The attributes of the new kind are written from these.
+activation. It computes the attributes of the new kind from these.
 """
 
 from __future__ import annotations
@@ -52,7 +52,7 @@ _UNSAID = ("actrange", "actearly", "actdim")
 _KINDS = ("general", "motor", "pid", "position", "velocity")
 FROM = "from-"
 _TO = "to"
-_KIND: Schema = {"enum": [*_KINDS], "description": "the kind of actuator that it becomes"}
+_KIND: Schema = {"enum": [*_KINDS], "description": "the new kind of actuator"}
 
 
 class _Conversion(ByGrammar):

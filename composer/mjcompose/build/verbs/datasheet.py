@@ -56,7 +56,7 @@ class Datasheet(Verb):
     error: Annotated[Positive, Unit("rad")] | None = None
     """the error in rad at which the motor gives its greatest torque, instead of `bandwidth`"""
     damping_ratio: NotNegative | None = None
-    """1 without it: how fast it comes to rest, with `bandwidth`"""
+    """the damping ratio, with `bandwidth`; by default 1"""
     inertia: Annotated[NotNegative, Unit("kg·m²")] | None = None
     """the inertia of the load, without the armature, in kg·m², with `bandwidth`"""
     effort: Literal["peak", "rated"] = "peak"

@@ -42,7 +42,7 @@ class Inertia(Verb):
     density: Annotated[Positive, Unit("kg/m³")] = Field(examples=[1000])
     """in kg/m³"""
     group: Whole | None = None
-    """from the geoms of this group alone"""
+    """only from the geoms of this group"""
 
     def carry_out(self, entry: Entry, at: Path) -> None:
         editing, found = entry.editing, entry.found

@@ -23,7 +23,7 @@ _SHOWN = 20
 
 
 class Remove(Verb):
-    """take it out: `true` if nothing refers to it, `cascade` with all that does"""
+    """`true` removes it if nothing refers to it, `cascade` also removes everything that does"""
 
     alone: ClassVar = True
     reshapes: ClassVar = True

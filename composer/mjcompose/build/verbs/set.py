@@ -1,4 +1,4 @@
-"""Verb `set`: give attributes new values, or take them out.
+"""Verb `set`: give attributes new values, or remove them.
 
 Attributes that an element then lacks are reported when its entry is done.
 """
@@ -28,7 +28,7 @@ _MOVED = ("joint", "jointinparent", "tendon", "site", "body", "cranksite")
 
 
 class Set(Verb):
-    """attributes and their new values, `friction[0]` for one number, null to take one out"""
+    """attributes and their new values; `friction[0]` is one number, null removes an attribute"""
 
     values: ClassVar = "settable"
 

@@ -22,7 +22,7 @@ class Simplify(Verb):
     reshapes: ClassVar = True
 
     faces: Annotated[int, Field(ge=4, le=10**9), BeforeValidator(whole)] = Field(examples=[500])
-    """the most faces"""
+    """the largest number of faces"""
 
     def carry_out(self, entry: Entry, at: Path) -> None:
         # All values that the entry writes are checked before.

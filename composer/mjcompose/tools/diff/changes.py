@@ -355,7 +355,7 @@ class Pairs:
                 yield before, after, _POSE
 
     def referred(self, before: Node | None, after: Node | None, kinds: Mapping[str, str]) -> Iterator[Pair]:
-        """Yield the mesh, material, joint, … that both refer to; `kinds` has its kind by attribute."""
+        """Yield each element that both refer to, such as a mesh or joint; `kinds` maps an attribute to its kind."""
         if before is None or after is None:
             return
         for attribute, kind in kinds.items():

@@ -310,7 +310,7 @@ class Causes:
 
     def _compiler_made(self, life: Life, change: Change) -> Reason:
         if len(life.sources) == 1:
-            return Reason("the base's settings, as they hold for every part")
+            return Reason("the base's settings, which apply to every part")
         return Reason("the settings that hold for every part")
 
     def _keyframes_made(self, life: Life, change: Change) -> Reason:

@@ -94,7 +94,7 @@ class Trial:
 
 
 def _lost_without_name(seen: Contrast, proposal: Proposal) -> list[Change]:
-    """Return removals of unnamed keys that the recipe's model lacks; the contrast compares them with nothing."""
+    """Return the removals of unnamed keys, which `contrast` cannot match."""
     keys = [each.what for each in seen.changes if each.kind == "key"]
     before, after = seen.elements["key"]
     lost = (before - keys.count("removed")) - (after - keys.count("added"))

@@ -13,16 +13,16 @@ from mjcompose.mujoco.solids import Shapes, faults
 
 
 class InertiaImplausible(Rule):
-    """Masses and inertias could belong to the bodies, as far as their geoms show."""
+    """The geoms of a body could have its mass and inertia."""
 
     word: ClassVar = "inertia-implausible"
     kinds: ClassVar = ("body",)
     instead: ClassVar = {"bodies": "body"}
 
     body: Annotated[tuple[Annotated[str, Name("body", glob=True)], ...], Items(1, single=True)] = ()
-    """the bodies; without it, all with a mass and geoms"""
+    """the bodies; by default all with a mass and geoms"""
     density: Annotated[Range, Expects("a list of 2 numbers", "[100, 9000]"), Unit("kg/m³")] | None = None
-    """the least and the most, in kg/m³; without it, any"""
+    """the smallest and largest density, in kg/m³; by default any"""
     gyration: Positive = 1.0
     """the largest radius of gyration, relative to the distance of the farthest point from the center of mass"""
     outside: NotNegative = 0.02

@@ -12,14 +12,14 @@ from mjcompose.language.forms.scalars import Items, Name
 
 
 class JointUnactuated(Rule):
-    """Every joint is moved by an actuator, also through a tendon or an equality to another joint."""
+    """An actuator moves every joint, directly or through a tendon or an equality."""
 
     word: ClassVar = "joint-unactuated"
     kinds: ClassVar = ("joint",)
     instead: ClassVar = {"joints": "joint"}
 
     joint: Annotated[tuple[Annotated[str, Name("joint", glob=True)], ...], Items(1, single=True)] = ()
-    """the joints; without it, all hinges and slides"""
+    """the joints; by default all hinges and slides"""
 
 
 RULE = JointUnactuated

@@ -19,9 +19,9 @@ class KeyOutOfRange(Rule):
     instead: ClassVar = {"keys": "key"}
 
     key: Annotated[tuple[Annotated[str, Name("key", glob=True)], ...], Items(1, single=True)] = ()
-    """the keyframes; without it, all of them"""
+    """the keyframes; by default all"""
     margin: NotNegative = 0.0
-    """the distance to both ends, in the unit of each range"""
+    """the smallest distance to both ends, in the unit of each range"""
 
 
 RULE = KeyOutOfRange

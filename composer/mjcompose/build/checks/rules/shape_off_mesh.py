@@ -19,7 +19,7 @@ _LIMITS = ("hausdorff", "beyond", "short", "uncovered", "volume")
 
 
 class ShapeOffMesh(Rule):
-    """The shapes and meshes that `collision` and `simplify` made of meshes are near enough to them."""
+    """Shapes and meshes from `collision` and `simplify` are close to the original meshes."""
 
     word: ClassVar = "shape-off-mesh"
     kinds: ClassVar = ("mesh",)
@@ -31,15 +31,15 @@ class ShapeOffMesh(Rule):
     )
 
     mesh: Annotated[tuple[Annotated[str, Name("mesh", glob=True)], ...], Items(1, single=True)] = ()
-    """the meshes; without it, all"""
+    """the meshes; by default all"""
     hausdorff: _Length | None = None
-    """the greatest distance of the two from one another, in meters"""
+    """the largest distance between the two surfaces, in meters"""
     beyond: _Length | None = None
-    """the allowed reach of the shapes out of the mesh, in meters"""
+    """the largest distance that the shapes may reach out of the mesh, in meters"""
     shortfall: _Length | None = Field(None, alias="short")
-    """the allowed reach of the mesh out of the shapes, in meters"""
+    """the largest distance that the mesh may reach out of the shapes, in meters"""
     uncovered: NotNegative | None = None
-    """the greatest share of the surface outside of the shapes"""
+    """the largest share of the mesh's surface outside the shapes"""
     volume: Annotated[Range, Expects("a list of 2 numbers", "[0.9, 1.2]")] | None = None
     """the least and the largest volume, relative to the mesh's"""
 
