@@ -76,3 +76,11 @@ def test_a_base_that_others_mount_may_touch_its_first_link(tmp_path: Path, sessi
     gripper = '<body><geom size=".1"/><body pos=".1 0 0"><joint/><geom size=".1"/></body></body>'
     assert not linted(world(gripper), "overlap", tmp_path, session)
     assert linted(world(FLOOR.replace("/>", ' pos="0 0 -9"/>') + gripper), "overlap", tmp_path, session)
+
+
+def test_a_pose_out_of_range_and_empty_keyframes_do_not_count(tmp_path: Path, session: Session) -> None:
+    folded = world(CHAIN.format(-0.15))
+    assert linted(folded, "overlap", tmp_path, session)
+    assert not linted(folded.replace("<joint/>", '<joint range="10 90"/>', 1), "overlap", tmp_path, session)
+    empty = world(FLOOR + BALL.format(0.05)).replace("<mujoco>", '<mujoco><size nkey="2"/>')
+    assert not linted(empty, "overlap", tmp_path, session)

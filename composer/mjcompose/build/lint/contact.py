@@ -58,21 +58,14 @@ def overlap(subject: Subject) -> Found:
 
 def _starts(subject: Subject) -> Iterator[tuple[str, Any, Node | None, bool]]:
     model, data = subject.model, subject.data
-    single = [
-        joint
-        for joint in range(model.njnt)
-        if int(model.jnt_qposadr[joint]) < model.nq
-        and model.jnt_limited[joint]
-        and int(model.jnt_type[joint]) >= int(subject.mujoco.mjtJoint.mjJNT_SLIDE)
-    ]
-    within = all(
-        model.jnt_range[joint][0] <= data.qpos[model.jnt_qposadr[joint]] <= model.jnt_range[joint][1]
-        for joint in single
-    )
-    if not model.nkey and within:
+    if next(subject.root.iter("key"), None) is not None:  # `nkey` makes empty ones, too
+        for row, name, at_key in subject.at_keys():
+            yield f"in {name}", at_key, subject.node("key", row), True
+        return
+    single = model.jnt_limited.astype(bool) & (model.jnt_type >= int(subject.mujoco.mjtJoint.mjJNT_SLIDE))
+    at, (low, high) = data.qpos[model.jnt_qposadr[single]], model.jnt_range[single].T
+    if ((low <= at) & (at <= high)).all():
         yield "in the reference configuration", data, None, False
-    for row, name, data in subject.at_keys():
-        yield f"in {name}", data, subject.node("key", row), True
 
 
 def _touching(subject: Subject, data: Any) -> Iterator[tuple[int, int, float]]:

@@ -418,12 +418,13 @@ def simulation_diverges(subject: Subject) -> Found:
 
     mujoco, model = subject.mujoco, subject.model
     data = mujoco.MjData(model)
-    if model.nkey:
+    has_key = next(subject.root.iter("key"), None) is not None
+    if has_key:
         mujoco.mj_resetDataKeyframe(model, data, 0)
     why = advance(mujoco, model, data, _SECONDS, data.time) if model.nv and model.opt.timestep > 0 else None
     if why is not None:
-        start = subject.name("key", 0).replace("key", "keyframe", 1) if model.nkey else "the reference configuration"
-        yield Finding(subject.node("key", 0) if model.nkey else None, f"from {start}, the simulation is {why}")
+        start = subject.name("key", 0).replace("key", "keyframe", 1) if has_key else "the reference configuration"
+        yield Finding(subject.node("key", 0) if has_key else None, f"from {start}, the simulation is {why}")
 
 
 @rule("armature-missing", in_mujoco=True, usual=False)
