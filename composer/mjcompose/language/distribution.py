@@ -191,7 +191,7 @@ class IntegerBounds(Interval):
     """the two"""
 
 
-_MEAN = Field(None, description="the middle; by default what changes nothing")
+_MEAN = Field(None, description="the middle; by default the value that changes nothing")
 
 
 class BellOfChange(Written):

@@ -35,7 +35,7 @@ OF_A_FILE = {
     "params": "declare them in `params` of the recipe: `${…}` has the same values here",
     "variants": "write them in `variants` of the recipe: a piece may change them",
     "matrix": "write it in the recipe itself",
-    "randomize": "write it in the recipe itself, whose fields reach this model",
+    "randomize": "write it in the recipe itself; its fields can select elements of this model",
 }
 
 

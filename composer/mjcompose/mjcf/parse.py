@@ -307,7 +307,7 @@ def from_spec(spec: Any) -> RootElement:
         if array.dtype.kind == "f" and bool((array != array).any())
     )
     if lost:
-        message = "MuJoCo does not write attributes with a NaN, which then have their default: the spec has NaN in "
+        message = "MuJoCo does not write NaN, so these attributes of the spec have their defaults: "
         warn(message + ", ".join(lost), MjcfWarning)
     return from_xml_string(text, assets=assets, base_dir=Path(folder) if folder else None)
 

@@ -350,7 +350,7 @@ class Physics:
             message = f"the frame of `{element.name}` is not a body of the compiled model: it had no joint"
             help = "bind the element that it is attached to, or the bodies of the attached model"
         elif element.tag == WORLD_SECTION:
-            message = f"the world of `{element._model.name}` is not a body of the compiled model: it was attached"
+            message = f"`{element._model.name}` is attached, so its world is not a body of the compiled model"
             help = "bind its mount, the bodies in it, or its attachment frame once that has a joint"
         elif self._of_tree and element._node not in taken.known:
             message = f"{what} came after the model was compiled"

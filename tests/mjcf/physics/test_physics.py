@@ -189,7 +189,7 @@ def test_a_frame_without_a_joint_is_no_body(arm: RootElement, gripper: RootEleme
 
 def test_the_world_of_what_is_attached_is_no_body(arm: RootElement, gripper: RootElement) -> None:
     arm.worldbody.attach(gripper)
-    with pytest.raises(MjcfError, match="the world of `gripper` is not a body of the compiled model"):
+    with pytest.raises(MjcfError, match="`gripper` is attached, so its world is not a body of the compiled model"):
         arm.compile_model().bind(gripper.worldbody)
 
 

@@ -278,9 +278,9 @@ def _attribute(tag: str | None, written: str, others: Collection[str] = ()) -> t
     if name in known and name not in others and not (tag is None and index):
         return name, None if index is None else int(index)
     help, fix = advised(name, known)
-    message = f"`{name}` of a {tag} is nothing that {OWNER} could ask for"
+    message = f"`{name}` of a {tag} is not an attribute that {OWNER} can read"
     if tag is None:
-        message = f"`{written}` is not a number of the model that {OWNER} could ask for"
+        message = f"`{written}` is not a number of the model that {OWNER} can read"
         owners = [each for each in WITH_NUMBERS if name in _selectable(each)]
         if owners and not closest(name, known):
             help, fix = (f"write `select: {{{owners[0]}: NAME}}` next to it, for the elements that have it", None)

@@ -109,7 +109,7 @@ class _PoseHolder:
             sink.error("mujoco-crash", message, self.span())
             return
         if left := answer.value["left"]:
-            message = f"the actuators cannot hold the key `{name}`: {left:.4g} N or N m are left"
+            message = f"the actuators cannot hold the key `{name}`: they lack {left:.4g} N or N m"
             sink.warning("not-held", message, self.span())
         for vector in ("ctrl", "act"):
             self._write(vector, answer.value, keys[index])

@@ -117,7 +117,7 @@ class _FieldDraws:
             if len(lengths) > 1:
                 counts = " and ".join(map(str, sorted(lengths)))
                 message = f"the values have {counts} numbers, and in a table all have the same count"
-                help = "build without `--as worlds`: each sample is a model then"
+                help = "build without `--as worlds`, so each sample is a model"
                 self._fault("wrong-length", message, node, help=help)
             chosen = [stated[id(each)] for each in self._all_drawn(node, samples, 0)]
             return tuple(zip(*chosen, strict=True)) if isinstance(chosen[0], tuple) else (chosen,)

@@ -105,7 +105,7 @@ class DrawTable:
             self.columns[name]["targets"] += [{**of, **target} for target in found["targets"][component]]
 
     def _fault(self, field: DrawField, message: str, instead: str = "") -> None:
-        help = "build without `--as worlds`" + (f", {instead}" if instead else ": each sample is a model then")
+        help = "build without `--as worlds`" + (f", {instead}" if instead else ", so each sample is a model")
         self.context.sink.error(CODE, message, locate(self.plan.document, (*field.at, "attr")), help=help)
 
     def crashed(self, answer: engine.Called) -> None:
