@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, ClassVar
-
-from pydantic import Discriminator, Tag
+from typing import Annotated, ClassVar
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Fault, Path
@@ -19,6 +17,7 @@ KINDS = ("joint", "actuator", "sensor", "key")
 class Entry(Model):
     """One name, and the builds that have it."""
 
+    short: ClassVar = "name"
     example: ClassVar = "{name: NAME, when: {…}}"
 
     name: Annotated[str, Name(*KINDS)]
@@ -26,12 +25,8 @@ class Entry(Model):
     when: When = None
 
 
-def _name(entry: Any) -> str:
-    return entry if isinstance(entry, str) else str(entry.name)
-
-
-def _fault(entries: tuple[Any, ...]) -> Fault | None:
-    names = [*map(_name, entries)]
+def _fault(entries: tuple[Entry, ...]) -> Fault | None:
+    names = [each.name for each in entries]
     for index, name in enumerate(names):
         if name in MORE and index < len(names) - 1:
             message = f"`{name}` in {IT} is not the last entry"
@@ -41,16 +36,7 @@ def _fault(entries: tuple[Any, ...]) -> Fault | None:
     return None
 
 
-def _form_of(entry: Any) -> str:
-    return "<word>" if isinstance(entry, str) else "<mapping>"
-
-
-_Entry = Annotated[Entry, Tag("<mapping>")]
-_Joint = Annotated[Annotated[str, Name("joint"), Tag("<word>")] | _Entry, Discriminator(_form_of)]
-_Actuator = Annotated[Annotated[str, Name("actuator"), Tag("<word>")] | _Entry, Discriminator(_form_of)]
-_Sensor = Annotated[Annotated[str, Name("sensor"), Tag("<word>")] | _Entry, Discriminator(_form_of)]
-_Key = Annotated[Annotated[str, Name("key"), Tag("<word>")] | _Entry, Discriminator(_form_of)]
-_EXPECTS = Expects("a list of names", "[lift, grip]")
+_Names = Annotated[tuple[Entry, ...], Items(), Checked(_fault), Expects("a list of names", "[lift, grip]")]
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,13 +55,13 @@ class Interface(Model):
     depth: ClassVar = 3
     example: ClassVar = "{actuator: [NAME, NAME]}"
 
-    joint: Annotated[tuple[_Joint, ...], Items(), Checked(_fault), _EXPECTS] | None = None
+    joint: _Names | None = None
     """The names in their order, and `…` at the end if there are more: joints, as in `qpos`."""
-    actuator: Annotated[tuple[_Actuator, ...], Items(), Checked(_fault), _EXPECTS] | None = None
+    actuator: _Names | None = None
     """The names in their order, and `…` at the end if there are more: actuators, as in `ctrl`."""
-    sensor: Annotated[tuple[_Sensor, ...], Items(), Checked(_fault), _EXPECTS] | None = None
+    sensor: _Names | None = None
     """The names in their order, and `…` at the end if there are more: sensors, as in `sensordata`."""
-    key: Annotated[tuple[_Key, ...], Items(), Checked(_fault), _EXPECTS] | None = None
+    key: _Names | None = None
     """The names in their order, and `…` at the end if there are more: keys."""
 
     @property
@@ -83,9 +69,9 @@ class Interface(Model):
         """The lists that the recipe writes."""
         found: list[Order] = []
         for kind in KINDS:
-            entries: tuple[Any, ...] | None = getattr(self, kind)
+            entries: tuple[Entry, ...] | None = getattr(self, kind)
             if entries is not None:
-                names = tuple(name for name in map(_name, entries) if name not in MORE)
+                names = tuple(each.name for each in entries if each.name not in MORE)
                 at = (*(self.at or ("interface",)), kind)
                 found.append(Order(kind, names, more=len(names) < len(entries), at=at))
         return tuple(found)

@@ -26,7 +26,7 @@ Kind = Literal["start", "end", "comment", "cdata", "other", "text"]
 
 
 class Written(NamedTuple):
-    """An attribute of a start tag. Its value is from `start` to `end`, and None if no quote opens it."""
+    """An attribute of a start tag; `start` and `end` are those of its value, which is None without a quote."""
 
     name: str
     at: int

@@ -238,6 +238,7 @@ export class Gizmo {
     }
     world.pose.update();
     this.app.posed();
+    if (this.busy) this.app.stage.move();
     this.numbers();
     if (this.site >= 0) this.tell(`on ${scene.site.name[this.site]}`);
   }

@@ -427,3 +427,25 @@ def test_a_urdf_and_a_bundle_are_not_recipes(tmp_path: Path, session: Session) -
     workshop = Workshop("robot.urdf", Asked(), session, lambda: Context(folder=tmp_path), words_of)
     workshop.writes = True
     assert "base: ./MODEL.xml" in json.loads(workshop.build().text)["move"]["why"]
+
+
+def test_a_base_with_a_place_moves(tmp_path: Path, session: Session) -> None:
+    page = Page(tmp_path, session, "recipe: 1\nbase: {model: ./ball.xml, pos: [1, 0, 0]}  # far\n")
+    page.move("base", Pose((2, 0, 0.5)))
+    assert page.text == "recipe: 1\nbase: {model: ./ball.xml, pos: [2, 0, 0.5]}  # far\n"
+    page.load()
+
+
+def test_a_variant_says_a_place_of_its_own(tmp_path: Path, session: Session) -> None:
+    recipe = """recipe: 1
+attach:
+  a: {model: ./ball.xml, pos: [0, 0, 0]}
+variants:
+  where:
+    near: {attach: {a: {pos: [1, 0, 0]}}}   # the first is chosen
+    far: {attach: {a: {pos: [9, 0, 0]}}}
+"""
+    page = Page(tmp_path, session, recipe)
+    assert page.ask("look", "a")["pos"] == (1.0, 0.0, 0.0)
+    page.move("a", Pose((1.5, 0, 0)))
+    assert page.text == recipe.replace("[1, 0, 0]", "[1.5, 0, 0]")

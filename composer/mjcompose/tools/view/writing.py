@@ -127,7 +127,9 @@ class Writer:
         if path is not None and recipe is not None and path.suffix.lower() in _RECIPES:
             doors = Door.of([folder_of_recipe(recipe)]), door_of_user()
             if all(door.sees(path) for door in doors):
-                return path
+                if os.access(path, os.W_OK):
+                    return path
+                raise Refused(f"`{file}` may not be written")
         raise Refused(f"it is written in `{file}`, which is not a recipe of your project")
 
     def _draft(self, file: str, said: Any, any: bool = False) -> Draft:
