@@ -30,3 +30,27 @@ def test_free_and_mocap_bodies() -> None:
     assert row["qpos"] == pytest.approx([1, -2, 3, 0.5, -0.5, 0.5, -0.5])
     assert row["qvel"] == pytest.approx([1, -2, 3, -4, 5, -6])
     assert row["mpos"] == [3, -4, 5] and row["mquat"] == pytest.approx([0, -1, 0, 0])
+
+
+RACKS = """<mujoco><worldbody><body name="hand">
+  <body name="pinion"><joint name="pinion" axis="0 0 1" range="0 2"/><geom size=".1"/></body>
+  <body name="left" pos="0 .1 0"><joint name="left" type="slide" axis="0 1 0" range="0 1"/><geom size=".1"/></body>
+  <body name="right" pos="0 -.1 0"><joint name="right" type="slide" axis="0 -1 0" range="0 1"/><geom size=".1"/></body>
+  </body></worldbody>
+  <equality><joint joint1="left" joint2="pinion" polycoef="0 .05 0 0 0"/>
+    <joint joint1="right" joint2="pinion" polycoef="0 {} 0 0 0"/></equality>
+  <keyframe>{}</keyframe></mujoco>"""
+
+
+def test_a_pinion_keeps_the_sign_of_its_range_and_its_racks() -> None:
+    of = RACKS.format(".05", '<key qpos="1 .05 .05"/>')
+    found = mirrored_keys(mujoco, {"texts": [of, RACKS.format(".05", "")], "axis": 1})
+    assert found["keys"][0]["qpos"] == pytest.approx([1, 0.05, 0.05])
+
+
+def test_a_constraint_that_is_not_reflected_is_a_fault() -> None:
+    of = RACKS.format(".05", '<key qpos="1 .05 .05"/>')
+    fault = mirrored_keys(mujoco, {"texts": [of, RACKS.format("-.05", "")], "axis": 1})["fault"]
+    assert fault["why"] == "equality"
+    wider = RACKS.format(".05", "").replace('range="0 2"', 'range="1 2"')
+    assert mirrored_keys(mujoco, {"texts": [of, wider], "axis": 1})["fault"]["why"] == "range"

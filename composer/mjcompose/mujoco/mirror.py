@@ -14,6 +14,8 @@ from mjcompose.mujoco.attributes import names
 _NEAR = 1e-3
 """The allowed distance of a body from its mirror image, in meters; also the relative error of forces."""
 _PARALLEL = 1e-6
+_STEPS = ("names", "body", "axis", "range", "equality", "force")
+"""What is compared, in this order: the later fault is the one of the better match."""
 
 
 def mirrored_keys(mujoco: Any, asked: dict[str, Any]) -> dict[str, Any]:
@@ -28,7 +30,7 @@ def mirrored_keys(mujoco: Any, asked: dict[str, Any]) -> dict[str, Any]:
             return {"keys": _Mirror(mujoco, asked["texts"], axis=asked["axis"], exchange=exchange).keys()}
         except _Unlike as unlike:
             faults.append(unlike.args[0])
-    return {"fault": next((each for each in faults if each["why"] != "names"), faults[0])}
+    return {"fault": max(faults, key=lambda fault: _STEPS.index(fault["why"]))}
 
 
 class _Unlike(Exception):
@@ -86,7 +88,27 @@ class _Mirror:
         along = float(image @ self.start[1][2][other])
         if kind != self.own.jnt_type[other] or abs(abs(along) - 1) > _PARALLEL:
             raise _Unlike({"why": "axis", "name": names(self.of, "joint")[joint]})
-        return np.array([[np.sign(along)]])
+        sign = float(np.sign(along))
+        if self._fits(joint, other, sign):
+            return np.array([[sign]])
+        # A pinion turns the other way round in the image, but its range and its racks are those of the original.
+        if not self._fits(joint, other, -sign) or self._moves_bodies(other):
+            raise _Unlike({"why": "range", "name": names(self.of, "joint")[joint]})
+        return np.array([[-sign]])
+
+    def _fits(self, joint: int, other: int, sign: float) -> bool:
+        """Return whether the range of a joint, with this sign, is that of its image."""
+        if not (self.of.jnt_limited[joint] and self.own.jnt_limited[other]):
+            return True
+        at, there = (float(m.qpos0[m.jnt_qposadr[each]]) for m, each in ((self.of, joint), (self.own, other)))
+        image = np.sort(there + sign * (self.of.jnt_range[joint] - at))
+        return bool(np.abs(image - self.own.jnt_range[other]).max() < _NEAR)
+
+    def _moves_bodies(self, joint: int) -> bool:
+        data = self.mujoco.MjData(self.own)
+        data.qpos[self.own.jnt_qposadr[joint]] += 0.5
+        self.mujoco.mj_kinematics(self.own, data)
+        return bool(np.abs(data.xpos - self.start[1][0]).max() > _NEAR)
 
     def keys(self) -> list[dict[str, list[float]]]:
         return [self._key(number) for number in range(self.of.nkey)]
@@ -111,6 +133,8 @@ class _Mirror:
         for model, data in zip((of, own), self.data, strict=True):
             self.mujoco.mj_forward(model, data)
         self._compare_bodies(number)
+        if _strain(after) > _strain(before) + _NEAR:
+            raise _Unlike({"why": "equality", "key": number})
         for joint, other in self.joints.items():
             ours, theirs = before.qfrc_actuator[_at(of, "qvel", joint)], after.qfrc_actuator[_at(own, "qvel", other)]
             if np.abs(self.turns[joint] @ ours - theirs).max() > _NEAR * max(1.0, float(np.abs(ours).max())):
@@ -170,6 +194,11 @@ class _Mirror:
             self.mujoco.mju_mulQuat(result, found, each)
             found = result
         return found
+
+
+def _strain(data: Any) -> float:
+    """Return how far the worst equality constraint is from being met."""
+    return float(np.abs(data.efc_pos[: data.ne]).max(initial=0.0))
 
 
 def _at(model: Any, vector: str, index: int) -> slice:

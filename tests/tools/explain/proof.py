@@ -97,7 +97,12 @@ class Proof:
             if _same(self._text(row.reason.span), row.value):
                 return self._count("a number of a key")
             return f"{row.label} {row.value}: {_place(row.reason.span)} has {self._text(row.reason.span)!r}"
-        if row.reason.words.startswith("computed") and self._text(row.reason.span) in ("hold", "positions", "forces"):
+        if row.reason.words.startswith("computed") and self._text(row.reason.span) in (
+            "hold",
+            "positions",
+            "forces",
+            "keys",
+        ):
             return self._count("computed for a key")
         if row.origin == "entry" and not row.on_the_way and not _converted(self._text(row.reason.span), row.value):
             return f"{row.label} {row.value}: {_place(row.reason.span)} has {self._text(row.reason.span)!r}"

@@ -85,6 +85,10 @@ def _report(
         what = f"in {where}, the body `{name}` is {1000 * fault['distance']:.3g} mm from its mirror image"
     elif why == "axis":
         what = f"the axis of the joint `{name}` is not reflected"
+    elif why == "range":
+        what = f"the range of the joint `{name}` is not reflected"
+    elif why == "equality":
+        what = f"in {where}, an equality constraint is not met"
     elif why == "force":
         what = f"in {where}, the actuators do not push the joint `{name}` like its mirror image"
     else:

@@ -37,7 +37,7 @@ from mjcompose.tools.explain.explanation import (
     Reason,
     RowExplained,
 )
-from mjcompose.tools.explain.query import RecipeLines, no_attribute, not_found, same_words
+from mjcompose.tools.explain.query import MIRRORED, RecipeLines, no_attribute, not_found, same_words
 from mjcompose.tools.explain.trace import TAG, Change, Life, Move, NumberOrigin, Trace, key_origins, rows
 from mjcompose.tree.classes import MAIN, ORIENTATIONS, Classes, class_in_force, given, levels, value
 from mjcompose.tree.classes import chain as class_chain
@@ -322,6 +322,8 @@ class Traced:
             return Reason(_WORKED_OUT, span)
         if callable(life.owner) and span == life.owner(None) and not self.recipe_lines.has(span, text):
             return Reason(_COMES_ALONG, span)
+        if life.tag == "key" and not isinstance(life.owner, str) and not self.recipe_lines.has(span, text):
+            return Reason(MIRRORED, span)
         return Reason("", span)
 
     def _row_reason(self, key: Node, origin: NumberOrigin) -> Reason:

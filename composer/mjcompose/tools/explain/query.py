@@ -60,6 +60,8 @@ class RecipeLines:
         written = self.text_of(span)
         if written in (HOLD, *WAYS):
             return Reason("computed to hold the pose of the key", span)
+        if written == "keys":
+            return Reason(MIRRORED, span)
         return Reason(f"`{written}` in the recipe's own unit or form", span)
 
     def has(self, span: Span | None, text: str | None) -> bool:
@@ -89,6 +91,7 @@ def _same_word(ours: str, theirs: str) -> bool:
         return False
 
 
+MIRRORED = "computed: the mirror image of a keyframe"
 _NUMBERED = re.compile(r"(.+)#(\d+)")
 _LINE = re.compile(r"(.+\.\w+):(\d+)(?::\d+)?")
 # Words that people use for the elements of a section.

@@ -373,6 +373,8 @@ class _Reading:
         span = life.span(self.model.origins, source.vector)
         if source.kind == "mujoco":
             return NumberOrigin("mujoco", span)
+        if not isinstance(life.owner, str):  # a recipe writes the key, by `mirror`
+            return NumberOrigin("entry", span)
         return self._in_file(source, at, life) or NumberOrigin("file", span)
 
     def _in_file(self, source: KeySource, at: tuple[int, int], life: Life) -> NumberOrigin | None:

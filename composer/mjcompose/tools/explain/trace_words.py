@@ -127,7 +127,11 @@ def _summary(done: object) -> str:
 
 _DEFAULT = Settings()
 _FOLDERS = ("meshdir", "texturedir", "assetdir", "strippath")
-_COMPUTED = {"mate": "computed from `mate`, to meet the place", "replicate": "computed: the place of this copy"}
+_COMPUTED = {
+    "mate": "computed from `mate`, to meet the place",
+    "mirror": "computed: the mirror image of another part",
+    "replicate": "computed: the place of this copy",
+}
 
 
 class Causes:
