@@ -291,6 +291,5 @@ def unknown_attribute(
     known = list(known)
     likely, notes = [*known, *near], (exists_note("attribute", known, name),) if known else ()
     help, fix = help or did_you_mean(name, likely) or otherwise, None if help else renaming(name, likely)
-    return Diagnostic(
-        "unknown-attribute", f"`{name}` is not an attribute of {owner}", span, notes=notes, help=help, fix=fix
-    )
+    message = f"`{name}` is not an attribute of {owner}"
+    return Diagnostic("unknown-attribute", message, span, notes=notes, help=help, fix=fix)

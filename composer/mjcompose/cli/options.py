@@ -43,9 +43,8 @@ class Amount(click.FloatRange):
 
 def formats(*names: str) -> Any:
     """Declare `--output-format` with these values."""
-    return option(
-        "--output-format", type=click.Choice(names), default="text", show_default=True, help="The format of the output."
-    )
+    help = "The format of the output."
+    return option("--output-format", type=click.Choice(names), default="text", show_default=True, help=help)
 
 
 def output(help: str) -> Any:

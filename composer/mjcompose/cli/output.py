@@ -315,9 +315,8 @@ class _Writer:
             from mjcompose.build.bundle.staging import check_is_no_source
             from mjcompose.build.cache.builder import input_files
 
-            check_is_no_source(
-                self.context.folder / picture_beside(target, result.name), "--picture", input_files(result)
-            )
+            message = "--picture"
+            check_is_no_source(self.context.folder / picture_beside(target, result.name), message, input_files(result))
 
     def _judge_warnings(self, result: BuildResult) -> None:
         """Drop warnings that the recipe allows; with `--strict` the rest become errors."""

@@ -280,9 +280,8 @@ def prefix_fault(prefix: str, context: Settings, at: tuple[str, ...] = (), key: 
         return Fault("reserved-prefix", message, at, key=key, help="choose another name for the part")
     if not prefix:
         message = "a prefix is empty"
-        return Fault(
-            "bad-name", message, at, key=key, help='to attach without a prefix, write `prefix: ""` in the part'
-        )
+        help = 'to attach without a prefix, write `prefix: ""` in the part'
+        return Fault("bad-name", message, at, key=key, help=help)
     if any(character.isspace() for character in prefix):
         joined = "_".join(prefix.split())
         return Fault("bad-name", f"the prefix `{prefix}` has a space in it", at, key=key, help=f"write `{joined}`")

@@ -315,9 +315,8 @@ class Reader:
             help, fix = f"write `objtype: {name}, objname: {value}`", None
         if kind.children and (_is_element(value) or (near and near[0] in kind.children)):
             notes = (exists_note("element", kind.children, name),)
-            return Fault(
-                "unknown-element", f"`{name}` is not allowed in {owner}", at, key=True, notes=notes, help=help, fix=fix
-            )
+            message = f"`{name}` is not allowed in {owner}"
+            return Fault("unknown-element", message, at, key=True, notes=notes, help=help, fix=fix)
         return fault_at(unknown_attribute(name, owner, attributes), at, key=True, help=help, fix=fix)
 
     def names(self, value: Any, at: Path, owner: str) -> Iterable[tuple[str, Any]]:

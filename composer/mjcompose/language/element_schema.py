@@ -214,9 +214,8 @@ def _children(kind: ElementType) -> Schema:
 
 def _settings() -> Schema:
     single: Schema = {"type": ["string", "number", "boolean"]}
-    return described(
-        by_name({"type": [*single["type"], "array"], "items": single}), "the settings of the plugin, by its own keys"
-    )
+    message = "the settings of the plugin, by its own keys"
+    return described(by_name({"type": [*single["type"], "array"], "items": single}), message)
 
 
 def _rule(rule: Constraint) -> list[Schema]:

@@ -236,9 +236,8 @@ def _check_names(
         variants = document.entries["variants"][1]
         assert isinstance(variants, Mapping)
         note = Note("the parameter", parameters[name].span)
-        sink.error(
-            "name-clash", f"`{name}` is a variant and a parameter", variants.entries[name][0].span, notes=(note,)
-        )
+        notes = (note,)
+        sink.error("name-clash", f"`{name}` is a variant and a parameter", variants.entries[name][0].span, notes=notes)
     tried = _declared(document, "params") | _declared(document, "variants")
     for name, node in given.items():
         if name not in tried:

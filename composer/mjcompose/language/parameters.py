@@ -95,31 +95,25 @@ class Parameter:
             value = angle.in_unit(str(self.unit))
         if not _has_type(value, self.type):
             help = "declare it as `{type: float, …}` to have any number" if self.type == "int" else None
-            return Diagnostic(
-                "wrong-type", f"parameter `{self.name}` is {_NOUNS[self.type]}, got {_quoted(value)}", help=help
-            )
+            message = f"parameter `{self.name}` is {_NOUNS[self.type]}, got {_quoted(value)}"
+            return Diagnostic("wrong-type", message, help=help)
         if self.choices and value not in self.choices:
             known = [self._shown(each) for each in self.choices]
             listed = ", ".join(f"`{each}`" for each in known)
             help = did_you_mean(self._shown(value), known)
-            return Diagnostic(
-                "out-of-range", f"parameter `{self.name}` is one of {listed}, got {_quoted(value)}", help=help
-            )
+            message = f"parameter `{self.name}` is one of {listed}, got {_quoted(value)}"
+            return Diagnostic("out-of-range", message, help=help)
         if isinstance(value, tuple) and self.length is not None and len(value) != self.length:
             return Diagnostic("wrong-length", f"parameter `{self.name}` has {self.length} numbers, got {len(value)}")
         for number in value if isinstance(value, tuple) else (value,):
             if isinstance(number, bool) or not isinstance(number, (int, float)):
                 continue
             if self.low is not None and number < self.low:
-                return Diagnostic(
-                    "out-of-range",
-                    f"parameter `{self.name}` is at least {self._shown(self.low)}, got {self._shown(number)}",
-                )
+                message = f"parameter `{self.name}` is at least {self._shown(self.low)}, got {self._shown(number)}"
+                return Diagnostic("out-of-range", message)
             if self.high is not None and number > self.high:
-                return Diagnostic(
-                    "out-of-range",
-                    f"parameter `{self.name}` is at most {self._shown(self.high)}, got {self._shown(number)}",
-                )
+                message = f"parameter `{self.name}` is at most {self._shown(self.high)}, got {self._shown(number)}"
+                return Diagnostic("out-of-range", message)
         return value
 
     def _shown(self, value: Value) -> str:
@@ -210,9 +204,8 @@ def read_axes(document: Mapping, sink: Sink) -> Axes:
         for value, piece in values.entries.values():
             if not isinstance(piece, Mapping):
                 message = f"`{value.name}` of variant `{key.name}` is a piece of recipe, a mapping"
-                sink.error(
-                    "wrong-type", message, value.span, help=f"write `{value.name}: {{}}` for one that changes nothing"
-                )
+                help = f"write `{value.name}: {{}}` for one that changes nothing"
+                sink.error("wrong-type", message, value.span, help=help)
                 continue
             if piece.entries.keys().isdisjoint(NO_PIECE):
                 continue

@@ -380,12 +380,11 @@ def _check_limits(linking: Linking, unit: Unit, element: Node) -> None:
             continue
         if (text_in_effect(element, kind, limited, classes=unit.classes) or "auto") == "auto":
             tag = element.tag if element.get("name") else f"`<{element.tag}>`"
-            linking.sink.error(
-                "mujoco-rejects",
-                f'{tag} {shown_name(element)} has `{name}` but not `{limited}`, and its file sets `autolimits="false"`',
-                linking.span(unit, element, name),
-                help=f'add `{limited}="true"` or `{limited}="false"`',
+            message = (
+                f'{tag} {shown_name(element)} has `{name}` but not `{limited}`, and its file sets `autolimits="false"`'
             )
+            help = f'add `{limited}="true"` or `{limited}="false"`'
+            linking.sink.error("mujoco-rejects", message, linking.span(unit, element, name), help=help)
 
 
 _NAME = "passthrough"
@@ -404,14 +403,13 @@ def passthrough(linking: Linking) -> None:
     if asking and others:
         unit, (other, texture) = asking[0][0], others[0]
         compiler = next(each for each in unit.root.iterchildren("compiler") if each.get(_NAME))
-        linking.sink.error(
-            "compiler-setting",
+        message = (
             f"`{_NAME}` of `{unit.label}` cannot be kept in a composition with `{other.label}`, whose textures are "
-            "loaded",
-            linking.span(unit, compiler, _NAME),
-            notes=(Note("such a texture", linking.span(other, texture)),),
-            help="set it in all of them, or in none",
+            "loaded"
         )
+        notes = (Note("such a texture", linking.span(other, texture)),)
+        help = "set it in all of them, or in none"
+        linking.sink.error("compiler-setting", message, linking.span(unit, compiler, _NAME), notes=notes, help=help)
     for compiler in linking.base.root.iterchildren("compiler"):
         compiler.attrib.pop(_NAME, "")
     if asking:

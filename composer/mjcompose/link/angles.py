@@ -322,10 +322,9 @@ def flex_turns(linking: Linking) -> None:
             continue
         report = linking.sink.error if abs(length - 1) > _TOLERABLE else linking.sink.warning
         w, x, y, z = quat
-        report(
-            "not-supported",
+        message = (
             f"the flex of `{flex.part.called}` is turned by a `quat` of length {length:.6g}: MuJoCo stretches it "
-            "alone, and not below a frame",
-            linking.span(flex.unit, flex.element, "quat"),
-            help=f'write `quat="{numbers.text(normalize((w, x, y, z)))}"`, which only turns',
+            "alone, and not below a frame"
         )
+        help = f'write `quat="{numbers.text(normalize((w, x, y, z)))}"`, which only turns'
+        report("not-supported", message, linking.span(flex.unit, flex.element, "quat"), help=help)

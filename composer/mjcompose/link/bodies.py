@@ -277,13 +277,9 @@ class _PartAttachment:
                 'write `align="false"` on the free joint in the source, or in a copy of it',
             )
         if part.floats and part.sense is not None:
-            linking.sink.error(
-                "attach-place",
-                f"`{part.called}` floats freely: no body carries it, and `sense` has nothing to measure",
-                part.sense.span,
-                help="omit `sense`, or fix the part to its place",
-                subjects=(part.called,),
-            )
+            message = f"`{part.called}` floats freely: no body carries it, and `sense` has nothing to measure"
+            help = "omit `sense`, or fix the part to its place"
+            linking.sink.error("attach-place", message, part.sense.span, help=help, subjects=(part.called,))
         if part.mirrors is not None and part.mirrors.content is not None:
             units = _angle_units(linking)
             image = pose_in_world(part.mirrors.content, *units).reflected(*part.across)

@@ -228,14 +228,13 @@ def lengthranges(linking: Linking) -> None:
             if any(limits):
                 actuator.set("lengthrange", numbers.text(limits))
             elif rules and _is_muscle(actuator):
-                linking.sink.error(
-                    "compiler-setting",
+                message = (
                     f"`lengthrange` of `{unit.label}` cannot be kept in a composition: it leaves a muscle without a "
-                    "range",
-                    linking.span(unit, rules[-1]),
-                    notes=(Note("the muscle", linking.span(unit, actuator)),),
-                    help="write the `lengthrange` of the muscle",
+                    "range"
                 )
+                notes = (Note("the muscle", linking.span(unit, actuator)),)
+                help = "write the `lengthrange` of the muscle"
+                linking.sink.error("compiler-setting", message, linking.span(unit, rules[-1]), notes=notes, help=help)
                 break
         for rule in rules:
             detach(rule)
@@ -396,9 +395,8 @@ def _report_flexcomp(linking: Linking, unit: Unit, body: Node, host: Node | None
     after = unit.classes.get(None if host is None else host.get("childclass") or childclass_of(host))
     if before is after or not (before.sets("joint") or after.sets("joint")):
         return False
-    KeptSettings(linking, unit, ("fusestatic",)).refuse(
-        "the joints of a `<flexcomp>` would have another class", flexcomp
-    )
+    message = "the joints of a `<flexcomp>` would have another class"
+    KeptSettings(linking, unit, ("fusestatic",)).refuse(message, flexcomp)
     return True
 
 

@@ -271,14 +271,13 @@ def _check_copies(linking: Linking, key: Key, reference: Reference) -> None:
     """Report copies whose numbers differ in a key, and that are one element since an edit."""
     for vector, element in reference.disagreeing[:1]:
         name = element.get("name")
-        linking.sink.error(
-            "keyframe-conflict",
+        message = (
             f"`{vector}` of {called(key.element)} has different numbers for the copies of "
-            f"{f'`{name}`' if name else f'a `<{element.tag}>`'}, which an edit moves out of its `<replicate>`",
-            key.span(vector),
-            notes=(Note("it is written here", linking.span(linking.base, element)),),
-            help="omit the keys, `drop: [key]`, and write the key in the recipe",
+            f"{f'`{name}`' if name else f'a `<{element.tag}>`'}, which an edit moves out of its `<replicate>`"
         )
+        notes = (Note("it is written here", linking.span(linking.base, element)),)
+        help = "omit the keys, `drop: [key]`, and write the key in the recipe"
+        linking.sink.error("keyframe-conflict", message, key.span(vector), notes=notes, help=help)
     reference.disagreeing.clear()
 
 

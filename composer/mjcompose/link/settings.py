@@ -91,14 +91,13 @@ def is_leaf(body: Node) -> bool:
 
 
 def _cannot_differ(linking: Linking, unit: Unit, joint: Node, other: Unit, of_other: Node) -> None:
-    linking.sink.error(
-        "compiler-setting",
+    message = (
         f"`alignfree` of `{other.label}` cannot be kept in a composition with `{unit.label}`: "
-        "each has a free joint with settings of its own",
-        linking.span(other, of_other),
-        notes=(Note("it does not apply to this one", linking.span(unit, joint)),),
-        help='make one of them a `<freejoint align="…"/>`',
+        "each has a free joint with settings of its own"
     )
+    notes = (Note("it does not apply to this one", linking.span(unit, joint)),)
+    help = 'make one of them a `<freejoint align="…"/>`'
+    linking.sink.error("compiler-setting", message, linking.span(other, of_other), notes=notes, help=help)
 
 
 FOLDERS = ("meshdir", "texturedir", "assetdir", "strippath")

@@ -119,14 +119,13 @@ def _report_floating(linking: Linking, floating: Floating) -> None:
             drop = "drop: [freejoint]" if joint.tag == "freejoint" else "drop: [{joint: NAME}]"
             help = f"write `{drop}` so it moves only by the added `joint`, or {help.removeprefix('write ')}"
     span = linking.span(part.unit, body if joint is None else joint)
-    linking.sink.error(
-        code,
+    message = (
         f"`{part.called}` has a {what} at its root and cannot be attached {_place_words(part)}: "
-        f"MuJoCo allows {'mocap bodies' if joint is None else 'free joints'} only in the world",
-        part.place.span or part.span or span,
-        notes=(Note(note, span),),
-        help=help,
-        subjects=(part.called,),
+        f"MuJoCo allows {'mocap bodies' if joint is None else 'free joints'} only in the world"
+    )
+    notes = (Note(note, span),)
+    linking.sink.error(
+        code, message, part.place.span or part.span or span, notes=notes, help=help, subjects=(part.called,)
     )
 
 

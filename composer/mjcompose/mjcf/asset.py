@@ -45,9 +45,8 @@ def door_of(confine_to: Folders | None) -> Door:
         raise wrong_argument("confine_to", "a list of folders", repr(confine_to))
     folders = tuple(as_path("confine_to", each) for each in confine_to)
     whose = ", ".join(f"`{folder}`" for folder in folders) or "no folder"
-    return Door.of(
-        folders, f"{whose}, which is all that `confine_to` names", "add the folder: `confine_to=[…, '{absolute}']`"
-    )
+    message = f"{whose}, which is all that `confine_to` names"
+    return Door.of(folders, message, "add the folder: `confine_to=[…, '{absolute}']`")
 
 
 def as_name(argument: str, value: object) -> str:

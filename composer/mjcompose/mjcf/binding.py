@@ -125,13 +125,12 @@ def _of_inertia(model: Model, array: str, rows: NDArray[np.intp]) -> None:
     if simple.any():
         # Its part of the mass matrix has only the diagonal. MuJoCo 4.0 refuses `mj_setConst` after such a change.
         row = int(rows[simple][0])
-        raise failure(
-            "not-supported",
+        message = (
             f"`{array.removeprefix('body_')}` of the body `{model.body(row).name or row}` cannot be changed after "
-            "compiling",
-            notes=(Note("MuJoCo compiled it as a simple body, whose part of the mass matrix is a diagonal"),),
-            help="compile it with `simple='false'` on the body",
+            "compiling"
         )
+        notes = (Note("MuJoCo compiled it as a simple body, whose part of the mass matrix is a diagonal"),)
+        raise failure("not-supported", message, notes=notes, help="compile it with `simple='false'` on the body")
     for kind in ("geom", "site"):
         same = getattr(model, f"{kind}_sameframe")
         stays = np.isin(getattr(model, f"{kind}_bodyid"), rows) & np.isin(same, _WITH_INERTIA)

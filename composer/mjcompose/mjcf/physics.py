@@ -293,10 +293,9 @@ class Physics:
         several = tuple(elements) if isinstance(elements, Iterable) else None
         if several is None or not all(isinstance(each, NodeView) for each in several):
             got = next((each for each in several or () if not isinstance(each, NodeView)), elements)
+            message = f"elements are bound, or sequences of them, got `{type(got).__name__}`"
             raise failure(
-                "wrong-type",
-                f"elements are bound, or sequences of them, got `{type(got).__name__}`",
-                help="`find` gives None where no such element exists" if got is None else None,
+                "wrong-type", message, help="`find` gives None where no such element exists" if got is None else None
             )
         for each in several:
             each._alive()

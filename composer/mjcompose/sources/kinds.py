@@ -82,9 +82,8 @@ def _left_out(reference: Reference, relative_to: Path, fetching: Fetching) -> So
     inside = Path(os.path.relpath(os.path.realpath(relative_to / reference.path), os.path.realpath(origin.root)))
     for name, why in origin.without:
         if inside.is_relative_to(name):
-            return SourceError(
-                "source-not-found", f"the model `{reference.text}` does not exist: `{name}` of `{origin.id}` is {why}"
-            )
+            message = f"the model `{reference.text}` does not exist: `{name}` of `{origin.id}` is {why}"
+            return SourceError("source-not-found", message)
     return None
 
 

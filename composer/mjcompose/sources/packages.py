@@ -340,9 +340,8 @@ def _load(reference: Reference, fetching: Fetching) -> Any:
         if fetching.offline:
             raise not_at_hand(reference, f"the cache of `{_DESCRIPTIONS_PACKAGE}`") from fault
         # Any error of git, of the network or of a missing extra of the package.
-        raise SourceError(
-            "source-not-found", f"`{reference.text}` could not be fetched", notes=(str(fault) or repr(fault),)
-        ) from fault
+        message = f"`{reference.text}` could not be fetched"
+        raise SourceError("source-not-found", message, notes=(str(fault) or repr(fault),)) from fault
 
 
 @contextmanager
@@ -374,9 +373,8 @@ def _unknown(name: str, names: list[str]) -> SourceError:
     likely += closest(name, names, 3)
     notes = (exists_note("description", [*likely, *names]).message,)
     help = f"write `descriptions:{likely[0]}`" if likely else None
-    return SourceError(
-        "source-not-found", f"`{_DESCRIPTIONS_PACKAGE}` has no description `{name}`", notes=notes, help=help
-    )
+    message = f"`{_DESCRIPTIONS_PACKAGE}` has no description `{name}`"
+    return SourceError("source-not-found", message, notes=notes, help=help)
 
 
 DESCRIPTIONS = SourceKind(

@@ -219,10 +219,9 @@ def fitting(pattern: str, names: Collection[str], seconds: float = SECONDS) -> f
     except regex.error as error:
         raise BadPattern(f"the regular expression `/{pattern}/` is not valid: {error.msg}") from None
     except (TimeoutError, MemoryError, RecursionError):
+        message = f"the regular expression `/{pattern}/` takes longer than {seconds:g} seconds"
         raise BadPattern(
-            f"the regular expression `/{pattern}/` takes longer than {seconds:g} seconds",
-            "write it without repetitions inside repetitions, or use a glob",
-            is_slow=True,
+            message, "write it without repetitions inside repetitions, or use a glob", is_slow=True
         ) from None
     return frozenset(found)
 

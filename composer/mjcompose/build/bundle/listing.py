@@ -271,9 +271,8 @@ class Condition:
                 several = [each for each in self._known if each.startswith(f"{name}[")]
                 note = Note(f"drawn for several: {', '.join(several[:3])}")
                 notes = (note if several else exists_note("column", words, name),)
-                raise ListingError(
-                    "unknown-name", f"no model has a column `{name}`", did_you_mean(name, words), notes=notes
-                )
+                message = f"no model has a column `{name}`"
+                raise ListingError("unknown-name", message, did_you_mean(name, words), notes=notes)
 
     def _fault(self, error: ExpressionError) -> ListingError:
         return ListingError("expression", f"`{self.text}`, character {error.at[0] + 1}: {error.message}", error.help)

@@ -317,9 +317,8 @@ class _Planner:
         for path, folder, span in inner_recipes(source, context):
             try:
                 relative = os.path.relpath(path, folder)
-                found = resolve(
-                    f"./{relative}", relative_to=folder, environment=context.environment, fetching=context.fetching
-                )
+                message = f"./{relative}"
+                found = resolve(message, relative_to=folder, environment=context.environment, fetching=context.fetching)
             except SourceError as error:
                 self.sink.add(error.at(span))
                 continue

@@ -106,9 +106,8 @@ def _new_name(editing: Editing, node: Node, index: int, written: str, at: Path) 
     naming = naming_attribute(kind_of(node))
     span = locate(editing.making.document, at)
     if naming is None or node.tag == "worldbody":
-        editing.sink.error(
-            "wrong-type", f"{editing.called(node)} can have no name", span, subjects=editing.subjects(node)
-        )
+        message = f"{editing.called(node)} can have no name"
+        editing.sink.error("wrong-type", message, span, subjects=editing.subjects(node))
         raise UnusableValue
     now = own_name(node, naming.name)
     # MuJoCo 4.0: "top-level default class 'main' cannot be renamed".
@@ -120,9 +119,8 @@ def _new_name(editing: Editing, node: Node, index: int, written: str, at: Path) 
     # The world has its name in every model: `<body name="world"/>` is "repeated name 'world' in body" in MuJoCo 4.0.
     if not name.strip() or (naming.declares == "body" and name == WORLD):
         message = "a name is empty" if not name.strip() else f"the name `{WORLD}` is taken"
-        editing.sink.error(
-            "bad-name", message, span, notes=(Note(f"for {editing.called(node)}"),), subjects=editing.subjects(node)
-        )
+        notes = (Note(f"for {editing.called(node)}"),)
+        editing.sink.error("bad-name", message, span, notes=notes, subjects=editing.subjects(node))
         raise UnusableValue
     return name
 

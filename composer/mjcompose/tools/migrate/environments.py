@@ -154,9 +154,8 @@ def _run(python: Path, arguments: list[str]) -> dict[str, Any]:
         out, said = process.communicate(timeout=in_force().time)
     except subprocess.TimeoutExpired:
         process.end()
-        raise OtherError(
-            f"the MuJoCo of `{python}` gave no answer in {in_force().time:g} seconds", "give it more with `--timeout`"
-        ) from None
+        message = f"the MuJoCo of `{python}` gave no answer in {in_force().time:g} seconds"
+        raise OtherError(message, "give it more with `--timeout`") from None
     finally:
         process.release()
     try:

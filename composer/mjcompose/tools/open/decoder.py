@@ -86,20 +86,16 @@ def register() -> None:
         return
     version = tuple(int(part) for part in mujoco.__version__.split(".")[:2])
     if version < OLDEST:
-        raise _error(
-            f"MuJoCo {mujoco.__version__} cannot open recipes: its decoders are older than those of MuJoCo 4.0",
-            "use `mjcompose.spec(recipe)`, or install `mujoco>=4`",
-        )
+        message = f"MuJoCo {mujoco.__version__} cannot open recipes: its decoders are older than those of MuJoCo 4.0"
+        raise _error(message, "use `mjcompose.spec(recipe)`, or install `mujoco>=4`")
     folder = Path(mujoco.__file__).parent
     if _has_plugin(folder):
         return
     library = _library(folder)
     probe = _Resource(name=b"x.yaml")
     if library.mjp_findDecoder(ctypes.byref(probe), b""):
-        raise _error(
-            "another package already opens `.yaml` files in this process, and MuJoCo allows one decoder",
-            "use `mjcompose.spec(recipe)`",
-        )
+        message = "another package already opens `.yaml` files in this process, and MuJoCo allows one decoder"
+        raise _error(message, "use `mjcompose.spec(recipe)`")
     kept = [_decoder(library), *(_provider(scheme) for scheme in PROVIDERS)]
     library.mjp_registerDecoder(ctypes.byref(kept[0]))
     for provider in kept[1:]:

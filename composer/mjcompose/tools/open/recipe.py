@@ -176,9 +176,8 @@ def request_for(
         chosen = of_samples(chosen, [sample], sink)
     if len(chosen) > 1:
         names = [each.name for each in chosen]
-        sink.error(
-            "selector", f"{len(names)} models fit", notes=(exists_note("cell", names),), help="name one as `cell`"
-        )
+        notes = (exists_note("cell", names),)
+        sink.error("selector", f"{len(names)} models fit", notes=notes, help="name one as `cell`")
     check_axes_are_free(chosen, given, sink, instead="omit `cell`")
     if sink.errors or not chosen:
         return None
