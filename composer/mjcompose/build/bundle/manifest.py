@@ -445,10 +445,6 @@ def index_of(index: CompiledIndex, written: Written | None = None) -> Index:
     )
 
 
-if __name__ == "__main__":
-    SCHEMA_FILE.write_text(schema(), encoding="utf-8", newline="\n")
-
-
 _SHOWN = 8
 
 
@@ -504,3 +500,7 @@ def check_index(expected: Index, actual: Index, shown: str, sink: Sink) -> None:
         if notes:
             message = f"the {kind} of the compiled `{shown}` are not the {kind} of its manifest"
             sink.error("bundle-manifest", message, notes=notes[:_SHOWN])
+
+
+if __name__ == "__main__":
+    SCHEMA_FILE.write_text(schema(), encoding="utf-8", newline="\n")
