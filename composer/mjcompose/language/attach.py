@@ -20,11 +20,10 @@ from pydantic_core import CoreSchema, core_schema
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Fault, Path
 from mjcompose.base.suggest import closest
-from mjcompose.language.codes import Codes
 from mjcompose.language.edit import Edits
 from mjcompose.language.forms.context import Schema, Settings, settings, validated_with
 from mjcompose.language.forms.model import IT, Bars, Exclusive, Model
-from mjcompose.language.forms.scalars import Expects, Items, Name, NotNegative, Text, When
+from mjcompose.language.forms.scalars import Codes, Expects, Items, Name, NotNegative, Text, When
 from mjcompose.language.placing import ORIENTATIONS, Inline, JointField, JointWord, Mirror, ModelReference, Offset
 from mjcompose.language.replicate import Axes, Scatter, ScatterAlone, Vector
 from mjcompose.language.used_model import Drops, Given, UrdfKeys

@@ -10,9 +10,8 @@ from pydantic import Field
 from mjcompose.base.diagnostic import Fault, Path
 from mjcompose.base.extensions import Table
 from mjcompose.language.element import path_of
-from mjcompose.language.forms.context import Schema, Settings
+from mjcompose.language.forms.context import Rows, Schema, Settings
 from mjcompose.language.forms.model import IT, Model
-from mjcompose.language.forms.rows import Rows
 from mjcompose.language.forms.scalars import When
 
 MODULES = {

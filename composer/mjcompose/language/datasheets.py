@@ -13,8 +13,8 @@ from pydantic import Field, ValidationError
 
 from mjcompose.base.diagnostic import Path
 from mjcompose.base.extensions import Table
+from mjcompose.language.forms.context import validated
 from mjcompose.language.forms.model import Belongs, Exclusive, Model
-from mjcompose.language.forms.rows import validated
 from mjcompose.language.forms.scalars import Expects, NotNegative, Positive, Text, Unit
 from mjcompose.language.forms.translate import faults
 

@@ -24,8 +24,8 @@ from mjcompose.base.distribution import (
 )
 from mjcompose.base.draw_stream import below, bits
 from mjcompose.base.extensions import Table
+from mjcompose.language.forms.context import Rows
 from mjcompose.language.forms.model import IT, OWNER, WHOLE, Model, OneOf
-from mjcompose.language.forms.rows import Rows
 from mjcompose.language.forms.scalars import Checked, Expects, Items, Measure, NotNegative, Positive, Whole
 from mjcompose.language.value import kind_of, shown
 from mjcompose.text.expression import Angle

@@ -11,11 +11,9 @@ from mjcompose.base.diagnostic import Fault, Path
 from mjcompose.base.extensions import Table
 from mjcompose.base.suggest import closest
 from mjcompose.language.assign import TAGS, Changed
-from mjcompose.language.codes import Codes
-from mjcompose.language.forms.context import Schema, Settings, reference
+from mjcompose.language.forms.context import Rows, Schema, Settings, first_line, reference
 from mjcompose.language.forms.model import IT, Model
-from mjcompose.language.forms.rows import Rows, first_line
-from mjcompose.language.forms.scalars import Count, Expects, Items, Selects, Text, When
+from mjcompose.language.forms.scalars import Codes, Count, Expects, Items, Selects, Text, When
 from mjcompose.language.select import NARROWING, kinds_of
 from mjcompose.language.value import EXCLUSIVE, shown
 from mjcompose.tree.pattern import Selector

@@ -14,9 +14,8 @@ from mjcompose.base.distribution import CHOICE
 from mjcompose.base.limits import advice, in_force
 from mjcompose.language.assign import MASS, Checker
 from mjcompose.language.distribution import DISTRIBUTIONS, KINDS, Change, FieldDistribution, Operation, Written, read
-from mjcompose.language.forms.context import Settings
+from mjcompose.language.forms.context import Rows, Settings
 from mjcompose.language.forms.model import IT, OWNER, Bars, Model, Needs, OneOf
-from mjcompose.language.forms.rows import Rows
 from mjcompose.language.forms.scalars import Checked, Count, Expects, Name, Selects, Text, whole
 from mjcompose.language.select import NARROWING, advice_on_narrowing, kinds_of
 from mjcompose.language.value import attribute_and_index, must_not_be_negative, shown

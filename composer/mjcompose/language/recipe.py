@@ -13,15 +13,13 @@ from mjcompose.base.diagnostic import Fault, Path
 from mjcompose.base.suggest import advised, exists_note
 from mjcompose.language.attach import Attachment, Prefixes, Start
 from mjcompose.language.check import CheckEntry
-from mjcompose.language.codes import Codes
 from mjcompose.language.contact import Contact
 from mjcompose.language.datasheets import Datasheets
 from mjcompose.language.edit import Edits
 from mjcompose.language.element import FRAGMENT, Reader, label
-from mjcompose.language.forms.context import ByGrammar, Schema, Settings, reference, settings, validation_error
+from mjcompose.language.forms.context import ByGrammar, Lazy, Schema, Settings, reference, settings, validation_error
 from mjcompose.language.forms.model import IT, Model, Rest
-from mjcompose.language.forms.rows import Lazy
-from mjcompose.language.forms.scalars import Checked, Expects, Items, Name, Named, Text, When
+from mjcompose.language.forms.scalars import Checked, Codes, Expects, Items, Name, Named, Text, When
 from mjcompose.language.forms.walk import has_key, inside
 from mjcompose.language.interface import Interface
 from mjcompose.language.keyframe import Keyframe

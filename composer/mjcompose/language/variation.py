@@ -10,9 +10,8 @@ from pydantic import Discriminator, Field, Tag, ValidationError, WithJsonSchema
 
 from mjcompose.base.diagnostic import Diagnostic, Fault, Note, Path, Span
 from mjcompose.base.sink import Sink
-from mjcompose.language.forms.context import Schema, Settings, reference
+from mjcompose.language.forms.context import Schema, Settings, reference, validated
 from mjcompose.language.forms.model import IT, Model
-from mjcompose.language.forms.rows import validated
 from mjcompose.language.forms.scalars import (
     VALUE,
     AtLeastOne,

@@ -10,7 +10,7 @@ from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Diagnostic, Severity, Span
 from mjcompose.base.suggest import closest
 from mjcompose.build.lint.rule import rules
-from mjcompose.language.codes import ALLOW
+from mjcompose.language.forms.scalars import ALLOW
 from mjcompose.lsp.analysis import Action, Analysis, Question
 from mjcompose.lsp.completion import complete
 from mjcompose.lsp.cursor import Path as Steps

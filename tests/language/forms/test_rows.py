@@ -8,10 +8,9 @@ from typing import Annotated, Any, ClassVar
 
 import pytest
 from mjcompose.base.extensions import Table
-from mjcompose.language.forms.context import Settings, define, settings
+from mjcompose.language.forms.context import Lazy, Rows, Settings, define, settings, validated
 from mjcompose.language.forms.json_schema import Generator, schema_of
 from mjcompose.language.forms.model import WHOLE, Model
-from mjcompose.language.forms.rows import Lazy, Rows, validated
 from mjcompose.language.forms.scalars import Items, Name
 from mjcompose.language.forms.translate import faults
 from mjcompose.language.forms.walk import key_order, name_scopes, spots

@@ -30,9 +30,8 @@ from mjcompose.build.checks.values import (
     words_of,
 )
 from mjcompose.language.check import Check, CheckPart
-from mjcompose.language.forms.context import Schema, Settings, reference
+from mjcompose.language.forms.context import Rows, Schema, Settings, reference
 from mjcompose.language.forms.model import IT, OWNER, Belongs, Exclusive, OneOf
-from mjcompose.language.forms.rows import Rows
 from mjcompose.language.forms.scalars import Checked, Count, Expects, Items, Measure, Name, Text, in_order
 from mjcompose.language.select import pattern_fault
 from mjcompose.language.value import kind_of, shown

@@ -16,9 +16,8 @@ from mjcompose.build.checks.rules.rule import Rule, listed
 from mjcompose.build.lint.rule import FAMILIES, Subject, rules, subject_of
 from mjcompose.build.lint.rule import Rule as LinterRule
 from mjcompose.language.check import Check, CheckPart
-from mjcompose.language.forms.context import Settings
+from mjcompose.language.forms.context import Rows, Settings
 from mjcompose.language.forms.model import IT
-from mjcompose.language.forms.rows import Rows
 from mjcompose.language.forms.scalars import Expects, Items, Keywords, Name
 
 _MODULES: Mapping[str, Any] = {

@@ -12,8 +12,8 @@ from mjcompose.base.diagnostic import Diagnostic, Path, Severity, Span
 from mjcompose.base.sink import Sink
 from mjcompose.build.plan.plan import AttachPart, EditOutcome, Gains, Plan, PlanPreview
 from mjcompose.build.plan.steps import EditElements, Step, steps_adding
-from mjcompose.language.codes import ALLOW
 from mjcompose.language.edit import Edit
+from mjcompose.language.forms.scalars import ALLOW
 from mjcompose.sources.reference import Source
 from mjcompose.text.node import Mapping, Node, Scalar, Sequence, find, locate, spans
 from mjcompose.tree.merged_settings import in_words

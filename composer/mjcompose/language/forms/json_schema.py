@@ -13,9 +13,8 @@ from pydantic import GetJsonSchemaHandler
 from pydantic.json_schema import GenerateJsonSchema
 from pydantic_core import CoreSchema
 
-from mjcompose.language.forms.context import Schema, definition, reference
+from mjcompose.language.forms.context import ELSEWHERE, Schema, definition, reference
 from mjcompose.language.forms.model import Model, fields_of, is_hidden, is_whole, rest_of, rows_of
-from mjcompose.language.forms.rows import ELSEWHERE
 
 _TEMPLATE = r"\$\{"
 _DEFINITIONS = "#/$defs/"

@@ -29,7 +29,7 @@ from mjcompose.language.forms.context import Schema, Settings, settings, validat
 from mjcompose.language.value import EXCLUSIVE, shown
 
 if TYPE_CHECKING:
-    from mjcompose.language.forms.rows import Rows
+    from mjcompose.language.forms.context import Rows
 
 
 # Characters for private use, which no recipe can contain: a name with braces in it is never taken for a mark.

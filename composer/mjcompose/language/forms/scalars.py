@@ -20,10 +20,20 @@ from pydantic import (
 )
 from pydantic_core import CoreSchema, PydanticKnownError, core_schema
 
+from mjcompose.base.codes import CODES
 from mjcompose.base.dataclass import dataclass
-from mjcompose.base.diagnostic import Fault
+from mjcompose.base.diagnostic import Fault, Note
+from mjcompose.base.suggest import advised
 from mjcompose.language.element_schema import attribute_schema
-from mjcompose.language.forms.context import ByGrammar, Schema, Settings, reference, validated_with, validation_error
+from mjcompose.language.forms.context import (
+    ByGrammar,
+    Schema,
+    Settings,
+    definition,
+    reference,
+    validated_with,
+    validation_error,
+)
 from mjcompose.language.forms.model import IT, KEY, OWNER
 from mjcompose.language.select import GLOB, check_template, pattern_fault, read_selector
 from mjcompose.language.value import bare_angle, is_unprintable, kind_of, read_value, unprintable
@@ -365,3 +375,24 @@ def _is_computed(value: Any, faults: list[Fault]) -> bool:
             check_template(each, () if index is None else (index,), faults)
             found = True
     return found
+
+
+ALLOW = "allow"
+
+
+def _code_fault(code: str) -> Fault | None:
+    if code in CODES:
+        return None
+    help, fix = advised(code, CODES)
+    note = Note("`mjcompose explain --codes` lists all codes")
+    return Fault("wrong-keyword", f"the code `{code}` does not exist", notes=(note,), help=help, fix=fix)
+
+
+@definition("code")
+def code(_: str) -> Schema:
+    """Return the schema of a warning's code."""
+    return {"enum": list(CODES)}
+
+
+Code = Annotated[str, Checked(_code_fault), Expects("the code of a warning"), WithJsonSchema(reference("code"))]
+Codes = Annotated[tuple[Code, ...], Items(1, unique=True), Expects("a list of codes of warnings", "[convert-loss]")]

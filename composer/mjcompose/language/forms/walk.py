@@ -12,8 +12,8 @@ from pydantic.fields import FieldInfo
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Path
+from mjcompose.language.forms.context import Lazy, Rows
 from mjcompose.language.forms.model import WHOLE, Model, fields_of, is_hidden, rest_of, rows_of
-from mjcompose.language.forms.rows import Lazy, Rows
 from mjcompose.language.forms.scalars import Name
 
 _UNIONS = (Union, UnionType)
