@@ -117,7 +117,9 @@ def test_line_ends_and_the_mark_of_a_file_stay(mark: bytes, end: str) -> None:
     raw = mark + f"recipe: 1{end}attach:{end}  a: {{pos: [0, 0, 1]}}{end}".encode()
     draft = Draft.of("a.yaml", Path("a.yaml"), raw)
     draft.numbers(("attach", "a", "pos"), ["0", "0", "2"])
-    assert draft.result() == raw.replace(b"1]", b"2]")
+    draft.write(("keyframe", "k"), {"qpos": {"j": "1"}})
+    added = f"keyframe:{end}  k:{end}    qpos:{end}      j: 1{end}".encode()
+    assert draft.result() == raw.replace(b"1]", b"2]") + added
 
 
 def test_names_and_numbers_as_text() -> None:

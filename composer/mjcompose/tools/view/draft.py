@@ -153,7 +153,8 @@ class Draft:
 
     def result(self) -> bytes:
         """Return the new text. Refuses a text with another meaning."""
-        text = changed(self.text, self.changes)
+        end = "\r\n" if "\r\n" in self.text else "\n"
+        text = changed(self.text, [Change(each.span, each.text.replace("\n", end)) for each in self.changes])
         tree: Node | None = load(text, self.file, sink := Sink())
         if sink.has_errors or tree is None or to_python(tree) != self.wanted:
             raise Refused(f"`{self.file}` cannot be changed here without changing something else: write it yourself")

@@ -41,7 +41,7 @@ from mjcompose.tree.pattern import is_pattern
 _MOST = 1e4
 """No number of a page may be larger."""
 _MOST_DONE, _MOST_VERSIONS = 200, 4
-_MOST_RECIPES, _MOST_SIZE = 2000, 1 << 18
+_MOST_SIZE = 1 << 18
 _HINGE = 3
 _RECIPES = (".yaml", ".yml")
 _ELSEWHERE: dict[str, Steps] = {
@@ -77,14 +77,14 @@ class Writer:
         acts: dict[str, Callable[[Any], Answer]] = {
             "look": self._look, "place": self._place, "edit": self._edit, "keyframe": self._keyframe,
             "free": self._free, "attach": self._attach, "models": self._models, "parameter": self._parameter,
-            "undo": self._undo, "redo": self._redo,
+            "undo": self._back, "redo": self._back,
         }  # fmt: skip
         act = acts[said["kind"]]
         with self._lock:
             now = self.workshop.shown
             self.know(now)
             try:
-                self._now = now if act in (self._undo, self._redo) else self._version(said)
+                self._now = now if act == self._back else self._version(said)
                 found = act(said)
             except Refused as refused:
                 return {"refused": str(refused), **refused.more}
@@ -200,17 +200,14 @@ class Writer:
         targets = self._now.targets
         if file == targets.recipe or targets.plan is None:
             return ""
-        uses = sum(each.file == file for each in targets.plan.plans())
-        top, name, others, seen = folder_of_recipe(targets.paths[targets.recipe]), os.path.basename(file), 0, 0
-        for folder, folders, files in os.walk(top):
-            folders[:] = [each for each in folders if not each.startswith(".")]
-            for each in files:
-                path = Path(folder, each)
-                if path.suffix.lower() not in _RECIPES or (seen := seen + 1) > _MOST_RECIPES:
-                    continue
-                with contextlib.suppress(OSError):
-                    is_other = path not in (targets.paths[file], targets.paths[targets.recipe])
-                    others += is_other and name.encode() in read_regular(path, _MOST_SIZE)
+        uses, name = sum(each.file == file for each in targets.plan.plans()), os.path.basename(file).encode()
+        top, own = Path(folder_of_recipe(targets.paths[targets.recipe])), {os.path.realpath(self._own(file))}
+        own.add(os.path.realpath(targets.paths[targets.recipe]))
+        near = (top / each for each in model_files(top) if each.endswith(_RECIPES))
+        others = 0
+        for path in near:
+            with contextlib.suppress(OSError):
+                others += os.path.realpath(path) not in own and name in read_regular(path, _MOST_SIZE)
         words = [f"{uses} parts of this model"] * (uses > 1)
         words += [f"{others} other recipe{'s' * (others > 1)}"] * (others > 0)
         return f"also changes {' and '.join(words)}" if words else ""
@@ -219,13 +216,9 @@ class Writer:
 
     def _look(self, said: Any) -> Answer:
         """Say where a target is now, or why it cannot be moved."""
-        target = self._target(said)
-        offset = self._offset(target, said)
-        pose, draft = offset.pose, offset.draft
-        return {
-            "pos": pose.pos, "quat": pose.quat, "also": self._also(draft.file),
-            "where": f"{draft.file}:{offset.mapping.span.line}",
-        }  # fmt: skip
+        offset = self._offset(self._target(said), said)
+        file, pose, line = offset.draft.file, offset.pose, offset.mapping.span.line
+        return {"pos": pose.pos, "quat": pose.quat, "also": self._also(file), "where": f"{file}:{line}"}
 
     def _place(self, said: Any) -> Answer:
         target = self._target(said)
@@ -353,14 +346,11 @@ class Writer:
         draft.set(path, float(short(value, 6)), Change(node.span, short(value, 6)))
         return self._finish(draft, f"params: {name}: {short(value, 6)}", said)
 
-    def _undo(self, said: Any) -> Answer:
-        return self._back(self._done, self._undone, said)
-
-    def _redo(self, said: Any) -> Answer:
-        return self._back(self._undone, self._done, said)
-
-    def _back(self, stack: list[Done], other: list[Done], said: Any) -> Answer:
+    def _back(self, said: Any) -> Answer:
         """Restore the text from before the last change exactly, if nothing else has changed the file."""
+        stack, other = self._done, self._undone
+        if said["kind"] == "redo":
+            stack, other = other, stack
         if not stack:
             raise Refused("there is nothing to undo or redo")
         file, before, after, words = stack[-1]
