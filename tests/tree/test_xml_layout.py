@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 from mjcompose.base.sink import Sink
 from mjcompose.tree.xml_layout import format_mjcf
+from sampling import rest_slow, without_meshes
 
 CORPUS = os.environ.get("MJCOMPOSE_CORPUS")
 MODELS = Path(CORPUS, "models") if CORPUS else None
@@ -123,15 +124,18 @@ def test_a_change_of_the_meaning_is_refused(monkeypatch: pytest.MonkeyPatch) -> 
     assert [each.code for each in sink.errors] == ["cannot-format"]
 
 
-@pytest.mark.slow
+ROBOTS = [] if MODELS is None else sorted(each.name for each in MODELS.iterdir() if next(each.rglob("*.xml"), None))
+
+
 @pytest.mark.skipif(MODELS is None, reason="MJCOMPOSE_CORPUS does not name the models of MuJoCo Menagerie")
-def test_every_model_of_the_corpus_compiles_to_the_same_bits(tmp_path: Path) -> None:
+@pytest.mark.parametrize("robot", rest_slow(ROBOTS, quick=("universal_robots_ur5e",)))
+def test_models_compile_to_the_same_bits(robot: str, tmp_path: Path) -> None:
     import mujoco
     import numpy as np
 
     assert MODELS is not None
-    folder = tmp_path / "models"
-    shutil.copytree(MODELS, folder)
+    folder = tmp_path / robot
+    shutil.copytree(MODELS / robot, folder, copy_function=without_meshes)
     files = sorted(folder.rglob("*.xml"))
 
     def compiled(file: Path) -> tuple[str, str] | None:
@@ -145,7 +149,7 @@ def test_every_model_of_the_corpus_compiles_to_the_same_bits(tmp_path: Path) -> 
         return saved.read_text(), hashlib.sha256(buffer.tobytes()).hexdigest()
 
     before = {file: compiled(file) for file in files}
-    assert sum(each is not None for each in before.values()) > 100
+    assert any(each is not None for each in before.values())
     for file in files:
         file.write_text(tidy := formatted(file.read_text()))
         assert formatted(tidy) == tidy, file
