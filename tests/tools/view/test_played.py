@@ -147,9 +147,9 @@ def test_ctrl_and_the_mouse_pull_a_body(tmp_path: Path, open_page: Callable[...,
     page.keyboard.down("Control")
     page.mouse.move(x, y)
     page.mouse.down()
-    page.mouse.move(x, y - 120)
+    page.mouse.move(x, y - 240)
     assert page.evaluate("mjcompose.puller.arrow.visible || mjcompose.puller.isPulling")
-    page.wait_for_function("mjcompose.world.pose.pos[5] > 0.2", timeout=60_000)
+    page.wait_for_function("mjcompose.world.pose.pos[5] > 0.15", timeout=60_000)
     page.mouse.up()
     page.keyboard.up("Control")
     assert page.evaluate("mjcompose.stage.camera.position.toArray()") == view, "the camera stays"
