@@ -248,6 +248,8 @@ def test_no_attribute_is_called_like_a_key_of_the_language() -> None:
 def test_what_is_valid_is_valid_in_editors(validator: Any, seed: int) -> None:
     chance = random.Random(seed)
     values = [parsed(path.read_text(encoding="utf-8")) for path in RECIPES]
+    for each in values:
+        each.pop("variants", None)  # these are validated only when they are chosen
     accepted = 0
     for _ in range(150):
         value = pruned(chance.choice(values), chance)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Annotated, ClassVar
+from typing import Annotated, Any, ClassVar
+
+from pydantic import Discriminator, Tag
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Fault, Path
@@ -17,7 +19,6 @@ KINDS = ("joint", "actuator", "sensor", "key")
 class Entry(Model):
     """One name, and the builds that have it."""
 
-    short: ClassVar = "name"
     example: ClassVar = "{name: NAME, when: {…}}"
 
     name: Annotated[str, Name(*KINDS)]
@@ -25,8 +26,12 @@ class Entry(Model):
     when: When = None
 
 
-def _fault(entries: tuple[Entry, ...]) -> Fault | None:
-    names = [each.name for each in entries]
+def _name(entry: Any) -> str:
+    return entry if isinstance(entry, str) else str(entry.name)
+
+
+def _fault(entries: tuple[Any, ...]) -> Fault | None:
+    names = [*map(_name, entries)]
     for index, name in enumerate(names):
         if name in MORE and index < len(names) - 1:
             message = f"`{name}` in {IT} is not the last entry"
@@ -36,7 +41,16 @@ def _fault(entries: tuple[Entry, ...]) -> Fault | None:
     return None
 
 
-_Names = Annotated[tuple[Entry, ...], Items(), Checked(_fault), Expects("a list of names", "[lift, grip]")]
+def _form_of(entry: Any) -> str:
+    return "<mapping>" if isinstance(entry, dict | list | Entry) else "<word>"
+
+
+_Entry = Annotated[Entry, Tag("<mapping>")]
+_Joint = Annotated[Annotated[str, Name("joint"), Tag("<word>")] | _Entry, Discriminator(_form_of)]
+_Actuator = Annotated[Annotated[str, Name("actuator"), Tag("<word>")] | _Entry, Discriminator(_form_of)]
+_Sensor = Annotated[Annotated[str, Name("sensor"), Tag("<word>")] | _Entry, Discriminator(_form_of)]
+_Key = Annotated[Annotated[str, Name("key"), Tag("<word>")] | _Entry, Discriminator(_form_of)]
+_EXPECTS = Expects("a list of names", "[lift, grip]")
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,13 +69,13 @@ class Interface(Model):
     depth: ClassVar = 3
     example: ClassVar = "{actuator: [NAME, NAME]}"
 
-    joint: _Names | None = None
+    joint: Annotated[tuple[_Joint, ...], Items(), Checked(_fault), _EXPECTS] | None = None
     """The names in their order, and `…` at the end if there are more: joints, as in `qpos`."""
-    actuator: _Names | None = None
+    actuator: Annotated[tuple[_Actuator, ...], Items(), Checked(_fault), _EXPECTS] | None = None
     """The names in their order, and `…` at the end if there are more: actuators, as in `ctrl`."""
-    sensor: _Names | None = None
+    sensor: Annotated[tuple[_Sensor, ...], Items(), Checked(_fault), _EXPECTS] | None = None
     """The names in their order, and `…` at the end if there are more: sensors, as in `sensordata`."""
-    key: _Names | None = None
+    key: Annotated[tuple[_Key, ...], Items(), Checked(_fault), _EXPECTS] | None = None
     """The names in their order, and `…` at the end if there are more: keys."""
 
     @property
@@ -69,9 +83,9 @@ class Interface(Model):
         """The lists that the recipe writes."""
         found: list[Order] = []
         for kind in KINDS:
-            entries: tuple[Entry, ...] | None = getattr(self, kind)
+            entries: tuple[Any, ...] | None = getattr(self, kind)
             if entries is not None:
-                names = tuple(each.name for each in entries if each.name not in MORE)
+                names = tuple(name for name in map(_name, entries) if name not in MORE)
                 at = (*(self.at or ("interface",)), kind)
                 found.append(Order(kind, names, more=len(names) < len(entries), at=at))
         return tuple(found)
