@@ -70,7 +70,7 @@ def write_lock(
         shapes = shapes_for_plans(plans, context)
     digests = {key: digest(content) for key, content in shapes.items()}
     after = lock_of(plans, how, how.lock_file.parent, context=context, shapes=digests)
-    if plan.interface and (found := _interface(recipe, plan, context, whole)) is not None:
+    if plan.interface and (found := _interface(recipe, plan, context, given=whole)) is not None:
         kept = before.interface if before is not None and names != () and not interface else {}
         if changes := [*interface_changes(kept, found)] if kept else []:
             help = f"to accept the changes, run `mjcompose lock {recipe} --upgrade-interface`"
@@ -102,7 +102,7 @@ def _interface(recipe: Path, plan: Plan, context: Context, given: Given) -> dict
     """Return the interface of the compiled model, or None after reported errors."""
     own = replace(context, sink=Sink())
     with Session() as session:
-        operand = Operand(str(recipe), Kind.RECIPE, context.folder / recipe, own)
+        operand = Operand(str(recipe), Kind.RECIPE, context.folder / recipe, context=own)
         side = load_cell(operand, "lock", session, given=given, cell=None)
         found = None if side is None else names_of(side, session, own)
     for each in own.sink.errors:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import asdict
 from typing import Any
@@ -16,11 +16,13 @@ from mjcompose.build.plan.read import Given
 from mjcompose.mujoco import engine
 from mjcompose.mujoco.arrays import BY_WORD
 from mjcompose.mujoco.engine import Session
-from mjcompose.mujoco.index import VECTORS, Index, addresses
+from mjcompose.mujoco.index import Index, addresses
 from mjcompose.sources.context import Context
 from mjcompose.tools.diff.sides import Side, load, read_operand
 
 _KEPT = "names"
+Address = tuple[str, int, str]
+"""An identifier, the address and the name."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,6 +41,7 @@ class Names:
         keys = [{**row, **key} for row, key in zip(rows["keyframes"], self.keys, strict=True)]
         for row in rows["joints"]:
             row["unit"] = BY_WORD[row["type"]].unit  # None for a free joint, which has several
+            row["range"] = row["range"] if row.pop("limited") else None
         for row in rows["actuators"]:
             del row["stiffness"]
         kinds = {name: rows[name] for name in ("joints", "actuators", "sensors")}
@@ -68,63 +71,74 @@ def names_of(side: Side, session: Session, context: Context) -> Names | None:
     model = "" if side.traced is None else str(side.traced.model.root.get("model") or "")
     file = side.bundle.model if side.bundle is not None else MODEL
     value = answer.value
-    return Names(model, side.digests[file], value["sizes"], index=Index.from_data(value["index"]), keys=value["keys"])
+    return Names(
+        model, side.digests.get(file, ""), value["sizes"], index=Index.from_data(value["index"]), keys=value["keys"]
+    )
 
 
 def to_json(names: Names) -> str:
     return json.dumps(names.as_data(), indent=2, ensure_ascii=False) + "\n"
 
 
-_HEAD = ("Names and addresses of the model {}, written by `mjcompose names`.",
-         "Angles are in radians, lengths in meters.", "sha256 of the MJCF text: {}")  # fmt: skip
-# Names of the tables of addresses, and the addresses with the element's name in each.
-_Rows = Callable[[Index], Iterable[tuple[str, int]]]
-_TABLES: Mapping[str, tuple[str, _Rows]] = {
-    "Qpos": ("addresses in `qpos`", lambda index: ((each.name, each.qpos_address) for each in index.joints)),
-    "Dof": ("addresses in `qvel`", lambda index: ((each.name, each.dof_address) for each in index.joints)),
-    "Ctrl": ("addresses in `ctrl`", lambda index: ((e.name, e.ctrl_address) for e in index.actuators if e.ctrl_size)),
-    "Act": ("addresses in `act`", lambda index: ((e.name, e.act_address) for e in index.actuators if e.act_size)),
-    "Sensor": ("addresses in `sensordata`", lambda index: ((e.name, e.address) for e in index.sensors if e.size)),
-    "Key": ("numbers of keyframes", lambda index: ((each.name, number) for number, each in enumerate(index.keyframes))),
+_KINDS = ("joints", "actuators", "sensors", "keyframes")
+_TABLES = {
+    "Qpos": ("joints", "qpos_", "`qpos`"),
+    "Dof": ("joints", "dof_", "`qvel`"),
+    "Ctrl": ("actuators", "ctrl_", "`ctrl`"),
+    "Act": ("actuators", "act_", "`act`"),
+    "Sensor": ("sensors", "", "`sensordata`"),
+    "Key": ("keyframes", "", "order"),
 }
+"""Tables of addresses: the kind of elements, the beginning of their fields, and the vector."""
 
 
-def _identifiers(
-    rows: Iterable[tuple[str, int]], taken: frozenset[str], *, upper: bool
-) -> Iterator[tuple[str, int, str]]:
-    """Yield an identifier, the number and the name of each element that has a name."""
+def _addresses(data: Mapping[str, Any], table: str, taken: frozenset[str], *, upper: bool) -> Iterator[Address]:
+    kind, prefix, _ = _TABLES[table]
     used: set[str] = set()
-    for name, number in rows:
-        word = re.sub(r"[^A-Za-z0-9]+", "_", name.upper() if upper else name).strip("_") or "unnamed"
-        word = f"n{word}" if word[0].isdigit() else word
-        word = f"{word}_" if word in taken else word
-        unique, count = word, 2
-        while unique in used:
-            unique, count = f"{word}_{count}", count + 1
-        used.add(unique)
-        if name:
-            yield unique, number, name
+    for number, row in enumerate(data[kind]):
+        if row["name"] and row.get(f"{prefix}size", 1):
+            word = unique = _identifier(row["name"].upper() if upper else row["name"], taken)
+            count = 2
+            while unique in used:
+                unique, count = f"{word}_{count}", count + 1
+            used.add(unique)
+            yield unique, row.get(f"{prefix}address", number), _printed(row["name"])
 
 
-def _nameless(index: Index) -> Iterator[str]:
-    for kind in ("joints", "actuators", "sensors", "keyframes"):
-        count = sum(not each.name for each in getattr(index, kind))
-        if count:
+def _identifier(name: str, taken: frozenset[str]) -> str:
+    word = re.sub(r"[^A-Za-z0-9]+", "_", name).strip("_") or "unnamed"
+    word = f"n{word}" if word[0].isdigit() else word
+    return f"{word}_" if word in taken else word
+
+
+def _head(names: Names, data: Mapping[str, Any]) -> Iterator[str]:
+    yield f"Names and addresses of the model {_printed(names.model)}, written by `mjcompose names`."
+    yield "Angles are in radians, lengths in meters."
+    yield f"sha256 of the MJCF text: {names.sha256}"
+    for kind in _KINDS:
+        if count := sum(not row["name"] for row in data[kind]):
             yield f"{count} {kind if count > 1 else kind[:-1]} without a name: see `mjcompose names --json`."
 
 
 def to_python(names: Names) -> str:
     """Return a module that imports only `enum`: an enumeration of addresses by vector, and a mapping by kind."""
-    head = [line.format(value) for line, value in zip(_HEAD, (_printed(names.model), "", names.sha256), strict=True)]
-    lines = [f"# {line}" for line in (*head, *_nameless(names.index))]
+    data = names.as_data()
+    lines = [f"# {line}" for line in _head(names, data)]
     lines += ["", "from enum import IntEnum", "", f"MODEL = {names.model!r}", f"SHA256 = {names.sha256!r}"]
     lines += [f"{name.upper()} = {size}" for name, size in names.sizes.items()]
-    for title, (about, rows) in _TABLES.items():
-        found = list(_identifiers(rows(names.index), frozenset({"MRO"}), upper=True))
-        lines += ["", "", f"class {title}(IntEnum):", f'    """{about.capitalize()}."""']
-        lines += ["", *(f"    {word} = {number}  # {_printed(name)}" for word, number, name in found)] if found else []
-    data = names.as_data()
-    for kind in ("joints", "actuators", "sensors", "keyframes"):
+    for table, (_, _, vector) in _TABLES.items():
+        found = [
+            f"    {word} = {number}  # {name}" for word, number, name in _addresses(data, table, _PYTHON, upper=True)
+        ]
+        lines += [
+            "",
+            "",
+            f"class {table}(IntEnum):",
+            f'    """Numbers in {vector}."""',
+            *([""] if found else []),
+            *found,
+        ]
+    for kind in _KINDS:
         lines += ["", "", f"{kind.upper()} = {{"]
         for row in data[kind]:
             if row["name"]:
@@ -145,6 +159,7 @@ def _python(value: Any) -> str:
     return f'float("{value}")' if isinstance(value, float) and not math.isfinite(value) else repr(value)
 
 
+_PYTHON = frozenset({"MRO"})
 _CPP = frozenset(
     "alignas alignof and and_eq asm auto bitand bitor bool break case catch char char8_t char16_t char32_t class compl"
     " concept const consteval constexpr constinit const_cast continue co_await co_return co_yield decltype default"
@@ -152,84 +167,66 @@ _CPP = frozenset(
     " mutable namespace new noexcept not not_eq nullptr operator or or_eq private protected public register"
     " reinterpret_cast requires return short signed sizeof static static_assert static_cast struct switch template"
     " this thread_local throw true try typedef typeid typename union unsigned using virtual void volatile wchar_t"
-    " while xor xor_eq NULL EOF errno stdin stdout stderr assert linux unix INFINITY NAN".split()
+    " while xor xor_eq NULL EOF errno stdin stdout stderr assert linux unix INFINITY NAN std".split()
 )
+_TYPES = {"const char *": ", *", "int ": ", ", "Range ": ", ", "double ": ", "}
 _STRUCTS = {
-    "Range": ("bool limited", "double low, high"),
-    "Joint": (
-        "const char* name, *type, *unit, *body", "int qpos_address, qpos_size, dof_address, dof_size", "Range range",
-    ),
-    "Actuator": (
-        "const char* name, *unit", "int ctrl_address, ctrl_size, act_address, act_size", "Range act_range, force_range",
-    ),
-    "Sensor": ("const char* name, *type, *unit", "int address, size", "double cutoff"),
-    "Keyframe": (
-        "const char* name", "double time", "std::array<double, nq> qpos", "std::array<double, nv> qvel",
-        "std::array<double, na> act", "std::array<double, nu> ctrl", "std::array<double, 3 * nmocap> mpos",
-        "std::array<double, 4 * nmocap> mquat",
-    ),
-}  # fmt: skip
+    "Joint": ("name type unit body", "qpos_address qpos_size dof_address dof_size", "range", ""),
+    "Actuator": ("name unit", "ctrl_address ctrl_size act_address act_size", "act_range force_range", ""),
+    "Sensor": ("name type unit", "address size", "", "cutoff"),
+    "Keyframe": ("name", "", "", "time"),
+}
+"""The fields of each kind, by their types in C++."""
+_ESCAPE = "\\%03o"
+_WIDTHS = {"qpos": "nq", "qvel": "nv", "act": "na", "ctrl": "nu", "mpos": "3 * nmocap", "mquat": "4 * nmocap"}
 
 
 def to_cpp(names: Names) -> str:
     """Return a C++17 header that includes only the standard library."""
-    index = names.index
-    space = next(_identifiers([(names.model or "model", 0)], _CPP | {"std"}, upper=False))[0]
-    head = [line.format(value) for line, value in zip(_HEAD, (_printed(names.model), "", names.sha256), strict=True)]
-    lines = [f"// {line}" for line in (*head, *_nameless(index))]
+    data, space = names.as_data(), _identifier(names.model or "model", _CPP)
+    lines = [f"// {line}" for line in _head(names, data)]
     lines += ["#pragma once", "", "#include <array>", "#include <limits>", "", f"namespace {space} {{", ""]
-    lines += [f"inline constexpr char model[] = {_text(names.model)};"]
-    lines += [f"inline constexpr char sha256[] = {_text(names.sha256)};"]
+    lines += [f"inline constexpr char model[] = {_cpp(names.model)};"]
+    lines += [f"inline constexpr char sha256[] = {_cpp(names.sha256)};"]
     lines += [f"inline constexpr int {name} = {size};" for name, size in names.sizes.items()]
-    for title, (about, rows) in _TABLES.items():
-        lines += ["", f"// {about.capitalize()}.", f"namespace {title.lower()} {{"]
-        found = _identifiers(rows(index), _CPP, upper=False)
-        lines += [f"inline constexpr int {word} = {number};  // {_printed(name)}" for word, number, name in found]
-        lines.append("}")
-    for name, members in _STRUCTS.items():
+    for table, (_, _, vector) in _TABLES.items():
+        lines += ["", f"// Numbers in {vector}.", f"namespace {table.lower()} {{"]
+        found = _addresses(data, table, _CPP, upper=False)
+        lines += [*(f"inline constexpr int {word} = {number};  // {name}" for word, number, name in found), "}"]
+    ranges = [[_cpp(each)[1:-1]] for row in data["actuators"] for each in row["ctrl_ranges"]]
+    lines += ["", "struct Range {", "  bool limited;", "  double low, high;", "};"]
+    lines += ["", "// In the order of `ctrl`.", *_array("Range", "ctrl_ranges", ranges)]
+    for name, fields in _STRUCTS.items():
+        vectors = _WIDTHS if name == "Keyframe" else {}
+        members = [
+            type + between.join(each.split())
+            for (type, between), each in zip(_TYPES.items(), fields, strict=True)
+            if each
+        ]
+        members += [f"std::array<double, {width}> {vector}" for vector, width in vectors.items()]
         lines += ["", f"struct {name} {{", *(f"  {each};" for each in members), "};"]
-    lines += _array("Joint", "joints", (
-        [*map(_text, (each.name, each.type, BY_WORD[each.type].unit, each.body)), each.qpos_address, each.qpos_size,
-         each.dof_address, each.dof_size, _range(each.range if each.limited else None)]
-        for each in index.joints))  # fmt: skip
-    lines += _array("Actuator", "actuators", (
-        [_text(each.name), _text(each.unit), each.ctrl_address, each.ctrl_size, each.act_address, each.act_size,
-         _range(each.act_range), _range(each.force_range)] for each in index.actuators))  # fmt: skip
-    ranges = [[_range(each)[1:-1]] for actuator in index.actuators for each in actuator.ctrl_ranges]
-    lines += ["", "// In the order of `ctrl`.", *_array("Range", "ctrl_ranges", ranges)[1:]]
-    lines += _array("Sensor", "sensors", (
-        [*map(_text, (each.name, each.type, each.unit)), each.address, each.size, _number(each.cutoff or 0.0)]
-        for each in index.sensors))  # fmt: skip
-    lines += _array("Keyframe", "keyframes", (
-        [_text(each.name), _number(each.time), *(_numbers(key[vector]) for vector in VECTORS)]
-        for each, key in zip(index.keyframes, names.keys, strict=True)))  # fmt: skip
+        kind, order = f"{name.lower()}s", " ".join((*fields, *vectors)).split()
+        lines += _array(name, kind, [[_cpp(row[key]) for key in order] for row in data[kind]])
     return "\n".join([*lines, "", f"}}  // namespace {space}"]) + "\n"
 
 
-def _array(kind: str, name: str, rows: Iterable[Sequence[object]]) -> list[str]:
-    found = [f"    {{{', '.join(map(str, row))}}}," for row in rows]
-    start = f"inline constexpr std::array<{kind}, {len(found)}> {name}"
-    return ["", f"{start}{{{{", *found, "}};"] if found else ["", f"{start}{{}};"]
+def _array(kind: str, name: str, rows: Sequence[Sequence[str]]) -> list[str]:
+    start = f"inline constexpr std::array<{kind}, {len(rows)}> {name}"
+    return [f"{start}{{{{", *(f"    {{{', '.join(row)}}}," for row in rows), "}};"] if rows else [f"{start}{{}};"]
 
 
-def _text(text: str | None) -> str:
-    """Return a text of C++; escapes with three octal digits end by themselves."""
-    if text is None:
-        return "nullptr"
-    letters = (chr(byte) if 32 <= byte < 127 and byte not in b'"\\?' else f"\\{byte:03o}" for byte in text.encode())
-    return f'"{"".join(letters)}"'
-
-
-def _number(value: float) -> str:
-    if math.isfinite(value):
-        return repr(float(value))
-    limit = "quiet_NaN" if math.isnan(value) else "infinity"
-    return f"{'-' if value < 0 else ''}std::numeric_limits<double>::{limit}()"
-
-
-def _numbers(values: Sequence[float]) -> str:
-    return f"{{{{{', '.join(map(_number, values))}}}}}" if values else "{}"
-
-
-def _range(pair: tuple[float, float] | None) -> str:
-    return "{false, 0.0, 0.0}" if pair is None else f"{{true, {_number(pair[0])}, {_number(pair[1])}}}"
+def _cpp(value: object) -> str:
+    """Return a value of C++. A pair of numbers or None is a range, and a list the vector of a keyframe."""
+    if value is None:
+        return "{}"
+    if isinstance(value, str):  # an escape of three octal digits ends by itself
+        plain = {*range(32, 127)} - {*b'"\\?'}
+        return f'"{"".join(chr(each) if each in plain else _ESCAPE % each for each in value.encode())}"'
+    if isinstance(value, tuple):
+        return f"{{true, {', '.join(map(_cpp, value))}}}"
+    if isinstance(value, list):
+        return f"{{{{{', '.join(map(_cpp, value))}}}}}" if value else "{}"
+    if isinstance(value, float) and not math.isfinite(value):
+        limit = "quiet_NaN" if math.isnan(value) else "infinity"
+        return f"{'-' if value < 0 else ''}std::numeric_limits<double>::{limit}()"
+    return repr(value)

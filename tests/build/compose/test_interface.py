@@ -55,11 +55,17 @@ def numbers(model: mujoco.MjModel, vector: str, row: Any) -> dict[str, list[floa
             for index, name in enumerate(names(model, kind))}  # fmt: skip
 
 
+def goals(model: mujoco.MjModel, row: Any) -> dict[str, list[float]]:
+    """The positions of mocap bodies by their names."""
+    bodies = {model.body(at).name: int(model.body_mocapid[at]) for at in range(model.nbody)}
+    return {name: row.reshape(-1, 3)[at].tolist() for name, at in bodies.items() if at >= 0}
+
+
 def as_keys(model: mujoco.MjModel) -> dict[str, Any]:
     rows = ("qpos", "qvel", "ctrl", "act")
     return {
         name: {row: numbers(model, row, getattr(model, f"key_{row}")[at]) for row in rows}
-        | {"time": float(model.key_time[at]), "mpos": model.key_mpos[at].tolist()}
+        | {"time": float(model.key_time[at]), "mpos": goals(model, model.key_mpos[at])}
         for at, name in enumerate(names(model, "key"))
     }
 
@@ -111,7 +117,11 @@ def random_model(seed: int) -> str:
             body(made, depth + 1)
 
     world = root.find("worldbody")
-    for _ in range(3):
+    for at in range(3):
+        goal = etree.SubElement(world, "body", name=f"goal{at}", mocap="true", pos=f"{at} 5 0")
+        etree.SubElement(goal, "geom", size=".1", contype="0", conaffinity="0")
+        if at == 1:
+            body(goal, 1)
         body(world, 0)
     actuator, sensor = etree.SubElement(root, "actuator"), etree.SubElement(root, "sensor")
     for at, (joint, kind) in enumerate(joints):
@@ -130,6 +140,7 @@ def random_model(seed: int) -> str:
     for name in ("home", "away", "last"):
         rows = {row: [round(draw.uniform(-1, 1), 3) for _ in range(getattr(model, size))]
                 for row, size in (("qpos", "nq"), ("qvel", "nv"), ("ctrl", "nu"), ("act", "na"))}  # fmt: skip
+        rows["mpos"] = [round(draw.uniform(-1, 1), 3) for _ in range(3 * model.nmocap)]
         etree.SubElement(keyframe, "key", name=name, time=str(draw.randint(0, 3)),
                          **{row: " ".join(map(str, each)) for row, each in rows.items() if each})  # fmt: skip
     return etree.tostring(root, pretty_print=True).decode()
@@ -322,3 +333,20 @@ def test_robots_move_as_before(made: Build, corpus: Path, robot: str) -> None:
     assert {kind: names(after, kind) for kind in interface} == interface
     if interface.keys() >= {"joint", "actuator", "key"}:
         same(before, after, 1e-6)
+
+
+def test_worlds_and_samples_have_the_order(made: Build, tmp_path: Path) -> None:
+    (tmp_path / "pair.xml").write_text(PAIR)
+    recipe: dict[str, Any] = {
+        "recipe": 1, "base": "./pair.xml", "interface": {"actuator": ["b", "a"], "joint": ["c", "b", "a"]},
+        "randomize": {"samples": 3, "seed": 1, "fields": {
+            "kp": {"select": {"actuator": "b"}, "attr": "kp", "scale": {"uniform": [0.5, 2]}},
+            "damping": {"select": {"joint": "*"}, "attr": "damping", "uniform": [1, 2]}}},
+    }  # fmt: skip
+    path = tmp_path / "recipe.yaml"
+    path.write_text(json.dumps(recipe))
+    context = Context(environment={}, folder=tmp_path)
+    result = build(Request(path, worlds=True), context)
+    assert result is not None, context.sink.errors  # which compares the table with samples that are built
+    model = mujoco.MjModel.from_xml_string(result.bundle.files["model.xml"].decode())
+    assert names(model, "actuator") == ["b", "a"] and names(model, "joint") == ["c", "b", "a"]

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from bisect import bisect_left
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from difflib import SequenceMatcher
 
 from mjcompose.base.diagnostic import Span
 from mjcompose.language.interface import KINDS, Order
@@ -95,7 +95,9 @@ def _units_and_places(a: Index, b: Index, renamed: Mapping[tuple[str, str], str]
         places = {each.name: at for at, each in enumerate(after) if each.name}
         pairs = [(at, places[name]) for at, each in enumerate(before)
                  if (name := renamed.get((kind, each.name), each.name)) in places]  # fmt: skip
-        kept = _longest_rise([place for _, place in pairs])
+        order = [place for _, place in pairs]
+        blocks = SequenceMatcher(None, order, sorted(order), autojunk=False).get_matching_blocks()
+        kept = {place for block in blocks for place in order[block.a : block.a + block.size]}
         for at, place in pairs:
             one, other = before[at], after[place]
             change = Change("changed", kind, other.name, index=(at, place), name_before=one.name)
@@ -104,26 +106,6 @@ def _units_and_places(a: Index, b: Index, renamed: Mapping[tuple[str, str], str]
                 yield replace(change, field="unit", before=units[0], after=units[1])
             if place not in kept:
                 yield replace(change, field="place", before=at, after=place)
-
-
-def _longest_rise(numbers: Sequence[int]) -> set[int]:
-    """Return a longest increasing subsequence of different numbers.
-
-    >>> sorted(_longest_rise([3, 0, 1, 2]))
-    [0, 1, 2]
-    """
-    ends: list[int] = []
-    length: dict[int, int] = {}
-    for each in numbers:
-        at = bisect_left(ends, each)
-        ends[at : at + 1] = [each]
-        length[each] = at
-    found, wanted, last = set[int](), len(ends) - 1, float("inf")
-    for each in reversed(numbers):
-        if length[each] == wanted and each < last:
-            found.add(each)
-            wanted, last = wanted - 1, each
-    return found
 
 
 def _reordered(changes: Sequence[Change], causes: Causes, a: Side, b: Side) -> Iterator[Group]:
