@@ -83,3 +83,42 @@ def _selects(page: Any) -> Callable[[str, list[list[int]]], str]:
         ))  # fmt: skip
 
     return selected
+
+
+ASKS = """
+window.texts = {};
+window.edits = [];
+mjcomposeHost.ask = async (path, data) => {
+  const body = JSON.stringify({...data, texts}), headers = {"content-type": "application/json"};
+  const answer = await (await fetch(path, {method: "POST", headers, body})).json();
+  edits.push(...(answer.edits ?? []));
+  return answer;
+};
+"""
+
+
+@pytest.mark.slow
+def test_an_editor_changes_its_own_text_and_an_older_one_has_no_handles(tmp_path: Path, browser: Any) -> None:
+    (tmp_path / "arm.xml").write_text(ARM)
+    recipe = tmp_path / "arm.yaml"
+    recipe.write_text(RECIPE)
+    with running("arm.yaml", tmp_path) as server:
+        for script in (HOST, HOST + ASKS):
+            page = browser.new_page()
+            page.add_init_script(script)
+            page.goto(server.address)
+            page.wait_for_selector("html[data-shown='1']", state="attached", timeout=60_000)
+            assert page.get_by_title("move (M)").is_visible() == (script != HOST)
+            if script != HOST:
+                page.evaluate("([file, text]) => { texts[file] = text; }", [str(recipe), f"# unsaved\n{RECIPE}"])
+                page.keyboard.press("m")
+                page.evaluate(
+                    "mjcompose.select({kind: 'body', index: mjcompose.world.model.scene.body.name.indexOf('left/arm')}, true)"
+                )
+                page.get_by_label("x, relative to its place").fill("0.5")
+                page.keyboard.press("Enter")
+                page.locator(".toast", has_text="left: pos: [0.5, 0, 0]").wait_for()
+                (edit,) = page.evaluate("edits")
+                assert edit == {"file": str(recipe), "range": [7, 2, 7, 2], "text": "  pos: [0.5, 0, 0]\n  "}
+            page.close()
+    assert recipe.read_text() == RECIPE

@@ -214,7 +214,7 @@ attach:
     page = Page(tmp_path, session, recipe, **files)
     looked = page.ask("look", "ball")
     assert looked["where"] == "nested.yaml:4" and "2 parts of this model and 1 other recipe" in looked["also"]
-    page.move("ball", PLACE)
+    assert "also changes 2 parts of this model and 1 other recipe" in page.move("ball", PLACE)["said"]
     assert (
         "pos: [0.125, -0.05, 0.3], euler: [17.189deg, -22.918deg, 63.025deg]}  # b"
         in (tmp_path / "nested.yaml").read_text()

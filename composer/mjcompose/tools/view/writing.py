@@ -228,6 +228,7 @@ class Writer:
         else:
             written = [self._to_site(offset, target, self._name("site", said["site"]))]
             written += offset.move(Pose(), anew=True)
+        offset.draft.notes += [also] if (also := self._also(offset.draft.file)) else []
         return self._finish(offset.draft, f"{target.label}: {', '.join(written)}", said)
 
     def _target(self, said: Any) -> Target:
