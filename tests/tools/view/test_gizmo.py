@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import json
 import math
 import shutil
 import time
 from collections.abc import Callable
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
+from threading import Thread
 from typing import Any
 
 import pytest
@@ -283,3 +286,45 @@ def test_what_is_computed_or_changed_elsewhere_is_refused(folder: Path, open_pag
         hand.drag([[0, 0, 1]], "Z", 0.55, lambda number: [0, -60])
         page.locator(".gizmo .words", has_text="has changed since this model was built").wait_for()
         assert hand.text == other and hand.pose("gripper/base") == pytest.approx(start, abs=1e-9)
+
+
+class _Other(BaseHTTPRequestHandler):
+    """A page of somebody else on this machine."""
+
+    def do_GET(self) -> None:
+        self.send_response(200)
+        self.send_header("Content-Type", "text/html")
+        self.end_headers()
+        self.wfile.write(b"<!doctype html><title>other</title>")
+
+    def log_message(self, format: str, *args: Any) -> None:
+        pass
+
+
+@pytest.mark.slow
+def test_a_page_of_another_origin_changes_nothing_even_with_the_token(folder: Path, browser: Any) -> None:
+    other = ThreadingHTTPServer(("127.0.0.1", 0), _Other)
+    Thread(target=other.serve_forever, daemon=True).start()
+    page = browser.new_page()
+    with running("cell.yaml", folder) as server:
+        while server.workshop.shown.version < 0:
+            time.sleep(0.05)
+        row = next(
+            each for each in json.loads(server.workshop.shown.text)["move"]["targets"] if each["label"] == "gripper"
+        )
+        body = json.dumps(
+            {"kind": "place", "version": 0, "at": ["cell.yaml", *row["at"][1:]], "pos": [0, 0, 1], "quat": [1, 0, 0, 0]}
+        )
+        sends = """([address, body, mode, type]) => fetch(address + "change", {method: "POST", body, mode, headers: {"content-type": type}})
+          .then((answer) => `${answer.type} ${answer.status}`).catch(() => "failed")"""
+        for host in ("127.0.0.1", "localhost"):
+            page.goto(f"http://{host}:{other.server_address[1]}/")
+            for mode in ("cors", "no-cors"):
+                for kind in ("application/json", "text/plain"):
+                    assert page.evaluate(sends, [server.address, body, mode, kind]) in ("failed", "opaque 0")
+        assert (folder / "cell.yaml").read_text() == RECIPE
+        page.goto(server.address)
+        assert page.evaluate(sends, [server.address, body, "cors", "application/json"]) == "basic 200"
+        assert (folder / "cell.yaml").read_text() != RECIPE
+    page.close()
+    other.shutdown()
