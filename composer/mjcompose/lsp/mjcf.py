@@ -152,7 +152,7 @@ def show_attribute(question: ModelQuestion) -> Hover | None:
 
 
 def effect(node: Node, kind: ElementType, attribute: Attribute, unit: Unit) -> Iterator[str]:
-    """Yield the value of an attribute in effect, and what the element, its classes and MuJoCo set."""
+    """Yield the value of an attribute in effect, and the values from the element, its classes and MuJoCo."""
     steps = levels(node, kind, attribute, unit.classes)
     found = value(steps)
     if found is not None:
@@ -184,7 +184,7 @@ def show_element(question: ModelQuestion) -> Hover | None:
 
 
 def settings(node: Node, unit: Unit) -> Iterator[str]:
-    """Yield what an element and its classes set, and which class gives each value."""
+    """Yield the values that an element and its classes set, with the class of each."""
     kind = GRAMMAR.root
     for each in (*reversed(list(node.iterancestors())), node)[1:]:
         if str(each.tag) not in kind.children:
@@ -271,7 +271,7 @@ def _changes(known: Known, new: str, unit: Unit) -> list[Change]:
 
 
 def _means_the_same(known: Known, new: str, unit: Unit, changes: list[Change]) -> bool:
-    """Return whether the changed texts are the same model with another name, judged by reading them again."""
+    """Return whether the changed texts are the same model with another name, by reading them again."""
     texts: dict[str, bytes] = {}
     for file, source in unit.origins.texts.items():
         own = changed(source.split().text, [each for each in changes if each.span.file == file])

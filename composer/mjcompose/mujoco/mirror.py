@@ -15,7 +15,7 @@ _NEAR = 1e-3
 """The allowed distance of a body from its mirror image, in meters; also the relative error of forces."""
 _PARALLEL = 1e-6
 _STEPS = ("names", "body", "axis", "range", "equality", "force")
-"""What is compared, in this order: the later fault is the one of the better match."""
+"""The comparisons in their order. A later fault belongs to a better match."""
 
 
 def mirrored_keys(mujoco: Any, asked: dict[str, Any]) -> dict[str, Any]:
@@ -91,13 +91,13 @@ class _Mirror:
         sign = float(np.sign(along))
         if self._fits(joint, other, sign):
             return np.array([[sign]])
-        # A pinion turns the other way round in the image, but its range and its racks are those of the original.
+        # A pinion turns the other way round in the image, but it keeps the range and the racks of the original.
         if not self._fits(joint, other, -sign) or self._moves_bodies(other):
             raise _Unlike({"why": "range", "name": names(self.of, "joint")[joint]})
         return np.array([[-sign]])
 
     def _fits(self, joint: int, other: int, sign: float) -> bool:
-        """Return whether the range of a joint, with this sign, is that of its image."""
+        """Return whether a joint, with this sign, has the range of its image."""
         if not (self.of.jnt_limited[joint] and self.own.jnt_limited[other]):
             return True
         at, there = (float(m.qpos0[m.jnt_qposadr[each]]) for m, each in ((self.of, joint), (self.own, other)))

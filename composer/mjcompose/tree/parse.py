@@ -207,7 +207,7 @@ def unit_of(
 
 
 def expand_includes(unit: Unit, sink: Sink) -> None:
-    """Put the contents of included files in the place of each `<include>`."""
+    """Replace each `<include>` with the contents of its file."""
     if next(unit.root.iter("include"), None) is not None:
         includes = _Includes(unit, sink)
         includes.expand(unit.root, unit.file, unit.directory)

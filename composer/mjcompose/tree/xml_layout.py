@@ -171,7 +171,7 @@ def format_mjcf(source: bytes, file: str, sink: Sink) -> bytes | None:
     """Return the file in its canonical layout, or None if it is not MJCF or would lose something.
 
     Attributes are sorted, and sections parted by blank lines. Comments, the text of values, a byte order mark and
-    the line breaks (those of the first line) are kept. The result is parsed again and compared. No I/O.
+    the line breaks (as in the first line) are kept. The result is parsed again and compared. No I/O.
     """
     tree = parse_xml(source, file, sink)
     if tree is None:
@@ -204,7 +204,7 @@ def format_mjcf(source: bytes, file: str, sink: Sink) -> bytes | None:
 
 
 def _content(root: Node) -> Iterator[tuple[object, ...]]:
-    """Yield what a file says: elements with their depth, attributes and text, and comments without their indents."""
+    """Yield the content of a file: elements with their depth, attributes and text, and comments without their indents."""
     yield from (_words(each) for each in reversed(list(root.itersiblings(preceding=True))))
     for node in root.iter():
         depth = sum(1 for _ in node.iterancestors())

@@ -26,7 +26,7 @@ Kind = Literal["start", "end", "comment", "cdata", "other", "text"]
 
 
 class Written(NamedTuple):
-    """An attribute of a start tag; `start` and `end` are those of its value, which is None without a quote."""
+    """An attribute of a start tag; `start` and `end` enclose its value, which is None without a quote."""
 
     name: str
     at: int

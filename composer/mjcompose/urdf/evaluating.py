@@ -18,7 +18,7 @@ from typing import Any
 LONGEST, DEEPEST = 10_000, 100
 """The most characters of an expression, and its deepest nesting."""
 STEPS, LARGEST, BITS = 500_000, 200_000, 4096
-"""Limits: steps of all expressions of a template; characters and values in one value; bits of an integer."""
+"""Limits: steps of all expressions of a template, length of one value, bits of an integer."""
 Names = Callable[[str], Any]
 """Return the meaning of a name. Raises KeyError."""
 
