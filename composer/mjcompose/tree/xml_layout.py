@@ -204,7 +204,7 @@ def format_mjcf(source: bytes, file: str, sink: Sink) -> bytes | None:
 
 
 def _content(root: Node) -> Iterator[tuple[object, ...]]:
-    """Yield the content of a file: elements with their depth, attributes and text, and comments without their indents."""
+    """Yield the content of a file: elements with depth, attributes and text, and comments without indents."""
     yield from (_words(each) for each in reversed(list(root.itersiblings(preceding=True))))
     for node in root.iter():
         depth = sum(1 for _ in node.iterancestors())
