@@ -64,12 +64,17 @@ def test_every_beginning_of_a_text_can_be_read() -> None:
 
 @pytest.mark.parametrize(
     ("old", "new"),
-    [("0.2\"/>", "0.2\" name=\"other\"/>"), ("<geom name", "<4 <geom name"), ("</body>", ""), ("<worldbody>", "")],
+    [
+        ("0.2\"/>", "0.2\" name=\"other\"/>"), ("<geom name", "<4 <geom name"), ("</body>", ""), ("<worldbody>", ""),
+        ("<worldbody>", "<visua\n<worldbody>"),
+    ],
 )  # fmt: skip
 def test_a_fault_leaves_the_names_of_the_rest(old: str, new: str, tmp_path: Path) -> None:
     unit, nodes = read_model(tmp_path / "arm.xml", ARM.replace(old, new), tmp_path)
     assert unit is not None
     assert [each.get("name") for each in nodes if each.tag == "geom"] == [None, "rod"]
+    analysis = ModelAnalysis(tmp_path / "arm.xml", tmp_path, "", unit=unit)
+    assert analysis.names.find("default", "link") is not None
 
 
 def test_a_piece_of_a_model_has_the_names_of_the_model_that_includes_it(tmp_path: Path) -> None:

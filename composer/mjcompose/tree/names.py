@@ -56,9 +56,12 @@ def word(namespace: str, article: bool = False) -> str:
 
 @cache
 def naming_table(section: str) -> dict[str, dict[str, Action]]:
-    """Return for each tag inside a top-level section which attributes hold names, and what kind of name."""
+    """Return for each tag inside a top-level section which attributes hold names, and what kind of name.
+
+    An unknown section, as half-written text has it, has none.
+    """
     table: dict[str, dict[str, Action]] = {}
-    for tag, element in GRAMMAR.within(section).items():
+    for tag, element in GRAMMAR.within(section).items() if section in GRAMMAR.root.children else ():
         actions: dict[str, Action] = {}
         for attribute in element.attributes.values():
             if attribute.declares:
