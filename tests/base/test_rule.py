@@ -50,8 +50,8 @@ READS_ITSELF = {
         tools/view/server.py:Server.__init__""",
     "what MuJoCo's process, or another program, has just written into a folder of ours": """
         build/bundle/staging.py:write_mjb build/bundle/write.py:write_usd tools/diff/diff.py:render_views
-        mujoco/child.py mujoco/engine.py:_last_words mujoco/engine.py:_load_arrays
-        tools/migrate/compare.py:_Side.of tools/migrate/dump.py:main tools/migrate/migrate.py:measured
+        mujoco/child.py mujoco/engine.py:_last_words mujoco/engine.py:_load_arrays mujoco/moved.py:differences
+        tools/migrate/compare.py:_Side.of mujoco/dump.py:main mujoco/motion.py:main tools/migrate/migrate.py:measured
         mujoco/pictures.py:sheet targets/export.py:aimed targets/read_back.py:placed targets/export.py:export
         targets/plain.py:keep_files targets/plain.py:plain targets/read_back.py:read_back
         build/verify/draws.py:with_worlds build/verify/draws.py:compute_worlds build/verify/draws.py:compare_world
@@ -77,12 +77,12 @@ WRITES_ITSELF = {
         cli/about.py:_mujoco build/compose/mesh_jobs.py:MeshWorkshop._make tools/diff/sides.py:_recipe_of
         tools/diff/sides.py:_beside_the_same mujoco/child.py
         mujoco/engine.py:Session._spawn link/measure.py:folder_of mujoco/pictures.py:pictures base/scratch.py
-        mujoco/scene.py:Blobs.put mujoco/scene.py:describe targets/read_back.py:placed targets/export.py:_put
+        build/checks/moves_alike.py:_in_mujoco mujoco/scene.py:Blobs.put mujoco/scene.py:describe targets/read_back.py:placed targets/export.py:_put
         targets/read_back.py:read_back urdf/read.py:UrdfReader._written build/verify/compile.py:_written
         build/verify/draws.py:with_worlds build/verify/draws.py:compute_worlds tools/view/live.py:_opened
         tools/worlds/union.py:compose_union""",
     "into a folder of ours, in an environment of its own": """
-        tools/migrate/dump.py:main tools/migrate/dump.py:_marks targets/readers/drake.py
+        mujoco/dump.py:main mujoco/dump.py:_marks mujoco/motion.py:main targets/readers/drake.py
         targets/readers/genesis.py targets/readers/newton.py targets/readers/pinocchio.py
         targets/readers/pybullet.py targets/readers/shared/mujoco_facts.py""",
     "the folder of a worker of a cluster, or a token beside the models": """

@@ -120,7 +120,9 @@ def test_the_fault_of_the_readme_is_told_as_it_shows(tmp_path: Path, menagerie_r
 def test_the_list_of_commands_runs(tmp_path: Path) -> None:
     commands = next(text for text in blocks("docs/reference/commands.md", "sh") if "mjcompose new model.yaml" in text)
     commands = "".join(
-        line for line in commands.splitlines(True) if not re.search(" (import|migrate|diff|view|lsp|mcp|plugin) ", line)
+        line
+        for line in commands.splitlines(True)
+        if not re.search(" (import|migrate|upgrade|diff|view|lsp|mcp|plugin) ", line)
     )  # of files of one's own, or with an editor at the other end
     # A page that is served is served until the user ends it.
     served = f"timeout 5 {shlex.quote(sys.executable)} -m mjcompose view model.yaml --no-open || [ $? = 124 ]"

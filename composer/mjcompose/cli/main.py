@@ -40,6 +40,7 @@ _GROUPS = {
         "fmt": "Format recipes in the canonical layout, and keep comments.",
         "import": "Propose a recipe that builds a merged model from its parts.",
         "migrate": "Rewrite a model for another version of MuJoCo.",
+        "upgrade": "Show how a model moves differently in another version of MuJoCo.",
     },
     "Sources": {
         "lock": "Pin every source of a recipe in a lock file, or upgrade the sources in it.",

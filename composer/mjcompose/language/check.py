@@ -22,6 +22,7 @@ MODULES = {
     "unchanged": "mjcompose.build.checks.unchanged",
     "budget": "mjcompose.build.checks.budget",
     "targets": "mjcompose.targets.check",
+    "moves_alike": "mjcompose.build.checks.moves_alike",
     "lint": "mjcompose.build.checks.lint",
 }
 """The module of each check: its form and its executor. A recipe imports those that it writes."""

@@ -69,6 +69,13 @@ def judged(mujoco: Any, model: Any, question: Facts) -> list[str]:
     return [each.message for each in differences(mujoco, model, **question)]
 
 
+def motion_of(mujoco: Any, model: Any, question: Facts) -> Facts:
+    """Return the end of the motion, without the losses of a target; called by `mjcompose.mujoco.engine.call`."""
+    losses = [Loss(**each) for each in question["losses"]]
+    found: Facts = facts_of(mujoco, model, question["asked"], losses=losses).get("motion", {})
+    return found
+
+
 def questions(model: Any, count: int = 50, seed: int = 1) -> Facts:
     """Return the questions for consumers: `count` random `poses`, and the `seconds` of a motion from a pose, `home`.
 

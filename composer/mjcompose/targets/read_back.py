@@ -23,7 +23,7 @@ from mjcompose.base.scratch import scratch
 from mjcompose.build.bundle.bundle import Bundle
 from mjcompose.mujoco import engine
 from mjcompose.targets.export import exported
-from mjcompose.targets.judge import asked_of, judged
+from mjcompose.targets.judge import asked_of, judged, motion_of
 from mjcompose.targets.names import CONSUMERS, READ_IN
 from mjcompose.targets.table import TARGETS
 from mjcompose.targets.target import Loss, grouped, in_words
@@ -189,6 +189,27 @@ def _about(
         message = f"`{name}` {version} reads another model: {wrong[0]}"
         losses.insert(0, Fault(_FAILED, message, notes=tuple(map(Note, notes))))
     return losses, version
+
+
+def motion_in(work: Work, name: str, seconds: float) -> tuple[dict[str, float], dict[str, float]] | Fault:
+    """Return where the joints are after a motion without forces, in MuJoCo and in another program; or a finding."""
+    python = interpreter(READERS[name], work.environment)
+    if python is None:
+        return _missing(name, READERS[name])
+    answer = engine.call(work.session, asked_of, [work.whole], argument=0)
+    with scratch("motion") as folder:
+        written = exported(work.bundle, name, folder, session=work.session)
+        if not answer.ok or isinstance(written, str):
+            return Fault(_FAILED, f"`{name}` gets no model: {answer.error if not answer.ok else written}")
+        questions = {**answer.value, "seconds": seconds}
+        facts = read_back(READERS[name], python, placed(folder / "out", written["model"]), questions=questions)
+    if isinstance(facts, str):
+        return Fault(_FAILED, f"`{name}` does not read the model: {facts}")
+    question = {"asked": questions, "losses": written["losses"]}
+    answer = engine.call(work.session, motion_of, [work.whole], argument=question)
+    if not answer.ok:
+        return Fault(_FAILED, f"MuJoCo does not move the model: {answer.error or answer.crash}")
+    return answer.value, facts.get("motion", {})
 
 
 def _lacking(name: str, lacked: Sequence[Loss]) -> Fault:

@@ -16,7 +16,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[3]
 sys.path.insert(0, str(ROOT))
 
-from mjcompose.tools.migrate.editing import RELEASED  # noqa: E402
+from mjcompose.tree.history import RELEASED  # noqa: E402
 
 OUT = ROOT / "composer" / "mjcompose" / "tree" / "history.json"
 ASK = "import mujoco; print(mujoco.mj_printSchema(False, True))"

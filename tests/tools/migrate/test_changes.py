@@ -18,12 +18,12 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from mjcompose.mujoco import environments
+from mjcompose.mujoco.environments import Compiled, Other, OtherError, make, open_python
 from mjcompose.sources.context import Context
-from mjcompose.tools.migrate import environments
 from mjcompose.tools.migrate.changes import ORDERED, TABLE, between
-from mjcompose.tools.migrate.editing import RELEASED
-from mjcompose.tools.migrate.environments import Compiled, Other, OtherError, make, open_python
 from mjcompose.tools.migrate.migrate import Migrated, Prover, installed, measured, migrate, read
+from mjcompose.tree.history import RELEASED
 from tools.migrate.features import FEATURES, Feature
 
 PIXEL = base64.b64decode(
@@ -176,7 +176,7 @@ def test_the_compiled_model_is_the_same(
     """By the MuJoCo of its version, and the other one; and with `shows` it is not without the change."""
     model = written(feature, tmp_path)
     others = {version: mujoco(version) for version in (feature.before, feature.after)}
-    monkeypatch.setattr("mjcompose.tools.migrate.environments._run", kept)
+    monkeypatch.setattr("mjcompose.mujoco.environments._run", kept)
     folders = [tmp_path / name for name in ("with", "without")]
     outcomes = []
     known: dict[str, Compiled] = {}

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from mjcompose.mujoco.environments import Other, OtherError, open_python, this_python
 from mjcompose.tools.migrate.compare import Outcome, compare
-from mjcompose.tools.migrate.environments import Other, OtherError, open_python, this_python
 from mjcompose.tools.migrate.migrate import installed
 
 MODEL = """\

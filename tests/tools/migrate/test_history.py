@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 from lxml import etree
 from mjcompose.tools.migrate.changes import ORDERED
-from mjcompose.tools.migrate.editing import RELEASED, later, release
+from mjcompose.tools.migrate.editing import later
 from mjcompose.tools.migrate.migrate import bounds
-from mjcompose.tree.history import place, spans, unread
+from mjcompose.tree.history import RELEASED, place, release, spans, unread
 
 
 def model(text: str) -> etree._Element:

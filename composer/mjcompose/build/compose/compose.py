@@ -248,7 +248,7 @@ class Composer:
         if base is None:
             return None
         if any(step.attachment.mirror is not None for step in plan.parts):
-            mirror_keys(plan, units, self.context, self.loader.session, notes=self.keys)
+            mirror_keys(plan, units, self.context, session=self.loader.session, notes=self.keys)
         read = [unit for unit in units if unit is not None]
         if len(read) == len(units):
             return self._joined(plan, base, read, is_fixed=is_fixed)

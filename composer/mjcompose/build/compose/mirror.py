@@ -56,7 +56,8 @@ def mirror_keys(
             answer = engine.call(session or stack.enter_context(engine.Session()), mirrored_keys, [], argument=asked)
         if not answer.ok or "fault" in answer.value:
             fault = answer.value["fault"] if answer.ok else {"why": "crash", "error": answer.error}
-            _report(plan, step, fault, [str(key.get("name") or "") for key in keys_of(other)], context=context, at=at)
+            keys = [str(key.get("name") or "") for key in keys_of(other)]
+            _report(plan, step, fault, keys=keys, context=context, at=at)
             continue
         span = locate(plan.document, at, key=True)
         remove_keys(unit)

@@ -12,8 +12,8 @@ import numpy as np
 from mjcompose.base.dataclass import dataclass
 from mjcompose.mujoco.arrays import UNSAID, about
 from mjcompose.mujoco.attributes import KINDS
+from mjcompose.mujoco.environments import Compiled
 from mjcompose.tools.migrate.editing import later
-from mjcompose.tools.migrate.environments import Compiled
 
 FLAGS = {"nativeccd": False, "multiccd": False, "island": False, "autoreset": True, "sleep": False, "diagexact": False,
          "ipc": False, "speculative": False, "sensornoise": False, "spring": True, "damper": True}  # fmt: skip

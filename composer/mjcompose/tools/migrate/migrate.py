@@ -18,28 +18,17 @@ from mjcompose.base.diagnostic import Cause, Note
 from mjcompose.base.report import counted
 from mjcompose.base.scratch import scratch
 from mjcompose.mujoco.arrays import with_trait
+from mjcompose.mujoco.environments import Compiled, Other, OtherError, make, open_python, this_python
 from mjcompose.mujoco.messages import parse
 from mjcompose.sources.context import Context
 from mjcompose.sources.lock import resolve
 from mjcompose.sources.reference import SourceError
 from mjcompose.tools.migrate.changes import ORDERED, between
 from mjcompose.tools.migrate.compare import Outcome, compare
-from mjcompose.tools.migrate.editing import (
-    RELEASED,
-    Editing,
-    Markup,
-    MarkupError,
-    Meaning,
-    Pieces,
-    Source,
-    Step,
-    later,
-    release,
-)
-from mjcompose.tools.migrate.environments import Compiled, Other, OtherError, make, open_python, this_python
+from mjcompose.tools.migrate.editing import Editing, Markup, MarkupError, Meaning, Pieces, Source, Step, later
 from mjcompose.tree.files import file_attributes, join, written_path
 from mjcompose.tree.grammar import number_text, version_key
-from mjcompose.tree.history import default_of, place, unread
+from mjcompose.tree.history import RELEASED, default_of, place, release, unread
 from mjcompose.tree.parse import all_admitted, parse_file
 from mjcompose.tree.unit import Unit
 
@@ -397,7 +386,7 @@ class Result:
 
 def run(wish: Wish, context: Context, progress: Callable[[str], None]) -> Result | None:
     """Migrate without writing; return None if it fails, which is reported."""
-    path = _found(wish.model, context)
+    path = found_model(wish.model, context)
     unit = None if path is None else parse_file(path, context.sink, file=context.shown(path))
     if path is None or unit is None or not all_admitted(unit, context.sink, context.shown):
         return None
@@ -435,7 +424,7 @@ def run(wish: Wish, context: Context, progress: Callable[[str], None]) -> Result
     return None if context.sink.has_errors else result
 
 
-def _found(model: str, context: Context) -> Path | None:
+def found_model(model: str, context: Context) -> Path | None:
     path, folder = context.folder / model, context.folder
     if os.path.exists(path):
         return path

@@ -19,9 +19,9 @@ from mjcompose.base.processes import Process
 from mjcompose.sources.blobs import FOLDER, READY, complete, gate, hold, is_complete, mujoco_key
 from mjcompose.sources.reference import SourceError
 from mjcompose.sources.store import Store
-from mjcompose.tools.migrate.editing import release
+from mjcompose.tree.history import release
 
-_DUMP = Path(__file__).with_name("dump.py")
+_DUMP, _MOTION = (Path(__file__).with_name(name) for name in ("dump.py", "motion.py"))
 _INSTALLING = 900.0
 _LONGEST = 300
 
@@ -55,6 +55,10 @@ class Other:
             return Compiled(self.version, error=str(answer["error"]))
         return Compiled(self.version, out, answer["names"], words=answer["words"])
 
+    def move(self, model: Path, out: Path, asked: Mapping[str, Any]) -> dict[str, Any]:
+        """Simulate a model as `motion.py` says; its arrays go to the file `out`. Raises OtherError."""
+        return _run(self.python, [str(model), str(out), json.dumps(asked)], _MOTION)
+
 
 def this_python() -> Path:
     return Path(sys.executable)
@@ -72,13 +76,18 @@ def open_python(python: Path) -> Other:
     return Other(python.absolute(), str(_run(python.absolute(), [])["version"]))
 
 
-def make(version: str, environment: Mapping[str, str], progress: Callable[[str], None]) -> Other:
+def make(
+    version: str, environment: Mapping[str, str], progress: Callable[[str], None], *, offline: bool = False
+) -> Other:
     """Return the MuJoCo of a version in an environment of its own, made if needed. Raises OtherError."""
     try:
         store = Store.of(environment)
         folder = store.folder / FOLDER / version
         with store.lock(mujoco_key(version), progress):
             if not is_complete(folder):
+                if offline:
+                    message = f"MuJoCo {version} is not installed, and nothing is fetched offline"
+                    raise OtherError(message, "run it once without `--offline`")
                 progress(f"installing MuJoCo {version}")
                 _install(folder, version)
             with suppress(OSError), gate(store.folder):  # it is not pruned while this process lives
@@ -142,11 +151,11 @@ def _python_of(folder: Path) -> Path:
     return folder / ("Scripts/python.exe" if sys.platform == "win32" else "bin/python")
 
 
-def _run(python: Path, arguments: list[str]) -> dict[str, Any]:
-    """Return the answer of `dump.py` in that Python. Raises OtherError."""
+def _run(python: Path, arguments: list[str], program: Path = _DUMP) -> dict[str, Any]:
+    """Return the answer of a program in that Python. Raises OtherError."""
     clean = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
     try:
-        process = Process([str(python), "-B", str(_DUMP), *arguments], env=clean, cwd=_DUMP.parent,
+        process = Process([str(python), "-B", str(program), *arguments], env=clean, cwd=_DUMP.parent.parent,
                           stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE)  # fmt: skip
     except OSError as error:
         raise OtherError(f"`{python}` cannot be run: {(error.strerror or str(error)).lower()}") from None

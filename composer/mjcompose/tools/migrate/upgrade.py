@@ -1,0 +1,138 @@
+"""Simulate a model in two versions of MuJoCo. Rank the joints that move differently, and find the causing lines."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.scratch import scratch
+from mjcompose.mujoco.environments import Other, OtherError, make, open_python, this_python
+from mjcompose.mujoco.moved import TRIALS, Motion, Moved, differences
+from mjcompose.sources.context import Context
+from mjcompose.tools.migrate.editing import Meaning, Step
+from mjcompose.tools.migrate.migrate import Migrated, found_model, installed, known, lay_out, migrate, read
+
+
+@dataclass(frozen=True, slots=True)
+class Request:
+    """A model and two versions of MuJoCo; `pythons` have some of them."""
+
+    model: str
+    before: str
+    after: str | None
+    seconds: float
+    tolerance: float
+    key: str | None = None
+    pythons: tuple[Path, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Caused:
+    """A joint or body that moves differently, and the edits that would undo it: most of it is gone with them.
+
+    Without `steps`, no edit avoids the difference. Then `suspects` are the meanings that no edit keeps. If there are
+    none, solvers or colliders compute in another way.
+    """
+
+    moved: Moved
+    steps: tuple[Step, ...] = ()
+    suspects: tuple[Meaning, ...] = ()
+
+    def data(self) -> dict[str, Any]:
+        """Return it for JSON."""
+        moved = self.moved
+        facts = {name: getattr(moved, name) for name in ("kind", "name", "amount", "unit", "trial", "time")}
+        causes = [{"change": each.change, "at": _at(each), "edit": each.words} for each in self.steps]
+        suspects = [{"change": each.change, "at": _at(each), "message": each.message} for each in self.suspects]
+        return {**facts, "causes": causes, "suspects": suspects}
+
+
+def _at(each: Step | Meaning) -> str | None:
+    return None if each.span is None else str(each.span)
+
+
+@dataclass(frozen=True, slots=True)
+class Upgrade:
+    """The joints that move differently, the farthest first, and the trials that diverge in the new version."""
+
+    before: str
+    after: str
+    trials: tuple[str, ...]
+    moved: tuple[Caused, ...]
+    diverged: tuple[str, ...] = ()
+
+
+def upgrade(request: Request, context: Context, progress: Callable[[str], None]) -> Upgrade | None:
+    """Compare the motion of a model in two versions; return None if that fails, which is reported."""
+    model = found_model(request.model, context)
+    before = known(request.before, "--from", context)
+    after = installed() if request.after is None else known(request.after, "--to", context)
+    if model is None or before is None or after is None:
+        return None
+    try:
+        others = {each.version: each for each in (open_python(context.folder / path) for path in request.pythons)}
+        others.setdefault(installed(), Other(this_python(), installed()))
+        offline = context.fetching is not None and context.fetching.offline
+        for version in (before, after):
+            if version not in others:
+                others[version] = make(version, context.environment, progress, offline=offline)
+        with scratch("upgrade") as folder:
+            trials = _Trials(request, model, folder, context=context, others=others, progress=progress)
+            one, other = trials.motion(model, before), trials.motion(model, after)
+            moved = differences(one, other, signal="qpos", tolerance=request.tolerance)
+            causes = tuple(trials.causes(one, moved, before, after=after)) if moved else ()
+    except (OtherError, OSError) as error:
+        help = getattr(error, "help", None)
+        if "rejects" in str(error):
+            help = f"write the model for it first: `mjcompose migrate {request.model} --from {before} --mujoco {after}`"
+        context.sink.error("migrate-python", str(error), help=help)
+        return None
+    diverged = [each for each in other.answer["diverged"] if each not in one.answer["diverged"]]
+    return Upgrade(before, after, tuple(one.answer["trials"]), moved=causes, diverged=tuple(diverged))
+
+
+class _Trials:
+    """Simulates models in a folder."""
+
+    def __init__(
+        self, request: Request, model: Path, folder: Path, context: Context, *, others: Mapping[str, Other],
+        progress: Callable[[str], None],
+    ) -> None:  # fmt: skip
+        self.request, self.model, self.folder, self.context = request, model, folder, context
+        self.others, self.progress, self.count = others, progress, 0
+
+    def motion(self, model: Path, version: str) -> Motion:
+        """Simulate a model in a version. Raises OtherError."""
+        self.count += 1
+        self.progress(f"simulating {model.name} with MuJoCo {version}")
+        asked = {"seconds": self.request.seconds, "trials": TRIALS, "key": self.request.key}
+        return Motion.of(self.others[version], model, self.folder / f"{self.count}.npz", asked=asked)
+
+    def causes(self, start: Motion, moved: Sequence[Moved], before: str, after: str) -> Iterator[Caused]:
+        """Yield each difference with its cause: each change of MuJoCo is undone alone in the model, and simulated."""
+        whole = self._migrated(before, after, ())
+        steps = () if whole is None else whole.steps
+        names = list(dict.fromkeys(step.change for step in steps))
+        left: dict[str, dict[tuple[str, str], float]] = {}
+        for name in names:
+            migrated = self._migrated(before, after, tuple(each for each in names if each != name))
+            if migrated is not None:
+                folder = self.folder / f"model{self.count}"
+                folder.mkdir()
+                motion = self.motion(lay_out(migrated, folder, link=True)[self.model], after)
+                found = differences(start, motion, signal="qpos", tolerance=self.request.tolerance)
+                left[name] = {(each.name, each.unit): each.amount for each in found}
+        for each in moved:
+            amounts = {name: found.get((each.name, each.unit), 0.0) for name, found in left.items()}
+            best = min(amounts, key=amounts.__getitem__, default=None)
+            is_cause = best is not None and amounts[best] < each.amount / 2
+            caused = tuple(step for step in steps if is_cause and step.change == best)
+            yield Caused(each, caused, () if caused or whole is None else whole.meanings)
+
+    def _migrated(self, before: str, after: str, adopt: tuple[str, ...]) -> Migrated | None:
+        """Return the model for the new version without the adopted changes, or None if there is none."""
+        context = Context(environment=self.context.environment, folder=self.context.folder)
+        unit = read(self.model, context)
+        return None if unit is None else migrate(unit, before, after, context=context, adopt=adopt)

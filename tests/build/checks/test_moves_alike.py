@@ -1,0 +1,76 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import mujoco
+import pytest
+from mjcompose.build.bundle.bundle import Outcome
+from mjcompose.build.checks import moves_alike
+from mjcompose.build.stages import Request, build
+from mjcompose.mujoco import environments
+from mjcompose.mujoco.environments import Other, this_python
+from mjcompose.sources.context import Context
+from mjcompose.sources.fetching import Fetching
+from tools.migrate.test_upgrade import MODEL
+
+OWN = mujoco.__version__
+
+
+def checked(folder: Path, check: str, context: Context | None = None) -> tuple[list[tuple[str, str]], list[Outcome]]:
+    (folder / "m.xml").write_text(MODEL)
+    (folder / "r.yaml").write_text(f"recipe: 1\nbase: ./m.xml\ncheck: {{moves: {{moves_alike: {check}}}}}\n")
+    context = context or Context(environment={}, folder=folder)
+    outcomes: list[Outcome] = []
+    build(Request(folder / "r.yaml"), context, outcomes=outcomes)
+    return [(each.code, each.message) for each in context.sink.errors], outcomes
+
+
+@pytest.mark.parametrize("signal", ["qpos", "xpos"])
+def test_the_same_version_moves_alike(tmp_path: Path, signal: str) -> None:
+    found, (outcome,) = checked(tmp_path, f"{{as: mujoco=={OWN}, signal: {signal}, seconds: 0.1, tol: 1e-12}}")
+    assert found == [] and outcome.values == {"apart": 0.0}
+
+
+def test_a_version_in_which_it_moves_differently(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Another version, for which this one stands, gets a stiffer model."""
+
+    class Stiffer(Other):
+        def move(self, model: Path, out: Path, asked: object) -> dict[str, object]:
+            model.with_name("other.xml").write_text(model.read_text().replace('kp="5"', 'kp="9"'))
+            return super().move(model.with_name("other.xml"), out, asked)  # type: ignore[arg-type]
+
+    made = []
+
+    def make(version: str, *_: object, offline: bool) -> Other:
+        made.append((version, offline))
+        return Stiffer(this_python(), version)
+
+    monkeypatch.setattr(environments, "make", make)
+    ((code, message),), (outcome,) = checked(tmp_path, "{as: mujoco==3.12, seconds: 0.5}")
+    assert code == "check-failed" and made == [("3.12.0", False)]
+    assert message.startswith("check `moves`: the model moves in another way in MuJoCo 3.12.0: joint j: ")
+    assert outcome.values["apart"] > 1e-3
+
+
+def test_nothing_is_installed_offline(tmp_path: Path) -> None:
+    environment = {"MJCOMPOSE_CACHE": str(tmp_path / "cache")}
+    context = Context(environment=environment, folder=tmp_path, fetching=Fetching(offline=True))
+    ((code, message),), _ = checked(tmp_path, "mujoco==3.13", context)
+    assert code == "check-failed" and "MuJoCo 3.13.0 is not installed, and nothing is fetched offline" in message
+
+
+def test_another_program(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    found, _ = checked(tmp_path, "drake")
+    assert [code for code, _ in found] == ["consumer-missing"]
+    monkeypatch.setattr("mjcompose.targets.read_back.motion_in", lambda *_: ({"j": 0.1, "slide": 0}, {"j": 0.3}))
+    ((code, message),), _ = checked(tmp_path, "drake")
+    assert code == "check-failed" and "in drake: joint j: 0.2 m or rad apart in `motion without forces`" in message
+    ((code, _),), _ = checked(tmp_path, "{as: drake, signal: xpos}")
+    assert code == "wrong-keyword"
+
+
+@pytest.mark.parametrize("program", ["mujoco", "mujoco==2.3", "isaac"])
+def test_programs_that_nobody_can_ask(tmp_path: Path, program: str) -> None:
+    ((code, message),), _ = checked(tmp_path, program)
+    assert (code, message) == ("wrong-keyword", f"`as` of check `moves` cannot be `{program}`")
+    assert moves_alike.KIND.word == "moves_alike"
