@@ -32,6 +32,7 @@ export class Gizmo {
   private last = new Matrix4();
   private from = new Vector3();
   private site = -1;
+  private marked = -1;
   private snaps = true;
   private scene: Scene | null = null;
   private undo: string | null = null;
@@ -241,6 +242,10 @@ export class Gizmo {
     if (this.busy) this.app.stage.move();
     this.numbers();
     if (this.site >= 0) this.tell(`on ${scene.site.name[this.site]}`);
+    if (this.site === this.marked) return;
+    this.marked = this.site;
+    if (this.site >= 0) world.mark({ kind: "site", index: this.site }, 0xffb020);
+    else world.mark(this.element, 0x3b82f6);
   }
 
   private local(kind: string, index: number): Matrix4 {
