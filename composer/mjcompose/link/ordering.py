@@ -90,11 +90,13 @@ def _permute(nodes: Sequence[Node], ranks: Mapping[Node, float]) -> None:
 def why_before(unit: Unit, kind: str, first: str, second: str) -> str:
     """Return why `first` comes before `second` in every order that MJCF can have next to the names before them."""
     found = {name: node for node, name in reversed(elements_in_order(unit, kind)) if name}
-    one, other = found[first], found[second]
+    if kind == "joint" and not first:
+        return "MuJoCo numbers the joints of a body before the joints inside of it, and these one after the other"
     if kind != "joint":
         return (
             f"MuJoCo puts the copies that a `<replicate>` makes of {kind}s after all others, one copy after the other"
         )
+    one, other = found[first], found[second]
     around = list(other.iterancestors())
     body = next(each for each in one.iterancestors(*_BODIES))
     inner = next(each for each in other.iterancestors(*_BODIES))

@@ -296,12 +296,15 @@ def test_an_attached_model_is_checked_after_mujoco_compiled_it(made: Build, tmp_
     (tmp_path / "pair.xml").write_text(PAIR.replace("<keyframe>", "<!--").replace("</keyframe>", "-->"))
     (tmp_path / "m.xml").write_text(
         '<mujoco><asset><model name="p" file="pair.xml"/></asset><worldbody><body name="first"><joint name="f"/>'
-        '<geom size="1"/></body><body name="at"><attach model="p" body="a" prefix="x_"/></body></worldbody></mujoco>'
+        '<geom size="1"/></body><body name="at"><attach model="p" body="a" prefix="x_"/></body></worldbody>'
+        '<actuator><motor name="own" joint="f"/></actuator></mujoco>'
     )
     recipe = {"recipe": 1, "base": "./m.xml", "interface": {"joint": ["x_a", "f"]}}
     model = made(recipe)
     assert not isinstance(model, str), model
     assert names(model, "joint") == ["x_a", "f"]
+    recipe["interface"] = {"actuator": ["x_a", "own"]}
+    assert "interface-order the actuator `x_a` cannot come before `own`" in made(recipe)
     recipe["interface"] = {"joint": ["f", "x_b"], "actuator": []}
     assert "unknown-name the joint `x_b` does not exist" in made(recipe)
 

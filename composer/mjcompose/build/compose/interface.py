@@ -133,12 +133,14 @@ def _check(order: Order, found: Sequence[str], plan: Plan, sink: Sink, unit: Uni
     last = max(map(found.index, order.names))
     called = f"`{first}`" if first else f"a {kind} without a name"
     unlisted = ", which `interface` does not list" if first not in order.names else ""
-    notes = [Note(why_before(unit, kind, first, second=second))] if unit is not None and first else []
+    reason = f"MuJoCo puts the {kind}s of a model that it attaches after all others, and keeps its joints together"
+    if unit is not None:
+        reason = why_before(unit, kind, first, second=second)
     help = f"write the order that the model has: {pasted(order, found[: last + 1])}"
     if "" in found[: last + 1]:
         help = f"{_naming(kind, 1)}, and list it"
     message = f"the {kind} `{second}` cannot come before {called}{unlisted}"
-    sink.error("interface-order", message, locate(plan.document, (*order.at, at)), notes=notes, help=help,
+    sink.error("interface-order", message, locate(plan.document, (*order.at, at)), notes=[Note(reason)], help=help,
                subjects=(second, first))  # fmt: skip
 
 
