@@ -101,4 +101,5 @@ def test_what_a_code_is() -> None:
 def test_the_pages_are_in_the_wheel() -> None:
     project = tomllib.loads((PAGE_ROOT / "pyproject.toml").read_text(encoding="utf-8"))
     included = project["tool"]["hatch"]["build"]["targets"]["wheel"]["force-include"]
-    assert included["docs/errors"] == "mjcompose/base/pages"
+    assert included["docs/errors"] == "mjcompose/base/pages/errors"
+    assert included["docs/rules"] == "mjcompose/base/pages/rules"

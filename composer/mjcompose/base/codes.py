@@ -176,8 +176,8 @@ BY_TOPIC: dict[str, dict[str, str]] = {
 
 CODES = dict(sorted((code, summary) for codes in BY_TOPIC.values() for code, summary in codes.items()))
 
-PAGES: dict[str, str] = {}
-"""The pages of codes that are not in a file of their own: the rules of the linter add theirs, and their codes."""
+RULES: set[str] = set()
+"""The codes of the rules of the linter, which add themselves here and to `CODES`. Their pages are in `docs/rules`."""
 
 OF_FILES = ("source-", "archive-", "store-", "lock-", "file-")
 """Prefixes of the codes about files and addresses that do not exist or are out of reach."""
@@ -200,12 +200,10 @@ def code_of(text: str) -> str | None:
 
 
 def page(code: str) -> str:
-    """Return the page as Markdown: the copy next to this file in an installed package, `docs/errors` in a clone."""
-    if code in PAGES:
-        return PAGES[code]
-    here = Path(__file__).resolve()
-    installed = here.with_name("pages") / f"{code}.md"
-    path = installed if os.path.exists(installed) else here.parents[3] / "docs" / "errors" / installed.name
+    """Return the page as Markdown: the copy next to this file in an installed package, `docs` in a clone."""
+    here, folder = Path(__file__).resolve(), "rules" if code in RULES else "errors"
+    installed = here.with_name("pages") / folder / f"{code}.md"
+    path = installed if os.path.exists(installed) else here.parents[3] / "docs" / folder / installed.name
     return path.read_text(encoding="utf-8")
 
 
@@ -214,7 +212,7 @@ def address(code: str, urls: Iterable[str] | None = None) -> str | None:
     for each in _urls() if urls is None else urls:
         label, _, url = each.partition(", ")
         if label.lower() == "documentation":
-            return f"{url.rstrip('/')}/{'rules' if code in PAGES else 'errors'}/{code}.html"
+            return f"{url.rstrip('/')}/{'rules' if code in RULES else 'errors'}/{code}.html"
     return None
 
 

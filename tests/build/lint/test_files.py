@@ -68,3 +68,28 @@ def test_a_large_texture(tmp_path: Path, session: Session) -> None:
     assert unit is not None
     (found,) = rules()["texture-too-large"].run(Subject(unit.root, unit))
     assert "34 million pixels" in found.message
+
+
+ROBOT = """\
+<mujoco model="arm">
+  <worldbody>
+    <geom type="plane" size="1 1 1"/>
+    <body>
+      <joint name="a"/>
+      <geom size="1"/>
+    </body>
+  </worldbody>
+  <asset/>
+</mujoco>
+"""
+GOOD = ROBOT.replace('    <geom type="plane" size="1 1 1"/>\n', "").replace("  <asset/>\n", "")
+
+
+def test_the_rules_of_menagerie(tmp_path: Path, session: Session) -> None:
+    for code in ("floor-in-model", "section-order", "no-scene"):
+        assert linted(ROBOT, code, tmp_path, session), code
+    for code in ("floor-in-model", "section-order", "indentation"):
+        assert not linted(GOOD, code, tmp_path, session), code
+    assert linted(GOOD.replace("    <body>", "   <body>"), "indentation", tmp_path, session)
+    (tmp_path / "scene.xml").write_text('<mujoco><include file="model.xml"/></mujoco>')
+    assert not linted(GOOD, "no-scene", tmp_path, session)

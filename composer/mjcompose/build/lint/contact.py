@@ -20,20 +20,7 @@ _ICE = 0.02
     "robot-asset": "NVIDIA SimReady, BA.002: “collision meshes on non-adjacent links must not overlap or intersect”",
 })  # fmt: skip
 def overlap(subject: Subject) -> Found:
-    """Bodies that start inside each other.
-
-    Geoms that overlap are pushed apart as soon as the simulation starts: the robot jumps, or a joint is stuck. The rule
-    looks at each keyframe. Parts of the same robot count from 2 mm, and its contacts with anything else from 5 mm,
-    because feet compress a soft contact. Without keyframes, it looks at the parts of each robot in the reference
-    configuration, if that is in the ranges of all joints.
-
-    ```xml
-    <contact><exclude body1="palm" body2="finger_base"/></contact>
-    ```
-
-    Move the bodies or correct the keyframe. If two links of a robot always touch at their joint, exclude their
-    contacts.
-    """
+    """Bodies that start inside each other."""
     model = subject.model
     is_scene = bool((model.geom_bodyid == 0).any())
     for name, data, node, is_key in _starts(subject):
@@ -78,18 +65,7 @@ def _touching(subject: Subject, data: Any) -> Iterator[tuple[int, int, float]]:
 
 @rule("plane-hidden", in_mujoco=True)
 def plane_hidden(subject: Subject) -> Found:
-    """A plane below another plane.
-
-    Planes are infinite for collisions, even if their `size` shows only a part. Nothing gets through the upper one, so
-    nothing touches the lower one: often two files both bring a floor, or a table top is a plane.
-
-    ```xml
-    <geom name="floor" type="plane" size="0 0 1"/>
-    <geom name="table" type="plane" pos="0 0 .7" size=".5 .5 1"/>   <!-- a second floor -->
-    ```
-
-    Remove one of the floors, and make a table top a `box`.
-    """
+    """A plane below another plane."""
     import numpy as np
 
     model, data = subject.model, subject.data
@@ -124,17 +100,7 @@ def _collides(subject: Subject, geom: Node) -> bool:
 
 @rule("visual-collides")
 def visual_collides(subject: Subject) -> Found:
-    """A geom for looks that collides.
-
-    The class or name of the geom says that it is only visual, and other geoms of the model say that they are for
-    collisions. Contacts then double, and the simulation is slow, because visual meshes are fine.
-
-    ```xml
-    <default class="visual"><geom group="2"/></default>   <!-- contype="0" conaffinity="0" is missing -->
-    ```
-
-    Write `contype="0" conaffinity="0"` in the class.
-    """
+    """A geom for looks that collides."""
     if not any("collision" in _name(geom) for geom in subject.each("geom")):
         return
     for geom in subject.each("geom"):
@@ -145,17 +111,7 @@ def visual_collides(subject: Subject) -> Found:
 
 @rule("collides-with-nothing", in_mujoco=True)
 def collides_with_nothing(subject: Subject) -> Found:
-    """A geom whose bits fit no other geom.
-
-    Two geoms collide if the `contype` of one has a bit of the other's `conaffinity`. This geom has bits, but no geom
-    of another body has a fitting one, and neither has a geom with the defaults, such as a floor.
-
-    ```xml
-    <geom name="pad" contype="4" conaffinity="8"/>   <!-- no geom has these bits -->
-    ```
-
-    Correct the bits, or write `contype="0" conaffinity="0"` if it shall not collide.
-    """
+    """A geom whose bits fit no other geom."""
     model = subject.model
     bits = list(zip(model.geom_contype.tolist(), model.geom_conaffinity.tolist(), strict=True))
     pairs = {*model.pair_geom1.tolist(), *model.pair_geom2.tolist()}
@@ -172,17 +128,7 @@ def collides_with_nothing(subject: Subject) -> Found:
 
 @rule("hull-too-fine", in_mujoco=True)
 def hull_too_fine(subject: Subject) -> Found:
-    """A colliding mesh whose convex hull has thousands of vertices.
-
-    MuJoCo collides the convex hull of a mesh. Each contact searches it, so a hull with thousands of vertices costs
-    memory and time, and on GPUs (MJX, MuJoCo Warp) very much of both. A hull of 64 vertices is as good for contacts.
-
-    ```xml
-    <mesh name="link" file="link.stl" maxhullvert="64"/>
-    ```
-
-    Write `maxhullvert` on the mesh, or use a simpler mesh or primitive shapes for collisions.
-    """
+    """A colliding mesh whose convex hull has thousands of vertices."""
     model = subject.model
     kinds = int(subject.mujoco.mjtGeom.mjGEOM_MESH)
     used = {
@@ -199,18 +145,7 @@ def hull_too_fine(subject: Subject) -> Found:
 
 @rule("geom-twice", in_mujoco=True)
 def geom_twice(subject: Subject) -> Found:
-    """Two geoms that collide, of the same shape at the same place.
-
-    A body with a geom twice has each contact twice, so it is stiffer, slower and, without `<inertial>`, twice as heavy.
-    Often the first is for looks, and `contype="0" conaffinity="0"` is missing.
-
-    ```xml
-    <geom type="mesh" mesh="link" group="2"/>
-    <geom type="mesh" mesh="link"/>
-    ```
-
-    Switch the contacts of one of them off, or remove it.
-    """
+    """Two geoms that collide, of the same shape at the same place."""
     import numpy as np
 
     model = subject.model
@@ -228,17 +163,7 @@ def geom_twice(subject: Subject) -> Found:
 
 @rule("exclude-needless", in_mujoco=True)
 def exclude_needless(subject: Subject) -> Found:
-    """An `<exclude>` for bodies that never collide.
-
-    MuJoCo does not collide bodies that are fixed to each other. It does not collide a body with its parent either, if
-    the parent moves. An `<exclude>` of these bodies has no effect, and distracts from the excludes that matter.
-
-    ```xml
-    <exclude body1="upper_arm" body2="forearm"/>   <!-- the forearm is a child of the upper arm -->
-    ```
-
-    Remove it. In a recipe it does not count, because a part that is fixed to the world alone may need it.
-    """
+    """An `<exclude>` for bodies that never collide."""
     if not subject.is_part:
         return
     model = subject.model
@@ -263,20 +188,7 @@ def exclude_needless(subject: Subject) -> Found:
 
 @rule("frictionless-foot", in_mujoco=True)
 def frictionless_foot(subject: Subject) -> Found:
-    """A foot that slides on the floor without friction.
-
-    In a contact, MuJoCo uses the larger `condim` and friction of both geoms; a geom with a higher `priority` overrides
-    the other. With `condim="1"` on both there is no friction, so the robot slides as on ice.
-
-    ```xml
-    <default><geom condim="1"/></default>
-    ...
-    <geom name="floor" type="plane" size="1 1 1"/>
-    <geom name="left_foot" size=".05"/>
-    ```
-
-    Write `condim="3"` on the foot or the floor. The rule looks at geoms whose name or body says `foot` or `toe`.
-    """
+    """A foot that slides on the floor without friction."""
     model = subject.model
     plane = int(subject.mujoco.mjtGeom.mjGEOM_PLANE)
     floors = [

@@ -16,20 +16,7 @@ _REMOVE = Edit(removes=True)
 
 @rule("unused-class")
 def unused_class(subject: Subject) -> Found:
-    """A default class that no element uses.
-
-    MuJoCo reads the class, and it changes nothing. Often its name is misspelled where it should be used, so the
-    elements have other values than intended.
-
-    ```xml
-    <default>
-      <default class="visual"><geom group="2"/></default>   <!-- never used -->
-    </default>
-    ```
-
-    Use the class with `class` or `childclass`, or remove it. A class counts as used if a class inside it is. Classes of
-    an included file do not count, because another model may use them.
-    """
+    """A default class that no element uses."""
     used = set(subject.names.uses.get("default", ()))
 
     def is_used(section: Node) -> bool:
@@ -62,51 +49,21 @@ def _finding(element: Node, name: str, user: str) -> Finding:
 
 @rule("unused-mesh")
 def unused_mesh(subject: Subject) -> Found:
-    """A mesh that no geom uses.
-
-    MuJoCo still loads the file, computes its hull and keeps it in memory, and everybody who copies the model
-    copies the file.
-
-    ```xml
-    <asset><mesh name="old_link" file="old_link.stl"/></asset>   <!-- no geom has mesh="old_link" -->
-    ```
-
-    Use the mesh in a geom, or remove it. Assets of an included file do not count.
-    """
+    """A mesh that no geom uses."""
     for element, name in _unused(subject, "mesh"):
         yield _finding(element, name, "geom")
 
 
 @rule("unused-material")
 def unused_material(subject: Subject) -> Found:
-    """A material that no geom, site, tendon or skin uses.
-
-    It changes nothing. Often the geoms that should have it name another material or a color, so the
-    picture shows other colors.
-
-    ```xml
-    <asset><material name="rubber" rgba="0.1 0.1 0.1 1"/></asset>   <!-- no element has material="rubber" -->
-    ```
-
-    Use the material, or remove it. Assets of an included file do not count.
-    """
+    """A material that no geom, site, tendon or skin uses."""
     for element, name in _unused(subject, "material"):
         yield _finding(element, name, "element")
 
 
 @rule("unused-texture")
 def unused_texture(subject: Subject) -> Found:
-    """A texture that no material uses.
-
-    MuJoCo decodes the image and uploads it to the graphics card, and nothing shows it. A skybox needs no material and
-    does not count.
-
-    ```xml
-    <asset><texture name="carbon" type="2d" file="carbon.png"/></asset>   <!-- no material has texture="carbon" -->
-    ```
-
-    Use the texture in a material, or remove it. Assets of an included file do not count.
-    """
+    """A texture that no material uses."""
     for element, name in _unused(subject, "texture"):
         if subject.value(element, "type") != "skybox":
             yield _finding(element, name, "material")
@@ -114,33 +71,14 @@ def unused_texture(subject: Subject) -> Found:
 
 @rule("unused-hfield")
 def unused_hfield(subject: Subject) -> Found:
-    """A height field that no geom uses.
-
-    MuJoCo reads and keeps its data, and nothing collides with it. Often a flat floor is still in its place.
-
-    ```xml
-    <asset><hfield name="hills" file="hills.png" size="10 10 1 0.1"/></asset>   <!-- no geom has hfield="hills" -->
-    ```
-
-    Use the height field in a geom, or remove it. Assets of an included file do not count.
-    """
+    """A height field that no geom uses."""
     for element, name in _unused(subject, "hfield"):
         yield _finding(element, name, "geom")
 
 
 @rule("unused-tendon", in_mujoco=True)
 def unused_tendon(subject: Subject) -> Found:
-    """A tendon that exerts no force and that nothing uses.
-
-    It has no limit, stiffness, damping, friction and armature, and no actuator, sensor or equality refers to it. MuJoCo
-    computes its path in each step for a line in the picture.
-
-    ```xml
-    <tendon><fixed name="split"><joint joint="left" coef="1"/><joint joint="right" coef="-1"/></fixed></tendon>
-    ```
-
-    Refer to it in an actuator or an equality, or remove it.
-    """
+    """A tendon that exerts no force and that nothing uses."""
     model = subject.model
     used = subject.names.uses.get("tendon", {})
     for row in range(model.ntendon):
@@ -156,17 +94,7 @@ def unused_tendon(subject: Subject) -> Found:
 
 @rule("dead-actuator", in_mujoco=True)
 def dead_actuator(subject: Subject) -> Found:
-    """An actuator that cannot exert a force.
-
-    Its gear is zero, or its gain and its bias are zero. No control moves anything. A position actuator without `kp`
-    in its class is the usual reason.
-
-    ```xml
-    <actuator><general name="elbow" joint="elbow" gainprm="0"/></actuator>
-    ```
-
-    Write a `gear` or a gain, or remove the actuator.
-    """
+    """An actuator that cannot exert a force."""
     model, kinds = subject.model, subject.mujoco
     user = {int(kinds.mjtGain.mjGAIN_USER), int(kinds.mjtGain.mjGAIN_MUSCLE)}
     for row in range(model.nu):

@@ -26,20 +26,9 @@ _HEAVY = 5_000_000
 _ASSET = {"robot-asset": "SPDX: each file that is passed on names its license"}
 
 
-@rule("no-license", in_files=True, profiles={"menagerie": "each folder has a LICENSE", **_ASSET})
+@rule("no-license", in_files=True, profiles={"menagerie": "README, Overview: each folder has a `LICENSE`", **_ASSET})
 def license_missing(subject: Subject) -> Found:
-    """A model without a license.
-
-    Nobody may copy or change a model without a license, so it cannot become part of another one. A license is a file
-    such as `LICENSE` next to the model or in a folder above it, or a line `SPDX-License-Identifier` in the model.
-
-    ```xml
-    <!-- SPDX-License-Identifier: Apache-2.0 -->
-    <mujoco model="arm"> … </mujoco>
-    ```
-
-    Only models with meshes or with more than ten bodies count: a small test needs no license.
-    """
+    """A model without a license."""
     unit = subject.unit
     if unit is None or not subject.is_part or unit.origins.texts.get(unit.file) is None:
         return
@@ -59,17 +48,7 @@ def _is_packaged(path: Path) -> bool:
 
 @rule("absolute-path", profiles={"robot-asset": "references between files are relative (OpenUSD, SimReady)"})
 def absolute_path(subject: Subject) -> Found:
-    r"""A file named by a path that exists on one machine only.
-
-    An absolute path, a drive letter or a backslash leads nowhere on the machines of other people and in CI.
-
-    ```xml
-    <mesh file="/home/me/meshes/link.stl"/>
-    <mesh file="meshes\link.stl"/>
-    ```
-
-    Write a path relative to the model, with `/`.
-    """
+    """A file named by a path that exists on one machine only."""
     places = [*file_attributes(subject.root)]
     places += [
         (each, name, str(each.get(name)))
@@ -105,18 +84,7 @@ def _assets(subject: Subject) -> Iterator[tuple[Node, str, str]]:
 
 @rule("same-file-twice", in_files=True)
 def same_file_twice(subject: Subject) -> Found:
-    """Two files with the same bytes.
-
-    Everybody who gets the model loads both, and a correction of one is forgotten in the other.
-
-    ```xml
-    <mesh name="left_pad" file="pad_left.stl"/>
-    <mesh name="right_pad" file="pad_right.stl"/>   <!-- the same bytes -->
-    ```
-
-    Use one file; two meshes may name it. `mjcompose build --dedup` does that for a bundle. Files below 10 kB do not
-    count.
-    """
+    """Two files with the same bytes."""
     sizes: dict[int, list[tuple[Node, str, str]]] = {}
     seen: set[str] = set()
     for element, attribute, real in _assets(subject):
@@ -136,17 +104,7 @@ def same_file_twice(subject: Subject) -> Found:
 
 @rule("texture-too-large", in_files=True)
 def texture_too_large(subject: Subject) -> Found:
-    """A texture with more than 4096 × 4096 pixels.
-
-    Each pixel takes three bytes of memory in each process and on the graphics card. Some cards and browsers show no
-    larger texture. Training with cameras is slow with it.
-
-    ```xml
-    <texture type="2d" file="shell_8k.png"/>
-    ```
-
-    Write a smaller image: 1024 × 1024 is enough for the shell of a robot.
-    """
+    """A texture with more than 4096 × 4096 pixels."""
     if subject.unit is None:
         return
     for element, attribute, _ in file_attributes(subject.root):
@@ -157,17 +115,7 @@ def texture_too_large(subject: Subject) -> Found:
 
 @rule("mesh-too-fine", in_files=True)
 def mesh_too_fine(subject: Subject) -> Found:
-    """A mesh with more than 200,000 points.
-
-    It takes long to load and to draw, and other programs refuse it: a binary STL of MuJoCo may have 200,000 faces.
-    Scans and CAD exports are often like this.
-
-    ```xml
-    <mesh file="scan.obj"/>
-    ```
-
-    Reduce the mesh. In a recipe, `edit: {simplify: …}` does it and measures the distance to the original.
-    """
+    """A mesh with more than 200,000 points."""
     if subject.unit is None:
         return
     for element in subject.root.iterfind("asset/mesh"):
@@ -176,19 +124,9 @@ def mesh_too_fine(subject: Subject) -> Found:
             yield Finding(element, message, "file", help="reduce it, for example with `edit: {simplify: …}`")
 
 
-@rule("file-too-large", in_files=True, profiles={"menagerie": "meshes are small enough for git"})
+@rule("file-too-large", in_files=True)
 def file_too_large(subject: Subject) -> Found:
-    """A file of more than 5 MB.
-
-    It makes each clone, each bundle and each start of a simulation slow. Usually it is text where a binary format is
-    ten times smaller, or a mesh that is finer than any camera sees.
-
-    ```xml
-    <mesh file="base.obj"/>   <!-- 24 MB -->
-    ```
-
-    Save it as binary STL or MSH, or reduce it.
-    """
+    """A file of more than 5 MB."""
     seen: set[str] = set()
     for element, attribute, real in _assets(subject):
         size = os.path.getsize(real)
@@ -196,3 +134,64 @@ def file_too_large(subject: Subject) -> Found:
             seen.add(real)
             message = f"`{os.path.basename(real)}` has {size / 1e6:.1f} MB"
             yield Finding(element, message, attribute, help="reduce it, or save it in a binary format")
+
+
+_SCENE = {"menagerie": "CONTRIBUTING, Code Style: always have a `scene.xml` that includes the model"}
+
+
+@rule("no-scene", in_files=True, usual=False, profiles=_SCENE)
+def no_scene(subject: Subject) -> Found:
+    """A robot without a scene that shows it."""
+    unit = subject.unit
+    if unit is None or not subject.is_part or next(subject.each("joint", "freejoint"), None) is None:
+        return
+    name = os.path.basename(unit.file)
+    beside = [path.read_bytes() for path in unit.directory.glob("*scene*.xml")]
+    if "scene" not in name and not any(name.encode() in text for text in beside):
+        yield Finding(subject.root, f"no scene next to the model includes `{name}`")
+
+
+@rule(
+    "floor-in-model", usual=False, profiles={"menagerie": "README, Overview: the model file only describes the model"}
+)
+def floor_in_model(subject: Subject) -> Found:
+    """A floor in the file of a robot."""
+    is_scene = subject.unit is not None and "scene" in os.path.basename(subject.unit.file)
+    if not is_scene and subject.root.find("worldbody//joint") is not None:
+        for element in subject.root.iterfind("worldbody/geom"):
+            if subject.value(element, "type") == "plane" and subject.is_own(element):
+                yield Finding(element, f"{subject.called(element)} is a floor in the file of a robot")
+
+
+_SECTIONS = ("compiler", "option", "size", "asset", "default", "worldbody")
+
+
+@rule("section-order", usual=False, profiles={
+    "menagerie": "CONTRIBUTING, Code Style: compiler, asset and default first, then worldbody, actuators and others",
+})  # fmt: skip
+def section_order(subject: Subject) -> Found:
+    """A model whose body tree comes before its settings, assets or classes."""
+    body = next(filter(subject.is_own, subject.root.iterfind("worldbody")), None)
+    for element in body.itersiblings(*_SECTIONS[:-1]) if body is not None else ():
+        if subject.is_own(element):
+            yield Finding(
+                element, f"`<{element.tag}>` comes after `<worldbody>`", help="move it in front of the body tree"
+            )
+            return
+
+
+@rule("indentation", in_files=True, usual=False, profiles={
+    "menagerie": "CONTRIBUTING, Code Style: use 2-space indentation",
+})  # fmt: skip
+def indentation(subject: Subject) -> Found:
+    """A file that is not indented by two spaces."""
+    unit = subject.unit
+    text = None if unit is None else unit.origins.texts.get(unit.file)
+    if unit is None or text is None:
+        return
+    for number, line in enumerate(text.split().text.split("\n"), 1):
+        blank = line[: len(line) - len(line.lstrip())]
+        if line.lstrip().startswith("<") and ("\t" in blank or len(blank) % 2):
+            message = f"line {number} is not indented by two spaces for each level"
+            yield Finding(subject.root, message, help=f"run `mjcompose fmt {unit.file}`")
+            return

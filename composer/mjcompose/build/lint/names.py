@@ -24,17 +24,7 @@ def _unnamed(subject: Subject, elements: Iterator[Node], use: str) -> Found:
 
 @rule("unnamed-joint", profiles=_ASSET)
 def unnamed_joint(subject: Subject) -> Found:
-    """A joint without a name, in a model that moves it.
-
-    Keyframes, actuators, sensors and programs can reach it only by its number, which changes when someone adds a joint
-    in front of it. MuJoCo itself asks for no name.
-
-    ```xml
-    <body name="forearm"><joint axis="0 1 0"/> … </body>
-    ```
-
-    Write a `name`. A model with five or more joints of which none has a name, such as a rope, does not count.
-    """
+    """A joint without a name, in a model that moves it."""
     joints = [each for each in subject.each("joint", "freejoint") if _in_bodies(each)]
     unnamed = [each for each in joints if not each.get("name")]
     if len(unnamed) < max(5, len(joints)):
@@ -49,17 +39,7 @@ def _in_bodies(joint: Node) -> bool:
 
 @rule("unnamed-actuator", profiles=_ASSET)
 def unnamed_actuator(subject: Subject) -> Found:
-    """An actuator without a name.
-
-    Programs can reach its control only by its number. If someone adds or moves an actuator, they set another one,
-    without an error.
-
-    ```xml
-    <actuator><motor joint="elbow"/></actuator>
-    ```
-
-    Write a `name`, usually the name of the joint.
-    """
+    """An actuator without a name."""
     taken = {str(each.get("name")) for each in subject.root.iterfind("actuator/*")}
     for element in subject.root.iterfind("actuator/*"):
         joint = element.get("joint")
@@ -73,67 +53,29 @@ def unnamed_actuator(subject: Subject) -> Found:
 
 @rule("unnamed-sensor", profiles=_ASSET)
 def unnamed_sensor(subject: Subject) -> Found:
-    """A sensor without a name.
-
-    Programs read `sensordata` by the address of a named sensor. Without a name they count numbers, and read those of
-    another sensor as soon as someone adds one in front of it.
-
-    ```xml
-    <sensor><force site="wrist"/></sensor>
-    ```
-
-    Write a `name`.
-    """
+    """A sensor without a name."""
     elements = (each for each in subject.root.iterfind("sensor/*") if isinstance(each.tag, str))
     yield from _unnamed(subject, elements, "programs read it only by its address")
 
 
 @rule("unnamed-key")
 def unnamed_key(subject: Subject) -> Found:
-    """A keyframe without a name, in a model that has several.
-
-    A program can reset to it only by its number, and nobody knows which pose it is.
-
-    ```xml
-    <keyframe><key qpos="0 0"/><key qpos="1.57 0"/></keyframe>
-    ```
-
-    Write a `name`, such as `home`.
-    """
+    """A keyframe without a name, in a model that has several."""
     keys = list(subject.root.iterfind("keyframe/key"))
     if len(keys) > 1:
         yield from _unnamed(subject, iter(keys), "programs reset to it only by its number")
 
 
-@rule("unnamed-model", usual=False, profiles={"menagerie": "each model has the name of the robot", **_ASSET})
+@rule("unnamed-model", usual=False, profiles=_ASSET)
 def unnamed_model(subject: Subject) -> Found:
-    """A model without a name of its own.
-
-    MuJoCo calls it `MuJoCo Model`. Viewers, logs and programs that load several models cannot tell them apart.
-
-    ```xml
-    <mujoco> … </mujoco>
-    ```
-
-    Write `<mujoco model="panda">`.
-    """
+    """A model without a name of its own."""
     if subject.is_part and not subject.root.get("model") and subject.root.find("worldbody//body") is not None:
         yield Finding(subject.root, "the model has no name", help='write `<mujoco model="…">`')
 
 
 @rule("awkward-name", profiles=_ASSET)
 def awkward_name(subject: Subject) -> Found:
-    """A name with spaces or with characters that other programs refuse.
-
-    MuJoCo takes any text. Lists of names in MJCF are separated by spaces, and OpenUSD, ROS and code that is generated
-    from names allow letters, digits and a few signs.
-
-    ```xml
-    <body name="left arm (v2)">
-    ```
-
-    Use letters, digits and `_ . / : -`.
-    """
+    """A name with spaces or with characters that other programs refuse."""
     for element in subject.root.iter("*"):
         name = element.get("name")
         if (
@@ -147,16 +89,7 @@ def awkward_name(subject: Subject) -> Found:
 
 @rule("names-differ-by-case")
 def names_differ_by_case(subject: Subject) -> Found:
-    """Two elements of one kind whose names differ only in capital letters.
-
-    MuJoCo keeps them apart. People and file systems do not, and a reference to the wrong one is not an error.
-
-    ```xml
-    <joint name="Elbow"/> … <joint name="elbow"/>
-    ```
-
-    Give them different names.
-    """
+    """Two elements of one kind whose names differ only in capital letters."""
     for kind, named in subject.names.declared.items():
         seen: dict[str, str] = {}
         for name, element in named.items():
@@ -181,17 +114,7 @@ def _side(name: str) -> str | None:
 
 @rule("side-mismatch")
 def side_mismatch(subject: Subject) -> Found:
-    """An element named left that refers to something named right, or the other way round.
-
-    It is the usual slip of copying one half of a robot: the actuator of the left hip drives the right one, or the mesh
-    of the right foot is on the left leg.
-
-    ```xml
-    <motor name="left_hip" joint="right_hip"/>
-    ```
-
-    Correct the reference. A part of a hand, such as the left finger of the right gripper, does not count.
-    """
+    """An element named left that refers to something named right, or the other way round."""
     for section in ("actuator", "sensor", "worldbody"):
         for top in subject.root.iterfind(section):
             for element in top.iterdescendants("*"):

@@ -11,23 +11,9 @@ _FAR = 0.05
 """How far a control may be from the position of its joint, relative to the joint's range."""
 
 
-@rule("actuator-order", in_mujoco=True, profiles={"menagerie": "actuators have the order of the joints"})
+@rule("actuator-order", in_mujoco=True)
 def actuator_order(subject: Subject) -> Found:
-    """Actuators in another order than their joints.
-
-    Programs often take `ctrl` for the actuated part of `qpos`. If the order differs, each joint gets the control of
-    another one, and a policy that was trained on one model moves other legs on the next.
-
-    ```xml
-    <worldbody> … <joint name="left_hip"/> … <joint name="right_hip"/> … </worldbody>
-    <actuator>
-      <motor joint="right_hip"/>
-      <motor joint="left_hip"/>
-    </actuator>
-    ```
-
-    Move the actuators, and the numbers of `ctrl` in keyframes with them. In a recipe, `interface` fixes the order.
-    """
+    """Actuators in another order than their joints."""
     model, mujoco = subject.model, subject.mujoco
     rows = [
         (row, int(model.actuator_trnid[row, 0]))
@@ -49,19 +35,7 @@ def actuator_order(subject: Subject) -> Found:
 
 @rule("key-does-not-hold", in_mujoco=True)
 def key_does_not_hold(subject: Subject) -> Found:
-    """A keyframe whose controls move the joints away from its pose.
-
-    A position actuator aims at its control. If the keyframe has no `ctrl`, all controls are 0, and the model leaves the
-    pose with full force at the first step.
-
-    ```xml
-    <position name="elbow" joint="elbow" kp="100"/>
-    …
-    <key name="home" qpos="1.57"/>   <!-- aims at 0 -->
-    ```
-
-    Write the positions of the joints as `ctrl`. In a recipe, `ctrl: hold` does that.
-    """
+    """A keyframe whose controls move the joints away from its pose."""
     model = subject.model
     pairs = servos(subject)
     for row, name, data in subject.at_keys():
@@ -92,19 +66,7 @@ def key_does_not_hold(subject: Subject) -> Found:
 
 @rule("key-breaks-equality", in_mujoco=True)
 def key_breaks_equality(subject: Subject) -> Found:
-    """A keyframe whose pose breaks an equality constraint.
-
-    The constraint pulls the bodies together at the first step with a large force: coupled fingers jump, loops snap
-    shut. It is measured in meters for `connect` and `weld`, and in the unit of the joint for `joint`.
-
-    ```xml
-    <equality><joint joint1="left_finger" joint2="right_finger"/></equality>
-    …
-    <key name="open" qpos="0.04 0"/>
-    ```
-
-    Write a pose that meets the constraint. In a recipe, `repair: true` of a keyframe moves the dependent joints.
-    """
+    """A keyframe whose pose breaks an equality constraint."""
     import numpy as np
 
     mujoco = subject.mujoco

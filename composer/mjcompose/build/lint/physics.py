@@ -29,24 +29,7 @@ _SECONDS = 1.0
 
 @rule("inertia-implausible", in_mujoco=True, profiles={"robot-asset": _UNITS})
 def inertia_implausible(subject: Subject) -> Found:
-    """A mass or inertia that the shapes of the body cannot have.
-
-    The center of mass of a body lies inside the box around its geoms, and its radius of gyration, √(I/m), is not larger
-    than the distance from there to its farthest point. Otherwise a number of the `<inertial>` is wrong: often its
-    inertia is a placeholder such as `1 1 1`, in g·mm², or about another frame. Then the simulation moves like another
-    robot.
-
-    ```xml
-    <body name="finger">
-      <inertial pos="0 0 0" mass="0.02" diaginertia="1 1 1"/>   <!-- a radius of gyration of 7 m -->
-      <geom type="box" size=".01 .01 .04"/>
-    </body>
-    ```
-
-    Write the inertia of the CAD model, or remove `<inertial>` and give the geoms a `mass`. The geoms of bodies that are
-    fixed to each other count together. The rule ignores bodies without a geom or with less than a millionth of the
-    mass of the robot, whose inertia is a placeholder.
-    """
+    """A mass or inertia that the shapes of the body cannot have."""
     from mjcompose.mujoco.solids import Shapes, faults
 
     shapes = Shapes(subject.mujoco, subject.model)
@@ -64,17 +47,7 @@ def inertia_implausible(subject: Subject) -> Found:
 
 @rule("density-impossible", in_mujoco=True, profiles={"robot-asset": _UNITS})
 def density_impossible(subject: Subject) -> Found:
-    """A body that is denser than any metal.
-
-    The densest metal has 22,590 kg/m³. A body with more than 100,000 has a mass in grams, or a mesh with a wrong scale.
-
-    ```xml
-    <inertial pos="0 0 0" mass="350" diaginertia="1e-3 1e-3 1e-3"/>   <!-- 350 g -->
-    ```
-
-    Write the mass in kilograms. Geoms below 1 cm³ only mark a place, so the rule ignores them. The largest group of
-    geoms of the body counts, and so do bodies that are fixed to it.
-    """
+    """A body that is denser than any metal."""
     import numpy as np
 
     from mjcompose.mujoco.solids import Shapes
@@ -97,18 +70,7 @@ def density_impossible(subject: Subject) -> Found:
     "robot-asset": _MASS.format("“mass & their other inertial properties explicitly specified”"),
 })  # fmt: skip
 def inertial_missing(subject: Subject) -> Found:
-    """A moving body whose mass nobody wrote.
-
-    Without `<inertial>`, MuJoCo computes the mass from the geoms, with the density of water unless a geom has `mass` or
-    `density`. Motors, batteries and hollow parts make a robot lighter or heavier than that. The rule runs only if you
-    select it, or with the profile `robot-asset`.
-
-    ```xml
-    <body name="forearm"><joint name="elbow"/><geom type="mesh" mesh="forearm"/></body>
-    ```
-
-    Write the `<inertial>` of the CAD model, or `mass` on a geom.
-    """
+    """A moving body whose mass nobody wrote."""
     for body in subject.each("body"):
         geoms, joints = list(body.iterchildren("geom")), list(body.iterchildren("joint", "freejoint"))
         is_given = any(subject.given(geom, name) is not None for geom in geoms for name in ("mass", "density"))
@@ -119,19 +81,7 @@ def inertial_missing(subject: Subject) -> Found:
 
 @rule("inertial-ignored", in_mujoco=True)
 def inertial_ignored(subject: Subject) -> Found:
-    """An `<inertial>` that MuJoCo ignores.
-
-    With `<compiler inertiafromgeom="true"/>`, MuJoCo computes all masses and inertias from geoms, even if a body has an
-    `<inertial>`. The numbers of the author have no effect, and the robot weighs something else.
-
-    ```xml
-    <compiler inertiafromgeom="true"/>
-    ...
-    <inertial pos="0 0 0" mass="2.7" diaginertia=".02 .02 .01"/>   <!-- ignored -->
-    ```
-
-    Remove `inertiafromgeom`: its default, `auto`, computes only the missing inertias. Or remove `<inertial>`.
-    """
+    """An `<inertial>` that MuJoCo ignores."""
     if subject.setting("compiler", "inertiafromgeom") != "true":
         return
     for body in range(1, subject.model.nbody):
@@ -153,19 +103,7 @@ def _number(text: str | None) -> float | None:
 
 @rule("inertia-balanced")
 def inertia_balanced(subject: Subject) -> Found:
-    """An inertia that no rigid body can have, which MuJoCo replaces silently.
-
-    A rigid body cannot have a principal moment that is larger than the sum of the two others. MuJoCo refuses such
-    inertias, except with `<compiler balanceinertia="true"/>`: then all three become their mean.
-
-    ```xml
-    <compiler balanceinertia="true"/>
-    ...
-    <inertial pos="0 0 0" mass="1" diaginertia=".01 .01 .09"/>   <!-- becomes .0367 .0367 .0367 -->
-    ```
-
-    Correct the inertia, which is often rounded too much or has two numbers mixed up.
-    """
+    """An inertia that no rigid body can have, which MuJoCo replaces silently."""
     import numpy as np
 
     if (
@@ -193,20 +131,7 @@ def inertia_balanced(subject: Subject) -> Found:
 
 @rule("free-joint-damped")
 def free_joint_damped(subject: Subject) -> Found:
-    """A free joint with the damping, armature, friction or stiffness of hinges.
-
-    A `<joint type="free"/>` gets the values of its default class, which usually has the values of hinges. Damping then
-    acts like thick air, armature makes the body fall slower than gravity, and dry friction holds it in mid-air.
-
-    ```xml
-    <default><joint damping="1" armature=".1"/></default>
-    ...
-    <joint type="free"/>
-    ```
-
-    Write `<freejoint/>`, which ignores the classes, or set these attributes to 0 on the joint. The rule finds values
-    that a hinge or slide of the model gets from the same class.
-    """
+    """A free joint with the damping, armature, friction or stiffness of hinges."""
     from mjcompose.tree.classes import class_in_force
 
     free, others = [], set()
@@ -237,22 +162,7 @@ def _first(value: Any) -> float:
     profiles={"robot-asset": _DRIVE.format("“within reasonable ranges for stable simulation”")},
 )
 def timestep_too_long(subject: Subject) -> Found:
-    """A servo or spring that is too stiff for the time step.
-
-    A step of the simulation multiplies small motions by a matrix. If its largest eigenvalue is above 1, springs and
-    dampers add energy: the joint chatters at the frequency of the time step until a limit stops it, or the simulation
-    diverges. The masses, the gains, the time step and the integrator together decide.
-
-    ```xml
-    <option timestep="0.01"/>
-    <joint name="finger"/>                       <!-- with an inertia of 1e-5 kg·m² -->
-    <position joint="finger" kp="100"/>
-    ```
-
-    Shorten the time step, add `armature` to the joint (the inertia of the rotor, times the gear ratio squared), lower
-    the gain, or, if damping causes it, write `<option integrator="implicitfast"/>`. The rule ignores joints that an
-    equality constraint couples.
-    """
+    """A servo or spring that is too stiff for the time step."""
     servos = subject.servos
     for mode in servos.unstable():
         joint = int(subject.model.dof_jntid[mode.dof])
@@ -284,18 +194,7 @@ def _single(subject: Subject) -> Iterator[tuple[int, int]]:
     profiles={"robot-asset": _DRIVE.format("“include sufficient damping for stability”")},
 )
 def servo_undamped(subject: Subject) -> Found:
-    """A position servo that nothing damps.
-
-    A position servo is a spring. Without damping it swings around its target forever: `kv` of the actuator is 0, and
-    the joint has neither `damping` nor `frictionloss`.
-
-    ```xml
-    <joint name="elbow"/>
-    <position joint="elbow" kp="50"/>
-    ```
-
-    Write `dampratio="1"` or `kv` on the actuator, or `damping` on the joint.
-    """
+    """A position servo that nothing damps."""
     model, servos = subject.model, subject.servos
     for joint, dof in _single(subject):
         stiff = [each for each in servos.of_dof(dof) if servos.gains(each)[0] > 0]
@@ -317,18 +216,7 @@ def _unit(subject: Subject, joint: int, per: bool = True) -> str:
 
 @rule("friction-exceeds-motor", in_mujoco=True)
 def friction_exceeds_motor(subject: Subject) -> Found:
-    """A joint with more dry friction than its motors can overcome.
-
-    `frictionloss` is a force (N) or torque (N·m) that the motor has to overcome before the joint moves. If the limits
-    of all its actuators together are lower, the joint never moves on its own.
-
-    ```xml
-    <joint name="wrist" frictionloss="2"/>
-    <motor joint="wrist" ctrlrange="-1 1"/>
-    ```
-
-    Lower `frictionloss`, or raise `forcerange` or `gear`.
-    """
+    """A joint with more dry friction than its motors can overcome."""
     servos = subject.servos
     for joint, dof in _single(subject):
         ends, friction = servos.strongest(dof), float(subject.model.dof_frictionloss[dof])
@@ -343,19 +231,7 @@ def friction_exceeds_motor(subject: Subject) -> Found:
 
 @rule("motor-too-weak", in_mujoco=True)
 def motor_too_weak(subject: Subject) -> Found:
-    """A motor that cannot hold its joint against gravity in a keyframe.
-
-    The limits of the actuators are lower than the torque of gravity on the joint, so the arm falls from the pose of its
-    keyframe whatever the controls are. Often `forcerange` leaves out the gearbox, a mass is wrong, or `gear` is
-    missing.
-
-    ```xml
-    <position joint="shoulder" forcerange="-5 5"/>   <!-- the arm needs 12 N·m -->
-    ```
-
-    Write limits at the joint: torque of the motor, times the ratio of the gearbox. The rule looks at robots that are
-    fixed to the world, at joints that touch no limit, and at poses without contacts and equality constraints.
-    """
+    """A motor that cannot hold its joint against gravity in a keyframe."""
     from mjcompose.mujoco.servos import Servos
 
     seen = set()
@@ -401,19 +277,7 @@ def _held(subject: Subject, data: Any, servos: Servos) -> Iterator[tuple[int, in
     " checks that no simulation instabilities occur”",
 })  # fmt: skip
 def simulation_diverges(subject: Subject) -> Found:
-    """A simulation that diverges within a second.
-
-    From the first keyframe (without one, from the reference configuration), with the controls of the keyframe or 0, a
-    position, velocity or acceleration becomes NaN or huge, and MuJoCo resets the state. Bodies that start inside each
-    other, gains that are too high for the time step, and very small inertias cause it.
-
-    ```xml
-    <option timestep="0.02"/>
-    <position joint="finger" kp="10000"/>
-    ```
-
-    See [Debug an unstable model](../how-to/unstable.md).
-    """
+    """A simulation that diverges within a second."""
     from mjcompose.mujoco.controls import advance
 
     mujoco, model = subject.mujoco, subject.model
@@ -429,18 +293,7 @@ def simulation_diverges(subject: Subject) -> Found:
 
 @rule("armature-missing", in_mujoco=True, usual=False)
 def armature_missing(subject: Subject) -> Found:
-    """A joint with an actuator and without armature.
-
-    The rotor of a geared motor adds its inertia times the ratio squared to the joint. In small joints this is more than
-    the inertia of the links. Without `armature`, the joint is faster than the real one, and needs shorter time steps.
-
-    ```xml
-    <joint name="finger" damping=".1"/>
-    <position joint="finger" kp="20"/>
-    ```
-
-    Write `armature` from the data sheet of the motor: rotor inertia times gear ratio squared.
-    """
+    """A joint with an actuator and without armature."""
     servos = subject.servos
     for joint, dof in _single(subject):
         if servos.of_dof(dof) and subject.model.dof_armature[dof] == 0:

@@ -21,37 +21,6 @@ _PROGRAMS = {
 }  # fmt: skip
 """By the target of mjcompose, the name in summaries."""
 
-_PAGE = """Something in the model that {title} does not have.
-
-{what} The rule names each kind of element and value once, with the first elements. It runs only if you select it,
-`mjcompose lint --select {code} model.xml`, or all of its family, `--select portable`.
-
-```xml
-{example}
-```
-
-{advice}
-"""
-_SIMULATORS = (
-    "{title} loads the compiled model of MuJoCo, and refuses models with features that it lacks.",
-    "Replace or remove these elements before you train with it.",
-)
-_READERS = (
-    "The parser of {title} ignores elements of MJCF that it does not know, so the robot moves or looks otherwise.",
-    "Build with `mjcompose build --target {name}`, which writes the model for it and reports all losses.",
-)
-_EXAMPLES = {
-    "mjx": '<flexcomp name="cloth" type="grid" count="9 9 1"/>',
-    "warp": '<option solver="PGS"/>',
-    "drake": '<joint name="elbow" frictionloss="0.1"/>',
-    "newton": '<joint name="base" type="free" damping="0.1"/>',
-    "pinocchio": '<equality><joint joint1="left" joint2="right"/></equality>',
-    "pybullet": '<joint name="shoulder" type="ball"/>',
-    "genesis": '<keyframe><key name="home"/></keyframe>',
-    "isaac": '<custom><numeric name="version" data="2"/></custom>',
-    "urdf": '<tendon><fixed name="both"/></tendon>',
-}
-
 
 def _rule(name: str, title: str) -> Callable[[Subject], Found]:
     def run(subject: Subject) -> Found:
@@ -71,10 +40,8 @@ def _rule(name: str, title: str) -> Callable[[Subject], Found]:
         if not refusing:
             yield from _losses(subject, name)
 
-    code, texts = f"unread-by-{name}", _SIMULATORS if name in ("mjx", "warp") else _READERS
-    what, advice = (text.format(title=title.partition(",")[0], name=name) for text in texts)
-    run.__doc__ = _PAGE.format(title=title, what=what, code=code, example=_EXAMPLES[name], advice=advice)
-    return rule(code, in_mujoco=True, usual=False)(run)
+    run.__doc__ = f"Something in the model that {title} does not have."
+    return rule(f"unread-by-{name}", in_mujoco=True, usual=False)(run)
 
 
 def _losses(subject: Subject, name: str) -> Found:
@@ -114,17 +81,7 @@ for _name, _title in _PROGRAMS.items():
 
 @rule("newer-mujoco", usual=False)
 def newer_mujoco(subject: Subject) -> Found:
-    """An element or attribute that older versions of MuJoCo do not read.
-
-    A model with it fails to load in these versions, whose parser accepts only known attributes. The message says since
-    which version MuJoCo has it.
-
-    ```xml
-    <position joint="elbow" dampratio="1"/>   <!-- since MuJoCo 3.1.6 -->
-    ```
-
-    State in the README which version the model needs, or write the same with older elements.
-    """
+    """An element or attribute that older versions of MuJoCo do not read."""
     from mjcompose.tree.history import unread
 
     for each in unread(subject.root, "3.0.0"):

@@ -27,18 +27,7 @@ def _limited(subject: Subject) -> list[tuple[Node, str, str]]:
 
 @rule("range-ignored")
 def range_ignored(subject: Subject) -> Found:
-    """A range next to the word that turns its limit off.
-
-    With `limited="false"` in the same element MuJoCo reads the range and ignores it: the joint turns freely. Readers of
-    the file, and programs that sample from the range, believe in a limit.
-
-    ```xml
-    <joint name="elbow" limited="false" range="0 2.5"/>
-    ```
-
-    Remove `limited="false"` to have the limit, or remove the range. A limit that an element turns off for a
-    range of its class does not count.
-    """
+    """A range next to the word that turns its limit off."""
     for element, attribute, switch in _limited(subject):
         if element.get(attribute) and element.get(switch) == "false":
             message = f"MuJoCo ignores `{attribute}` of {subject.called(element)}, because `{switch}` is false"
@@ -47,17 +36,7 @@ def range_ignored(subject: Subject) -> Found:
 
 @rule("range-inverted")
 def range_inverted(subject: Subject) -> Found:
-    """A range whose first number is larger than the second.
-
-    MuJoCo refuses it if the limit is on. If the limit is off it accepts it, and the first program that turns the limit
-    on or samples from the range fails.
-
-    ```xml
-    <joint name="elbow" limited="false" range="150 0"/>
-    ```
-
-    Write the smaller number first.
-    """
+    """A range whose first number is larger than the second."""
     for element, attribute, _ in _limited(subject):
         numbers = subject.numbers(element, attribute)
         if numbers is not None and len(numbers) == 2 and numbers[0] > numbers[1]:
@@ -71,21 +50,9 @@ _ROUNDING = 1e-4
 _FAR_FROM_UNIT = 0.02
 
 
-@rule("key-out-of-range", in_mujoco=True, profiles={"menagerie": "keyframes are valid states of the model"})
+@rule("key-out-of-range", in_mujoco=True)
 def key_out_of_range(subject: Subject) -> Found:
-    """A position, control or activation of a keyframe that is outside of its range.
-
-    MuJoCo does not check keyframes. At the first step the limit pushes the joint back with a large force, or the
-    control is clamped, so the model does not stay in the pose of the keyframe.
-
-    ```xml
-    <joint name="elbow" range="0 2.5"/>
-    …
-    <key name="home" qpos="-0.3"/>
-    ```
-
-    Change the number in the keyframe, or the range. Positions are in radians and meters.
-    """
+    """A position, control or activation of a keyframe that is outside of its range."""
     from mjcompose.mujoco.index import index, ranged
 
     compiled = index(subject.model, subject.mujoco)
@@ -110,17 +77,7 @@ def key_out_of_range(subject: Subject) -> Found:
 
 @rule("reference-out-of-range", in_mujoco=True)
 def reference_out_of_range(subject: Subject) -> Found:
-    """A joint whose reference position is outside of its range, in a model without keyframes.
-
-    After `mj_resetData` the joint is outside of its limit and is pushed back with a large force. Programs that start
-    without a keyframe begin with a jump.
-
-    ```xml
-    <joint name="knee" range="0.3 2.4"/>   <!-- starts at 0 -->
-    ```
-
-    Add a keyframe with a valid pose, turn the body so that the reference is inside, or change the range.
-    """
+    """A joint whose reference position is outside of its range, in a model without keyframes."""
     model, kinds = subject.model, subject.mujoco.mjtJoint
     if model.nkey or not subject.is_complete:
         return
@@ -142,18 +99,7 @@ def reference_out_of_range(subject: Subject) -> Found:
 
 @rule("control-misses-range", in_mujoco=True)
 def control_misses_range(subject: Subject) -> Found:
-    """A position actuator whose controls leave a part of its joint's range out of reach.
-
-    The control of a position actuator is the position that it aims at. If `ctrlrange` ends before the joint's range
-    does, the joint never gets there. If it is far larger, it is often in degrees, and a small control means a jump.
-
-    ```xml
-    <joint name="elbow" range="0 2.5"/>
-    <position joint="elbow" ctrlrange="0 1"/>   <!-- 60 % of the range cannot be reached -->
-    ```
-
-    Write the same numbers, in radians, or `inheritrange="1"`.
-    """
+    """A position actuator whose controls leave a part of its joint's range out of reach."""
     model = subject.model
     for row, joint in servos(subject):
         if not (model.actuator_ctrllimited[row] and model.jnt_limited[joint]):
@@ -193,19 +139,7 @@ def servos(subject: Subject) -> list[tuple[int, int]]:
 
 @rule("solref-below-timestep")
 def solref_below_timestep(subject: Subject) -> Found:
-    """A time constant in `solref` that is shorter than two time steps, which MuJoCo replaces.
-
-    A constraint as stiff as this is unstable, so MuJoCo uses twice the time step instead, and the contact or limit is
-    softer than it says. Only the flag `refsafe="disable"` turns that off.
-
-    ```xml
-    <option timestep="0.005"/>
-    …
-    <geom solref="0.004 1"/>   <!-- MuJoCo uses 0.01 -->
-    ```
-
-    Write a time constant of at least two time steps, or a smaller `timestep`.
-    """
+    """A time constant in `solref` that is shorter than two time steps, which MuJoCo replaces."""
     steps = [each.get("timestep") for each in subject.root.iterfind("option") if each.get("timestep")]
     flags = [each.get("refsafe") for each in subject.root.iterfind("option/flag") if each.get("refsafe")]
     if flags and flags[-1] == "disable":
@@ -223,17 +157,7 @@ def solref_below_timestep(subject: Subject) -> Found:
 
 @rule("quat-not-unit", in_mujoco=True)
 def quat_not_unit(subject: Subject) -> Found:
-    """A quaternion in a keyframe that has not the length 1.
-
-    MuJoCo normalizes it. Its numbers are most often shifted by one, because a number is missing in front of them, and a
-    position is taken for a part of the rotation. A quaternion of zeros becomes the identity.
-
-    ```xml
-    <key name="home" qpos="0 0 0.3  0 0 0 0"/>
-    ```
-
-    Write a quaternion of length 1, such as `1 0 0 0`.
-    """
+    """A quaternion in a keyframe that has not the length 1."""
     model, kinds = subject.model, subject.mujoco.mjtJoint
     offsets = {int(kinds.mjJNT_FREE): 3, int(kinds.mjJNT_BALL): 0}
     quats = [

@@ -1,19 +1,18 @@
 """Rules of the linter: how one is written, the model that it reads, and its findings.
 
-A rule is a function with a decorator, in the file of its family. Its docstring is its page: the first line is the
-summary. It gets a `Subject` and yields findings. A rule that needs MuJoCo runs next to the compiled model in a child
+A rule is a function with a decorator, in the file of its family. Its docstring is the summary, and `docs/rules/CODE.md`
+its page. It gets a `Subject` and yields findings. A rule that needs MuJoCo runs next to the compiled model in a child
 process; any other rule reads only the elements.
 """
 
 from __future__ import annotations
 
 import importlib
-import inspect
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from functools import cache, cached_property
 from typing import TYPE_CHECKING, Any
 
-from mjcompose.base.codes import CODES, PAGES
+from mjcompose.base.codes import CODES, RULES
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.suggest import did_you_mean
 from mjcompose.tree.classes import Classes, class_in_force, text_in_effect
@@ -68,7 +67,6 @@ class Rule:
     family: str
     run: Callable[[Subject], Found]
     summary: str
-    page: str
     in_mujoco: bool
     in_files: bool
     usual: bool
@@ -94,15 +92,14 @@ def rule(
     def decorate(function: Callable[[Subject], Found]) -> Callable[[Subject], Found]:
         if code in CODES:
             raise ValueError(f"the code `{code}` exists already")
-        text = inspect.cleandoc(function.__doc__ or "")
-        summary = text.partition("\n")[0].rstrip(".")
+        summary = (function.__doc__ or "").strip().rstrip(".")
         family = function.__module__.rpartition(".")[2]
         _RULES[code] = Rule(
-            code, family, function, summary=summary, page=text, in_mujoco=in_mujoco, in_files=in_files, usual=usual,
+            code, family, function, summary=summary, in_mujoco=in_mujoco, in_files=in_files, usual=usual,
             profiles=profiles or {},
         )  # fmt: skip
         CODES[code] = summary[:1].lower() + summary[1:]
-        PAGES[code] = f"# {code}\n\n{text}\n"
+        RULES.add(code)
         return function
 
     return decorate

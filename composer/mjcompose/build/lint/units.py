@@ -32,18 +32,7 @@ def _ranges(subject: Subject, unit: str) -> Iterator[tuple[Node, list[float]]]:
 
 @rule("range-in-radians")
 def range_in_radians(subject: Subject) -> Found:
-    """A range in degrees that looks like radians.
-
-    Without `<compiler angle="radian"/>`, MuJoCo reads angles in degrees. A hinge with `range="-1.57 1.57"` then moves
-    by a degree and a half in each direction.
-
-    ```xml
-    <joint name="elbow" type="hinge" range="-1.57 1.57"/>   <!-- degrees -->
-    ```
-
-    Write `<compiler angle="radian"/>`, if all angles of the file are in radians, or write the range in degrees. The
-    rule finds ranges within ±2π, of which an end is a common fraction of π.
-    """
+    """A range in degrees that looks like radians."""
     for joint, ends in _ranges(subject, "degree"):
         is_round = any(abs(abs(end) - each) < _DIGITS for end in ends for each in _ROUND if end)
         if is_round and max(map(abs, ends)) < _TURN + _DIGITS:
@@ -53,18 +42,7 @@ def range_in_radians(subject: Subject) -> Found:
 
 @rule("range-in-degrees")
 def range_in_degrees(subject: Subject) -> Found:
-    """A range in radians that looks like degrees.
-
-    With `<compiler angle="radian"/>`, a hinge with `range="-90 90"` turns fourteen times in each direction.
-
-    ```xml
-    <compiler angle="radian"/>
-    ...
-    <joint name="elbow" type="hinge" range="-90 90"/>   <!-- radians -->
-    ```
-
-    Write the range in radians. The rule finds ends that are more than two turns and multiples of five.
-    """
+    """A range in radians that looks like degrees."""
     for joint, ends in _ranges(subject, "radian"):
         if max(map(abs, ends)) > _DEGREES and all(end % 5 == 0 for end in ends):
             message = f"the range of {subject.called(joint)}, {ends[0]:g} to {ends[1]:g} rad, looks like degrees"
@@ -73,18 +51,7 @@ def range_in_degrees(subject: Subject) -> Found:
 
 @rule("gravity-unit", usual=False, profiles={"robot-asset": _METERS})
 def gravity_unit(subject: Subject) -> Found:
-    """Gravity that is not in m/s².
-
-    MuJoCo has no units of its own, but its defaults (gravity, density, contacts) are in meters, kilograms and seconds.
-    Gravity of 981 or 9810 shows a model in centimeters or millimeters, whose masses and contacts then differ.
-
-    ```xml
-    <option gravity="0 0 -9810"/>
-    ```
-
-    Convert the model to meters: `scale` of its meshes, positions, sizes and masses. Models of insects are often in
-    millimeters on purpose, so the rule runs only if you select it, or with the profile `robot-asset`.
-    """
+    """Gravity that is not in m/s²."""
     for option in subject.root.iterfind("option"):
         values = subject.numbers(option, "gravity") or []
         size = math.hypot(*values)
@@ -95,17 +62,7 @@ def gravity_unit(subject: Subject) -> Found:
 
 @rule("timestep-extreme")
 def timestep_extreme(subject: Subject) -> Found:
-    """A time step that is very long or very short.
-
-    With steps above 50 ms, contacts are soft and servos unstable. With steps below 10 µs, a second takes 100,000
-    steps: often the number is in milliseconds or was divided twice.
-
-    ```xml
-    <option timestep="0.2"/>
-    ```
-
-    Write seconds. Robots with contacts usually take 1 to 5 ms.
-    """
+    """A time step that is very long or very short."""
     for option in subject.root.iterfind("option"):
         step = (subject.numbers(option, "timestep") or [0.002])[0]
         if option.get("timestep") and not _SHORTEST <= step <= _LONGEST:
@@ -115,17 +72,7 @@ def timestep_extreme(subject: Subject) -> Found:
 
 @rule("mesh-in-millimeters", in_mujoco=True, profiles={"robot-asset": _METERS})
 def mesh_size(subject: Subject) -> Found:
-    """A mesh that is in millimeters.
-
-    Many CAD programs save meshes in millimeters. MuJoCo reads them as meters, so a link is a hundred meters long.
-
-    ```xml
-    <mesh name="link" file="link.stl"/>
-    ```
-
-    Write `scale="0.001 0.001 0.001"` on the mesh. The rule finds meshes of more than 20 m from corner to corner that
-    are 50 times as large as any distance of neighboring bodies.
-    """
+    """A mesh that is in millimeters."""
     import numpy as np
 
     from mjcompose.mujoco.shapes import Measured, doubts
