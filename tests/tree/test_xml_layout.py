@@ -26,7 +26,9 @@ UNTIDY = """\
 
         <body quat="1 0 0 0" childclass="arm" name="base" pos="0 0 1">
             <!-- the joint
-                 turns -->
+                 turns
+
+                 once -->
             <joint axis="0 0 1"
                    name="turn" other="1"/>
 
@@ -53,7 +55,9 @@ TIDY = """\
   <worldbody>
     <body name="base" childclass="arm" pos="0 0 1" quat="1 0 0 0">
       <!-- the joint
-           turns -->
+           turns
+
+           once -->
       <joint name="turn" axis="0 0 1" other="1"/>
 
       <geom name="&quot;a&amp;b" type="capsule" size="0.1000000 0.2000000" pos="0 0 0" euler="0 0 0"

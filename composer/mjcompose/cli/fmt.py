@@ -55,7 +55,7 @@ def fmt(options: FmtOptions, run: Run) -> int:
     differing, unchanged = 0, 0
     for file in files:
         is_model = file.lower().endswith(MODELS)
-        source = _read(file, context, in_force().xml_size if is_model else in_force().recipe_size)
+        source = _read(file, context, in_force().xml_size if is_model or file == STDIN else in_force().recipe_size)
         shown = "<stdin>" if file == STDIN else context.shown(Path(file))
         if source is None:
             continue

@@ -131,7 +131,7 @@ class _Layout:
         indent = self.text[line : piece.start]
         # Lines below the first one move with it; MuJoCo copies the first comment in the root, if it saves a model.
         if not indent.strip() and len(self.kinds) > 1:
-            text = text.replace(f"\n{indent}", f"\n{'  ' * len(self.kinds)}")
+            text = re.sub(rf"\n{indent}(?!\n)", f"\n{'  ' * len(self.kinds)}", text)
         if self.lines and not self.breaks:
             self.lines[-1] += f" {text}"
             return
