@@ -205,6 +205,25 @@ def test_a_model_that_diverges_stops_with_a_sentence_and_can_be_mended(
         page.wait_for_selector(".fault", state="hidden", timeout=20_000)
 
 
+@pytest.mark.parametrize(("host", "says"), [("127.0.0.1", False), ("0.0.0.0", True)])
+def test_a_page_that_others_can_reach_says_that_it_is_read_only(tmp_path: Path, host: str, says: bool) -> None:
+    (tmp_path / "arm.xml").write_text(MODEL.format("ball"))
+    lines: list[str] = []
+    with Session() as session:
+        workshop = Workshop("arm.xml", Asked(), session, lambda: Context(folder=tmp_path), words_of)
+        found = started(workshop, Service(host), Context())
+        assert found is not None
+        stop = Event()
+        thread = Thread(target=serve, args=(found, False, lines.append, stop, lambda shown: None))
+        thread.start()
+        while not lines:
+            time.sleep(0.02)
+        stop.set()
+        thread.join()
+    assert any("read-only" in line for line in lines) == says
+    assert workshop.writes is not says
+
+
 def test_the_browser_gets_the_token_through_a_file_of_this_user(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

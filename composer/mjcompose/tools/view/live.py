@@ -50,6 +50,8 @@ def serve(server: Server, opens: bool, say: Callable[[str], None], stop: Event, 
         before = _build(server, said)
         for line in _invitation(server.address, opens):
             say(line)
+        if not server.guard.is_private:
+            say("others can reach this address, so the page is read-only")
         # In a thread of its own: a watch swallows the signals by which a terminal ends the command.
         failed: list[Exception] = []
         watching = Thread(target=_watch, args=(server, before, stop, said, failed), daemon=True)
