@@ -171,6 +171,14 @@ def test_a_piece_of_a_model_knows_the_names_of_the_model_that_includes_it(own: E
     assert Path(found["uri"]).name == "arm.xml" and found["range"]["start"]["line"] == 14
 
 
+def test_the_text_of_the_editor_counts_in_included_files(own: Editor) -> None:
+    own.at(MARK + ARM.replace("turn", "yaw"), "arm.xml")
+    own.diagnostics(own.at(MARK + SCENE, "scene.xml")[0]["textDocument"]["uri"])
+    found = labels(own.complete(marked('joint="turn"', 'joint="▮"', SCENE), "scene.xml"))
+    own.at(MARK + ARM, "arm.xml")
+    assert found == ["yaw"]
+
+
 def renamed(own: Editor, lab: Path, text: str, name: str, new: str) -> dict[str, str]:
     params, _ = own.at(text, name)
     assert own.ask("textDocument/prepareRename", params) is not None

@@ -241,28 +241,22 @@ class Workspace:
         self, path: Path, text: str, texts: Mapping[str, bytes], before: Analysis | None = None
     ) -> ModelAnalysis:
         """Return the analysis of an MJCF file. A model that cannot be read at all is that of `before`."""
+        sink, file, content = Sink(), shown(path, self.folder), text.encode("utf-8", "replace")
         with unsaved(texts):
             unit, nodes = read_model(path, text, self.folder)
-        found, old = self.check_model(path, text), before if isinstance(before, ModelAnalysis) else None
-        files = frozenset(each.path for each in unit.origins.texts.values() if each.path) if unit is not None else ()
-        if unit is None and old is not None:
-            return replace(old, text=text, found=found, is_current=False)
+            if root_of(text) == "mujocoinclude":  # a piece of other models
+                parse_xml(content, file, sink)
+            elif (whole := parse_text(content, sink, file=file, directory=path.parent, label=path.stem)) is not None:
+                check_source(whole, sink)
+        found = tuple(sink.sorted())
+        if unit is None and isinstance(before, ModelAnalysis):
+            return replace(before, text=text, found=found, is_current=False, nodes=())
+        files = () if unit is None else (each.path for each in unit.origins.texts.values() if each.path is not None)
         is_current = not any(each.code == "xml-syntax" for each in found)
         return ModelAnalysis(
             path, self.folder, text, found=found, files=frozenset(files), is_current=is_current, model_of=text,
             unit=unit, nodes=nodes,
         )  # fmt: skip
-
-    def check_model(self, path: Path, text: str) -> tuple[Diagnostic, ...]:
-        sink = Sink()
-        content, file = text.encode("utf-8", "replace"), shown(path, self.folder)
-        if root_of(text) == "mujocoinclude":  # a piece of other models
-            parse_xml(content, file, sink)
-            return tuple(sink.sorted())
-        unit = parse_text(content, sink, file=file, directory=path.parent, label=path.stem)
-        if unit is not None:
-            check_source(unit, sink)
-        return tuple(sink.sorted())
 
 
 PAUSE = 0.4  # seconds without typing before MuJoCo builds the model
