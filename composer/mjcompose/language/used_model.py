@@ -11,7 +11,7 @@ from mjcompose.base.extensions import check_rows
 from mjcompose.base.suggest import advised
 from mjcompose.language.forms.context import ByGrammar, Schema, Settings, definition, reference
 from mjcompose.language.forms.model import IT, Model, Rest
-from mjcompose.language.forms.scalars import Checked, Count, Expects, Items, Keywords, Written
+from mjcompose.language.forms.scalars import Checked, Count, Expects, Items, Keywords, Text, Written
 from mjcompose.language.select import GLOB, NARROWING, read_selector
 from mjcompose.tree.grammar import GRAMMAR
 from mjcompose.tree.pattern import EVERYTHING, Selector, known_tags, paths_of
@@ -69,7 +69,7 @@ class Drop(Model):
     short: ClassVar = "<word>"
     example: ClassVar = '{geom: "visual_*"}'
 
-    word: Annotated[str, Checked(_word_fault)] | None = Field(None, alias="<word>")
+    word: Annotated[Text, Checked(_word_fault)] | None = Field(None, alias="<word>")
     selected: Annotated[Selector | None, _Selected(), Rest()] = Field(None, alias="<select>")
     expect: Count | None = None
     """how many elements must be selected"""
