@@ -175,7 +175,8 @@ def test_the_text_of_the_editor_counts_in_included_files(own: Editor) -> None:
     own.at(MARK + ARM.replace("turn", "yaw"), "arm.xml")
     own.diagnostics(own.at(MARK + SCENE, "scene.xml")[0]["textDocument"]["uri"])
     found = labels(own.complete(marked('joint="turn"', 'joint="▮"', SCENE), "scene.xml"))
-    own.at(MARK + ARM, "arm.xml")
+    for text, name in ((ARM, "arm.xml"), (SCENE, "scene.xml")):
+        own.at(MARK + text, name)
     assert found == ["yaw"]
 
 
