@@ -49,50 +49,6 @@ class Outcome:
         return not self.changes
 
 
-class Trial:
-    """The compiled models. The merged model and its parts are compiled once here, the recipe's model by the caller."""
-
-    def __init__(self, merged: Path, parts: list[Path], session: Session) -> None:
-        self.parts, self.session = parts, session
-        compiled = compile(merged.absolute().parent, merged.name, keep=_MERGED, session=session)
-        self.refused = None if compiled.ok else compiled.error
-        self.compared = False
-        self._parts: dict[int, bool] = {}
-
-    def likeness(self, each: Instance, names: elements.Names) -> elements.Likeness:
-        """Return which elements are the same in the part and the merged model; empty if MuJoCo rejects one of them."""
-        if self.refused is not None:
-            return elements.Likeness()
-        name = f"part {each.part}"
-        if each.part not in self._parts:
-            path = self.parts[each.part].absolute()
-            self._parts[each.part] = compile(path.parent, path.name, keep=name, session=self.session).ok
-        above = parent_body(each.body)
-        body = None if above is None else above.get("name")
-        if not self._parts[each.part] or (above is not None and body is None):
-            return elements.Likeness()
-        given: dict[str, object] = {"prefix": each.prefix, "names": names, "body": body}
-        answer = call(self.session, elements.unchanged, [name, _MERGED], argument=given)
-        if not answer.ok:
-            return elements.Likeness()
-        self.compared = True
-        return elements.likeness_of(answer.value)
-
-    def outcome(self, proposal: Proposal) -> Outcome | None:
-        """Return how the model built last differs from the merged one, or None if they cannot be compared."""
-        if self.refused is not None:
-            return None
-        given = {"tolerance": _TOLERANCE, "names": proposal.renamed}
-        answer = call(self.session, contrast, [_MERGED, WHOLE], argument=given)
-        if not answer.ok:
-            return None
-        seen = contrast_of(answer.value)
-        found = [each for each in seen.changes if not _only_name(each, proposal)]
-        found += _lost_without_name(seen, proposal)
-        rounded = [each for each in found if each.what == "changed" and elements.is_rounding(each)]
-        return Outcome(tuple(each for each in found if each not in rounded), tuple(rounded))
-
-
 def _lost_without_name(seen: Contrast, proposal: Proposal) -> list[Change]:
     """Return the removals of unnamed keys, which `contrast` cannot match."""
     keys = [each.what for each in seen.changes if each.kind == "key"]
@@ -201,10 +157,8 @@ def recover(
     if context.sink.error_count > before or len(units) < len(read):
         return None
     with Session() as session:
-        return _Recovery(
-            merged, parts, out, context=context, session=session, progress=progress, units=units,
-            references=references or {}, trial=Trial(merged, parts, session),
-        ).recovered()  # fmt: skip
+        recovery = _Recovery(merged, parts, out, context, session, units=units, references=references or {})
+        return recovery.recovered(progress)
 
 
 def whole_recipe(merged: Path, out: Path) -> str:
@@ -212,25 +166,28 @@ def whole_recipe(merged: Path, out: Path) -> str:
     return f"recipe: 1\nname: {word(out.stem)}\nbase: {word(_reference(merged, out.parent))}\n"
 
 
-@dataclass(slots=True)
 class _Recovery:
-    merged: Path
-    parts: list[Path]
-    out: Path
-    context: Context
-    session: Session
-    progress: Callable[[str], None]
-    units: list[Unit]
-    references: Mapping[Path, str]
-    trial: Trial
+    """Compiles the merged model and its parts once, and compares models of recipes with the merged one."""
 
-    def recovered(self) -> Recovered:
-        self.progress(f"compiling {self.context.shown(self.merged)} and its parts")
-        proposal = self.proposal(self.trial.likeness)
-        found = self.settled(proposal)
-        if self.trial.compared and (found.outcome is None or not found.outcome.same):
+    def __init__(
+        self, merged: Path, parts: list[Path], out: Path, context: Context, session: Session, *, units: list[Unit],
+        references: Mapping[Path, str],
+    ) -> None:  # fmt: skip
+        self.merged, self.parts, self.out, self.context, self.session = merged, parts, out, context, session
+        self.units, self.references = units, references
+        self.refused: str | None = None
+        self.compared = False
+        self._compiled: dict[int, bool] = {}
+
+    def recovered(self, progress: Callable[[str], None]) -> Recovered:
+        progress(f"compiling {self.context.shown(self.merged)} and its parts")
+        compiled = compile(self.merged.absolute().parent, self.merged.name, keep=_MERGED, session=self.session)
+        self.refused = None if compiled.ok else compiled.error
+        proposal = self.proposal(self.likeness)
+        found = self.settled(proposal, progress)
+        if self.compared and (found.outcome is None or not found.outcome.same):
             # An element that counted as the same may still be the reason.
-            other = self.settled(self.proposal(lambda _, __: elements.Likeness()))
+            other = self.settled(self.proposal(lambda _, __: elements.Likeness()), progress)
             first, second = found.outcome, other.outcome
             if second is not None and (first is None or len(second.changes) < len(first.changes)):
                 found = other
@@ -242,6 +199,37 @@ class _Recovery:
                 self.context.sink.warning("unknown-name", message, help=help)
         return found
 
+    def likeness(self, each: Instance, names: elements.Names) -> elements.Likeness:
+        """Return which elements are the same in the part and the merged model; empty if MuJoCo rejects one of them."""
+        if self.refused is not None:
+            return elements.Likeness()
+        name = f"part {each.part}"
+        if each.part not in self._compiled:
+            path = self.parts[each.part].absolute()
+            self._compiled[each.part] = compile(path.parent, path.name, keep=name, session=self.session).ok
+        above = parent_body(each.body)
+        body = None if above is None else above.get("name")
+        if not self._compiled[each.part] or (above is not None and body is None):
+            return elements.Likeness()
+        given: dict[str, object] = {"prefix": each.prefix, "names": names, "body": body}
+        answer = call(self.session, elements.unchanged, [name, _MERGED], argument=given)
+        self.compared = self.compared or answer.ok
+        return elements.likeness_of(answer.value) if answer.ok else elements.Likeness()
+
+    def outcome(self, proposal: Proposal, bundle: Bundle | None) -> Outcome | None:
+        """Return how the model built last differs from the merged one, or None if they cannot be compared."""
+        if bundle is None or self.refused is not None:
+            return None
+        given = {"tolerance": _TOLERANCE, "names": proposal.renamed}
+        answer = call(self.session, contrast, [_MERGED, WHOLE], argument=given)
+        if not answer.ok:
+            return None
+        seen = contrast_of(answer.value)
+        found = [each for each in seen.changes if not _only_name(each, proposal)]
+        found += _lost_without_name(seen, proposal)
+        rounded = [each for each in found if each.what == "changed" and elements.is_rounding(each)]
+        return Outcome(tuple(each for each in found if each not in rounded), tuple(rounded))
+
     def proposal(self, likeness: Callable[[Instance, elements.Names], elements.Likeness]) -> Proposal:
         references = [self.references.get(path) or _reference(path, self.out.parent) for path in self.parts]
         return propose(
@@ -249,10 +237,10 @@ class _Recovery:
             relative=lambda file: _reference(file, self.out.parent), likeness=likeness,
         )  # fmt: skip
 
-    def settled(self, proposal: Proposal) -> Recovered:
+    def settled(self, proposal: Proposal, progress: Callable[[str], None]) -> Recovered:
         """Return the proposal without the entries that do not build, and with the keys that it lacked."""
         for number in range(_ROUNDS):
-            self.progress(f"trying the recipe{f' without the failed entries ({number})' if number else ''}")
+            progress(f"trying the recipe{f' without the failed entries ({number})' if number else ''}")
             text, places = recipe_text(proposal)
             bundle, faults = self.built(text)
             shown = self.context.shown(self.out)
@@ -262,13 +250,13 @@ class _Recovery:
                 break
             for entry, fault in guilty:
                 entry.note = " ".join(fault.message.split())
-        outcome = None if bundle is None else self.trial.outcome(proposal)
+        outcome = self.outcome(proposal, bundle)
         lost = [each for each in (outcome.changes if outcome else ()) if (each.kind, each.what) == ("key", "removed")]
         missing = [each.name for each in lost if _has_name(each)]
         if missing:  # with a key of that name, its values can be compared
             blank = [elements.Entry("keyframe", f"{word(name)}: {{}}") for name in missing]
             bundle, _ = self.built(recipe_text(replace(proposal, entries=[*proposal.entries, *blank]))[0])
-            outcome = None if bundle is None else self.trial.outcome(proposal)
+            outcome = self.outcome(proposal, bundle)
         changes = outcome.changes if outcome is not None else ()
         keys = keyframes(changes, proposal, missing)
         for each in changes:
@@ -278,10 +266,10 @@ class _Recovery:
         proposal.entries += keys
         text, _ = recipe_text(proposal)
         if keys:
-            self.progress("trying the recipe with its keyframes")
+            progress("trying the recipe with its keyframes")
             bundle, faults = self.built(text)
-            outcome = None if bundle is None else self.trial.outcome(proposal)
-        return Recovered(text, proposal, bundle, faults=tuple(faults), outcome=outcome, refused=self.trial.refused)
+            outcome = self.outcome(proposal, bundle)
+        return Recovered(text, proposal, bundle, faults=tuple(faults), outcome=outcome, refused=self.refused)
 
     def built(self, text: str) -> tuple[Bundle | None, list[Diagnostic]]:
         """Build the text as if it were at `out`."""
