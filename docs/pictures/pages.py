@@ -42,6 +42,17 @@ def posed(page: Any) -> None:
     page.get_by_role("button", name="Copy this pose").click()
 
 
+def plotted(page: Any) -> None:
+    page.get_by_role("tab", name="Sensors").click()
+    for name in ("gripper/force z", "grip_force", "arm/elbow"):
+        page.locator(".meters label", has_text=name).first.locator("input").check()
+    page.keyboard.press("Space")
+    page.wait_for_function("mjcompose.server.data?.time > 0.3", timeout=60_000)
+    page.evaluate("mjcompose.sliders.ctrl[6] = 200; mjcompose.server.pose()")
+    page.wait_for_function("mjcompose.server.data?.time > 2", timeout=120_000)
+    page.keyboard.press("Space")
+
+
 def main() -> None:
     program = next(filter(None, map(shutil.which, BROWSERS)))
     with tempfile.TemporaryDirectory() as home, sync_playwright() as running:
@@ -60,6 +71,7 @@ def main() -> None:
                 page.wait_for_selector("html[data-shown='1']", state="attached", timeout=60_000)
                 act(page)
                 page.wait_for_timeout(1500)
+                page.evaluate("mjcompose.stage.sharp()")
                 picture = ROOT / "docs" / "pictures" / f"{name}{ending}.webp"
                 Image.open(BytesIO(page.screenshot())).convert("RGB").save(picture, quality=82, method=6)
                 context.close()
@@ -73,6 +85,7 @@ def main() -> None:
         demo = made("view", "recipes/demo.yaml")
         take("view", demo, selected)
         take("view_keyframe", demo, posed)
+        take("view_sensors", made("view", "recipes/demo.yaml", "--physics"), plotted)
         text = recipe.read_text()
         (folder / "recipes" / "before.yaml").write_text(text)
         served = subprocess.Popen(
