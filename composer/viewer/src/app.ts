@@ -429,7 +429,10 @@ export class App {
   setPlaying(playing: boolean): void {
     this.playing = playing;
     if (playing) this.setStopped(null);
-    else this.clock.pause();
+    else {
+      this.clock.pause();
+      this.stage.rest();
+    }
     this.playButton.replaceChildren(icon(playing ? "pause" : "play"));
     this.playButton.classList.toggle("on", playing);
   }
@@ -449,7 +452,8 @@ export class App {
     this.fault.classList.remove("stopped");
     this.fault.hidden = text === null;
     if (text === null) return;
-    const lines = text.trimEnd().split("\n").map((line) => h("span", { className: /(^|: )error\[/.test(line) ? "error" : /(^|: )warning\[/.test(line) ? "warning" : /^ *= help/.test(line) ? "help" : /^ *\d* *\|/.test(line) ? "source" : "" }, `${line}\n`));
+    const hang = (line: string) => line.length - line.trimStart().length + (/^ *= /.test(line) ? 2 : 0);
+    const lines = text.trimEnd().split("\n").map((line) => h("span", { style: `--hang:${hang(line)}ch`, className: /(^|: )error\[/.test(line) ? "error" : /(^|: )warning\[/.test(line) ? "warning" : /^ *= help/.test(line) ? "help" : /^ *\d* *\|/.test(line) ? "source" : "" }, line || "\u200b"));
     this.fault.replaceChildren(h("header", {}, h("b", {}, head), h("span", {}, more), h("button", { title: "hide (Esc)", onclick: () => { this.fault.hidden = true; } }, "×")), h("pre", {}, ...lines));
   }
 

@@ -46,6 +46,7 @@ export class Stage {
     this.controls.zoomToCursor = true;
     this.controls.addEventListener("change", () => this.move());
     this.controls.addEventListener("start", () => { this.through = null; });
+    canvas.addEventListener("pointerup", () => this.rest());
     new ResizeObserver(() => this.resize()).observe(canvas.parentElement!);
     canvas.addEventListener("webglcontextrestored", () => this.draw());
   }
@@ -184,6 +185,14 @@ export class Stage {
     this.isMoving = true;
     clearTimeout(this.settling);
     this.settling = window.setTimeout(() => { this.isMoving = false; this.draw(); }, Math.max(STILL, 3 * this.took));
+    this.draw();
+  }
+
+  /** Nothing moves any more. */
+  rest(): void {
+    if (!this.isMoving) return;
+    clearTimeout(this.settling);
+    this.isMoving = false;
     this.draw();
   }
 
