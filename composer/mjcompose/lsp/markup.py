@@ -149,26 +149,18 @@ class ModelQuestion(Question):
         is_there = self.piece is not None and at < len(nodes) and nodes[at].tag == self.piece.tag
         return nodes[at] if is_there else None
 
-    def kind(self, tags: Sequence[object]) -> ElementType | None:
-        """Return the kind of the element to which a path of tags leads, or None for an unknown tag."""
-        if not tags or tags == ("mujocoinclude",):
-            return None
-        children: Mapping[str, ElementType] = {"mujoco": GRAMMAR.root}
-        if tags[0] == "mujocoinclude":
-            children, tags = place_of_fragment(outermost(self.parts)), tags[1:]
-        kind = None
-        for tag in tags:
-            kind = children.get(str(tag))
-            if kind is None:
-                return None
-            children = kind.children
-        return kind
-
     def children(self, tags: Sequence[object]) -> Mapping[str, ElementType]:
-        if tuple(tags) == ("mujocoinclude",):
-            return place_of_fragment(outermost([each for each in self.parts if each.complete]))
-        kind = self.kind(tags)
-        return {} if kind is None else kind.children
+        """Return the elements that can be in the element to which a path of tags leads."""
+        found: Mapping[str, ElementType] = {"mujoco": GRAMMAR.root}
+        for at, tag in enumerate(map(str, tags)):
+            if at == 0 and tag == "mujocoinclude":
+                found = place_of_fragment(outermost([each for each in self.parts if each.complete]))
+            else:
+                found = found[tag].children if tag in found else {}
+        return found
+
+    def kind(self, tags: Sequence[object]) -> ElementType | None:
+        return self.children(tags[:-1]).get(str(tags[-1])) if tags else None
 
     @property
     def element(self) -> ElementType | None:
@@ -203,7 +195,7 @@ class ModelQuestion(Question):
 def place(question: ModelQuestion) -> tuple[Cursor, Piece | None, int]:
     """Return the cursor, the start tag that it is in, and how many start tags precede it."""
     offset, tags, count = question.offset, list[str](), 0
-    for piece in question.parts:
+    for piece in pieces(question.text):
         is_inside = piece.start < offset < piece.end or (offset == piece.end and piece.end == len(question.text))
         is_open = piece.kind == "start" and not piece.complete and piece.start < offset <= piece.end
         if piece.kind == "text" and piece.start <= offset <= piece.end:

@@ -45,13 +45,15 @@ def overlap(subject: Subject) -> Found:
 
 def _starts(subject: Subject) -> Iterator[tuple[str, Any, Node | None, bool]]:
     model, data = subject.model, subject.data
-    if next(subject.root.iter("key"), None) is not None:  # `nkey` makes empty ones, too
-        for row, name, at_key in subject.at_keys():
-            yield f"in {name}", at_key, subject.node("key", row), True
-        return
+    has_key = False
+    for row, name, at_key in subject.at_keys():
+        node = subject.node("key", row)
+        if node is not None or subject.roster.names["key"][row]:  # `nkey` makes empty ones, too
+            has_key = True
+            yield f"in {name}", at_key, node, True
     single = model.jnt_limited.astype(bool) & (model.jnt_type >= int(subject.mujoco.mjtJoint.mjJNT_SLIDE))
     at, (low, high) = data.qpos[model.jnt_qposadr[single]], model.jnt_range[single].T
-    if ((low <= at) & (at <= high)).all():
+    if not has_key and ((low <= at) & (at <= high)).all():
         yield "in the reference configuration", data, None, False
 
 

@@ -282,7 +282,7 @@ def simulation_diverges(subject: Subject) -> Found:
 
     mujoco, model = subject.mujoco, subject.model
     data = mujoco.MjData(model)
-    has_key = next(subject.root.iter("key"), None) is not None
+    has_key = model.nkey and (subject.node("key", 0) is not None or subject.roster.names["key"][0])
     if has_key:
         mujoco.mj_resetDataKeyframe(model, data, 0)
     why = advance(mujoco, model, data, _SECONDS, data.time) if model.nv and model.opt.timestep > 0 else None
