@@ -50,14 +50,20 @@ class Motion:
 
 
 def differences(before: Motion, after: Motion, signal: str, tolerance: float) -> list[Moved]:
-    """Return the joints (`qpos`) or bodies (`xpos`) that are farther apart than the tolerance, the farthest first."""
+    """Return the joints (`qpos`) or bodies (`xpos`) that are farther apart than the tolerance, the farthest first.
+
+    Raises OtherError if the two have other joints, bodies or trials, so nothing is left out.
+    """
     import numpy as np
 
+    for kind in ("trials", "joints", "bodies"):
+        names = [sorted(each[0] if kind == "joints" else each for each in one.answer[kind]) for one in (before, after)]
+        if names[0] != names[1]:
+            versions = " and ".join(str(each.answer["version"]) for each in (before, after))
+            raise OtherError(f"MuJoCo {versions} have other {kind} of the model, so its motion cannot be compared")
     found: dict[tuple[str, str], Moved] = {}
     with np.load(before.arrays, allow_pickle=False) as one, np.load(after.arrays, allow_pickle=False) as other:
         for number, trial in enumerate(before.answer["trials"]):
-            if trial not in after.answer["trials"]:
-                continue
             rows = one[f"{signal}-{number}"], other[f"{signal}-{after.answer['trials'].index(trial)}"]
             apart = _of_joints(before, after, rows) if signal == "qpos" else _of_bodies(before, after, rows)
             for kind, name, unit, distances in apart:
@@ -77,8 +83,6 @@ def _of_joints(before: Motion, after: Motion, rows: Sequence[Any]) -> Iterator[t
 
     there = {name: at for name, _, at in after.answer["joints"]}
     for name, kind, at in before.answer["joints"]:
-        if name not in there:
-            continue
         one, other = (row[:, first : first + 7] for row, first in zip(rows, (at, there[name]), strict=True))
         if kind == FREE:
             yield "joint", name, "m", np.linalg.norm(one[:, :3] - other[:, :3], axis=1)
@@ -95,5 +99,4 @@ def _of_bodies(before: Motion, after: Motion, rows: Sequence[Any]) -> Iterator[t
 
     there = {name: index for index, name in enumerate(after.answer["bodies"])}
     for index, name in enumerate(before.answer["bodies"]):
-        if name in there:
-            yield "body", name, "m", np.linalg.norm(rows[0][:, index] - rows[1][:, there[name]], axis=1)
+        yield "body", name, "m", np.linalg.norm(rows[0][:, index] - rows[1][:, there[name]], axis=1)

@@ -71,9 +71,14 @@ def judged(mujoco: Any, model: Any, question: Facts) -> list[str]:
 
 def motion_of(mujoco: Any, model: Any, question: Facts) -> Facts:
     """Return the end of the motion, without the losses of a target; called by `mjcompose.mujoco.engine.call`."""
-    losses = [Loss(**each) for each in question["losses"]]
+    losses = [Loss(**each) for each in question["losses"]] + _unmoved(model, question["without"])
     found: Facts = facts_of(mujoco, model, question["asked"], losses=losses).get("motion", {})
     return found
+
+
+def _unmoved(model: Any, without: Iterable[str]) -> list[Loss]:
+    """Return the losses of a program that moves all joints without some features."""
+    return [Loss(name, "joint", number, tag="joint", name="") for name in without for number in range(model.njnt)]
 
 
 def questions(model: Any, count: int = 50, seed: int = 1) -> Facts:
@@ -163,9 +168,7 @@ def differences(
 
     `single` allows for a consumer that computes in single precision.
     """
-    joints, without = range(model.njnt), facts.get("without", ())
-    unmoved = [Loss(name, "joint", number, tag="joint", name="") for name in without for number in joints]
-    truth = facts_of(mujoco, model, asked, losses=[*losses, *unmoved])
+    truth = facts_of(mujoco, model, asked, losses=[*losses, *_unmoved(model, facts.get("without", ()))])
     lost = {(loss.feature, loss.name) for loss in losses}
     composite = bool(facts.get("composite"))
     yield from _masses(mujoco, model, facts, tolerance=2e-6 if single else 1e-9)

@@ -205,7 +205,7 @@ def motion_in(work: Work, name: str, seconds: float) -> tuple[dict[str, float], 
         facts = read_back(READERS[name], python, placed(folder / "out", written["model"]), questions=questions)
     if isinstance(facts, str):
         return Fault(_FAILED, f"`{name}` does not read the model: {facts}")
-    question = {"asked": questions, "losses": written["losses"]}
+    question = {"asked": questions, "losses": written["losses"], "without": facts.get("without", [])}
     answer = engine.call(work.session, motion_of, [work.whole], argument=question)
     if not answer.ok:
         return Fault(_FAILED, f"MuJoCo does not move the model: {answer.error or answer.crash}")

@@ -1,9 +1,11 @@
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import mujoco
 import pytest
+from mjcompose.base.diagnostic import Fault
 from mjcompose.build.bundle.bundle import Outcome
 from mjcompose.build.checks import moves_alike
 from mjcompose.build.stages import Request, build
@@ -11,13 +13,16 @@ from mjcompose.mujoco import environments
 from mjcompose.mujoco.environments import Other, this_python
 from mjcompose.sources.context import Context
 from mjcompose.sources.fetching import Fetching
+from mjcompose.targets import read_back
 from tools.migrate.test_upgrade import MODEL
 
 OWN = mujoco.__version__
 
 
-def checked(folder: Path, check: str, context: Context | None = None) -> tuple[list[tuple[str, str]], list[Outcome]]:
-    (folder / "m.xml").write_text(MODEL)
+def checked(
+    folder: Path, check: str, context: Context | None = None, *, model: str = MODEL
+) -> tuple[list[tuple[str, str]], list[Outcome]]:
+    (folder / "m.xml").write_text(model)
     (folder / "r.yaml").write_text(f"recipe: 1\nbase: ./m.xml\ncheck: {{moves: {{moves_alike: {check}}}}}\n")
     context = context or Context(environment={}, folder=folder)
     outcomes: list[Outcome] = []
@@ -52,6 +57,12 @@ def test_a_version_in_which_it_moves_differently(tmp_path: Path, monkeypatch: py
     assert outcome.values["apart"] > 1e-3
 
 
+def test_a_simulation_that_diverges_is_not_alike(tmp_path: Path) -> None:
+    wild = MODEL.replace('damping=".1"', 'stiffness="1e9" springref="90"')
+    ((code, message),), _ = checked(tmp_path, f"mujoco=={OWN}", model=wild)
+    assert code == "check-failed" and "the simulation diverges in `" in message
+
+
 def test_nothing_is_installed_offline(tmp_path: Path) -> None:
     environment = {"MJCOMPOSE_CACHE": str(tmp_path / "cache")}
     context = Context(environment=environment, folder=tmp_path, fetching=Fetching(offline=True))
@@ -65,8 +76,43 @@ def test_another_program(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Non
     monkeypatch.setattr("mjcompose.targets.read_back.motion_in", lambda *_: ({"j": 0.1, "slide": 0}, {"j": 0.3}))
     ((code, message),), _ = checked(tmp_path, "drake")
     assert code == "check-failed" and "in drake: joint j: 0.2 m or rad apart in `motion without forces`" in message
+    monkeypatch.setattr("mjcompose.targets.read_back.motion_in", lambda *_: ({"j": 0.1}, {}))
+    ((code, message),), _ = checked(tmp_path, "drake")
+    assert code == "check-failed" and "nothing can be compared" in message
     ((code, _),), _ = checked(tmp_path, "{as: drake, signal: xpos}")
     assert code == "wrong-keyword"
+
+
+@pytest.mark.slow
+def test_drake_itself(tmp_path: Path) -> None:
+    """The arm falls as in MuJoCo; it has moved, and a heavier one falls otherwise."""
+    from mjcompose.targets.read_back import READERS, interpreter
+
+    if interpreter(READERS["drake"], dict(os.environ)) is None:
+        pytest.skip("drake is not installed")
+    arm = MODEL.replace(MODEL[MODEL.index('    <body name="ball"') : MODEL.index("  </worldbody>")], "")
+    arm = arm[: arm.index("  <actuator>")] + "</mujoco>"
+    (tmp_path / "m.xml").write_text(arm)
+    (tmp_path / "r.yaml").write_text(
+        "recipe: 1\nbase: ./m.xml\ncheck: {moves: {moves_alike: {as: drake, seconds: 0.3}}}\n"
+    )
+    outcomes: list[Outcome] = []
+    ends: list[tuple[dict[str, float], dict[str, float]]] = []
+    real = read_back.motion_in
+
+    def kept(work: read_back.Work, name: str, seconds: float) -> object:
+        found = real(work, name, seconds)
+        assert not isinstance(found, Fault)
+        ends.append(found)
+        return found
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(read_back, "motion_in", kept)
+        context = Context(folder=tmp_path)
+        assert build(Request(tmp_path / "r.yaml"), context, outcomes=outcomes) is not None, context.sink.errors
+    ((here, there),) = ends
+    assert here.keys() == there.keys() == {"j"} and abs(there["j"]) > 0.1
+    assert outcomes[0].values["apart"] == 0.0
 
 
 @pytest.mark.parametrize("program", ["mujoco", "mujoco==2.3", "isaac"])

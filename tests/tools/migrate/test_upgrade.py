@@ -62,6 +62,15 @@ def test_what_differs_is_ranked_with_its_unit(tmp_path: Path) -> None:
     assert differences(one, one, signal="xpos", tolerance=0) == []
 
 
+def test_models_with_other_joints_are_not_compared(tmp_path: Path) -> None:
+    one, other = (
+        of_model(tmp_path, MODEL),
+        of_model(tmp_path, MODEL.replace('joint name="slide"', 'joint name="rail"'), "n"),
+    )
+    with pytest.raises(OtherError, match="have other joints of the model"):
+        differences(one, other, signal="qpos", tolerance=1)
+
+
 def test_a_key_is_chosen_and_trials_that_make_no_sense_are_left_out(tmp_path: Path) -> None:
     assert of_model(tmp_path, MODEL, key="up").answer["trials"] == ["settle", "hold up", "step up", "drop up"]
     bare = '<mujoco><worldbody><body><joint/><geom size=".1"/></body></worldbody></mujoco>'

@@ -88,6 +88,10 @@ def _in_mujoco(checks: Checks, check: MovesAlike, context: Context) -> tuple[lis
             moved = differences(there, here, signal=check.signal, tolerance=check.tol)
     except OtherError as error:
         return [Fault("check-failed", str(error), ("as",), help=error.help)], {}
+    if wild := sorted({*there.answer["diverged"], *here.answer["diverged"]}):
+        return [
+            failed(f"the simulation diverges in `{wild[0]}`", "a simulation without NaN", f"{len(wild)} diverge")
+        ], {}
     found = [_apart(check, f"MuJoCo {other.version}", moved)] if moved else []
     return found, {"apart": round(moved[0].amount, SOLVED) if moved else 0.0}
 
@@ -108,6 +112,9 @@ def _there(checks: Checks, check: MovesAlike) -> tuple[list[Fault], dict[str, An
     if isinstance(ends, Fault):
         return [ends], {}
     here, there = ends
+    if here.keys().isdisjoint(there):
+        message = f"no hinge or slide with a name moves both here and in {check.program}: nothing can be compared"
+        return [Fault("check-failed", message, ("as",))], {}
     moved = [
         Moved("joint", name, abs(there[name] - end), unit="m or rad", trial="motion without forces", time=check.seconds)
         for name, end in here.items()

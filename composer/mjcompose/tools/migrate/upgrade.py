@@ -55,7 +55,7 @@ def _at(each: Step | Meaning) -> str | None:
 
 @dataclass(frozen=True, slots=True)
 class Upgrade:
-    """The joints that move differently, the farthest first, and the trials that diverge in the new version."""
+    """The joints that move differently, the farthest first, and the trials that diverge in either version."""
 
     before: str
     after: str
@@ -89,7 +89,7 @@ def upgrade(request: Request, context: Context, progress: Callable[[str], None])
             help = f"write the model for it first: `mjcompose migrate {request.model} --from {before} --mujoco {after}`"
         context.sink.error("migrate-python", str(error), help=help)
         return None
-    diverged = [each for each in other.answer["diverged"] if each not in one.answer["diverged"]]
+    diverged = [each for each in one.answer["trials"] if each in (*one.answer["diverged"], *other.answer["diverged"])]
     return Upgrade(before, after, tuple(one.answer["trials"]), moved=causes, diverged=tuple(diverged))
 
 
