@@ -278,10 +278,6 @@ def diff(options: DiffOptions, run: Run) -> Answer:
         return Answer(words, data, code=code, reports=False, aside=aside)
 
     return Answer(
-        lambda: render(found),
-        lambda: as_data(found),
-        markdown=lambda: render_markdown(found).removesuffix("\n"),
-        code=0 if found.same else _DIFFERENT,
-        reports=False,
-        aside=aside,
-    )
+        lambda: render(found), lambda: as_data(found), markdown=lambda: render_markdown(found).removesuffix("\n"),
+        code=0 if found.same else _DIFFERENT, reports=False, aside=aside,
+    )  # fmt: skip

@@ -199,14 +199,10 @@ def _report_missing_place(linking: Linking, part: Part) -> None:
             0, Note(f"`{name}` is {word(other[0], article=True)}; parts are attached to sites, bodies and frames")
         )
     linking.sink.error(
-        "attach-place",
-        f"the {kind} `{name}` to attach `{part.called}` to does not exist",
-        part.place.span or part.span,
-        notes=(*notes, *attached_notes(linking.base, name)),
-        help=help,
-        subjects=(name, part.called),
-        fix=fix,
-    )
+        "attach-place", f"the {kind} `{name}` to attach `{part.called}` to does not exist",
+        part.place.span or part.span, notes=(*notes, *attached_notes(linking.base, name)), help=help,
+        subjects=(name, part.called), fix=fix,
+    )  # fmt: skip
 
 
 class _PartAttachment:
@@ -295,13 +291,9 @@ class _PartAttachment:
     def _report_place(self, why: str, note: Note, help: str) -> None:
         part = self.part
         self.linking.sink.error(
-            "attach-place",
-            f"`{part.called}` cannot be attached to the {part.place.kind} `{part.place.name}`: {why}",
-            part.place.span or part.span,
-            notes=(note,),
-            help=help,
-            subjects=(part.called, part.place.name),
-        )
+            "attach-place", f"`{part.called}` cannot be attached to the {part.place.kind} `{part.place.name}`: {why}",
+            part.place.span or part.span, notes=(note,), help=help, subjects=(part.called, part.place.name),
+        )  # fmt: skip
 
     def _enter(self, tag: str, attributes: Mapping[str, str]) -> Node:
         """Create an element at the pose, into which the next one goes."""
