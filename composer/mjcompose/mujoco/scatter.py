@@ -25,6 +25,8 @@ _UP = 4e-7
 """Heights are rounded up."""
 _AT_REST = 0.05
 """The greatest speed of a settled copy, in m/s or rad/s."""
+_STILL = (1e-3, 0.02)
+"""A copy that settling moves less than this, in meters and radians, stays where it was put."""
 _RING = [[math.cos(n * math.pi / 8), math.sin(n * math.pi / 8), 0.0] for n in range(16)]
 _DIRECTIONS = np.array([*_RING, [0.0, 0.0, -1.0]])
 EDGE, COPY = "edge", "copy"
@@ -211,8 +213,9 @@ class _Scattering:
             data.qpos[fixed], data.qvel[still] = before[fixed], 0
         speed = float(np.abs(data.qvel[rates]).max())
         data.qvel[:], data.time = 0, time
-        for body in bodies:
-            self._put(body, self.pose(body).rounded(5, 6))
+        for body in bodies:  # one that has only sunk or turned a little keeps its exact place
+            start, end = self.pose(body, before), self.pose(body).rounded(5, 6)
+            self._put(body, start if _are_near(start, end) else end)
         mujoco.mj_comPos(model, data)
         centers = [data.subtree_com[body] for body in bodies]
         floors = [self.surface.height(float(x), float(y)) for x, y, _ in centers]
@@ -277,6 +280,11 @@ class _Surface:
             for each in geoms
         ]
         return float(max(0.0, min(distances)))
+
+
+def _are_near(one: Pose, other: Pose) -> bool:
+    chord = min(math.dist(one.quat, [sign * each for each in other.quat]) for sign in (1, -1))
+    return math.dist(one.pos, other.pos) < _STILL[0] and 2 * chord < _STILL[1]
 
 
 def _body_of(model: Any, kind: str, name: str) -> int:
