@@ -61,7 +61,7 @@ export class Meters {
     if (time !== null) this.plot.add(time, seen);
     if (!this.panel.offsetParent) return;
     for (const { signal, value } of this.cells) {
-      const number = signal.value(seen);
+      const found = signal.value(seen), number = Math.abs(found) < 1e-9 ? 0 : found;
       value.textContent = Number.isFinite(number) ? `${neat(number, 4)}${signal.unit === "°" ? "°" : signal.unit && ` ${signal.unit}`}` : "–";
     }
   }

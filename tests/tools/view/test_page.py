@@ -13,6 +13,7 @@ from mjcompose.sources.context import Context
 from mjcompose.tools.diff.diff import diff
 from mjcompose.tools.diff.text import render
 from mjcompose.tools.view.page import difference, write_comparison
+from tools.view.pages import page_of
 
 PARTS = """
   <body name="still"><geom name="still" size="0.1"/></body>
@@ -111,3 +112,17 @@ def test_the_text_is_that_of_the_terminal(tmp_path: Path) -> None:
     assert found is not None
     assert difference(found)["text"] == render(found)
     assert difference(found)["before"] == {"removed": [], "changed": ["body 4"], "moved": []}
+
+
+@pytest.mark.slow
+def test_an_arm_and_a_gripper_are_a_small_page(corpus: Path, tmp_path: Path) -> None:
+    recipe = (
+        f"recipe: 1\nattach:\n  arm: {{model: {corpus}/models/universal_robots_ur5e/ur5e.xml, drop: [option]}}\n"
+        f"  gripper: {{model: {corpus}/models/robotiq_2f85/2f85.xml, site: arm/attachment_site, drop: [option]}}\n"
+    )
+    (tmp_path / "recipe.yaml").write_text(recipe)
+    with Session() as session:
+        page = page_of("recipe.yaml", tmp_path, session)
+        assert page.stat().st_size < 1_200_000, "260 thousand triangles"
+        played = page_of("recipe.yaml", tmp_path, session, physics=True)
+        assert played.stat().st_size < 6_200_000, "3.5 MB of MuJoCo, and no visual meshes"
