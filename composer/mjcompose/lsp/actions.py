@@ -83,7 +83,7 @@ def offer_fixes(offered: Offer) -> Iterator[Action]:
         edit = edit_of(diagnostic, text) if place is not None and place.file == file else None
         if edit is not None:
             (line, column), (end_line, end_column) = position(text, edit.start), position(text, edit.end)
-            change = Change(Span(file, line, column, end_line, end_column), edit.text)
+            change = Change(Span(file, line, column, end_line=end_line, end_column=end_column), edit.text)
             title = (diagnostic.help or f"write `{change.text}`").partition("\n")[0]
             yield Action(title, (change,), diagnostic, is_preferred=True)
 
@@ -138,7 +138,9 @@ def offer_ignore(offered: Offer) -> Iterator[Action]:
             comment = f"<!-- mjcompose: ignore[{diagnostic.code}] -->"
             text = f"{line[: len(line) - len(line.lstrip())]}{comment}\n"
             yield Action(
-                f"ignore this: `{comment}`", (Change(Span(file, span.line, 1, span.line, 1), text),), diagnostic
+                f"ignore this: `{comment}`",
+                (Change(Span(file, span.line, 1, end_line=span.line, end_column=1), text),),
+                diagnostic,
             )
 
 

@@ -489,4 +489,6 @@ class Question:
     @property
     def word(self) -> Span:
         cursor = self.cursor
-        return Span(self.analysis.file, cursor.line + 1, cursor.start + 1, cursor.line + 1, cursor.end + 1)
+        return Span(
+            self.analysis.file, cursor.line + 1, cursor.start + 1, end_line=cursor.line + 1, end_column=cursor.end + 1
+        )

@@ -31,7 +31,7 @@ def offer(question: Question) -> Iterator[Item]:
     if question.cursor.role in ("value", "either"):
         for at, (word, doc) in enumerate(words_of(question.forms).items()):
             empty = "" if word else '""'
-            yield Item(word or '""', "word", "", doc, 10 + min(at, 20), empty)
+            yield Item(word or '""', "word", "", doc=doc, rank=10 + min(at, 20), insert=empty)
 
 
 _NAME = re.compile(r"[A-Za-z_]\w*\Z")
@@ -55,9 +55,9 @@ def offer_expressions(question: Question) -> Iterator[Item]:
     if begun(question) is None:
         return
     for each in settables(question.data).values():
-        yield Item(each.name, each.kind, each.detail, each.doc, 10)
+        yield Item(each.name, each.kind, each.detail, doc=each.doc, rank=10)
     if "edit" in question.path:
-        yield from (Item(name, "parameter", "of the element", doc, 15) for name, doc in _IN_EDITS.items())
+        yield from (Item(name, "parameter", "of the element", doc=doc, rank=15) for name, doc in _IN_EDITS.items())
     for name, function in FUNCTIONS.items():
         count = f"{function.least}" if function.most == function.least else f"{function.least} or more"
         yield Item(name, "function", f"{count} argument{'s' * (count != '1')}", rank=30, insert=f"{name}(")
@@ -123,7 +123,15 @@ def offer_parameters(question: Question) -> Iterator[Item]:
     if cursor.role in ("key", "either") and (found := _at(cursor.path, question)) is not None:
         for each in found.values():
             colon = "" if cursor.has_colon else ": "
-            yield Item(each.name, each.kind, each.detail, each.doc, 15, each.name + colon, again=bool(each.values))
+            yield Item(
+                each.name,
+                each.kind,
+                each.detail,
+                doc=each.doc,
+                rank=15,
+                insert=each.name + colon,
+                again=bool(each.values),
+            )
     if cursor.role in ("value", "either") and cursor.path:
         path = cursor.path[:-1] if isinstance(cursor.path[-1], int) else cursor.path
         found = _at(path[:-1], question) or {}
@@ -163,7 +171,7 @@ def offer_references(question: Question) -> Iterator[Item]:
             yield Item(reference, "file", kind if kind == "recipe" else kind.upper(), rank=10 + at / 1000)
     for form in () if only_recipes else _SCHEMES:
         if scheme := form.scheme:
-            yield Item(f"{scheme}:", "scheme", form.example, form.meaning, 30, again=scheme == "menagerie")
+            yield Item(f"{scheme}:", "scheme", form.example, doc=form.meaning, rank=30, again=scheme == "menagerie")
 
 
 def _robots(word: str) -> Iterator[Item]:
@@ -246,4 +254,4 @@ def _quoted(item: Item, question: Question) -> Item:
 
 def _span(question: Question, start: int, end: int) -> Span:
     line = question.cursor.line + 1
-    return Span(question.analysis.file, line, start + 1, line, end + 1)
+    return Span(question.analysis.file, line, start + 1, end_line=line, end_column=end + 1)

@@ -191,10 +191,10 @@ class _Scan:
         indent = len(before) - len(before.lstrip(" "))
         blank = not before.strip()
         if self.block is not None and (indent > self.block or (blank and column > self.block)):
-            return Cursor(self.path(), "text", "", line, column, column)
+            return Cursor(self.path(), "text", "", line=line, start=column, end=column)
         self.block = None
         if _ends_in_comment(before):
-            return Cursor(self.path(), "text", "", line, column, column)
+            return Cursor(self.path(), "text", "", line=line, start=column, end=column)
         if self.in_flow:
             return self.in_brackets(text, 0, line, column)
         if blank:
@@ -237,7 +237,7 @@ class _Scan:
     def in_brackets(self, text: str, at: int, line: int, column: int) -> Cursor:
         begin, quote = self.flow(text[:column], at)
         if not self.in_flow:
-            return Cursor(self.path(), "text", "", line, column, column)
+            return Cursor(self.path(), "text", "", line=line, start=column, end=column)
         top = self.stack[-1]
         role: Role = "either" if top.is_list else "value" if top.step is not None else "key"
         begin += len(text[begin:column]) - len(text[begin:column].lstrip())
@@ -265,10 +265,10 @@ class _Scan:
             self.path(role == "key"),
             role,
             text[start:column],
-            line,
-            start,
-            end,
-            quote,
+            line=line,
+            start=start,
+            end=end,
+            quote=quote,
             whole=text[start:end],
             written=keys,
         )

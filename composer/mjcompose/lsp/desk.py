@@ -78,7 +78,9 @@ def by_file(
         files.setdefault(file, []).append(each)
         if file != own and uses is not None:
             notes = (Note("it is found here", span), *each.notes)
-            files[own].append(replace(each, span=uses.get(file) or Span(own, 1, 1, 1, 1), notes=notes, fix=None))
+            files[own].append(
+                replace(each, span=uses.get(file) or Span(own, 1, 1, end_line=1, end_column=1), notes=notes, fix=None)
+            )
     return files
 
 
@@ -120,7 +122,7 @@ class Verifier:
             return ()
         context = Context(folder=self.folder, fetching=Fetching(offline=True))
         with unsaved({**texts, os.path.realpath(path): text.encode("utf-8", "replace")}):
-            linted = lint(path, context, self._session, chosen())
+            linted = lint(path, context, self._session, selected=chosen())
         return (*context.sink.sorted(), *linted.found)
 
 

@@ -22,15 +22,13 @@ from mjcompose.sources.fetching import model_files
 from mjcompose.text.node import lines_of
 from mjcompose.tree.classes import MAIN
 from mjcompose.tree.grammar import GRAMMAR, Attribute, ElementType
-from mjcompose.tree.parse import expand_includes, parse_xml, unit_of
-from mjcompose.tree.unit import line_of
+from mjcompose.tree.parse import expand_includes, parse_xml, read_from, take_header_in
+from mjcompose.tree.unit import Unit, line_of
 from mjcompose.tree.xml_layout import outermost, place_of_fragment
 from mjcompose.tree.xml_pieces import MODELS, Piece, pieces, root_of
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as Node
-
-    from mjcompose.tree.unit import Unit
 
 
 def repaired(text: str) -> str:
@@ -201,13 +199,17 @@ def place(question: ModelQuestion) -> tuple[Cursor, Piece | None, int]:
         if piece.kind == "text" and piece.start <= offset <= piece.end:
             before = question.text[piece.start : offset]
             start = offset - (len(before) - len(before.rstrip("abcdefghijklmnopqrstuvwxyz")))
-            return _cursor(question, tags, "content", start, offset), None, count
+            return _cursor(question, tags, "content", start=start, end=offset), None, count
         if is_inside or is_open:
             if piece.kind == "start":
                 return (*_in_tag(question, piece, tags), count)
             if piece.kind == "end":
-                return _cursor(question, tags, "end", piece.start + 2, piece.start + 2 + len(piece.tag)), None, count
-            return _cursor(question, tags, "text", offset, offset), None, count
+                return (
+                    _cursor(question, tags, "end", start=piece.start + 2, end=piece.start + 2 + len(piece.tag)),
+                    None,
+                    count,
+                )
+            return _cursor(question, tags, "text", start=offset, end=offset), None, count
         if piece.start >= offset:
             break
         if piece.kind == "start" and piece.tag:
@@ -216,36 +218,37 @@ def place(question: ModelQuestion) -> tuple[Cursor, Piece | None, int]:
         elif piece.kind == "end" and piece.tag in tags:
             while tags.pop() != piece.tag:
                 pass
-    return _cursor(question, tags, "content", offset, offset), None, count
+    return _cursor(question, tags, "content", start=offset, end=offset), None, count
 
 
 def _in_tag(question: ModelQuestion, piece: Piece, tags: list[str]) -> tuple[Cursor, Piece]:
     offset, text, name_end = question.offset, question.text, piece.start + 1 + len(piece.tag)
     if offset <= name_end:
-        return _cursor(question, tags, "tag", piece.start + 1, name_end), piece
+        return _cursor(question, tags, "tag", start=piece.start + 1, end=name_end), piece
     inner, written = [*tags, piece.tag], tuple(each.name for each in piece.attributes)
     for each in piece.attributes:
         name_end, path = each.at + len(each.name), [*inner, each.name]
         if each.at <= offset <= name_end:
-            cursor = _cursor(question, inner, "key", each.at, name_end)
+            cursor = _cursor(question, inner, "key", start=each.at, end=name_end)
             return replace(cursor, written=written, has_colon=text[name_end:].lstrip().startswith("=")), piece
         if each.value is not None and each.start <= offset <= each.end:
             attribute = kind.attributes.get(each.name) if (kind := question.kind(tuple(inner))) is not None else None
             item = r"\S*" if attribute is not None and attribute.separated else r"[^\n]*"
             before = re.search(f"{item}$", text[each.start : offset]), re.match(item, text[offset : each.end])
             start, end = (0 if found is None else len(found.group()) for found in before)
-            cursor = _cursor(question, path, "value", offset - start, offset + end)
+            cursor = _cursor(question, path, "value", start=offset - start, end=offset + end)
             return replace(cursor, quote='"'), piece
         if each.value is None and name_end < offset <= each.end:
-            return _cursor(question, path, "value", offset, offset), piece
-    return replace(_cursor(question, inner, "key", offset, offset), written=written), piece
+            return _cursor(question, path, "value", start=offset, end=offset), piece
+    return replace(_cursor(question, inner, "key", start=offset, end=offset), written=written), piece
 
 
 def _cursor(question: ModelQuestion, path: Sequence[str], role: Role, start: int, end: int) -> Cursor:
     line, first = question.at_offset(start)
     text = question.text
     return Cursor(
-        tuple(path), role, text[start : question.offset], line, first, first + end - start, whole=text[start:end],
+        tuple(path), role, text[start : question.offset], line=line, start=first, end=first + end - start,
+        whole=text[start:end],
     )  # fmt: skip
 
 
@@ -254,7 +257,8 @@ def read_unit(data: bytes, file: str, folder: Path) -> Unit | None:
     root = parse_xml(data, file, Sink())
     if root is None:
         return None
-    unit = unit_of(root, data, file=file, directory=folder, label=Path(file).stem)
+    unit = Unit(root, file, folder, label=Path(file).stem, header=take_header_in(root))
+    read_from(unit, data)
     unit.origins.texts[file].path = folder / Path(file).name
     if root.tag == "mujocoinclude":
         tags, sections = {str(each.tag) for each in root.iterchildren("*")}, GRAMMAR.root.children

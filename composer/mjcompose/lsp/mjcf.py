@@ -49,8 +49,8 @@ def offer_tags(question: ModelQuestion) -> Iterator[Item]:
         yield from (Item(tag, "element", insert=opening + tag) for tag in ("mujoco", "mujocoinclude"))
         return
     for at, (tag, kind) in enumerate(question.children(path).items()):
-        yield Item(tag, "element", _versions(kind), kind.doc, 10 + at / 1000, opening + tag)
-    yield Item("include", "element", "", INCLUDE, 20, f'{opening}include file="$0"/>')
+        yield Item(tag, "element", _versions(kind), doc=kind.doc, rank=10 + at / 1000, insert=opening + tag)
+    yield Item("include", "element", "", doc=INCLUDE, rank=20, insert=f'{opening}include file="$0"/>')
 
 
 def offer_attributes(question: ModelQuestion) -> Iterator[Item]:
@@ -62,8 +62,9 @@ def offer_attributes(question: ModelQuestion) -> Iterator[Item]:
         attribute = kind.attributes[name]
         if name not in cursor.written or name == cursor.whole:
             yield Item(
-                name, "key", _form(attribute), attribute.doc, (10 if attribute.required else 20) + at / 1000,
-                name if cursor.has_colon else f'{name}="$0"', again=bool(attribute.keywords or attribute.is_reference),
+                name, "key", _form(attribute), doc=attribute.doc, rank=(10 if attribute.required else 20) + at / 1000,
+                insert=name if cursor.has_colon else f'{name}="$0"',
+                again=bool(attribute.keywords or attribute.is_reference),
             )  # fmt: skip
 
 
@@ -117,7 +118,7 @@ def file_at(question: ModelQuestion) -> Iterator[Span]:
     folder = _folder(question)
     path = None if folder is None else Path(os.path.normpath(folder / question.cursor.whole))
     if path is not None and question.cursor.whole and path.is_file():
-        yield Span(str(path), 1, 1, 1, 1)
+        yield Span(str(path), 1, 1, end_line=1, end_column=1)
 
 
 def _form(attribute: Attribute) -> str:
@@ -147,13 +148,13 @@ def show_attribute(question: ModelQuestion) -> Hover | None:
     lines = [f"**`{attribute.name}`** of `<{kind.tag}>`: {facts}", "", f"{attribute.doc}{keywords}", ""]
     node, unit = question.node, question.analysis.unit
     if node is not None and unit is not None and (kind.takes_class or attribute.name in node.attrib):
-        lines += effect(node, kind, attribute, unit)
+        lines += effect(node, kind, attribute, unit=unit)
     return Hover("\n".join(lines), question.word)
 
 
 def effect(node: Node, kind: ElementType, attribute: Attribute, unit: Unit) -> Iterator[str]:
     """Yield the value of an attribute in effect, and the values from the element, its classes and MuJoCo."""
-    steps = levels(node, kind, attribute, unit.classes)
+    steps = levels(node, kind, attribute, classes=unit.classes)
     found = value(steps)
     if found is not None:
         yield f"value in effect: **`{found}`**"
@@ -206,7 +207,7 @@ SHOWS = (show_attribute, show_element)
 def uses(known: Known, unit: Unit) -> Iterator[Span]:
     """Yield the places in the files of a model that refer to a name; in a list, the item."""
     for node, attribute in NameIndex.of(unit.root).users(known.namespace, known.name):
-        yield from _items(node, attribute, known.name, unit)
+        yield from _items(node, attribute, known.name, unit=unit)
 
 
 def _items(node: Node, attribute: str, name: str, unit: Unit) -> Iterator[Span]:
@@ -219,9 +220,11 @@ def _items(node: Node, attribute: str, name: str, unit: Unit) -> Iterator[Span]:
     for at, item in enumerate(str(node.get(attribute)).split()):
         if item == name and text is not None and line is not None:
             of = {str(key): str(each) for key, each in node.items()}
-            found = text.items(str(node.tag), line, of, attribute, at, at)
+            found = text.items(str(node.tag), line, of, name=attribute, first=at, last=at)
             if found is not None:
-                yield Span(str(file), found[0].line, found[0].column, found[0].line, found[0].end_column)
+                yield Span(
+                    str(file), found[0].line, found[0].column, end_line=found[0].line, end_column=found[0].end_column
+                )
 
 
 class Refused(Exception):
@@ -250,7 +253,7 @@ def rename(question: ModelQuestion, new: str, others: Iterable[tuple[Unit, str]]
     for unit, prefix in ((own, ""), *others):
         there, now = replace(known, name=prefix + known.name), prefix + new
         changes = _changes(there, now, unit)
-        if changes and not _means_the_same(there, now, unit, changes):
+        if changes and not _means_the_same(there, now, unit, changes=changes):
             raise Refused(f"`{known.name}` cannot be renamed: other names in `{unit.file}` would change")
         every.update(dict.fromkeys(changes))
     return known, list(every)
@@ -293,7 +296,7 @@ def _spans(text: str, file: str) -> Callable[[int, int], Span]:
 
     def span(start: int, end: int) -> Span:
         first, last = bisect_right(lines, start), bisect_right(lines, end)
-        return Span(file, first, start - lines[first - 1] + 1, last, end - lines[last - 1] + 1)
+        return Span(file, first, start - lines[first - 1] + 1, end_line=last, end_column=end - lines[last - 1] + 1)
 
     return span
 
@@ -310,7 +313,9 @@ def symbols(text: str, analysis: ModelAnalysis) -> list[Symbol]:
             "section" if len(waiting) < 2 else "element",
             span(piece.start + 1, piece.start + 1 + len(piece.tag)),
         )
-        return Symbol(name or piece.tag, kind, tag, span(piece.start, end), piece.tag if name else "", below)
+        return Symbol(
+            name or piece.tag, kind, tag, whole=span(piece.start, end), detail=piece.tag if name else "", children=below
+        )
 
     found: list[list[Symbol]] = [[]]
     waiting: list[Piece] = []

@@ -58,11 +58,11 @@ def _model(question: Question) -> Iterator[Span]:
     if question.cursor.role == "key" or plan is None:
         return
     if question.path == ("extends",):
-        yield from (Span(str(source.path), 1, 1, 1, 1) for source, _ in plan.extended[:1])
+        yield from (Span(str(source.path), 1, 1, end_line=1, end_column=1) for source, _ in plan.extended[:1])
     name = part_of_reference(question.path, plan)
     model = next((place.model for place in plan.walk() if place.part == name and place.model is not None), None)
     if model is not None and not (isinstance(model, Plan) and model.at):
-        yield Span(str(model.path), 1, 1, 1, 1)
+        yield Span(str(model.path), 1, 1, end_line=1, end_column=1)
 
 
 def folds(lines: AbcSequence[str]) -> list[Fold]:
@@ -206,8 +206,8 @@ def _span(file: str, first: int, last: int, text: str) -> Span:
     """Return the span of whole lines, counted from 0. A last line without a line break ends after its text."""
     lines = lines_of(text)
     if last >= len(lines):
-        return Span(file, first + 1, 1, len(lines), len(lines[-1]) + 1)
-    return Span(file, first + 1, 1, last + 1, 1)
+        return Span(file, first + 1, 1, end_line=len(lines), end_column=len(lines[-1]) + 1)
+    return Span(file, first + 1, 1, end_line=last + 1, end_column=1)
 
 
 COMMANDS = ("view", "build", "check")
@@ -312,7 +312,7 @@ def _symbols(node: Node, depth: int, analysis: Analysis) -> Iterator[Symbol]:
         span, whole = (analysis.now(each, analysis.tree_of) for each in (place, _around(place, value)))
         if span is not None:
             below = tuple(_symbols(value, depth + 1, analysis))
-            yield Symbol(name, kind, span, whole or span, _detail(value), below)
+            yield Symbol(name, kind, span, whole=whole or span, detail=_detail(value), children=below)
 
 
 def _around(first: Span, node: Node) -> Span:

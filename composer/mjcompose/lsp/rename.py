@@ -108,7 +108,7 @@ def rename(
     this one, with the prefix of its names there.
     """
     if isinstance(question, ModelQuestion):
-        return _rename_in_model(question, new, others, models)
+        return _rename_in_model(question, new, others, models=models)
     at, parameter = subject.part_named_at(question), subject.parameter_at(question)
     if renameable(question) is None:
         raise Refused("only parts, parameters and variants can be renamed, in a recipe without errors in its YAML")
@@ -139,7 +139,11 @@ def _rename_in_model(
                     continue
                 now = there.removesuffix(known.name) + new
                 try:
-                    changed = renamed(text, there, now, other.separator, pattern=True) if use.wanted.pattern else None
+                    changed = (
+                        renamed(text, there, now, separator=other.separator, pattern=True)
+                        if use.wanted.pattern
+                        else None
+                    )
                 except (NotSure, ValueError):
                     raise Refused(f"`{text}` in `{other.file}` would match other names: change it first") from None
                 if changed is not None or text == there:
@@ -214,7 +218,7 @@ def _in_fragment(node: Scalar, old: str, new: str) -> Iterator[Change]:
                 row, column = node.span.line, node.span.column + (0 if node.plain else 1) + found.start()
             else:
                 raise NotSure(old)
-            yield Change(Span(node.span.file, row, column, row, column + len(old)), new)
+            yield Change(Span(node.span.file, row, column, end_line=row, end_column=column + len(old)), new)
 
 
 def _written(span: Span, text: str, analysis: Analysis) -> Change:

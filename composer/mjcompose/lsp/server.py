@@ -113,8 +113,8 @@ class Server(LanguageServer):
         analysis = await self.analysis(params, newest, traced=traced)
         lines, at = self.document(params).lines, position or params.position
         if isinstance(analysis, ModelAnalysis):
-            return ModelQuestion(analysis, lines, at.line, self.converter.column(lines, at))
-        return Question(analysis, lines, at.line, self.converter.column(lines, at))
+            return ModelQuestion(analysis, lines, at.line, column=self.converter.column(lines, at))
+        return Question(analysis, lines, at.line, column=self.converter.column(lines, at))
 
     def locations(self, spans: Iterable[Span]) -> list[lsp.Location]:
         return [self.converter.location(span) for span in spans]
@@ -241,7 +241,7 @@ async def renamed(own: Server, params: lsp.RenameParams) -> lsp.WorkspaceEdit:
     try:
         path = question.analysis.path
         models = await own.desk.models_including(path) if own.desk.is_model(path) else []
-        changes = rename(question, params.new_name, await own.desk.including(path), models)
+        changes = rename(question, params.new_name, await own.desk.including(path), models=models)
     except Refused as refused:
         raise JsonRpcException(str(refused), lsp.LSPErrorCodes.RequestFailed) from None
     return own.converter.edit(changes)

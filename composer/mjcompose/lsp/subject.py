@@ -192,7 +192,7 @@ def _names_of(node: Scalar) -> Iterator[tuple[str, Span]]:
     for name, start, end in names_in(node.text):
         above, last = node.text[:start].count("\n"), start - (node.text.rfind("\n", 0, start) + 1)
         row = line + above
-        yield name, Span(node.span.file, row, column + last, row, column + last + end - start)
+        yield name, Span(node.span.file, row, column + last, end_line=row, end_column=column + last + end - start)
 
 
 def wanted_as_value(question: Question) -> Wanted | None:

@@ -29,7 +29,7 @@ def encoded(corners: Any, normals: Any, faces: Any, of_normals: Any, flat: Any, 
     low, extent = corners.min(axis=0), float(np.ptp(corners, axis=0).max())
     step = extent / ((1 << (_BITS if extent <= _LARGE else _BITS_OF_LARGE)) - 1) or 1.0
     whole = np.rint((corners - low) / step).astype(np.uint64)
-    is_flat, folded = _is_flat(corners, normals, faces, of_normals), octahedral(normals)
+    is_flat, folded = _is_flat(corners, normals, faces, of_normals=of_normals), octahedral(normals)
     place = _morton(whole)
     key = place[faces.ravel()]
     if not is_flat:

@@ -187,7 +187,7 @@ class Stage:
 
     def whole(self, subject: Any = None) -> Any:
         """Return the camera that shows the whole model, or the points of a subject."""
-        return camera(self.mujoco, [(self.model, self.data)], self.look.aspect, subject)
+        return camera(self.mujoco, [(self.model, self.data)], self.look.aspect, subject=subject)
 
     def picture(self, view: Any) -> Any:
         """Return the picture of a camera, `(height, width, 3)` or with opacity `(height, width, 4)`, in bytes.
@@ -201,7 +201,7 @@ class Stage:
                 self.model, self.data, mujoco.MjvOption(), None, self._camera(view),
                 mujoco.mjtCatBit.mjCAT_ALL.value, self._scene,
             )  # fmt: skip
-            decorate(mujoco, self.model, self.data, self._scene, self.links, look.labels)
+            decorate(mujoco, self.model, self.data, scene=self._scene, links=self.links, labels=look.labels)
             sky = has_sky(mujoco, self.model) and look.background is None
             self._scene.flags[mujoco.mjtRndFlag.mjRND_SKYBOX] = sky
             mujoco.mjr_render(mujoco.MjrRect(0, 0, look.width, look.height), self._scene, self._drawing)

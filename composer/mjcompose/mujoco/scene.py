@@ -292,7 +292,7 @@ def seen(mujoco: Any, model: Any, data: Any) -> dict[str, Any]:
     A contact has its two geoms (-1 for a flex), its position, its normal, and the force on the second geom.
     """
     return {
-        "contacts": [_contact(mujoco, model, data, number) for number in range(min(int(data.ncon), _MOST_CONTACTS))],
+        "contacts": [_contact(mujoco, model, data, number=each) for each in range(min(int(data.ncon), _MOST_CONTACTS))],
         "tendons": _ways(data), "sensors": _rounded(data.sensordata),
     }  # fmt: skip
 

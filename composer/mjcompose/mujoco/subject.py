@@ -57,7 +57,7 @@ def points_of(mujoco: Any, model: Any, data: Any, kind: str, name: str) -> Any:
         geoms = [geom for geom in range(model.ngeom) if body in _above(model, int(model.geom_bodyid[geom]))]
     else:
         geoms = [at] if kind == "geom" else []
-    found = corners(mujoco, model, data, geoms) if geoms else np.zeros((0, 3))
+    found = corners(mujoco, model, data, some=geoms) if geoms else np.zeros((0, 3))
     if len(found):
         return found
     whole = corners(mujoco, model, data)
@@ -93,7 +93,7 @@ def explode(mujoco: Any, model: Any, data: Any) -> list[Link]:
     boxes: dict[int, tuple[Any, float]] = {}
     for part in sorted(set(first)):
         geoms = [geom for geom in range(model.ngeom) if first[int(model.geom_bodyid[geom])] == part]
-        points = corners(mujoco, model, data, geoms) if geoms else data.xpos[part][None]
+        points = corners(mujoco, model, data, some=geoms) if geoms else data.xpos[part][None]
         low, high = points.min(axis=0), points.max(axis=0)
         boxes[part] = (low + high) / 2, float(np.linalg.norm(high - low))
     middle = np.mean([center for part, (center, _) in boxes.items() if part], axis=0) if len(boxes) > 1 else np.zeros(3)

@@ -328,7 +328,7 @@ def _end(node: Node, file: str) -> tuple[int, int]:
 
 
 def _insert(file: str, line: int, column: int, text: str) -> Change:
-    return Change(Span(file, line, column, line, column), text)
+    return Change(Span(file, line, column, end_line=line, end_column=column), text)
 
 
 def changed(text: str, changes: Iterable[Change]) -> str:

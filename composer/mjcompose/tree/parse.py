@@ -177,7 +177,8 @@ def parse_text(
     root = parse_xml(data, file, sink)
     if root is None:
         return None
-    unit = unit_of(root, data, file=file, directory=directory, label=label, contents=contents, door=door)
+    unit = Unit(root, file, directory, label=label, contents=contents or {}, header=take_header_in(root))
+    read_from(unit, data, door)
     if root.tag != "mujoco":
         help = SDF.help(file) if root.tag == "sdf" else _NO_MODEL.get(str(root.tag))
         message = f"`{file}` is not an MJCF model: its root is `<{root.tag}>`, not `<mujoco>`"
@@ -193,17 +194,11 @@ def parse_text(
     return None if sink.error_count > before else unit
 
 
-def unit_of(
-    root: Node, data: bytes | str, *, file: str, directory: Path, label: str,
-    contents: Mapping[str, bytes | Path] | None = None, door: Door | None = None,
-) -> Unit:  # fmt: skip
-    """Return the unit of a tree that was read from `data`, with its includes as written."""
-    header = take_header_in(root)
-    door = door or own_door(directory / "model.xml")
-    unit = Unit(root, file, directory, label=label, contents=contents or {}, header=header, door=door)
-    unit.origins.texts[file] = FileText(contents=data)
+def read_from(unit: Unit, data: bytes | str, door: Door | None = None) -> None:
+    """Note the text that a unit was read from, with its includes as written, and the files that it may read."""
+    unit.door = door or own_door(unit.directory / "model.xml")
+    unit.origins.texts[unit.file] = FileText(contents=data)
     unit.origins.size = len(data)
-    return unit
 
 
 def expand_includes(unit: Unit, sink: Sink) -> None:

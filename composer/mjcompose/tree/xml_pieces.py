@@ -69,7 +69,7 @@ def pieces(text: str) -> Iterator[Piece]:
             yield (piece := _start_tag(text, at, whole[1:]))
             at = piece.end
             continue
-        yield Piece(kind, at, found.end(), whole[2:].rstrip(">").strip() if kind == "end" else "")
+        yield Piece(kind, at, found.end(), tag=whole[2:].rstrip(">").strip() if kind == "end" else "")
         at = found.end()
 
 
@@ -79,10 +79,10 @@ def _start_tag(text: str, start: int, tag: str) -> Piece:
         at = found.end()
         group = next((each for each in (2, 3) if found[each] is not None), None)
         value, (begin, end) = (None, (at, at)) if group is None else (found[group], found.span(group))
-        attributes.append(Written(found[1], found.start(1), value, begin, end))
+        attributes.append(Written(found[1], found.start(1), value, start=begin, end=end))
     if (closing := _TAG_END.match(text, at)) is not None:
-        return Piece("start", start, closing.end(), tag, tuple(attributes), closed=bool(closing[1]))
-    return Piece("start", start, _BLANK.match(text, at).end(), tag, tuple(attributes), complete=False)  # type: ignore[union-attr]
+        return Piece("start", start, closing.end(), tag=tag, attributes=tuple(attributes), closed=bool(closing[1]))
+    return Piece("start", start, _BLANK.match(text, at).end(), tag=tag, attributes=tuple(attributes), complete=False)  # type: ignore[union-attr]
 
 
 def root_of(text: str) -> str | None:

@@ -38,7 +38,7 @@ def inertia_implausible(subject: Subject) -> Found:
         inertial = None if node is None else node.find("inertial")
         mass, whole = subject.model.body_mass[body], subject.model.body_subtreemass[subject.model.body_rootid[body]]
         if mass > _NEGLIGIBLE * whole and shapes.own(body) and shapes.reach(body) > _SMALL:
-            for fault in faults(shapes, body, _GYRATION, _OUTSIDE):
+            for fault in faults(shapes, body, gyration=_GYRATION, outside=_OUTSIDE):
                 yield Finding(
                     node if inertial is None else inertial, f"{subject.name('body', body)}: {fault}",
                     help="correct `<inertial>`, or remove it to compute the inertia from the geoms",
@@ -285,7 +285,7 @@ def simulation_diverges(subject: Subject) -> Found:
     has_key = model.nkey and (subject.node("key", 0) is not None or subject.roster.names["key"][0])
     if has_key:
         mujoco.mj_resetDataKeyframe(model, data, 0)
-    why = advance(mujoco, model, data, _SECONDS, data.time) if model.nv and model.opt.timestep > 0 else None
+    why = advance(mujoco, model, data, end=_SECONDS, begun=data.time) if model.nv and model.opt.timestep > 0 else None
     if why is not None:
         start = subject.name("key", 0).replace("key", "keyframe", 1) if has_key else "the reference configuration"
         yield Finding(subject.node("key", 0) if has_key else None, f"from {start}, the simulation is {why}")

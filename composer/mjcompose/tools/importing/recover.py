@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections import defaultdict
 from collections.abc import Callable, Collection, Iterator, Mapping
-from dataclasses import replace
+from dataclasses import field, replace
 from itertools import groupby
 from pathlib import Path
 
@@ -157,7 +157,9 @@ def recover(
     if context.sink.error_count > before or len(units) < len(read):
         return None
     with Session() as session:
-        recovery = _Recovery(merged, parts, out, context, session, units=units, references=references or {})
+        recovery = _Recovery(
+            merged, parts, out, context=context, session=session, units=units, references=references or {}
+        )
         return recovery.recovered(progress)
 
 
@@ -166,18 +168,20 @@ def whole_recipe(merged: Path, out: Path) -> str:
     return f"recipe: 1\nname: {word(out.stem)}\nbase: {word(_reference(merged, out.parent))}\n"
 
 
+@dataclass
 class _Recovery:
     """Compiles the merged model and its parts once, and compares models of recipes with the merged one."""
 
-    def __init__(
-        self, merged: Path, parts: list[Path], out: Path, context: Context, session: Session, *, units: list[Unit],
-        references: Mapping[Path, str],
-    ) -> None:  # fmt: skip
-        self.merged, self.parts, self.out, self.context, self.session = merged, parts, out, context, session
-        self.units, self.references = units, references
-        self.refused: str | None = None
-        self.compared = False
-        self._compiled: dict[int, bool] = {}
+    merged: Path
+    parts: list[Path]
+    out: Path
+    context: Context
+    session: Session
+    units: list[Unit]
+    references: Mapping[Path, str]
+    refused: str | None = None
+    compared: bool = False
+    _compiled: dict[int, bool] = field(default_factory=dict)
 
     def recovered(self, progress: Callable[[str], None]) -> Recovered:
         progress(f"compiling {self.context.shown(self.merged)} and its parts")

@@ -221,7 +221,7 @@ def advance(mujoco: Any, model: Any, asked: Mapping[str, Any]) -> State:
         if value is not None and len(value) == len(array):
             array[:] = value
     data.time = asked.get("time", 0.0)
-    pull(mujoco, model, data, asked.get("pull") or {})
+    pull(mujoco, model, data, asked=asked.get("pull") or {})
     begun = data.time
     stopped = simulate(mujoco, model, data, end=asked["seconds"], begun=begun, most=_MOST_SECONDS)
     if stopped is not None:

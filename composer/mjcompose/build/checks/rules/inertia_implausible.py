@@ -49,7 +49,7 @@ def check(scope: Scope, settings: Mapping[str, Any]) -> list[Fault]:
             continue
         count += 1
         name = scope.called("body", body)
-        wrong += [f"{name}: {each}" for each in _faults(scope, shapes, body, settings)]
+        wrong += [f"{name}: {each}" for each in _faults(scope, shapes, body, settings=settings)]
     scope.found("bodies", count)
     scope.found("implausible", len(wrong))
     actual = f"{len(wrong)} fault{'s' * (len(wrong) > 1)} in {count} bodies"
@@ -57,7 +57,7 @@ def check(scope: Scope, settings: Mapping[str, Any]) -> list[Fault]:
 
 
 def _faults(scope: Scope, shapes: Shapes, body: int, settings: Mapping[str, Any]) -> Iterator[str]:
-    yield from faults(shapes, body, settings["gyration"], settings["outside"])
+    yield from faults(shapes, body, gyration=settings["gyration"], outside=settings["outside"])
     if settings["density"] is not None and (own := shapes.own(body)):
         mass, found, (low, high) = float(scope.model.body_mass[body]), shapes.volume(own), settings["density"]
         weighs = f"it weighs {mass:.4g} kg, which is {{:.4g}} kg/m³ of the volume of its geoms, {{}}"
