@@ -6,7 +6,7 @@ interface Level { cells: number; start: number; count: number }
 
 const LEAST = 800, MOST_CELLS = 512, LEAST_CELLS = 4, SHADOW_CELLS = 22;
 /** Sides of round things that differ from a circle by less than a quarter of a cell. */
-const ROUND = [{ sides: 24, cells: 64 }, { sides: 16, cells: 28 }, { sides: 8, cells: 7 }];
+const ROUND = [{ sides: 24, cells: 64 }, { sides: 16, cells: 28 }, { sides: 8, cells: 7 }, { sides: 6, cells: 3 }];
 
 /** Add coarser triangles after those of a surface. Its corners are in Morton order, with whole numbers below 2^bits. */
 export function simplify(geometry: BufferGeometry, whole: Uint16Array[], bits: number): void {

@@ -8,7 +8,7 @@ import type { World } from "./world";
 /** How long after a change the page still counts as moving, and what a picture may take then, in milliseconds. */
 const STILL = 180, SLOW = 33, QUICK = 14;
 /** Cells of a surface for each pixel, and pixels of the picture for each of the screen, at rest and at their least. */
-const FINE = 1.5, LEAST_FINE = 0.06, LEAST_RATIO = 0.5;
+const FINE = 1.5, LEAST_FINE = 0.06, LEAST_RATIO = 0.4;
 
 // Colors go to the screen as MuJoCo has them.
 ColorManagement.enabled = false;
@@ -40,6 +40,8 @@ export class Stage {
     this.renderer.shadowMap.enabled = true;
     this.renderer.shadowMap.type = PCFShadowMap;
     this.renderer.shadowMap.autoUpdate = false;
+    // Looking for errors waits for each program to be compiled.
+    this.renderer.debug.checkShaderErrors = false;
     this.renderer.setPixelRatio(this.ratio);
     this.camera.up.set(0, 0, 1);
     this.controls = new OrbitControls(this.camera, canvas);
