@@ -120,3 +120,16 @@ def test_programs_that_nobody_can_ask(tmp_path: Path, program: str) -> None:
     ((code, message),), _ = checked(tmp_path, program)
     assert (code, message) == ("wrong-keyword", f"`as` of check `moves` cannot be `{program}`")
     assert moves_alike.KIND.word == "moves_alike"
+
+
+def test_a_fetched_recipe_installs_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    made = []
+
+    def make(version: str, *_: object, offline: bool) -> Other:
+        made.append(offline)
+        return Other(this_python(), version)
+
+    monkeypatch.setattr(environments, "make", make)
+    monkeypatch.setattr(Fetching, "around", lambda _, path: object() if Path(path).name == "r.yaml" else None)
+    checked(tmp_path, "{as: mujoco==3.12, seconds: 0.1}", Context(environment={}, folder=tmp_path, fetching=Fetching()))
+    assert made == [True]

@@ -61,18 +61,25 @@ def run(checks: Checks, check: MovesAlike, recipe: NestedRecipe, context: Contex
     """Simulate the model here and there; report joints and bodies that move differently to the context."""
     from mjcompose.build.verify.checks import report
 
-    found, values = _in_mujoco(checks, check, context) if check.program.startswith(_MUJOCO) else _there(checks, check)
+    if check.program.startswith(_MUJOCO):
+        how = context.fetching
+        # A recipe from elsewhere installs nothing.
+        is_foreign = how is not None and how.around(recipe.plan.path) is not None
+        found, values = _in_mujoco(checks, check, context, offline=is_foreign or (how is not None and how.offline))
+    else:
+        found, values = _there(checks, check)
     for finding in found:
         report(finding, check, recipe, context=context)
     return values
 
 
-def _in_mujoco(checks: Checks, check: MovesAlike, context: Context) -> tuple[list[Fault], dict[str, Any]]:
+def _in_mujoco(
+    checks: Checks, check: MovesAlike, context: Context, offline: bool
+) -> tuple[list[Fault], dict[str, Any]]:
     from mjcompose.mujoco.environments import Other, OtherError, make, this_python
     from mjcompose.mujoco.moved import TRIALS, Motion, differences
 
     version = release(check.program.removeprefix(_MUJOCO)) or ""
-    offline = context.fetching is not None and context.fetching.offline
     asked = {"seconds": check.seconds, "trials": TRIALS, "key": check.key}
     try:
         own = Other(this_python(), checks.session.mujoco_version or "")
