@@ -20,7 +20,7 @@ MODEL = """<mujoco>
 </mujoco>
 """
 AT = (
-    "([x, y, z]) => { const at = mjcompose.stage.camera.position.clone().set(x, y, z).project(mjcompose.stage.camera),"
+    "([x, y, z]) => { mjcompose.stage.sharp(); const at = mjcompose.stage.camera.position.clone().set(x, y, z).project(mjcompose.stage.camera),"
     " box = mjcompose.canvas.getBoundingClientRect();"
     " return [box.left + (at.x + 1) / 2 * box.width, box.top + (1 - at.y) / 2 * box.height]; }"
 )
@@ -48,6 +48,7 @@ def test_a_distance_is_between_two_points_on_their_bodies(page: Any) -> None:
     page.keyboard.press("d")
     for point in ([-0.4, -0.05, 0.5], [0.4, -0.05, 0.5]):
         page.mouse.click(*page.evaluate(AT, point))
+    page.wait_for_selector(".measure:not([hidden])")
     shown = page.locator(".measure b").inner_text()
     assert float(shown.removesuffix(" m")) == pytest.approx(0.8, abs=0.01)
     page.keyboard.press("Escape")

@@ -139,7 +139,7 @@ def test_ctrl_and_the_mouse_pull_a_body(tmp_path: Path, open_page: Callable[...,
     page.keyboard.press("Space")
     page.wait_for_function("mjcompose.server.data?.time > 0", timeout=60_000)
     x, y = page.evaluate(
-        "(() => { const at = mjcompose.stage.camera.position.clone().set(0, 0, 0.1).project(mjcompose.stage.camera),"
+        "(() => { mjcompose.stage.sharp(); const at = mjcompose.stage.camera.position.clone().set(0, 0, 0.1).project(mjcompose.stage.camera),"
         " box = mjcompose.canvas.getBoundingClientRect();"
         " return [box.left + (at.x + 1) / 2 * box.width, box.top + (1 - at.y) / 2 * box.height]; })()"
     )
