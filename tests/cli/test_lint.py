@@ -69,3 +69,34 @@ def test_pages_and_lists(models: Path) -> None:
     assert "unused-class" in run("lint", "--rules").stdout
     assert "A default class that no element uses" in run("explain", "unused-class").stdout
     assert "unused-class" in run("explain", "--codes").stdout
+
+
+def test_what_another_model_uses_is_not_removed(models: Path) -> None:
+    colors = '<mujoco><asset><material name="red"/>\n<material name="blue"/>\n</asset></mujoco>'
+    (models / "arms" / "colors.xml").write_text(colors, encoding="utf-8")
+    ball = '<mujoco><worldbody><geom size="1" material="red"/></worldbody></mujoco>'
+    (models / "arms" / "ball.xml").write_text(ball, encoding="utf-8")
+    scene = '<mujoco><include file="arms/colors.xml"/><include file="arms/ball.xml"/></mujoco>'
+    (models / "scene.xml").write_text(scene, encoding="utf-8")
+    for file in ("arms/colors.xml", "."):
+        run("lint", file, "--select", "unused-material", "--fix")
+        assert (models / "arms" / "colors.xml").read_text(encoding="utf-8") == colors.replace(
+            '<material name="blue"/>\n', ""
+        )
+
+
+def test_a_recipe_changes_none_of_its_sources(models: Path) -> None:
+    arm = (models / "arms" / "arm.xml").read_text(encoding="utf-8")
+    edit = "edit:\n  - {select: {geom: '**'}, remove: true}\n"
+    (models / "cell.yaml").write_text(f"recipe: 1\nbase: arms/arm.xml\n{edit}", encoding="utf-8")
+    result = run("lint", "cell.yaml", "--select", "dead", "--fix")
+    assert "no element uses the class `used`" in result.stderr and "--fix" not in result.stdout
+    assert (models / "arms" / "arm.xml").read_text(encoding="utf-8") == arm
+
+
+def test_a_fix_escapes_a_name_and_breaks_no_model(models: Path) -> None:
+    name = "a&amp;b&quot;&lt;&#9;'"
+    arm = f'<mujoco><worldbody><body><joint name="{name}"/><geom size="1"/></body></worldbody><actuator><motor'
+    (models / "arm.xml").write_text(f'{arm} joint="{name}"/></actuator></mujoco>', encoding="utf-8")
+    assert run("lint", "arm.xml", "--select", "unnamed-actuator", "--fix").exit_code == 0
+    assert run("lint", "arm.xml", "--select", "unnamed-actuator").exit_code == 0

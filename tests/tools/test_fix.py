@@ -1,12 +1,15 @@
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 from cases import Case, cases
-from mjcompose.base.diagnostic import Diagnostic, Fix, Span
+from mjcompose.base.diagnostic import Diagnostic, Fix, Severity, Span
+from mjcompose.base.files import read_regular
+from mjcompose.base.sink import Sink
 from mjcompose.sources.context import Context
-from mjcompose.tools.fix import Edit, Fixed, applied, edit_of, exact, fix
+from mjcompose.tools.fix import Edit, Fixed, Fixing, applied, edit_of, exact, fix
 
 
 def found(fix: Fix | None, span: Span | None) -> Diagnostic:
@@ -173,3 +176,18 @@ def test_every_wrong_recipe(case: Case, tmp_path: Path) -> None:
         path.write_bytes(after)
     again = fix(folder / "recipe.yaml", Context(folder=folder))
     assert not again.files and [str(each) for each in again.left] == [str(each) for each in found.left]
+
+
+@pytest.mark.parametrize("severity", [Severity.ERROR, Severity.WARNING])
+def test_a_fix_that_breaks_a_model_is_reverted(tmp_path: Path, severity: Severity) -> None:
+    (tmp_path / "a.xml").write_text("<a/>", encoding="utf-8")
+    context = Context(sink=Sink(), folder=tmp_path)
+
+    def look(context: Context) -> list[Diagnostic]:
+        if read_regular(tmp_path / "a.xml") == b"<a/>":
+            return [found(Fix("b", None, at(1, 2, 3, "a.xml")), at(1, 2, 3, "a.xml"))]
+        return [Diagnostic("mujoco-rejects", "no", at(1, 1, file="a.xml"), severity=severity)]
+
+    first = replace(look(context)[0], severity=Severity.WARNING)
+    fixing = Fixing(lambda own: [first if each.fix else each for each in look(own)], context, (".xml",))
+    assert bool(fixing.fixed().files) is (severity is Severity.WARNING)

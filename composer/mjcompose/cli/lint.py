@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from mjcompose.base.diagnostic import Diagnostic
     from mjcompose.build.lint.rule import Rule
     from mjcompose.sources.context import Context
-    from mjcompose.tools.lint import Linted
+    from mjcompose.tools.lint import Linted, Target
 
 _PROFILES = ("menagerie", "robot-asset")
 
@@ -80,7 +80,7 @@ def lint(options: Options, run: Run) -> Answer | int:
     if not targets:
         raise click.UsageError("There is no model in these folders.")
     if options.fix:
-        fixed = sum(_fix(each.path, selected, run.context) for each in targets)
+        fixed = sum(_fix(each, selected, run.context) for each in targets)
         if fixed:
             say(f"fixed {counted(fixed, 'finding')}")
     results = lint_all(
@@ -113,7 +113,7 @@ def _separated(values: Sequence[str]) -> list[str]:
     return [name for value in values for name in value.replace(",", " ").split()]
 
 
-def _fix(path: Path, selected: Sequence[Rule], context: Context) -> int:
+def _fix(target: Target, selected: Sequence[Rule], context: Context) -> int:
     """Apply the fixes of one model and return how many were applied."""
     from mjcompose.mujoco.engine import Session
     from mjcompose.tools.fix import Fixing
@@ -122,10 +122,10 @@ def _fix(path: Path, selected: Sequence[Rule], context: Context) -> int:
     with Session() as session:
 
         def look(own: Context) -> list[Diagnostic]:
-            found = lint(path, own, session, selected=selected).found
+            found = lint(target.path, own, session, selected=selected, may_be_part=target.may_be_part).found
             return [*own.sink.sorted(), *found]
 
-        done = Fixing(look, context, (".xml", ".urdf")).fixed()
+        done = Fixing(look, context, (".xml",)).fixed()
     written = [rewrite(file, after, context) for file, (_, after) in done.files.items()]
     return len(done.fixed) if all(written) else 0
 

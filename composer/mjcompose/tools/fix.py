@@ -10,7 +10,7 @@ from dataclasses import field, replace
 from pathlib import Path
 
 from mjcompose.base.dataclass import dataclass
-from mjcompose.base.diagnostic import Diagnostic, Fix, Span
+from mjcompose.base.diagnostic import Diagnostic, Fix, Severity, Span
 from mjcompose.base.files import read_regular, unsaved
 from mjcompose.base.limits import in_force
 from mjcompose.base.sink import Sink
@@ -161,7 +161,7 @@ class Fixing:
             useless = _persisting(left, tried, after)
             known = set(map(_identity, left))
             new = [each for each in after if _identity(each) not in known]
-            if any(each.code.startswith("yaml-") for each in new):  # a corrected name may exist already
+            if self._breaks(left, new):
                 useless = set(map(_identity, tried)) if len(tried) == 1 else set()
                 self.at_once = 1  # trying single fixes shows which of them fails
             elif not useless:
@@ -175,6 +175,13 @@ class Fixing:
             path: (text, self.now[path]) for path, text in self.before.items() if self.now.get(path, text) != text
         }
         return result
+
+    def _breaks(self, before: list[Diagnostic], new: list[Diagnostic]) -> bool:
+        """Return whether a file is wrong now that was right: a corrected name may exist already."""
+        was_right = not any(each.severity is Severity.ERROR for each in before)
+        return any(
+            each.code.startswith(("yaml-", "xml-")) or (was_right and each.severity is Severity.ERROR) for each in new
+        )
 
     def found(self) -> list[Diagnostic]:
         """Return the diagnostics for the current texts."""

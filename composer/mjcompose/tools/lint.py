@@ -7,8 +7,10 @@ import re
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
+from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING
+from xml.sax.saxutils import escape
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Cause, Diagnostic, Fix, Severity, Span
@@ -35,7 +37,7 @@ _MODEL = re.compile(rb"<mujoco[\s>].*<(worldbody|include|attach)[\s/>]", re.DOTA
 _RECIPE = re.compile(rb"^(recipe|extends)\s*:", re.MULTILINE)
 _INCLUDE = re.compile(rb"""<include\s+file\s*=\s*["']([^"']+)""")
 _GLOB = re.compile(r"[*?\[]")
-_HEAD = 1 << 20
+_HEAD, _MOST_NEAR = 1 << 20, 200
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,10 +79,38 @@ def _models_below(top: Path) -> list[Target]:
             kind = path.suffix.lower()
             head = _head(path) if kind in (".xml", ".yaml", ".yml") else b""
             if kind == ".xml":
-                included |= {os.path.normpath(here / os.fsdecode(name)) for name in _INCLUDE.findall(head)}
+                included |= _included(path, head)
             is_model = _MODEL.search(head) if kind == ".xml" else _RECIPE.search(head) if head else kind in SUFFIXES
             models += [path] if is_model else []
     return [Target(path, os.path.normpath(path) in included) for path in sorted(models)]
+
+
+def _included(path: Path, head: bytes) -> set[str]:
+    return {os.path.normpath(path.parent / os.fsdecode(name)) for name in _INCLUDE.findall(head)}
+
+
+def _others(path: Path) -> bytes:
+    """Return the text of the models near a file that include it, and of the other files that they include."""
+    path = Path(os.path.abspath(path))
+    near = [each for folder in (path.parent, path.parent.parent) for each in islice(folder.glob("*.xml"), _MOST_NEAR)]
+    waiting = [str(each) for each in near if each.is_file() and str(path) in _included(each, _head(each))]
+    texts = {str(path): b""}
+    while waiting and len(texts) < _MOST_NEAR:
+        name = waiting.pop()
+        if name not in texts and os.path.isfile(name):
+            texts[name] = _head(Path(name))
+            waiting += _included(Path(name), texts[name])
+    return b"\n".join(texts.values())
+
+
+def _may_be_used(finding: Finding, others: bytes, may_be_part: bool) -> bool:
+    """Return whether a model that includes the file may use what is unused in the file itself."""
+    if finding.edit is None or not finding.edit.removes or finding.element is None or finding.attribute is None:
+        return False
+    names = {str(each.get(key)) for each in finding.element.iter("*") for key in ("class", "name") if each.get(key)}
+    names |= set() if finding.element.get("name") else {Path(str(finding.element.get("file"))).stem}
+    return (may_be_part and not others) or any(re.search(rf"""["']\s*{re.escape(each)}\s*["']""".encode(), others)
+                                               for each in names)  # fmt: skip
 
 
 def _head(path: Path) -> bytes:
@@ -100,14 +130,14 @@ class Linted:
     ignored: int = 0
 
 
-def lint(path: Path, context: Context, session: Session, selected: Sequence[Rule]) -> Linted:
+def lint(path: Path, context: Context, session: Session, selected: Sequence[Rule], may_be_part: bool = False) -> Linted:
     """Return the findings of rules about the model of a file; errors of the model itself are reported to the context.
 
     `path` is an MJCF or URDF file, a recipe or a bundle. If MuJoCo refuses the model, the rules that need it are left
-    out.
+    out. What a file defines for a model that includes it is used.
     """
     with ExitStack() as opened:
-        unit, is_part, compiles = _model(path, context, session, opened=opened)
+        unit, is_part, compiles, is_written = _model(path, context, session, opened=opened)
         if unit is None:
             return Linted(path, ())
         findings = list(
@@ -117,31 +147,39 @@ def lint(path: Path, context: Context, session: Session, selected: Sequence[Rule
             findings += _in_mujoco(
                 unit, context, session, selected=[each for each in selected if each.in_mujoco], is_part=is_part
             )
+        if any(each.edit is not None and each.edit.removes for _, each in findings):
+            others = _others(path)
+            findings = [each for each in findings if not _may_be_used(each[1], others, may_be_part)]
         places = {element: at for at, element in enumerate(unit.root.iter("*"))}
         findings.sort(key=lambda each: -1 if each[1].element is None else places[each[1].element])
-        every = [_diagnostic(each, finding, unit) for each, finding in findings]
+        every = [_diagnostic(each, finding, unit, is_written) for each, finding in findings]
         kept = tuple(each for each in every if not _is_ignored(each, unit))
         return Linted(path, kept, len(every) - len(kept))
 
 
-def _model(path: Path, context: Context, session: Session, opened: ExitStack) -> tuple[Unit | None, bool, bool]:
-    """Return the model of a file, whether others may complete it, and whether the session keeps it compiled."""
+def _model(path: Path, context: Context, session: Session, opened: ExitStack) -> tuple[Unit | None, bool, bool, bool]:
+    """Return the model of a file.
+
+    Also return whether other files may complete it, whether the session keeps it compiled, and whether it is as the
+    file says, and not linked or converted.
+    """
     operand = read_operand(str(path), context, opened)
     if operand is None:
-        return None, True, False
+        return None, True, False, False
     if operand.kind is not Kind.MJCF:
         side = load(operand, _KEPT, session)
         operand.report(context.sink)
         is_part = path.suffix.lower() in (".urdf", ".xacro")
-        return (None, is_part, False) if side is None or side.traced is None else (side.traced.model, is_part, True)
+        traced = None if side is None else side.traced
+        return None if traced is None else traced.model, is_part, traced is not None, False
     unit = parse_file(path, context.sink, file=context.shown(path))
     if unit is None or not all_admitted(unit, context.sink, context.shown):
-        return None, True, False
+        return None, True, False, False
     text = write(unit.root)
     compiled = engine.compile(path.parent, path.name, text=text.decode(), keep=_KEPT, session=session)
     if not compiled.ok:
         _refused(compiled, unit, text, context=context)
-    return unit, True, compiled.ok
+    return unit, True, compiled.ok, True
 
 
 def _refused(compiled: engine.Compiled, unit: Unit, text: bytes, context: Context) -> None:
@@ -174,11 +212,11 @@ def _in_mujoco(
         yield by_code[code], Finding(element, message, attribute, help=help, edit=change)
 
 
-def _diagnostic(rule: Rule, finding: Finding, unit: Unit) -> Diagnostic:
+def _diagnostic(rule: Rule, finding: Finding, unit: Unit, is_written: bool) -> Diagnostic:
     element, span = finding.element, Span(unit.file, 1, 1)
     if element is not None:
         span = unit.origins.span(element, unit.file, finding.attribute)
-    fix = None if element is None or finding.edit is None else fix_of(element, finding.edit, unit)
+    fix = None if element is None or finding.edit is None or not is_written else fix_of(element, finding.edit, unit)
     return Diagnostic(rule.code, finding.message, span, severity=Severity.WARNING, help=finding.help, fix=fix)
 
 
@@ -188,6 +226,8 @@ def fix_of(element: Node, edit: Edit, unit: Unit) -> Fix | None:
     text = unit.origins.text(owner) if isinstance(owner, str) else None
     if text is None or line is None or element in unit.origins.settings or not isinstance(owner, str):
         return None
+    if owner != unit.file and (edit.removes or any(name == "name" for name, _ in edit.attributes)):
+        return None  # other models may include the file
     tag, written = str(element.tag), {str(name): str(value) for name, value in element.items()}
 
     def replaced(first: Stretch, replacement: str, *, start: int, last: Stretch | None = None) -> Fix:
@@ -201,7 +241,7 @@ def fix_of(element: Node, edit: Edit, unit: Unit) -> Fix | None:
     if at is None:
         return None
     if not any(name in written for name, _ in edit.attributes):
-        added = "".join(f' {name}="{value}"' for name, value in edit.attributes)
+        added = "".join(f' {name}="{_escaped(value)}"' for name, value in edit.attributes)
         return replaced(at, added, start=at.end_column)
     if len(edit.attributes) != 1:
         return None
@@ -211,9 +251,13 @@ def fix_of(element: Node, edit: Edit, unit: Unit) -> Fix | None:
     if at is None or key is None or (value is None and at.line != key.line):
         return None
     if value is not None:
-        return replaced(at, value, start=at.column)
+        return replaced(at, _escaped(value), start=at.column)
     to_quote = at._replace(end_column=at.end_column + 1)
     return replaced(to_quote, "", start=max(key.column - 1, 1))
+
+
+def _escaped(value: str | None) -> str:
+    return escape(value or "", {each: f"&#{ord(each)};" for each in "\"'\n\r\t"})
 
 
 def _is_ignored(diagnostic: Diagnostic, unit: Unit) -> bool:
@@ -259,7 +303,7 @@ def lint_all(
         def one(target: Target) -> tuple[Linted, Context]:
             own, session = new_context(), free.get()
             try:
-                linted = lint(target.path, own, session, selected=selected)
+                linted = lint(target.path, own, session, selected=selected, may_be_part=target.may_be_part)
             finally:
                 free.put(session)
                 done(target.path)
