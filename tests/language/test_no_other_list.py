@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 from mjcompose.language.forms.context import Lazy
 from mjcompose.language.forms.model import Model, rest_of
-from mjcompose.language.forms.walk import first_keys, name_scopes, spots
+from mjcompose.language.forms.translate import first_keys, name_scopes, spots
 from mjcompose.language.interface import Interface
 from mjcompose.language.recipe import DEPTHS, SETTLED, Recipe
 from mjcompose.language.reference_page import pages

@@ -32,13 +32,9 @@ from mjcompose.text.expression import Angle
 
 Operation = Literal["set", "scale", "offset"]
 _MAKERS: Mapping[str, Callable[..., Distribution]] = {
-    "uniform": Uniform,
-    "loguniform": LogUniform,
-    "integers": Integers,
-    "normal": Normal,
-    "truncnormal": TruncNormal,
+    "uniform": Uniform, "loguniform": LogUniform, "integers": Integers, "normal": Normal, "truncnormal": TruncNormal,
     "lognormal": LogNormal,
-}
+}  # fmt: skip
 _INTERVALS = ("uniform", "loguniform", "integers")
 _LARGEST = 2**53
 _MANY = 64  # from this number of draws on it pays to import numpy

@@ -131,17 +131,13 @@ def _list(item: str, low: int) -> Schema:
     """Return the schema of a list of numbers. One number is a list of one, and `${…}` is any list."""
     # If `items` is at the top, editors write a new list with dashes, which is an error inside of `{ }`.
     schema: Schema = {"type": ["array", "string"], "allOf": [{"items": reference(item)}], "minItems": low}
-    schema["defaultSnippets"] = [{"body": _snippet(low)}]
+    places = ", ".join(f"${place}" for place in range(1, max(low, 1) + 1))
+    schema["defaultSnippets"] = [{"body": f"[{places}]"}]  # what editors insert for a new list
     single = SHARED[item]
     if low <= 1:
         return {**single, **schema, "type": ["array", *single["type"]]}
     hint = f"expected a list of {low} {item}s" if low else f"expected a list of {item}s"
     return {**schema, "pattern": TEMPLATE_PATTERN, "patternErrorMessage": hint}
-
-
-def _snippet(count: int) -> str:
-    """Return the text that editors insert for a new list: brackets with a place for each number."""
-    return "[" + ", ".join(f"${place}" for place in range(1, max(count, 1) + 1)) + "]"
 
 
 def _words(attribute: Attribute) -> list[Any]:

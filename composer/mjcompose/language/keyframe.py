@@ -127,13 +127,9 @@ def controls_schema(number: Schema, description: str) -> Schema:
 
 FROM, TIME = "from", "time"
 VECTORS: Mapping[str, str] = {
-    "qpos": "joint",
-    "qvel": "joint",
-    "act": "actuator",
-    "ctrl": "actuator",
-    "mpos": "mocap body",
+    "qpos": "joint", "qvel": "joint", "act": "actuator", "ctrl": "actuator", "mpos": "mocap body",
     "mquat": "mocap body",
-}
+}  # fmt: skip
 """The vectors of a key, each with the kind of its entries."""
 WIDTHS = {"mpos": 3, "mquat": 4}
 

@@ -121,12 +121,9 @@ class Parameter:
 
 
 _NOUNS = {
-    "bool": "`true` or `false`",
-    "int": "a whole number",
-    "float": "a number",
-    "string": "text",
+    "bool": "`true` or `false`", "int": "a whole number", "float": "a number", "string": "text",
     "vector": "a list of numbers",
-}
+}  # fmt: skip
 
 
 def _has_type(value: Value, type: str) -> bool:

@@ -20,7 +20,7 @@ from mjcompose.language.element import FRAGMENT, Reader, label
 from mjcompose.language.forms.context import ByGrammar, Lazy, Schema, Settings, reference, settings, validation_error
 from mjcompose.language.forms.model import IT, Model, Rest
 from mjcompose.language.forms.scalars import Checked, Codes, Expects, Items, Name, Named, Text, When
-from mjcompose.language.forms.walk import has_key, inside
+from mjcompose.language.forms.translate import has_key, inside
 from mjcompose.language.interface import Interface
 from mjcompose.language.keyframe import Keyframe
 from mjcompose.language.placing import Frame, Place

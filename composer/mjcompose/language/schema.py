@@ -87,12 +87,9 @@ def _nullable(schema: Any) -> Any:
     if "const" in found:
         found["enum"] = [found.pop("const"), None]
     branches: dict[str, Callable[[Any], Any]] = {
-        "anyOf": _one_nullable,
-        "oneOf": _one_nullable,
-        "allOf": lambda each: [_nullable(one) for one in each],
-        "then": _nullable,
-        "else": _nullable,
-    }
+        "anyOf": _one_nullable, "oneOf": _one_nullable, "allOf": lambda each: [_nullable(one) for one in each],
+        "then": _nullable, "else": _nullable,
+    }  # fmt: skip
     for key, allow in branches.items():
         if key in found:
             found[key] = allow(found[key])

@@ -59,12 +59,9 @@ Combinations = Annotated[
 
 _NUMBER: Schema = {"type": ["number", "string"], "pattern": f"^{ANGLE_PATTERN}$"}
 _SCHEMAS: Mapping[str, Schema] = {
-    "bool": {"type": "boolean"},
-    "int": {"type": "integer"},
-    "float": _NUMBER,
-    "string": {"type": "string"},
+    "bool": {"type": "boolean"}, "int": {"type": "integer"}, "float": _NUMBER, "string": {"type": "string"},
     "vector": {"type": "array", "items": {"type": "number"}},
-}
+}  # fmt: skip
 """The possible defaults of a parameter, by its type."""
 
 

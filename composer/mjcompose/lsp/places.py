@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from mjcompose.base.dataclass import dataclass
 from mjcompose.build.plan.plan import BASE, AttachPart, Plan, part_name
 from mjcompose.language.datasheets import library
-from mjcompose.language.forms.walk import name_scopes
+from mjcompose.language.forms.translate import name_scopes
 from mjcompose.language.keyframe import FROM, VECTORS
 from mjcompose.language.recipe import Recipe
 from mjcompose.language.select import NARROWING, read_selector

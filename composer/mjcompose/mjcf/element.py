@@ -18,10 +18,9 @@ from mjcompose.mjcf import edit, traversal
 from mjcompose.mjcf.asset import Files, as_index, as_name
 from mjcompose.mjcf.attributed import targets
 from mjcompose.mjcf.compile import to_spec
-from mjcompose.mjcf.copies import duplicate
 from mjcompose.mjcf.edit import remove
 from mjcompose.mjcf.errors import MjcfKeyError, error_of, failure, unknown_tag
-from mjcompose.mjcf.include import include_copy
+from mjcompose.mjcf.include import duplicate, include_copy
 from mjcompose.mjcf.model import UNNAMED, Model, Target
 from mjcompose.mjcf.node_view import NodeView, RootView, attach, model_of, set_model_name
 from mjcompose.mjcf.physics import Physics, page_with_picture

@@ -16,11 +16,11 @@ from mjcompose.link.linking import Policy
 from mjcompose.mjcf import edit
 from mjcompose.mjcf.asset import add_files, renamed_skins, skins_after_renaming
 from mjcompose.mjcf.attributed import Attributed
-from mjcompose.mjcf.copies import copied, pickled_element
 from mjcompose.mjcf.edit import release
 from mjcompose.mjcf.errors import failure, raise_errors
 from mjcompose.mjcf.flat import assets
 from mjcompose.mjcf.flat import text as flat_text
+from mjcompose.mjcf.include import copied, pickled_element
 from mjcompose.mjcf.model import Attachment, Model, Target, page
 from mjcompose.mjcf.value import describe, update_references
 from mjcompose.tree.edit import Renaming, assign, replace

@@ -36,7 +36,7 @@ def scatter(mujoco: Any, model: Any, asked: dict[str, Any]) -> dict[str, Any]:
     """Return the `poses` of the copies of each group in the world, and where their bodies `began`; or a `fault`.
 
     Runs under `mjcompose.mujoco.engine.call`. Each of the `groups` has `bodies`, a surface `over` by kind and name,
-    `place`, and the numbers of `language.replicate.Scatter`. A fault has its `group`, its reason as `why`, and numbers.
+    `place`, and the numbers of `language.attach.Scatter`. A fault has its `group`, its reason as `why`, and numbers.
     """
     option = model.opt
     off = int(mujoco.mjtDisableBit.mjDSBL_CONTACT) | int(mujoco.mjtDisableBit.mjDSBL_CONSTRAINT)

@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 import pytest
 from mjcompose.build.checks.check import Scope
-from mjcompose.build.checks.rules.inertia_implausible import check
+from mjcompose.build.checks.lint import InertiaImplausible
 from mjcompose.mujoco.solids import volume
 
 BOX = """<mujoco><worldbody>
@@ -61,7 +61,7 @@ def test_moments_that_no_body_has() -> None:
     """MuJoCo refuses them where it reads them, but not where a program writes them into a compiled model."""
     model = mujoco.MjModel.from_xml_string(box())
     model.body_inertia[1] = [0.01, 0.01, 0.05]
-    (finding,) = check(Scope(mujoco, model), ASKED)
+    (finding,) = InertiaImplausible.check(Scope(mujoco, model), ASKED)
     assert "do not add up to the largest" in finding.message
 
 

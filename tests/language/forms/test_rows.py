@@ -12,8 +12,7 @@ from mjcompose.language.forms.context import Lazy, Rows, Settings, define, setti
 from mjcompose.language.forms.json_schema import Generator, schema_of
 from mjcompose.language.forms.model import WHOLE, Model
 from mjcompose.language.forms.scalars import Items, Name
-from mjcompose.language.forms.translate import faults
-from mjcompose.language.forms.walk import key_order, name_scopes, spots
+from mjcompose.language.forms.translate import faults, key_order, name_scopes, spots
 from pydantic import Field, ValidationError, ValidationInfo, field_validator
 
 

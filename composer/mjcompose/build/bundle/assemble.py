@@ -168,10 +168,6 @@ class Portable:
                 message = message.replace(shown, self.name(self.context.folder / shown))
         return message
 
-    def texts_on_disk(self) -> list[Path]:
-        """Return the models and recipes that the composition was read from, if they are files."""
-        return [path for shown in self.texts if os.path.isfile(path := self.context.folder / shown)]
-
 
 _OF_THE_LOCK = ("lock-stale", "source-changed")
 """Warnings that do not affect the model: it is the same with an old lock and without one."""
@@ -296,7 +292,7 @@ def _read(bundle: Bundle, making: ManifestInput, portable: Portable) -> list[tup
         recipes.update(os.fspath(source.path) for source, _ in plan.extended)
         recipes.update(span.file for span in spans(plan.document))
     files = {
-        *portable.texts_on_disk(),
+        *(path for shown in portable.texts if os.path.isfile(path := portable.context.folder / shown)),
         *(portable.context.folder / file for file in recipes),
         *(path for _, source in sources(making.plan) for path in (source.path, *source.licenses)),
         *(Path(use.source) for use in making.uses if use.content is None),

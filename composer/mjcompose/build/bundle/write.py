@@ -178,20 +178,15 @@ def write_text(bundle: Bundle, out: Path) -> None:
     Raises OutputError if the model needs other files, which would be lost, and then leaves an older `out`
     untouched.
     """
-    needed = needed_files(bundle)
+    needed = [
+        path for path in bundle.files if path not in (bundle.model, MANIFEST) and not path.startswith(f"{LICENSES}/")
+    ]
     if needed:
         message = f"one XML file cannot hold the {len(needed)} files that the model needs, such as `{needed[0]}`"
         help = f"write a folder (`{out.with_suffix('')}/`) or an archive (`{out.with_suffix('.mjz')}`)"
         raise OutputError("output-kind", message, help)
     with staged_file(out) as stage:
         stage.write_bytes(bundle.files[bundle.model])
-
-
-def needed_files(bundle: Bundle) -> list[str]:
-    """Return the files that the model's MJCF needs to load."""
-    return [
-        path for path in bundle.files if path not in (bundle.model, MANIFEST) and not path.startswith(f"{LICENSES}/")
-    ]
 
 
 def write_usd(

@@ -136,10 +136,6 @@ OutputLocator = Callable[[str, "str | None"], "Location | None"]
 """Returns the output's place by the model's name and its version of MuJoCo; None to write nothing."""
 
 
-def no_output(name: str, mujoco: str | None) -> None:
-    """Return None, for models that are not written."""
-
-
 _SETTLED = "the recipe changed, in nothing that this model is made of"
 
 
@@ -159,7 +155,7 @@ class Maker:
 
     def __init__(
         self, recipe: Path, options: BuildOptions, cache: Cache | None, context: Context, form: str | None = None,
-        place: OutputLocator = no_output,
+        place: OutputLocator = lambda name, mujoco: None,
     ) -> None:  # fmt: skip
         is_piped = recipe.name == STDIN  # the cache compares files
         self.recipe, self.options, self.context = recipe, options, context

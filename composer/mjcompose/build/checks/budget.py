@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Mapping
 from typing import Annotated, Any, ClassVar
@@ -56,10 +57,11 @@ def check(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
     keys = keys_named(scope, asked["key"])
     if isinstance(keys, Fault):
         return [keys]
+    faces = scope.model.mesh_facenum
     counted: Mapping[str, Callable[[], tuple[int, str]]] = {
         "geoms": lambda: (len(list(scope.own("geom"))), ""),
         "meshes": lambda: (_meshes(scope), " bytes in memory"),
-        "faces": lambda: (_faces(scope), ", in all meshes together"),
+        "faces": lambda: (sum(int(faces[mesh]) for mesh in scope.own("mesh")), ", in all meshes together"),
         "bytes": lambda: (int(asked["size"]), ", in all files of the model together"),
         "textures": lambda: (_textures(scope), " bytes in memory"),
         "contacts": lambda: _contacts(scope, keys, everywhere=not asked["key"]),
@@ -78,10 +80,6 @@ def check(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
     return found
 
 
-def _faces(scope: Scope) -> int:
-    return int(sum(int(scope.model.mesh_facenum[mesh]) for mesh in scope.own("mesh")))
-
-
 def _meshes(scope: Scope) -> int:
     """Return the bytes of the points, normals, texture coordinates and faces of all meshes."""
     counts = [(getattr(scope.model, f"mesh_{each}num"), width) for each, width in _OF_A_MESH.items()]
@@ -89,10 +87,8 @@ def _meshes(scope: Scope) -> int:
 
 
 def _textures(scope: Scope) -> int:
-    model, total = scope.model, 0
-    for texture in scope.own("texture"):
-        total += int(model.tex_height[texture]) * int(model.tex_width[texture]) * int(model.tex_nchannel[texture])
-    return total
+    sizes = scope.model.tex_height, scope.model.tex_width, scope.model.tex_nchannel
+    return sum(math.prod(int(size[texture]) for size in sizes) for texture in scope.own("texture"))
 
 
 def _contacts(scope: Scope, keys: list[str], *, everywhere: bool) -> tuple[int, str]:

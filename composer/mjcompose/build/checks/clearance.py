@@ -22,11 +22,8 @@ class Clearance(Check):
     word: ClassVar = "clearance"
     example: ClassVar = "{key: home}"
     instead: ClassVar = {
-        "max": "write `min: -1mm` for a depth of at most 1 mm",
-        "distance": "min",
-        "exclude": "except",
-        "keys": "key",
-    }
+        "max": "write `min: -1mm` for a depth of at most 1 mm", "distance": "min", "exclude": "except", "keys": "key",
+    }  # fmt: skip
 
     key: Annotated[tuple[Annotated[str, Name("key", glob=True)], ...], Items(1, single=True)] = ()
     """the keyframes to check; by default the reference configuration"""

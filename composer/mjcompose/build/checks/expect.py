@@ -14,12 +14,13 @@ from pydantic_core import PydanticKnownError
 from mjcompose.base.diagnostic import Fault
 from mjcompose.base.extensions import Table
 from mjcompose.base.suggest import advised, closest, exists_note
-from mjcompose.build.checks.check import Scope, failed, unknown
-from mjcompose.build.checks.values import (
+from mjcompose.build.checks.check import (
     ROUNDING,
     SUBTREE_MASS,
     Number,
+    Scope,
     equal,
+    failed,
     keywords,
     like,
     naming,
@@ -27,6 +28,7 @@ from mjcompose.build.checks.values import (
     plain,
     quantity,
     unit_of,
+    unknown,
     words_of,
 )
 from mjcompose.language.check import Check, CheckPart
@@ -46,36 +48,14 @@ TAGS = (
 """Elements that have names in a compiled model; a family stands for all of its tags."""
 MASS = "mass"
 COUNTS: Mapping[str, str] = {
-    "nq": "entries of `qpos`",
-    "nv": "degrees of freedom",
-    "nu": "controls",
-    "na": "activation states",
-    "nbody": "bodies, the world included",
-    "njnt": "joints",
-    "ngeom": "geoms",
-    "nsite": "sites",
-    "ncam": "cameras",
-    "nlight": "lights",
-    "nflex": "flexes",
-    "nskin": "skins",
-    "nmesh": "meshes",
-    "nhfield": "height fields",
-    "ntex": "textures",
-    "nmat": "materials",
-    "npair": "contact pairs",
-    "nexclude": "contact excludes",
-    "neq": "equality constraints",
-    "ntendon": "tendons",
-    "nactuator": "actuators",
-    "nsensor": "sensors",
-    "nsensordata": "entries of `sensordata`",
-    "nnumeric": "custom numbers",
-    "ntext": "custom texts",
-    "ntuple": "custom tuples",
-    "nplugin": "plugin instances",
-    "nmocap": "mocap bodies",
-    "nkey": "keyframes",
-}
+    "nq": "entries of `qpos`", "nv": "degrees of freedom", "nu": "controls", "na": "activation states",
+    "nbody": "bodies, the world included", "njnt": "joints", "ngeom": "geoms", "nsite": "sites", "ncam": "cameras",
+    "nlight": "lights", "nflex": "flexes", "nskin": "skins", "nmesh": "meshes", "nhfield": "height fields",
+    "ntex": "textures", "nmat": "materials", "npair": "contact pairs", "nexclude": "contact excludes",
+    "neq": "equality constraints", "ntendon": "tendons", "nactuator": "actuators", "nsensor": "sensors",
+    "nsensordata": "entries of `sensordata`", "nnumeric": "custom numbers", "ntext": "custom texts",
+    "ntuple": "custom tuples", "nplugin": "plugin instances", "nmocap": "mocap bodies", "nkey": "keyframes",
+}  # fmt: skip
 """The sizes of mjModel that a check can name, and the elements that they count."""
 OF_THE_MODEL = (MASS, *COUNTS)
 WHERE = "where"

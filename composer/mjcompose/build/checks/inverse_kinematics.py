@@ -39,7 +39,8 @@ class Solver:
         self.site, self.target, self.tolerance = site, target, tolerance
         self.chain = self._chain()
         # Other joints move only if a constraint couples them.
-        self.moving = np.array(sorted({*self._dofs(self.chain), *self._tied()}), dtype=int)
+        moving = {dof for joint in self.chain for dof in span(model, "qvel", joint)}
+        self.moving = np.array(sorted(moving | self._tied()), dtype=int)
         self.lower, self.upper = self._limits()
         self.start = data.qpos.copy()
         self.at_limits: list[int] = []
@@ -199,9 +200,6 @@ class Solver:
             found += [joint for joint in joints if model.jnt_type[joint] != FREE]
             body = int(model.body_parentid[body])
         return found
-
-    def _dofs(self, joints: list[int]) -> set[int]:
-        return {dof for joint in joints for dof in span(self.model, "qvel", joint)}
 
     def _tied(self) -> set[int]:
         """Return the degrees of freedom in equality constraints, except those of free joints above the site."""

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from abc import abstractmethod
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, TypeAlias
 
@@ -10,26 +11,308 @@ from pydantic import Discriminator, Field, Tag
 
 from mjcompose.base.diagnostic import Fault, Path
 from mjcompose.base.extensions import Table
-from mjcompose.build.checks.check import Scope
-from mjcompose.build.checks.rules import inertia_implausible, joint_unactuated, key_out_of_range, shape_off_mesh
-from mjcompose.build.checks.rules.rule import Rule, listed
+from mjcompose.base.suggest import did_you_mean, exists_note
+from mjcompose.build.checks.check import Scope, at_keys, failed, keys_named, unmet
 from mjcompose.build.lint.rule import FAMILIES, Subject, rules, subject_of
 from mjcompose.build.lint.rule import Rule as LinterRule
 from mjcompose.language.check import Check, CheckPart
 from mjcompose.language.forms.context import Rows, Settings
-from mjcompose.language.forms.model import IT
-from mjcompose.language.forms.scalars import Expects, Items, Keywords, Name
+from mjcompose.language.forms.model import IT, AnyOf
+from mjcompose.language.forms.scalars import (
+    LENGTHS,
+    Expects,
+    Items,
+    Keywords,
+    Name,
+    NotNegative,
+    Positive,
+    Range,
+    Scaled,
+    Unit,
+)
+from mjcompose.mujoco.solids import Shapes, faults
 
-_MODULES: Mapping[str, Any] = {
-    each.RULE.word: each for each in (inertia_implausible, joint_unactuated, key_out_of_range, shape_off_mesh)
+SHOWN = 8
+
+
+class Rule(CheckPart):
+    """The settings of a rule.
+
+    `kinds` are the kinds of element that `except` can name. A rule with `limits` runs only if a recipe writes one of
+    them.
+    """
+
+    word: ClassVar[str]
+    kinds: ClassVar[tuple[str, ...]]
+    limits: ClassVar[tuple[str, ...]] = ()
+    example: ClassVar = "{}"
+
+    @staticmethod
+    @abstractmethod
+    def check(scope: Scope, settings: Mapping[str, Any]) -> list[Fault]:
+        """Return the findings for the settings."""
+
+
+def chosen(scope: Scope, kind: str, settings: Mapping[str, Any]) -> list[int] | Fault | None:
+    """Return the elements that the setting of their kind names, or None if it is not written."""
+    globs: Sequence[str] = settings[kind]
+    if (nothing := unmet(scope, (kind,), globs, kind)) is not None:
+        return nothing
+    return list(dict.fromkeys(each for glob in globs for each in scope.matching(kind, glob))) if globs else None
+
+
+def excepted(scope: Scope, kinds: Sequence[str], settings: Mapping[str, Any]) -> set[tuple[str, int]] | Fault:
+    """Return the elements that `except` names, by kind and id, or a finding that a glob names nothing."""
+    if (nothing := unmet(scope, kinds, settings["except"], "except")) is not None:
+        return nothing
+    return {(kind, each) for glob in settings["except"] for kind in kinds for each in scope.matching(kind, glob)}
+
+
+def listed(lines: Sequence[str], expected: str, actual: str, *at: str | int, help: str | None = None) -> list[Fault]:
+    """Return one finding for lines, the first of them as its message; nothing without lines."""
+    if not lines:
+        return []
+    more = [*lines[1:SHOWN], *([f"and {len(lines) - SHOWN} more"] if len(lines) > SHOWN else [])]
+    return [failed(lines[0], expected, actual, *at, more=more, help=help)]
+
+
+class InertiaImplausible(Rule):
+    """The geoms of a body could have its mass and inertia."""
+
+    word: ClassVar = "inertia-implausible"
+    kinds: ClassVar = ("body",)
+    instead: ClassVar = {"bodies": "body"}
+
+    body: Annotated[tuple[Annotated[str, Name("body", glob=True)], ...], Items(1, single=True)] = ()
+    """the bodies; by default all with a mass and geoms"""
+    density: Annotated[Range, Expects("a list of 2 numbers", "[100, 9000]"), Unit("kg/m³")] | None = None
+    """the smallest and largest density, in kg/m³; by default any"""
+    gyration: Positive = 1.0
+    """the largest radius of gyration, relative to the distance of the farthest point from the center of mass"""
+    outside: NotNegative = 0.02
+    """the allowed distance of the center of mass outside the box around the geoms, relative to the box's diagonal"""
+
+    @staticmethod
+    def check(scope: Scope, settings: Mapping[str, Any]) -> list[Fault]:
+        bodies = chosen(scope, "body", settings)
+        if isinstance(bodies, Fault):
+            return [bodies]
+        ignored = excepted(scope, ("body",), settings)
+        if isinstance(ignored, Fault):
+            return [ignored]
+        shapes = Shapes(scope.mujoco, scope.model)
+        count, wrong = 0, []
+        for body in list(scope.own("body")) if bodies is None else bodies:
+            if body == 0 or ("body", body) in ignored or scope.model.body_mass[body] <= 0:
+                continue
+            if not shapes.of(body):
+                continue
+            count += 1
+            name = scope.called("body", body)
+            wrong += [f"{name}: {each}" for each in _faults(scope, shapes, body, settings=settings)]
+        scope.found("bodies", count)
+        scope.found("implausible", len(wrong))
+        actual = f"{len(wrong)} fault{'s' * (len(wrong) > 1)} in {count} bodies"
+        return listed(wrong, "masses and inertias that the geoms could have", actual)
+
+
+def _faults(scope: Scope, shapes: Shapes, body: int, settings: Mapping[str, Any]) -> Iterator[str]:
+    yield from faults(shapes, body, gyration=settings["gyration"], outside=settings["outside"])
+    if settings["density"] is not None and (own := shapes.own(body)):
+        mass, found, (low, high) = float(scope.model.body_mass[body]), shapes.volume(own), settings["density"]
+        weighs = f"it weighs {mass:.4g} kg, which is {{:.4g}} kg/m³ of the volume of its geoms, {{}}"
+        if found.most > 0 and mass / found.most > high:
+            yield weighs.format(mass / found.most, f"above {high:g}")
+        elif found.least > 0 and mass / found.least < low:
+            yield weighs.format(mass / found.least, f"below {low:g}")
+
+
+class JointUnactuated(Rule):
+    """An actuator moves every joint, directly or through a tendon or an equality."""
+
+    word: ClassVar = "joint-unactuated"
+    kinds: ClassVar = ("joint",)
+    instead: ClassVar = {"joints": "joint"}
+
+    joint: Annotated[tuple[Annotated[str, Name("joint", glob=True)], ...], Items(1, single=True)] = ()
+    """the joints; by default all hinges and slides"""
+
+    @staticmethod
+    def check(scope: Scope, settings: Mapping[str, Any]) -> list[Fault]:
+        mujoco, model = scope.mujoco, scope.model
+        joints = chosen(scope, "joint", settings)
+        if isinstance(joints, Fault):
+            return [joints]
+        if joints is None:
+            single = (int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE))
+            joints = [joint for joint in scope.own("joint") if int(model.jnt_type[joint]) in single]
+        ignored = excepted(scope, ("joint",), settings)
+        if isinstance(ignored, Fault):
+            return [ignored]
+        joints = [joint for joint in joints if ("joint", joint) not in ignored]
+        moved = _moved(mujoco, model)
+        without = [joint for joint in joints if joint not in moved]
+        scope.found("joints", len(joints))
+        lines = [f"{scope.called('joint', joint)} has no actuator" for joint in without]
+        return listed(lines, f"{len(joints)} joints moved", f"{len(joints) - len(without)}")
+
+
+def _moved(mujoco: Any, model: Any) -> set[int]:
+    """Return the joints that an actuator moves in the reference configuration, directly or through an equality."""
+    import numpy as np
+
+    data = mujoco.MjData(model)
+    mujoco.mj_fwdPosition(model, data)
+    dofs = set(np.asarray(data.moment_colind[: int(np.sum(data.moment_rownnz))]).tolist())
+    moved = {int(model.dof_jntid[dof]) for dof in dofs}
+    coupled = [
+        (int(model.eq_obj1id[each]), int(model.eq_obj2id[each]))
+        for each in range(model.neq)
+        if int(model.eq_type[each]) == int(mujoco.mjtEq.mjEQ_JOINT) and int(model.eq_obj2id[each]) >= 0
+    ]
+    for _ in coupled:
+        for one, other in coupled:
+            if one in moved or other in moved:
+                moved |= {one, other}
+    return moved
+
+
+class KeyOutOfRange(Rule):
+    """In keyframes, positions, controls and activations are within their ranges."""
+
+    word: ClassVar = "key-out-of-range"
+    kinds: ClassVar = ("joint", "actuator")
+    instead: ClassVar = {"keys": "key"}
+
+    key: Annotated[tuple[Annotated[str, Name("key", glob=True)], ...], Items(1, single=True)] = ()
+    """the keyframes; by default all"""
+    margin: NotNegative = 0.0
+    """the smallest distance to both ends, in the unit of each range"""
+
+    @staticmethod
+    def check(scope: Scope, settings: Mapping[str, Any]) -> list[Fault]:
+        from mjcompose.mujoco.index import index, ranged
+
+        keys, margin = keys_named(scope, settings["key"]), settings["margin"]
+        if isinstance(keys, Fault):
+            return [keys]
+        ignored = excepted(scope, KeyOutOfRange.kinds, settings)
+        if isinstance(ignored, Fault):
+            return [ignored]
+        outside: list[str] = []
+        count = 0
+        compiled = index(scope.model, scope.mujoco)
+        for name, data in at_keys(scope, keys):
+            for each in ranged(compiled, {"qpos": data.qpos, "ctrl": data.ctrl, "act": data.act}):
+                if (each.kind, each.number) in ignored or not scope.owns(each.kind, each.number):
+                    continue
+                count += 1
+                if not each.is_within(margin):
+                    (low, high), unit = each.range, f" {each.unit}" if each.kind == "joint" else ""
+                    where = f"`{each.vector}` of {scope.called(each.kind, each.number)} in `{name}`"
+                    number, ends = f"{each.value:.6g}{unit}", f"{low:.6g} to {high:.6g}"
+                    outside.append(f"{where} is {number}, and its range is from {ends}")
+        scope.found("values", count)
+        ends = f", {margin:g} from both ends" if margin else ""
+        return listed(outside, f"all within their ranges{ends}", f"{len(outside)} outside")
+
+
+_Length = Annotated[float, Scaled(LENGTHS, ge=0)]
+_LIMITS = ("hausdorff", "beyond", "short", "uncovered", "volume")
+_FIELDS = {"short": "shortfall"}
+_LENGTHS = {
+    "hausdorff": "is {} m off",
+    "beyond": "reaches {} m out of the mesh",
+    "short": "leaves the mesh {} m outside",
 }
 
 
+class ShapeOffMesh(Rule):
+    """Shapes and meshes from `collision` and `simplify` are close to the original meshes."""
+
+    word: ClassVar = "shape-off-mesh"
+    kinds: ClassVar = ("mesh",)
+    limits: ClassVar = _LIMITS
+    example: ClassVar = "{hausdorff: 0.002}"
+    instead: ClassVar = {"meshes": "mesh"}
+    rules: ClassVar = (
+        AnyOf(*_LIMITS, lacks="does not say how near", advice="write for instance `hausdorff: 0.002`, in meters"),
+    )
+
+    mesh: Annotated[tuple[Annotated[str, Name("mesh", glob=True)], ...], Items(1, single=True)] = ()
+    """the meshes; by default all"""
+    hausdorff: _Length | None = None
+    """the largest distance between the two surfaces, in meters"""
+    beyond: _Length | None = None
+    """the largest distance that the shapes may reach out of the mesh, in meters"""
+    shortfall: _Length | None = Field(None, alias="short")
+    """the largest distance that the mesh may reach out of the shapes, in meters"""
+    uncovered: NotNegative | None = None
+    """the largest share of the mesh's surface outside the shapes"""
+    volume: Annotated[Range, Expects("a list of 2 numbers", "[0.9, 1.2]")] | None = None
+    """the least and the largest volume, relative to the mesh's"""
+
+    @staticmethod
+    def check(scope: Scope, settings: Mapping[str, Any]) -> list[Fault]:
+        made = [each for each in settings["shapes"] if each["mesh"].startswith(scope.prefix)]
+        pairs = [(each["mesh"].removeprefix(scope.prefix), each) for each in made]
+        names = [name for name, _ in pairs]
+        for key in ("mesh", "except"):
+            for at, glob in enumerate(settings[key]):
+                if not scope.fitting(glob, names):
+                    message = f"nothing was made of a mesh `{glob}`"
+                    notes = (exists_note("mesh", sorted(set(names)), glob),)
+                    help = did_you_mean(glob, names)
+                    return [Fault("unknown-name", message, (key, at), notes=notes, help=help)]
+        fitting = {
+            key: {name for glob in settings[key] for name in scope.fitting(glob, names)} for key in ("mesh", "except")
+        }
+        meant = [each for each in pairs if each[0] in (fitting["mesh"] or names) and each[0] not in fitting["except"]]
+        if not meant:
+            return [failed("no `collision` or `simplify` made anything of a mesh", "at least one mesh", "none")]
+        scope.found("meshes", len(meant))
+        findings = []
+        for measure, words in _LENGTHS.items():
+            scope.found(measure, max(each[measure] for _, each in meant))
+            if (most := settings[_FIELDS.get(measure, measure)]) is not None:
+                wrong = [(each[measure], name) for name, each in meant if each[measure] > most]
+                findings += _failed(wrong, words, f"at most {most:g} m", measure=measure)
+        covered = [(each["uncovered"], name) for name, each in meant if each["uncovered"] is not None]
+        if covered:
+            scope.found("uncovered", max(covered)[0])
+        if (most := settings["uncovered"]) is not None:
+            wrong = [each for each in covered if each[0] > most]
+            findings += _failed(wrong, "leaves {} of the surface outside", f"at most {most:g}", measure="uncovered")
+        if settings["volume"] is not None:
+            findings += _volumes(meant, *settings["volume"])
+        return findings
+
+
+def _volumes(meant: list[tuple[str, dict[str, Any]]], low: float, high: float) -> list[Fault]:
+    expected = f"{low:g} to {high:g}"
+    open_ones = [name for name, each in meant if each["volume"] is None]
+    if open_ones:
+        message = f"the mesh `{open_ones[0]}` is open: it has no volume to compare with"
+        more = [f"so is `{name}`" for name in open_ones[1:SHOWN]]
+        help = "close the meshes, or name the others by `mesh`"
+        return [failed(message, expected, "unknown", "volume", more=more, help=help)]
+    wrong = [(each["volume"], name) for name, each in meant if not low <= each["volume"] <= high]
+    return _failed(wrong, "has {} of the volume", expected, measure="volume")
+
+
+def _failed(wrong: list[tuple[float, str]], words: str, expected: str, measure: str) -> list[Fault]:
+    ranked = sorted(wrong, reverse=True)
+    lines = [f"the shape of `{name}` {words.format(f'{value:.4g}')}" for value, name in ranked]
+    return listed(lines, expected, f"{ranked[0][0]:.4g}" if ranked else "", measure)
+
+
+RULES: Table[type[Rule]] = Table(
+    "rules", {each.word: each for each in (InertiaImplausible, JointUnactuated, KeyOutOfRange, ShapeOffMesh)}, "RULE"
+)
 _PLAIN: Mapping[str, LinterRule] = {
-    code: each for code, each in rules().items() if code not in _MODULES and not each.in_files
+    code: each for code, each in rules().items() if code not in RULES and not each.in_files
 }
 """The rules of `mjcompose lint` that read no files. They have no settings."""
-RULES: Table[type[Rule]] = Table("rules", {word: each.RULE for word, each in _MODULES.items()}, "RULE")
 _EXCEPTED: Table[Any] = Table(
     "rules",
     {
@@ -152,7 +435,7 @@ def check(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
     for word, settings in asked["rules"].items():
         values = dict(scope.values)
         told = {**settings, "shapes": asked["shapes"]}
-        found = _MODULES[word].check(scope, told) if word in _MODULES else _plain(word, subject, scope)
+        found = RULES[word].check(scope, told) if word in RULES else _plain(word, subject, scope)
         for finding in found:
             each = replace(finding, at=_place(word, finding.at))
             if each.code == "check-failed":

@@ -83,7 +83,7 @@ def _in_mujoco(
     asked = {"seconds": check.seconds, "trials": TRIALS, "key": check.key}
     try:
         own = Other(this_python(), checks.session.mujoco_version or "")
-        other = own if version == own.version else make(version, context.environment, say_nothing, offline=offline)
+        other = own if version == own.version else make(version, context.environment, lambda _: None, offline=offline)
         with scratch("moves") as folder:
             for name, content in checks.bundle.files.items():
                 (folder / "model" / name).parent.mkdir(parents=True, exist_ok=True)
@@ -101,10 +101,6 @@ def _in_mujoco(
         ], {}
     found = [_apart(check, f"MuJoCo {other.version}", moved)] if moved else []
     return found, {"apart": round(moved[0].amount, SOLVED) if moved else 0.0}
-
-
-def say_nothing(_: str) -> None:
-    """Ignore the progress of an installation."""
 
 
 def _there(checks: Checks, check: MovesAlike) -> tuple[list[Fault], dict[str, Any]]:

@@ -88,11 +88,8 @@ Result = TypeVar("Result")
 _WEIGHTLESS = ("site", "camera", "light")
 # These functions write a step into the joined model. Steps that wait for the whole model are in other modules.
 _WRITE: Mapping[type[Step], Callable[[Any, Linking, ElementBuilder], None]] = {
-    AddElement: add_element,
-    SetSingleton: set_singleton,
-    SetDefault: set_default,
-    AppendElement: append_element,
-}
+    AddElement: add_element, SetSingleton: set_singleton, SetDefault: set_default, AppendElement: append_element,
+}  # fmt: skip
 check_rows(f"the steps that {__name__} carries out", _WRITE, [each for each in STEPS if not each.waits])
 
 

@@ -74,11 +74,6 @@ def cost_of_selecting(selector: Selector, root: Node) -> float:
     return _EXPRESSION * expressions + looks / _LOOKS
 
 
-def cost_of_condition(where: Mapping[str, object] | str | None) -> float:
-    """Return the cost of evaluating a condition on one element."""
-    return len(where) / _CHARACTERS if isinstance(where, str) else len(where or ())
-
-
 def count_values(value: Any) -> int:
     """Return how many values an entry writes for each element.
 
@@ -326,7 +321,9 @@ def _selection(editing: Editing) -> Selection:
 
 def _holds(editing: Editing, selection: Selection, node: Node, selector: Selector) -> bool:
     at = (*selector.at, "where")
-    if not editing.cost.allows(cost_of_condition(selector.where), editing.sink, editing.span(at)):
+    where = selector.where
+    cost = len(where) / _CHARACTERS if isinstance(where, str) else len(where or ())
+    if not editing.cost.allows(cost, editing.sink, editing.span(at)):
         raise UnusableValue
     values = Values(editing, node, 0, at=at)
     if isinstance(selector.where, str):

@@ -335,13 +335,9 @@ def _model_data(model: Source | Plan | None, preview: PlanPreview) -> Any:
     if isinstance(model, Plan):
         return as_data(model, preview)
     return {
-        "reference": model.reference,
-        "kind": model.kind.name,
-        "format": model.format,
-        "package": model.package,
-        "version": model.version,
-        "licenses": [path.name for path in model.licenses],
-    }
+        "reference": model.reference, "kind": model.kind.name, "format": model.format, "package": model.package,
+        "version": model.version, "licenses": [path.name for path in model.licenses],
+    }  # fmt: skip
 
 
 def checks_of(plan: Plan) -> Iterator[str]:

@@ -18,10 +18,10 @@ from mjcompose.base.sink import Sink
 from mjcompose.base.suggest import closest, renaming, unknown_name
 from mjcompose.build.checks.unchanged import Unchanged
 from mjcompose.build.plan.plan import AttachPart, Plan, part_name
+from mjcompose.language.attach import Axis
 from mjcompose.language.expand import expand, has_conditions
 from mjcompose.language.keyframe import FROM
 from mjcompose.language.parameters import choose, node_of, read_axes
-from mjcompose.language.replicate import Axis
 from mjcompose.language.validate import validate_what_remains
 from mjcompose.sources.context import Context
 from mjcompose.sources.reference import Source

@@ -203,16 +203,9 @@ def _given(
 # The numbers of an entry describe the joint, as with `datasheet`. The force of an actuator moves the joint `gear`
 # times as strong, and its length is `gear` times the position of the joint: the power of the gear by which to multiply.
 _POWERS = {
-    "kp": -2,
-    "kv": -2,
-    "ki": -2,
-    "forcerange": -1,
-    "ffrange": -1,
-    "posrange": 1,
-    "velrange": 1,
-    "slewmax": 1,
+    "kp": -2, "kv": -2, "ki": -2, "forcerange": -1, "ffrange": -1, "posrange": 1, "velrange": 1, "slewmax": 1,
     "imax": 1,
-}
+}  # fmt: skip
 _OF_CONTROL = {"position": 1, "velocity": 1, "pid": 1, "motor": -1}
 
 
