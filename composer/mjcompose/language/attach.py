@@ -143,7 +143,6 @@ class ScatterAlone:
             yield Fault(EXCLUSIVE, f"{IT} has both `pos` and `scatter`", ("pos",), key=True, help=help)
 
     def schema(self) -> Iterator[Schema]:
-        """Yield the conditions for editors."""
         for refused, more in (("replicate", {"minItems": 2}), ("pos", {})):
             axes = {"contains": {"required": ["scatter"]}, **more}
             then = {"properties": {refused: False}, "errorMessage": "`scatter` alone places the copies"}
@@ -159,8 +158,6 @@ _QUANTITIES = ("force", "torque")
 
 
 class _Something:
-    """The rule that `sense` measures something."""
-
     help = "write `force: true`, `torque: true` or both"
 
     def faults(self, value: Mapping[str, Any], model: type[Model], context: Settings) -> Iterator[Fault]:
@@ -171,7 +168,6 @@ class _Something:
             yield Fault("missing-key", f"{IT} measures nothing", key=True, help=self.help)
 
     def schema(self) -> Iterator[Schema]:
-        """Yield the condition for editors."""
         none: Schema = {"properties": {each: {"const": False} for each in _QUANTITIES}}
         first = {"required": ["force"], "maxProperties": 0, "errorMessage": self.help}  # which nothing is
         yield {"if": none, "then": first}
@@ -225,7 +221,6 @@ class _Prefix:
             yield Fault("name-clash", message, ("prefix",), help="leave `prefix` out, or write one")
 
     def schema(self) -> Iterator[Schema]:
-        """Yield the condition for editors."""
         message = "copies need a prefix"
         without = {"properties": {"prefix": {"const": ""}}, "required": ["prefix"]}
         yield {"if": without, "then": {"properties": {"replicate": False}, "errorMessage": message}}
@@ -392,7 +387,6 @@ class Prefixes:
 
 
 def prefix_fault(prefix: str, context: Settings, at: tuple[str, ...] = (), key: bool = False) -> Fault | None:
-    """Return the fault of a prefix, or None."""
     separator = context.separator
     if prefix == RESERVED:
         message = f"`{RESERVED}` means the model to start from and is not a prefix"

@@ -84,7 +84,6 @@ SHEETS: Table[Sheet] = Table("datasheets", {}, "", kind=Sheet)
 
 @cache
 def library() -> Mapping[str, Sheet]:
-    """Return the data sheets that come with mjcompose."""
     from mjcompose.base.sink import Sink  # few recipes name a motor
     from mjcompose.text.load import load
     from mjcompose.text.node import to_python

@@ -340,7 +340,6 @@ def read(kind: str, written: Written, operation: Operation) -> FieldDistribution
 
 
 def _fault_of(distribution: Distribution) -> str | None:
-    """Return the fault of a distribution's numbers, or None."""
     if isinstance(distribution, Uniform | LogUniform | Integers | TruncNormal) and distribution.low > distribution.high:
         return f"the first bound, {shown(distribution.low)}, is above the second, {shown(distribution.high)}"
     if isinstance(distribution, TruncNormal) and distribution.is_empty:

@@ -278,7 +278,6 @@ class Reader:
     def angles(
         self, kind: ElementType, attributes: AbcMapping[str, Value], at: Path, owner: str, joint: str | None
     ) -> None:
-        """Report angles without a unit, if the recipe sets none."""
         if self.settings.bare_angles:
             return
         written = attributes.get("type", joint)
@@ -320,7 +319,6 @@ class Reader:
         return fault_at(unknown_attribute(name, owner, attributes), at, key=True, help=help, fix=fix)
 
     def names(self, value: Any, at: Path, owner: str) -> Iterable[tuple[str, Any]]:
-        """Yield the entries of a mapping from names to elements."""
         if not isinstance(value, dict):
             self.faults.append(_no_names(owner, value, at))
             return

@@ -81,7 +81,6 @@ def attribute_schema(attribute: Attribute) -> Schema:
 
 
 def _remarks(attribute: Attribute) -> Iterator[str]:
-    """Yield the remarks that the explanation of a value lacks."""
     if attribute.refers is not None:
         kind = {"default": "default class"}.get(attribute.refers, attribute.refers.removeprefix("attached:"))
         if kind not in attribute.doc or kind == attribute.doc:
@@ -215,7 +214,6 @@ def _settings() -> Schema:
 
 
 def _rule(rule: Constraint) -> list[Schema]:
-    """Return the schema of a rule about the presence of attributes."""
     bundles = [list(bundle) for bundle in rule.bundles]
     if rule.kind == "exclusive":
         # Not with `not`, for which an editor can only say that it does not hold.
@@ -251,7 +249,6 @@ def described(schema: Schema, description: str) -> Schema:
 
 
 def by_name(value: Schema) -> Schema:
-    """Return the schema of a mapping from names."""
     return {"type": "object", "additionalProperties": value}
 
 

@@ -224,7 +224,6 @@ def _section(document: Mapping) -> Mapping:
 
 
 def _axes(document: Mapping) -> frozenset[str]:
-    """Return the axes that the cells of the matrix set."""
     axes = find(document, ("matrix", "axes"))
     return frozenset(axes.entries) if isinstance(axes, Mapping) else frozenset()
 

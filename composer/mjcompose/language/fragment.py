@@ -13,7 +13,6 @@ from mjcompose.tree.values import check_value, items, parse_real
 
 
 def report_missing(kind: ElementType, present: Collection[str], owner: str, at: Path, faults: list[Fault]) -> None:
-    """Report all required attributes that are missing."""
     missing = [each for each in kind.attributes.values() if each.required and each.name not in present]
     if len(missing) == 1:
         faults.append(missing_key(owner, missing[0].name, at, doc=missing[0].doc))
@@ -37,7 +36,6 @@ def missing_key(owner: str, name: str, at: Path, doc: str = "") -> Fault:
 def report_clashing(
     rules: Iterable[Constraint], present: Collection[str], owner: str, at: Path, faults: list[Fault]
 ) -> None:
-    """Report attributes that exclude or need each other."""
     for rule in rules:
         if rule.kind == "exclusive":
             fault = _exclusive(rule, present, owner, at=at)

@@ -137,8 +137,6 @@ Entry = tuple[Single, ...]
 
 
 class _Entries(ByGrammar):
-    """The entries of a vector of a key, by name."""
-
     def __init__(self, vector: str) -> None:
         self.vector = vector
 

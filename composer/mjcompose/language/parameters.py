@@ -46,7 +46,6 @@ def plain(node: Node) -> Value | None:
 
 
 def node_of(value: Value, span: Span) -> Node:
-    """Return a node with this value and place."""
     if isinstance(value, tuple):
         return Sequence(tuple(node_of(each, span) for each in value), span)
     return Scalar(value, span, shown(value), plain=not isinstance(value, str))
@@ -241,7 +240,6 @@ def choose(axes: Axes, given: Map[str, Node], sink: Sink) -> dict[str, str]:
 
 
 def no_value(axis: str, value: str, values: Mapping, node: Node, sink: Sink) -> None:
-    """Report that an axis does not have a value."""
     message = f"variant `{axis}` has no value `{value}`"
     sink.add(unknown_name("value", value, values.entries, span=node.span, message=message))
 

@@ -119,7 +119,6 @@ class Inline:
     alone = True
 
     def faults(self, value: Mapping[str, Any], model: type[Model], context: Settings) -> Iterator[Fault]:
-        """Yield the fault of a mapping with keys that only a recipe has."""
         strange = [key for key in value if key in WHOLE[()] and key not in model.key_names()]
         if "model" in value or not strange:
             return

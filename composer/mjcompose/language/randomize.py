@@ -163,7 +163,6 @@ def _attribute_faults(field: DrawField, selector: Selector, at: Path, *, bare_an
 
 
 def _like(field: DrawField) -> Any:
-    """Return a value of the same form as the draws."""
     distribution = field.distribution
     number: Any = 1 if distribution.kind == "integers" else 0.5
     if distribution.unit is not None:

@@ -213,8 +213,6 @@ def _references() -> Iterator[str]:
 
 
 class _Keys:
-    """Makes rows of keys from JSON Schema."""
-
     def __init__(self, definitions: dict[str, Schema]) -> None:
         self.definitions = definitions
 

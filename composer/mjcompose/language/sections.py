@@ -60,7 +60,6 @@ class Section(ByGrammar):
         return known
 
     def unknown(self, tag: str, at: Path, message: str, key: bool) -> Fault:
-        """Return the fault of a tag that the section does not have."""
         help, fix = advised(tag, self.kind.children)
         note = exists_note(f"{self.tag} element", self.kind.children, tag)
         return Fault("unknown-element", message, at, key=key, notes=(note,), help=help, fix=fix)

@@ -120,7 +120,6 @@ def advice_on_narrowing(name: str) -> str | None:
 
 
 def kinds_of(tag: str) -> tuple[ElementType, ...]:
-    """Return the element types that a selector's tag means."""
     return tuple(GRAMMAR.element(path) for path in sorted(paths_of(tag)))
 
 

@@ -327,7 +327,6 @@ def _without_misspelt(faults: list[Fault]) -> Iterator[Fault]:
 
 
 def _mapping_of(fault: Fault) -> Path:
-    """Return the mapping that lacks a key."""
     return fault.at[:-1] if fault.beside else fault.at
 
 

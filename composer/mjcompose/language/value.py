@@ -384,7 +384,6 @@ def _item_fault(attribute: Attribute, item: object, at: Path, subject: str) -> F
 
 
 def _fault(attribute: Attribute, value: Any, answer: Refusal, code: str, at: Path, subject: str) -> Fault:
-    """Return the grammar's answer as a fault."""
     advice = None if answer.advice else instead(attribute, value)
     help = answer.advice if advice is None else advice.help
     notes: tuple[Note, ...] = ()

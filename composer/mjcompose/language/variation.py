@@ -66,8 +66,6 @@ _SCHEMAS: Mapping[str, Schema] = {
 
 
 class _Typed:
-    """A parameter has a type, or a value that shows it."""
-
     def faults(self, value: Mapping[str, Any], model: type[Model], context: Settings) -> Iterator[Fault]:
         if value.keys().isdisjoint(("default", "type", "choices")):
             help = "write `{default: …}`, or `{type: float}` for one that must be given"

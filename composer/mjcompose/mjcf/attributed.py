@@ -37,7 +37,6 @@ class Attributed:
 
     @classmethod
     def _of(cls, model: Model, node: Node) -> Self:
-        """Return a view of an existing node of a model."""
         made = cls.__new__(cls)
         Attributed.__init__(made, model, node)
         return made
@@ -181,7 +180,6 @@ class Attributed:
         return kind_of(self._node)
 
     def _take_out(self) -> None:
-        """Mark the element as removed from its model."""
         object.__setattr__(self, "_removed", True)
 
     def _described(self) -> str:

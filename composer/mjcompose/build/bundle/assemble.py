@@ -217,7 +217,6 @@ class ManifestInput:
 
 
 def add_manifest(bundle: Bundle, making: ManifestInput, context: Context) -> Bundle:
-    """Return the bundle with its manifest."""
     plan, compiled, model = making.plan, making.compiled, making.model
     named = list(sources(plan))
     names = portable(plan, model, context)

@@ -388,7 +388,6 @@ def from_json(text: bytes | str) -> Manifest:
 
 
 def with_manifest(bundle: Bundle, manifest: Manifest) -> Bundle:
-    """Return the bundle with this manifest in it."""
     return bundle.with_files({MANIFEST: to_json(manifest)})
 
 

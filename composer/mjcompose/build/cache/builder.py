@@ -61,7 +61,6 @@ class BuildResult(Facts):
 
 
 def result_of_build(built: Built, licenses: Iterable[Row], why: tuple[str, ...], key: CacheKey | None) -> BuildResult:
-    """Return a model that was built now."""
     from mjcompose.build.plan.describe import allowed_everywhere
 
     plan, composed, compiled = built.plan, built.composed, built.compiled

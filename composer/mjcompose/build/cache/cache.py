@@ -245,7 +245,6 @@ class Cache:
                 os.utime(self.store.folder / folder / ENTRY)
 
     def keep(self, key: CacheKey, record: Record, inputs: Iterable[FileState], packages: Iterable[Package]) -> None:
-        """Store the answer to a key."""
         text = to_json(record)
         digest = key_of([text.decode()])
         self._put("built", digest, text)

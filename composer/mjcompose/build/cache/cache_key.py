@@ -124,7 +124,6 @@ class Files:
     _states: dict[tuple[str, Stamp], str] = field(default_factory=dict)
 
     def look(self, path: str) -> FileState:
-        """Return the current state."""
         stamped = self._stamp(path)
         if stamped is None:
             return FileState(path, ABSENT, None)
@@ -143,7 +142,6 @@ class Files:
         self._stamps.clear()
 
     def is_same(self, before: FileState) -> bool:
-        """Return whether the state is unchanged."""
         stamped = self._stamp(before.path)
         if stamped is None or before.stamp is None or stamped[0] != before.stamp:
             return self.look(before.path).state == before.state
@@ -204,7 +202,6 @@ class CacheKey:
         return key_of([self.subject])
 
     def of_cell(self, name: str, values: Mapping[str, str]) -> CacheKey:
-        """Return the key of one cell of the recipe's matrix."""
         return CacheKey(f"{self.subject}: {name}", {**self.parts, **values})
 
     def of_plan(self, plan: Plan, cell: str | None, choices: Mapping[str, str]) -> CacheKey:

@@ -148,7 +148,6 @@ class Selector(CheckPart):
                 yield replace(condition, at=(WHERE, key, *condition.at))
 
     def asked(self) -> dict[str, Any]:
-        """Return the selector as plain data."""
         conditions = [_condition(self.tag, key, value) for key, value in (self.where or {}).items()]
         around = {key: None if each is None else each.body
                   for key, each in (("parent", self.parent), ("inside", self.inside))}  # fmt: skip
@@ -396,7 +395,6 @@ def _fits(scope: Scope, index: int, select: dict[str, Any], angle: str | None) -
 
 
 def _differing(scope: Scope, asked: dict[str, Any], elements: list[int]) -> list[Fault]:
-    """Report elements with another value."""
     tag = asked["select"]["tag"]
     wrong: list[tuple[str, str]] = []
     expected = ""

@@ -429,7 +429,6 @@ KIND = Lint
 
 
 def check(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
-    """Return the findings of the rules."""
     findings: list[Fault] = []
     subject = subject_of(asked["text"], scope.mujoco, scope.model)
     for word, settings in asked["rules"].items():
@@ -462,5 +461,4 @@ def _plain(code: str, subject: Subject, scope: Scope) -> list[Fault]:
 
 
 def _place(rule: str, at: Path) -> Path:
-    """Return the place of a setting of a rule, or of its exceptions."""
     return ("except", rule, *at[1:]) if at[:1] == ("except",) else ("select", rule, *at)

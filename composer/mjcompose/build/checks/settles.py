@@ -48,7 +48,6 @@ _AT_THE_END = 0.1
 
 
 def check(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
-    """Report a simulation that diverges or does not come to rest."""
     import numpy as np
 
     from mjcompose.mujoco.controls import Divergence, steps_in
@@ -115,7 +114,6 @@ def _near(scope: Scope, data: Any, asked: dict[str, Any]) -> list[Fault]:
 
 
 def _unit(model: Any, dof: int, joint: int) -> str:
-    """Return the unit of the velocity of a degree of freedom."""
     from mjcompose.mujoco.addresses import span
 
     units = JOINT_TYPES[int(model.jnt_type[joint])].velocity_units

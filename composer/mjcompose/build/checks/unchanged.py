@@ -112,7 +112,6 @@ def _excepting(compared: PartComparison, check: Unchanged) -> str | None:
 
 
 def _attribute(difference: Difference) -> str | None:
-    """Return an MJCF attribute that determines the array."""
     end = difference.array.partition("_")[2]
     known = attributes()
     if end in known:

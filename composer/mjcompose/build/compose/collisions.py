@@ -130,7 +130,6 @@ class _CollisionWriter:
         return [body for body in bodies if next(self._geoms(body), None) is not None]
 
     def _geoms(self, body: Node) -> Iterator[Node]:
-        """Yield the geoms of a body that can collide."""
         classes = self.linking.base.classes
         for geom in own(body, "geom"):
             # The `contype` of one geom and the `conaffinity` of the other are enough for a contact.

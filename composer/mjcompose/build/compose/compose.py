@@ -196,7 +196,6 @@ class Composer:
             ).embed
 
     def _composed_alone(self, plan: Plan) -> Unit | None:
-        """Return the model of a recipe that MJCF attaches."""
         composer = Composer(
             self.context, self.measure, self.loader.session, library=self.loader.library, options=self.options
         )

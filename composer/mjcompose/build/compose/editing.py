@@ -137,15 +137,12 @@ class Editing:
         yield self, ""
 
     def find_node(self, namespace: str, name: str) -> Node | None:
-        """Return the element with this name, or None."""
         return self.names.find(namespace, name)
 
     def known_names(self, namespace: str) -> list[str]:
-        """Return the names in a namespace."""
         return list(self.names.declared.get(namespace, ()))
 
     def kinds_of(self, name: str) -> list[str]:
-        """Return the namespaces in which the name exists."""
         return self.linking.kinds_of(name)
 
     def may_generate(self, name: str) -> bool:
@@ -212,11 +209,9 @@ class Editing:
         return (name,) if name else ()
 
     def span(self, path: Path, key: bool = False) -> Span:
-        """Return a place in the recipe."""
         return locate(self.making.document, path, key=key)
 
     def span_of(self, node: Node, attribute: str | None = None) -> Span:
-        """Return where an element of the model is written."""
         return self.linking.span(self.linking.base, node, attribute)
 
     def write(self, node: Node, places: Mapping[str, Path]) -> None:
@@ -235,7 +230,6 @@ class Editing:
 
 
 def is_angular(attribute: Attribute, joint: str) -> bool:
-    """Return whether the values of a joint's attribute are angles."""
     return attribute.angle == "joint" and (
         joint == "hinge" or (joint == "ball" and attribute.name in ("range", "springyield"))
     )

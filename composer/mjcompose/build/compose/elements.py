@@ -159,7 +159,6 @@ class ElementBuilder:
 
 
 def make_node(element: Element, kind: ElementType, making: ElementBuilder) -> Node:
-    """Return the node of a recipe element with its children."""
     if element.xml is not None:
         return _parse_fragment(element, kind, making)
     node = etree.Element(element.tag)
@@ -395,7 +394,6 @@ def set_default(step: SetDefault, linking: Linking, making: ElementBuilder) -> N
 
 
 def _top_class(linking: Linking) -> Node:
-    """Return the element of the base's top class."""
     if not linking.base_class:
         return linking.base.section("default")
     return next(node for node in linking.base.root.iter("default") if node.get("class") == linking.base_class)

@@ -55,7 +55,6 @@ def _is_zero(editing: Editing, node: Node, key: str) -> bool:
 
 @contextmanager
 def without_keys(root: Node) -> Iterator[None]:
-    """Remove the keys from a tree during the block."""
     # MuJoCo 4.0 refuses numbers that are too many for the model as it is: "keyframe 0: invalid ctrl size, expected
     # length 0".
     sections = [(root.index(section), section) for section in root.iterchildren("keyframe")]
@@ -93,7 +92,6 @@ class _PoseHolder:
     making: ElementBuilder
 
     def span(self, *path: str) -> Span:
-        """Return the place of a control of the key in the recipe."""
         return locate(self.making.document, (*self.step.key.at, CTRL, *path))
 
     def hold(self, session: engine.Session) -> None:

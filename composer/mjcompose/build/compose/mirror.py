@@ -73,7 +73,6 @@ def mirror_keys(
 def _report(
     plan: Plan, step: AttachPart, fault: Mapping[str, Any], keys: Sequence[str], context: Context, at: Path
 ) -> None:
-    """Report that a part is not the mirror image of another part."""
     assert step.attachment.mirror is not None
     of, own, why = step.attachment.mirror.of, part_name(step, plan.separator), fault["why"]
     key = fault.get("key")

@@ -82,7 +82,6 @@ def _counts(step: Step, keys: Set[str | None]) -> bool:
 
 
 def _asked(plan: Plan, group: list[AttachPart]) -> dict[str, Any]:
-    """Return the question about the copies of a part."""
     attachment = group[0].attachment
     scatter = attachment.scatter
     assert scatter is not None
@@ -99,7 +98,6 @@ def _pose(numbers: list[list[float]]) -> Pose:
 
 
 def _report(plan: Plan, group: list[AttachPart], fault: dict[str, Any], context: Context) -> None:
-    """Report why the copies of a part have no places."""
     scatter = group[0].attachment.scatter
     assert scatter is not None
     at, why = (*group[0].at, "replicate", 0, "scatter"), fault["why"]

@@ -70,7 +70,6 @@ class ShapeStore:
             blobs.put(store_folder(self.context.environment), "shapes", key, content=content)
 
     def path(self, key: str) -> Path | None:
-        """Return the path of a result next to the recipe."""
         fetching = self.context.fetching
         if fetching is None or fetching.lock_file is None:
             return None

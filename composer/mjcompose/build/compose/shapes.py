@@ -100,7 +100,6 @@ def make_collision_geoms(
 
 
 def _mesh_of(editing: Editing, node: Node, at: Path) -> Node:
-    """Return the asset of a geom, which must be of type `mesh`."""
     type = editing.effective(node, "type") or "sphere"
     name = editing.effective(node, "mesh")
     if type != "mesh" or not name:

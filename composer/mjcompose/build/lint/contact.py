@@ -215,7 +215,6 @@ def frictionless_foot(subject: Subject) -> Found:
 
 
 def _fit(model: Any, one: int, other: int) -> bool:
-    """Return whether the bits of two geoms let them collide."""
     return bool(
         model.geom_contype[one] & model.geom_conaffinity[other]
         or model.geom_contype[other] & model.geom_conaffinity[one]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from mjcompose.build.lint.rule import Edit, Finding, Found, Subject, rule
@@ -30,50 +29,42 @@ def unused_class(subject: Subject) -> Found:
             yield Finding(element, message, "class", help="use it, or remove it", edit=_REMOVE)
 
 
-def _unused(subject: Subject, tag: str) -> Iterator[tuple[Node, str]]:
-    """Yield the assets with a tag, and their names, that nothing refers to."""
+def _unused(subject: Subject, tag: str, user: str) -> Found:
+    """Yield the assets with a tag that nothing refers to."""
     if next(subject.root.iter(*(GENERATORS - {"replicate", "flexcomp", "composite"})), None) is not None:
         return  # the other model may use them
     used = subject.names.uses.get(tag, {})
     for element in subject.root.iterfind(f"asset/{tag}"):
         name = own_name(element, "name")
-        if name and name not in used and subject.is_own(element):
-            yield element, name
-
-
-def _finding(element: Node, name: str, user: str) -> Finding:
-    message = f"no {user} uses the {element.tag} `{name}`"
-    attribute = "name" if element.get("name") else "file"
-    return Finding(element, message, attribute, help="use it, or remove it", edit=_REMOVE)
+        is_sky = tag == "texture" and subject.value(element, "type") == "skybox"
+        if name and name not in used and subject.is_own(element) and not is_sky:
+            attribute = "name" if element.get("name") else "file"
+            message = f"no {user} uses the {tag} `{name}`"
+            yield Finding(element, message, attribute, help="use it, or remove it", edit=_REMOVE)
 
 
 @rule("unused-mesh")
 def unused_mesh(subject: Subject) -> Found:
     """A mesh that no geom uses."""
-    for element, name in _unused(subject, "mesh"):
-        yield _finding(element, name, "geom")
+    return _unused(subject, "mesh", "geom")
 
 
 @rule("unused-material")
 def unused_material(subject: Subject) -> Found:
     """A material that no geom, site, tendon or skin uses."""
-    for element, name in _unused(subject, "material"):
-        yield _finding(element, name, "element")
+    return _unused(subject, "material", "element")
 
 
 @rule("unused-texture")
 def unused_texture(subject: Subject) -> Found:
     """A texture that no material uses."""
-    for element, name in _unused(subject, "texture"):
-        if subject.value(element, "type") != "skybox":
-            yield _finding(element, name, "material")
+    return _unused(subject, "texture", "material")
 
 
 @rule("unused-hfield")
 def unused_hfield(subject: Subject) -> Found:
     """A height field that no geom uses."""
-    for element, name in _unused(subject, "hfield"):
-        yield _finding(element, name, "geom")
+    return _unused(subject, "hfield", "geom")
 
 
 @rule("unused-tendon", in_mujoco=True)

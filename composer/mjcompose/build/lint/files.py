@@ -63,7 +63,6 @@ def absolute_path(subject: Subject) -> Found:
 
 
 def _real(element: Node, value: str, unit: Unit) -> str | None:
-    """Return the real path of a file that the model may read."""
     path = written_path(unit.settings, element, value)
     if path in unit.contents:
         return None

@@ -27,7 +27,6 @@ The [guide](../how-to/lint.md) shows how.
 
 
 def index() -> str:
-    """Return the text of the index of the pages."""
     lines = [_INTRODUCTION]
     for family in FAMILIES:
         lines += [

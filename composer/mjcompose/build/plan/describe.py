@@ -294,7 +294,6 @@ def as_data(plan: Plan, preview: PlanPreview | None = None) -> dict[str, Any]:
 
 
 def _some(**entries: Any) -> dict[str, Any]:
-    """Return the entries that are not empty."""
     return {name: value for name, value in entries.items() if value}
 
 
@@ -341,7 +340,6 @@ def _model_data(model: Source | Plan | None, preview: PlanPreview) -> Any:
 
 
 def checks_of(plan: Plan) -> Iterator[str]:
-    """Yield one line for each check."""
     for check in plan.checks:
         node = find(plan.document, check.at)
         assert node is not None

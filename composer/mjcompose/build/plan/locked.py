@@ -245,8 +245,6 @@ def _notes(changes: Sequence[str]) -> list[Note]:
 
 @dataclass(slots=True)
 class _FileGatherer:
-    """Gathers all files of plans by source."""
-
     fetching: Fetching
     folder: Path
     context: Context

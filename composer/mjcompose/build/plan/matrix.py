@@ -130,7 +130,6 @@ class _Source:
         return None
 
     def _applied(self, nominal: Value | None, drawn: Value) -> Value:
-        """Apply a draw to one component, in the parameter's unit."""
         unit = self.field.distribution.unit
         if unit is not None and self.parameter is not None and isinstance(drawn, int | float):
             drawn = Angle(drawn, unit).in_unit(str(self.parameter.unit))

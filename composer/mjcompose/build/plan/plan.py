@@ -92,7 +92,6 @@ class ElementDraws:
 
 
 def arrays_of_draw(step: DrawValues) -> AbstractSet[str]:
-    """Return the arrays that a draw affects."""
     name, _ = attribute_and_index(step.field.attr)
     tag = step.field.select.tag if step.field.select is not None else None
     # Actuators with `inheritrange` copy the range of their joint.

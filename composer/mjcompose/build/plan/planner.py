@@ -379,7 +379,6 @@ class _Planner:
         self.sink.error("unknown-key", message, locate(document, (*at, key), key=True), help=help, subjects=(key,))
 
     def _packages(self, packages: Map[str, str], document: Mapping, at: KeyPath) -> Iterator[tuple[str, Path]]:
-        """Yield the folders of the packages that a URDF refers to."""
         # A workspace comes first, so a named package replaces its package of that name.
         for name, written in sorted(packages.items(), key=lambda each: each[0] != "*"):
             span = locate(document, (*at, "packages", name))
@@ -398,7 +397,6 @@ class _Planner:
                 yield name, folder
 
     def _workspace(self, folder: Path, span: Span) -> Iterator[tuple[str, Path]]:
-        """Yield the packages of a ROS workspace."""
         found: dict[str, Path] = {}
         for name, at in ros.in_workspace(folder):
             if name in found:

@@ -307,7 +307,6 @@ def _rewrite(editing: Editing, node: Node, to: str, written: Mapping[str, str], 
 
 
 def _drop_instance(root: Node, name: str) -> None:
-    """Drop an instance of a plugin that nothing uses any more."""
     # MuJoCo 4.0 refuses the `mujoco.pid` of no actuator: "actuator not found for plugin instance 0".
     if all(each.get("instance") != name for each in root.iter("*")):
         for instance in root.findall("extension/plugin/instance"):

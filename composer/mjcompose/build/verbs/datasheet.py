@@ -141,7 +141,6 @@ class _Drive:
     at: Path
 
     def values(self) -> dict[str, Any]:
-        """Return the attributes of the actuator."""
         # The force of an actuator turns the joint `gear` times as strong, and its length is `gear` times the angle.
         limit = self.effort / abs(self.gear)
         values: dict[str, Any] = {"forcerange": [-limit, limit]}

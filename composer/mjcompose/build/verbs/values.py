@@ -252,7 +252,6 @@ def check_without_ends(values: Values, attribute: Attribute, at: Path) -> None:
 
 
 def _check_references(values: Values, attribute: Attribute, at: Path) -> None:
-    """Report a reference to a name that does not exist."""
     editing, node = values.editing, values.node
     if attribute.refers == "default" and node.get(attribute.name) == MAIN:
         with changing(editing, node):
@@ -266,7 +265,6 @@ def _check_references(values: Values, attribute: Attribute, at: Path) -> None:
 
 
 def change_all(entry: Entry, operation: Operation, written: Mapping[str, Any], at: Path) -> None:
-    """Give the attributes of every selected element new values."""
     change = Change(entry.editing, operation, entry.masses)
     for index, node in enumerate(entry.found):
         change.carry_out(node, index, written, at=at)

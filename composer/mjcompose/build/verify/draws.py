@@ -78,7 +78,6 @@ class DrawTable:
         return self.context.sink.error_count == before
 
     def added(self, bundle: Bundle) -> Bundle:
-        """Return the bundle with the table in it."""
         wanted = self.plan.randomize
         assert wanted is not None
         data = {
@@ -131,7 +130,6 @@ def _bounds(each: ElementDraws, component: int) -> tuple[float | None, float | N
 
 
 def _field(field: DrawField) -> dict[str, Any]:
-    """Return a field of the recipe, with the numbers as written."""
     distribution = field.distribution
     parameters = {name: list(each) if len(each) > 1 else each[0] for name, each in distribution.parameters.items()}
     return {

@@ -90,7 +90,6 @@ class InputFinder:
 
 
 def _sha256(path: Path) -> str | None:
-    """Return the hash of a file, or None if it does not exist."""
     try:
         return hashlib.sha256(read_regular(path)).hexdigest() if os.path.isfile(path) else None
     except (OSError, ValueError):

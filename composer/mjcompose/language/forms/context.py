@@ -234,7 +234,6 @@ def validated(form: Any, value: Any, context: Any = None) -> Any:
 
 
 def core_schema_of(form: Any) -> CoreSchema:
-    """Return pydantic's own schema of a form."""
     return _ADAPTERS.of(form).core_schema
 
 
@@ -257,7 +256,6 @@ class Lazy:
         )
 
     def schema(self, generate: Callable[[CoreSchema], Schema]) -> Schema:
-        """Return the JSON Schema of the form."""
         return generate(core_schema_of(self.form))
 
 

@@ -85,7 +85,6 @@ def is_model(kind: Any) -> bool:
 
 
 def alternatives(kind: Any) -> tuple[Any, ...]:
-    """Return the members of a union, or none."""
     return get_args(kind) if get_origin(kind) in _UNIONS else ()
 
 
@@ -148,7 +147,6 @@ def inside(annotation: Any, depth: int) -> Any:
 
 
 def has_key(kind: Any, key: str) -> bool:
-    """Return whether a type is a mapping with a key."""
     return is_model(kind) and key in fields_of(kind)
 
 
