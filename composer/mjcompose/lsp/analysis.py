@@ -269,28 +269,25 @@ def names_of(plan: Plan, root: _Element | None, composed: Plan | None, library: 
     places = [place for place in plan.walk() if place.model is not None and place.part]
     parts = sorted(((place.prefix, place.part) for place in places), key=lambda each: -len(each[0]))
     sources = {place.part: unit for place in places if (unit := _unit(place, library)) is not None}
-    known: dict[str, dict[str, Known]] = {}
-    if root is not None:
-        _take(known, _of_root(root, "", parts))
     there = set() if composed is None else set(map(_identity, composed.walk()))
-    for place in places:
-        if place.part in sources and _identity(place) not in there:
-            _take(known, _of_root(sources[place.part].root, place.prefix, parts))
-    known.setdefault("body", {})[WORLD] = Known(WORLD, "body", "worldbody")
+    roots = [] if root is None else [(root, "")]
+    roots += [(sources[each.part].root, each.prefix) for each in places
+              if each.part in sources and _identity(each) not in there]  # fmt: skip
+    known = _by_namespace(each for root, prefix in roots for each in _of_root(root, prefix, parts))
     return Names(known, plan.part_names, sources, {place.part: place.prefix for place in places})
 
 
 def names_in_tree(unit: Unit) -> Names:
     """Return the names of one model."""
+    return Names(_by_namespace(_of_root(unit.root, "", [])), sources={"": unit}, prefixes={"": ""})
+
+
+def _by_namespace(found: Iterable[Known]) -> dict[str, dict[str, Known]]:
     known: dict[str, dict[str, Known]] = {}
-    _take(known, _of_root(unit.root, "", []))
-    known.setdefault("body", {})[WORLD] = Known(WORLD, "body", "worldbody")
-    return Names(known, sources={"": unit}, prefixes={"": ""})
-
-
-def _take(known: dict[str, dict[str, Known]], found: Iterator[Known]) -> None:
     for each in found:
         known.setdefault(each.namespace, {}).setdefault(each.name, each)
+    known.setdefault("body", {})[WORLD] = Known(WORLD, "body", "worldbody")
+    return known
 
 
 def _identity(placed: PlacedModel) -> tuple[str, object]:

@@ -262,16 +262,9 @@ class _Scan:
         top = self.stack[-1] if self.stack else None
         keys = tuple(top.keys) if top is not None and role == "key" and not top.is_list else ()
         return Cursor(
-            self.path(role == "key"),
-            role,
-            text[start:column],
-            line=line,
-            start=start,
-            end=end,
-            quote=quote,
-            whole=text[start:end],
-            written=keys,
-        )
+            self.path(role == "key"), role, text[start:column], line=line, start=start, end=end, quote=quote,
+            whole=text[start:end], written=keys,
+        )  # fmt: skip
 
     def path(self, of_mapping: bool = False) -> Path:
         """Return the path of the next value, or of the mapping to which the next key belongs."""

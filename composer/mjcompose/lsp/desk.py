@@ -10,7 +10,7 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Diagnostic, Note, Severity, Span
@@ -43,6 +43,8 @@ if TYPE_CHECKING:
 
     from mjcompose.build.compose.load import Library
     from mjcompose.build.plan.plan import Plan
+
+T = TypeVar("T")
 
 
 def carried(found: Iterable[Diagnostic], file: str, old: Sequence[str], new: Sequence[str]) -> tuple[Diagnostic, ...]:
@@ -94,6 +96,10 @@ def uses_of(analysis: Analysis) -> dict[str, Span]:
     return found
 
 
+def _offline(folder: Path) -> Context:
+    return Context(folder=folder, fetching=Fetching(offline=True))
+
+
 class Verifier:
     """Builds recipes as `check` does, and lints models, with one process of MuJoCo. Used from one thread only."""
 
@@ -106,7 +112,7 @@ class Verifier:
         self._session.close()
 
     def verify(self, path: Path, text: str, texts: Mapping[str, bytes]) -> tuple[Diagnostic, ...]:
-        context = Context(folder=self.folder, fetching=Fetching(offline=True))
+        context = _offline(self.folder)
         with unsaved({**texts, os.path.realpath(path): text.encode("utf-8", "replace")}):
             self._shelf.refresh(texts)
             try:
@@ -120,7 +126,7 @@ class Verifier:
         """Return the findings about an MJCF file, as `mjcompose lint` reports them. A file must exist."""
         if not path.is_file():
             return ()
-        context = Context(folder=self.folder, fetching=Fetching(offline=True))
+        context = _offline(self.folder)
         with unsaved({**texts, os.path.realpath(path): text.encode("utf-8", "replace")}):
             linted = lint(path, context, self._session, selected=chosen())
         return (*context.sink.sorted(), *linted.found)
@@ -146,9 +152,6 @@ class Workspace:
     def close(self) -> None:
         self._session.close()
 
-    def context(self) -> Context:
-        return Context(folder=self.folder, fetching=Fetching(offline=True))
-
     def analyze(self, path: Path, text: str, texts: Mapping[str, bytes], before: Analysis | None = None) -> Analysis:
         """Return the analysis of a recipe with the texts of the editor. Missing results come from `before`."""
         if len(text) > _MOST_TEXT:
@@ -166,7 +169,7 @@ class Workspace:
         return analysis
 
     def _analysed(self, path: Path, text: str, whole: Mapping[str, bytes], before: Analysis) -> Analysis:
-        context = self.context()
+        context = _offline(self.folder)
         tree = load(text, shown(path, self.folder), Sink())
         plan, model = None, None
         try:
@@ -197,7 +200,7 @@ class Workspace:
         if self._latest is None or self._latest[0] is not analysis:
             watch, again = Trace(), None
             with unsaved(model.texts), suppress(TooManyFaults):
-                again = self._composed(model.plan, self.context(), dict(model.library), watch)
+                again = self._composed(model.plan, _offline(self.folder), dict(model.library), watch)
             whole = analysis
             if again is not None:
                 traced = Traced(again[0], watch, model.plan.separator, self.folder)
@@ -344,11 +347,8 @@ class Desk:
 
     def texts(self, but: Path | None = None) -> dict[str, bytes]:
         """Return the texts of the open documents as bytes, by real path."""
-        return {
-            os.path.realpath(each.path): each.text.encode("utf-8", "replace")
-            for each in self.documents.values()
-            if each.path != but
-        }
+        others = (each for each in self.documents.values() if each.path != but)
+        return {os.path.realpath(each.path): each.text.encode("utf-8", "replace") for each in others}
 
     async def analyzed(self, path: Path, newest: bool = False, *, traced: bool = False) -> Analysis | None:
         """Return the latest analysis of an open file, with `newest` of the current text, and `traced` on request."""
@@ -360,22 +360,23 @@ class Desk:
         analysis = document.analysis
         if not traced or analysis is None or document.kind == "model":
             return analysis
-        whole = await asyncio.get_running_loop().run_in_executor(self._analysing, self.workspace.traced, analysis)
+        whole = await self._analyse(self.workspace.traced, analysis)
         if document.analysis is analysis:
             document.analysis = whole
         return whole
 
     async def including(self, path: Path) -> list[Analysis]:
-        return await asyncio.get_running_loop().run_in_executor(
-            self._analysing, self.workspace.including, path, self.texts()
-        )
+        return await self._analyse(self.workspace.including, path, self.texts())
 
     async def models_including(self, path: Path) -> list[tuple[Unit, str]]:
         def found() -> list[tuple[Unit, str]]:
             with unsaved(self.texts()):
                 return list(including(path, self.folder))
 
-        return await asyncio.get_running_loop().run_in_executor(self._analysing, found)
+        return await self._analyse(found)
+
+    async def _analyse(self, work: Callable[..., T], *arguments: object) -> T:
+        return await asyncio.get_running_loop().run_in_executor(self._analysing, work, *arguments)
 
     async def using(self, path: Path) -> list[Analysis]:
         found = []
@@ -399,16 +400,10 @@ class Desk:
         while document.done < document.count and self.documents.get(document.path) is document:
             count, text, version = document.count, document.text, document.version
             try:
-                if document.kind == "recipe":
-                    document.analysis = await loop.run_in_executor(
-                        self._analysing, self.workspace.analyze, document.path, text, self.texts(document.path),
-                        document.analysis,
-                    )  # fmt: skip
-                elif document.kind == "model":
-                    document.analysis = await loop.run_in_executor(
-                        self._analysing, self.workspace.analyze_model, document.path, text,
-                        self.texts(document.path), document.analysis,
-                    )  # fmt: skip
+                if document.kind:
+                    work = self.workspace.analyze if document.kind == "recipe" else self.workspace.analyze_model
+                    others = self.texts(document.path)
+                    document.analysis = await self._analyse(work, document.path, text, others, document.analysis)
             except Exception:
                 self._log(traceback.format_exc())
             document.done, document.seen = count, version
@@ -457,13 +452,14 @@ class Desk:
         before = self._reported.get(path, {})
         self._reported[path] = dict(files)
         for file in dict.fromkeys([*before, *files]):
-            found = [each for reported in self._reported.values() for each in reported.get(file, ())]
-            self._publish(Path(os.path.normpath(self.folder / file)), list(dict.fromkeys(found)))
+            self._publish(Path(os.path.normpath(self.folder / file)), list(dict.fromkeys(self._found(file))))
         if path not in self.documents:
             self._reported.pop(path, None)
 
     def found(self, path: Path) -> list[Diagnostic]:
-        file = shown(path, self.folder)
+        return self._found(shown(path, self.folder))
+
+    def _found(self, file: str) -> list[Diagnostic]:
         return [each for reported in self._reported.values() for each in reported.get(file, ())]
 
     async def shut(self) -> None:

@@ -309,10 +309,7 @@ def symbols(text: str, analysis: ModelAnalysis) -> list[Symbol]:
         named = {each.name: each.value for each in piece.attributes if each.value}
         keys = ("class",) if piece.tag == "default" else _NAMING
         name = next((each for key in keys if (each := named.get(key))), "")
-        kind, tag = (
-            "section" if len(waiting) < 2 else "element",
-            span(piece.start + 1, piece.start + 1 + len(piece.tag)),
-        )
+        kind, tag = "element" if waiting[1:] else "section", span(piece.start + 1, piece.start + 1 + len(piece.tag))
         return Symbol(
             name or piece.tag, kind, tag, whole=span(piece.start, end), detail=piece.tag if name else "", children=below
         )

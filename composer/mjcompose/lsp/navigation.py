@@ -124,11 +124,6 @@ def hover_in_model(path: File, line: int, analyzes: Iterable[Analysis]) -> Hover
     return Hover("\n\n---\n\n".join(texts))
 
 
-def references_in_recipes(path: File, line: int, analyzes: Iterable[Analysis]) -> list[Span]:
-    found = [span for each in analyzes for known in elements_at(path, line, each) for span in uses_of(known, each)]
-    return list(dict.fromkeys(found))
-
-
 _HINTS_MOST = 4
 _UNITS = {"degree": "deg", "radian": "rad"}
 

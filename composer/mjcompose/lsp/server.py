@@ -225,7 +225,9 @@ async def referred(own: Server, params: lsp.ReferenceParams) -> list[lsp.Locatio
     models = await own.desk.models_including(path) if is_model else []
     found = navigation.references(question, params.context.include_declaration, models)
     if is_model:
-        found += navigation.references_in_recipes(path, params.position.line, await own.desk.using(path))
+        for each in await own.desk.using(path):
+            elements = navigation.elements_at(path, params.position.line, each)
+            found += (span for known in elements for span in navigation.uses_of(known, each))
     return own.locations(dict.fromkeys(found))
 
 
@@ -262,9 +264,8 @@ async def outlined(own: Server, params: lsp.DocumentSymbolParams) -> list[lsp.Do
 
 @_feature(lsp.TEXT_DOCUMENT_FOLDING_RANGE)
 async def folded(own: Server, params: lsp.FoldingRangeParams) -> list[lsp.FoldingRange]:
-    return [
-        lsp.FoldingRange(each.first, each.last, kind=each.kind) for each in navigation.folds(own.document(params).lines)
-    ]
+    found = navigation.folds(own.document(params).lines)
+    return [lsp.FoldingRange(each.first, each.last, kind=each.kind) for each in found]
 
 
 @_feature(lsp.TEXT_DOCUMENT_INLAY_HINT)

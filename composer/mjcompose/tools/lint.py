@@ -140,13 +140,10 @@ def lint(path: Path, context: Context, session: Session, selected: Sequence[Rule
         unit, is_part, compiles, is_written = _model(path, context, session, opened=opened)
         if unit is None:
             return Linted(path, ())
-        findings = list(
-            found(Subject(unit.root, unit, is_part=is_part), [each for each in selected if not each.in_mujoco])
-        )
+        subject, deep = Subject(unit.root, unit, is_part=is_part), [each for each in selected if each.in_mujoco]
+        findings = list(found(subject, [each for each in selected if not each.in_mujoco]))
         if compiles:
-            findings += _in_mujoco(
-                unit, context, session, selected=[each for each in selected if each.in_mujoco], is_part=is_part
-            )
+            findings += _in_mujoco(unit, context, session, selected=deep, is_part=is_part)
         if any(each.edit is not None and each.edit.removes for _, each in findings):
             others = _others(path)
             findings = [each for each in findings if not _may_be_used(each[1], others, may_be_part)]

@@ -127,17 +127,9 @@ def to_python(names: Names) -> str:
     lines += ["", "from enum import IntEnum", "", f"MODEL = {names.model!r}", f"SHA256 = {names.sha256!r}"]
     lines += [f"{name.upper()} = {size}" for name, size in names.sizes.items()]
     for table, (_, _, vector) in _TABLES.items():
-        found = [
-            f"    {word} = {number}  # {name}" for word, number, name in _addresses(data, table, _PYTHON, upper=True)
-        ]
-        lines += [
-            "",
-            "",
-            f"class {table}(IntEnum):",
-            f'    """Numbers in {vector}."""',
-            *([""] if found else []),
-            *found,
-        ]
+        lines += ["", "", f"class {table}(IntEnum):", f'    """Numbers in {vector}."""']
+        found = [*_addresses(data, table, _PYTHON, upper=True)]
+        lines += ["", *(f"    {word} = {number}  # {name}" for word, number, name in found)] if found else []
     for kind in _KINDS:
         lines += ["", "", f"{kind.upper()} = {{"]
         for row in data[kind]:
@@ -198,11 +190,8 @@ def to_cpp(names: Names) -> str:
     lines += ["", "// In the order of `ctrl`.", *_array("Range", "ctrl_ranges", ranges)]
     for name, fields in _STRUCTS.items():
         vectors = _WIDTHS if name == "Keyframe" else {}
-        members = [
-            type + between.join(each.split())
-            for (type, between), each in zip(_TYPES.items(), fields, strict=True)
-            if each
-        ]
+        types = zip(_TYPES.items(), fields, strict=True)
+        members = [type + between.join(each.split()) for (type, between), each in types if each]
         members += [f"std::array<double, {width}> {vector}" for vector, width in vectors.items()]
         lines += ["", f"struct {name} {{", *(f"  {each};" for each in members), "};"]
         kind, order = f"{name.lower()}s", " ".join((*fields, *vectors)).split()

@@ -66,14 +66,15 @@ def pieces(text: str) -> Iterator[Piece]:
         whole = found.group()
         kind: Kind = next((kind for mark, kind in _KINDS if whole.startswith(mark)), "text")
         if kind == "start":
-            yield (piece := _start_tag(text, at, whole[1:]))
+            yield (piece := start_tag(text, at, whole[1:]))
             at = piece.end
             continue
         yield Piece(kind, at, found.end(), tag=whole[2:].rstrip(">").strip() if kind == "end" else "")
         at = found.end()
 
 
-def _start_tag(text: str, start: int, tag: str) -> Piece:
+def start_tag(text: str, start: int, tag: str) -> Piece:
+    """Return the start tag of an element that begins at a character."""
     attributes, at = [], start + 1 + len(tag)
     while found := _ATTRIBUTE.match(text, at):
         at = found.end()

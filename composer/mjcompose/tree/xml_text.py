@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from bisect import bisect_right
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from html import unescape
 from itertools import accumulate
 from typing import NamedTuple, TypeAlias
@@ -12,13 +12,13 @@ from typing import NamedTuple, TypeAlias
 from lxml import etree
 from lxml.etree import _Element as Node
 
+from mjcompose.tree.xml_pieces import Piece, Written, start_tag
+
 _COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
-_ATTRIBUTE = re.compile(r"""\s*([^\s=<>/"']+)\s*=\s*("[^"]*"|'[^']*')""")
 _NOT_BREAK = re.compile(r"[^\n]")
 _ITEM = re.compile(r"\S+")
 _MOST_COMPARED = 500_000
 """The maximum number of start tags compared for one text: one line may have many elements, all with faults."""
-_TAG_END = re.compile(r"\s*/?>")
 
 
 class Stretch(NamedTuple):
@@ -29,16 +29,7 @@ class Stretch(NamedTuple):
     end_column: int
 
 
-class _StartTag(NamedTuple):
-    """A start tag: its start and end, and the positions of each attribute's name and value."""
-
-    start: int
-    end: int
-    names: Mapping[str, tuple[int, int]]
-    values: Mapping[str, tuple[int, int]]
-
-
-_Exact: TypeAlias = dict[frozenset[tuple[str, str]], _StartTag]
+_Exact: TypeAlias = dict[frozenset[tuple[str, str]], Piece]
 
 
 class SourceText:
@@ -53,7 +44,7 @@ class SourceText:
         # Text in a comment is not an element, even if it looks like one.
         self._bare = _COMMENT.sub(lambda comment: _NOT_BREAK.sub(" ", comment.group()), self._text)
         # By tag and line: the start tags that end there, and the first one for each set of attributes.
-        self._ending: dict[tuple[str, int], tuple[list[_StartTag], _Exact]] = {}
+        self._ending: dict[tuple[str, int], tuple[list[Piece], _Exact]] = {}
         self._compared = 0
         lines = self._text.split("\n")
         self._starts = list(map(sum, enumerate(accumulate(map(len, lines[:-1]), initial=0))))
@@ -79,10 +70,10 @@ class SourceText:
 
         Return None if the element does not have it on a single line.
         """
-        found = self._find(tag, line, attributes)
-        if found is None or name not in found.values:
+        found = self._attribute(tag, line, attributes, name)
+        if found is None:
             return None
-        start, end = (found.names if key else found.values)[name]
+        start, end = (found.at, found.at + len(name)) if key else (found.start, found.end)
         return self._stretch(start, end) if end > start and "\n" not in self._text[start:end] else None
 
     def whole(self, tag: str, line: int, attributes: Mapping[str, str]) -> tuple[Stretch, Stretch] | None:
@@ -93,7 +84,7 @@ class SourceText:
         found = self._find(tag, line, attributes)
         if found is None:
             return None
-        start, last, depth = found.start, found.end + 1, 0 if self._bare[found.end - 1] == "/" else 1
+        start, last, depth = found.start, found.end, 0 if found.closed else 1
         ends = last
         for tags in re.finditer(rf"""<(/?){re.escape(tag)}(?=[\s/>])(?:"[^"]*"|'[^']*'|[^"'>])*>""", self._bare[ends:]):
             if depth == 0:
@@ -112,21 +103,23 @@ class SourceText:
         self, tag: str, line: int, attributes: Mapping[str, str], name: str, first: int, last: int
     ) -> tuple[Stretch, Stretch, str] | None:
         """Return the positions of two items of an attribute, counted from 0, and the text from one to the other."""
-        found = self._find(tag, line, attributes)
-        if found is None or name not in found.values:
-            return None
-        items = [match.span() for match in _ITEM.finditer(self._text, *found.values[name])]
+        found = self._attribute(tag, line, attributes, name)
+        items = [] if found is None else [each.span() for each in _ITEM.finditer(self._text, found.start, found.end)]
         if last >= len(items):
             return None
         text = self._text[items[first][0] : items[last][1]]
         return self._stretch(*items[first]), self._stretch(*items[last]), text
 
-    def _find(self, tag: str, line: int, attributes: Mapping[str, str]) -> _StartTag | None:
+    def _attribute(self, tag: str, line: int, attributes: Mapping[str, str], name: str) -> Written | None:
+        found = self._find(tag, line, attributes)
+        return next((each for each in found.attributes if each.name == name), None) if found is not None else None
+
+    def _find(self, tag: str, line: int, attributes: Mapping[str, str]) -> Piece | None:
         if not 1 <= line <= len(self._starts):
             return None
         if (tag, line) not in self._ending:
             candidates = self._ending_on(tag, line)
-            exact = {self._written(each): each for each in reversed(candidates)}
+            exact = {frozenset(_values(each)): each for each in reversed(candidates)}
             self._ending[tag, line] = candidates, exact
         candidates, exact = self._ending[tag, line]
         # No other tag is more similar, and a program may write ten thousand elements on one line.
@@ -138,7 +131,7 @@ class SourceText:
             return None
         return max(candidates, key=lambda each: self._likeness(each, attributes), default=None)
 
-    def _ending_on(self, tag: str, line: int) -> list[_StartTag]:
+    def _ending_on(self, tag: str, line: int) -> list[Piece]:
         first = self._starts[line - 1]
         last = self._starts[line] if line < len(self._starts) else len(self._text)
         opening = re.compile(rf"<{re.escape(tag)}(?=[\s/>])")
@@ -147,39 +140,26 @@ class SourceText:
         while (at := self._bare.rfind(f"<{tag}", 0, at)) >= 0:
             if not opening.match(self._bare, at):
                 continue
-            candidate = self._read(at, at + 1 + len(tag))
-            if candidate is not None and candidate.end < first:
+            candidate = start_tag(self._bare, at, tag)
+            if candidate.complete and candidate.end <= first:
                 break
-            if candidate is not None and candidate.end < last:
+            if candidate.complete and candidate.end <= last:
                 candidates.append(candidate)
         candidates.reverse()
         return candidates
 
-    def _written(self, candidate: _StartTag) -> frozenset[tuple[str, str]]:
-        values = candidate.values.items()
-        return frozenset((name, unescape(self._text[start:end])) for name, (start, end) in values)
-
-    def _read(self, start: int, at: int) -> _StartTag | None:
-        names, values = {}, {}
-        while attribute := _ATTRIBUTE.match(self._bare, at):
-            names[attribute[1]] = attribute.span(1)
-            values[attribute[1]] = (attribute.start(2) + 1, attribute.end(2) - 1)
-            at = attribute.end()
-        end = _TAG_END.match(self._bare, at)
-        return None if end is None else _StartTag(start, end.end() - 1, names, values=values)
-
-    def _likeness(self, candidate: _StartTag, attributes: Mapping[str, str]) -> int:
-        alike = 0
-        for name, (start, end) in candidate.values.items():
-            value = attributes.get(name)
-            written = unescape(self._text[start:end])
-            alike += -1 if value is None else 2 if value == written else 1 if value.endswith(written) else 0
-        return alike
+    def _likeness(self, tag: Piece, attributes: Mapping[str, str]) -> int:
+        pairs = ((attributes.get(name), text) for name, text in _values(tag))
+        return sum(-1 if value is None else 2 if value == text else value.endswith(text) for value, text in pairs)
 
     def _stretch(self, start: int, end: int) -> Stretch:
         line = bisect_right(self._starts, start)
         first = self._starts[line - 1]
         return Stretch(line, start - first + 1, end - first + 1)
+
+
+def _values(tag: Piece) -> Iterator[tuple[str, str]]:
+    return ((each.name, unescape(each.value or "")) for each in tag.attributes)
 
 
 _FIRST = re.compile(r"<!\[CDATA\[(.*?)\]\]>", re.DOTALL)

@@ -6,7 +6,7 @@ import pytest
 from mjcompose.build.bundle.manifest import index_of
 from mjcompose.mujoco.attributes import names
 from mjcompose.mujoco.index import index as compiled_index
-from mjcompose.tools.worlds.names import UNLIMITED, Entry, Lookup, Numbers, UnknownNameError, Vector
+from mjcompose.tools.worlds.names import UNLIMITED, Entry, Numbers, UnknownNameError, Vector
 from mjcompose.tools.worlds.names import Index as LoadingIndex
 
 MODEL = """<mujoco>
@@ -156,7 +156,7 @@ def test_what_was_meant_is_told() -> None:
 
 
 def test_numbers_of_elements() -> None:
-    cameras = Numbers(Lookup("camera", ["", "left/eye", "right/eye"], "/"))
+    cameras = Numbers("camera", ["", "left/eye", "right/eye"], "/")
     assert cameras["right/eye"] == 2
     assert cameras["right/eye", "left/eye"].tolist() == [2, 1]
     assert np.asarray(cameras["*/eye"]).tolist() == [1, 2]

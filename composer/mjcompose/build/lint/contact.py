@@ -96,17 +96,14 @@ def _name(geom: Node) -> str:
     return f"{class_in_force(geom).name or ''} {geom.get('name') or ''}".lower()
 
 
-def _collides(subject: Subject, geom: Node) -> bool:
-    return any((subject.numbers(geom, name) or [1.0])[0] for name in ("contype", "conaffinity"))
-
-
 @rule("visual-collides")
 def visual_collides(subject: Subject) -> Found:
     """A geom for looks that collides."""
     if not any("collision" in _name(geom) for geom in subject.each("geom")):
         return
     for geom in subject.each("geom"):
-        if "visual" in _name(geom) and "collision" not in _name(geom) and _collides(subject, geom):
+        collides = any((subject.numbers(geom, bits) or [1.0])[0] for bits in ("contype", "conaffinity"))
+        if "visual" in _name(geom) and "collision" not in _name(geom) and collides:
             message = f"the class or name of {subject.called(geom)} says that it is visual, but it collides"
             yield Finding(geom, message, help='write `contype="0" conaffinity="0"`')
 
@@ -193,16 +190,15 @@ def frictionless_foot(subject: Subject) -> Found:
     """A foot that slides on the floor without friction."""
     model = subject.model
     plane = int(subject.mujoco.mjtGeom.mjGEOM_PLANE)
-    floors = [
-        each for each in range(model.ngeom) if int(model.geom_type[each]) == plane and not model.geom_bodyid[each]
-    ]
+    floors = ((model.geom_type == plane) & (model.geom_bodyid == 0)).nonzero()[0].tolist()
     for geom in range(model.ngeom):
         body = int(model.geom_bodyid[geom])
         words = f"{subject.roster.names['geom'][geom]} {subject.roster.names['body'][body]}".lower()
         if not body or not ("foot" in words or "toe" in words):
             continue
         for floor in floors:
-            if not _fit(model, geom, floor):
+            types, affinities = model.geom_contype, model.geom_conaffinity
+            if not (types[geom] & affinities[floor] or types[floor] & affinities[geom]):
                 continue
             first, last = sorted((geom, floor), key=lambda each: int(model.geom_priority[each]))
             pair = (last,) if model.geom_priority[last] > model.geom_priority[first] else (first, last)
@@ -212,10 +208,3 @@ def frictionless_foot(subject: Subject) -> Found:
                 why = "`condim` is 1" if condim == 1 else f"the sliding friction is {friction:.3g}"
                 message = f"{subject.name('geom', geom)} slides on {subject.name('geom', floor)}: {why}"
                 yield Finding(subject.node("geom", geom), message, help='write `condim="3"`, and `friction`')
-
-
-def _fit(model: Any, one: int, other: int) -> bool:
-    return bool(
-        model.geom_contype[one] & model.geom_conaffinity[other]
-        or model.geom_contype[other] & model.geom_conaffinity[one]
-    )

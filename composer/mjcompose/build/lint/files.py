@@ -50,12 +50,9 @@ def _is_packaged(path: Path) -> bool:
 def absolute_path(subject: Subject) -> Found:
     """A file named by a path that exists on one machine only."""
     places = [*file_attributes(subject.root)]
-    places += [
-        (each, name, str(each.get(name)))
-        for each in subject.root.iterfind("compiler")
-        for name in ("meshdir", "texturedir", "assetdir")
-        if each.get(name)
-    ]
+    folders = ("meshdir", "texturedir", "assetdir")
+    for each in subject.root.iterfind("compiler"):
+        places += [(each, name, str(each.get(name))) for name in folders if each.get(name)]
     for element, attribute, value in places:
         if is_absolute(value) or "\\" in value or value[1:2] == ":":
             message = f"the path `{value}` exists on one machine or system only"

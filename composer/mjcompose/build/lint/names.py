@@ -25,16 +25,13 @@ def _unnamed(subject: Subject, elements: Iterator[Node], use: str) -> Found:
 @rule("unnamed-joint", profiles=_ASSET)
 def unnamed_joint(subject: Subject) -> Found:
     """A joint without a name, in a model that moves it."""
-    joints = [each for each in subject.each("joint", "freejoint") if _in_bodies(each)]
+    joints = []
+    for joint in subject.each("joint", "freejoint"):
+        around = {each.tag for each in joint.iterancestors()}
+        joints += [joint] if "body" in around and not around & {"composite", "flexcomp", "replicate"} else []
     unnamed = [each for each in joints if not each.get("name")]
     if len(unnamed) < max(5, len(joints)):
         yield from _unnamed(subject, iter(unnamed), "programs reach it only by its number")
-
-
-def _in_bodies(joint: Node) -> bool:
-    return all(each.tag not in ("composite", "flexcomp", "replicate") for each in joint.iterancestors()) and any(
-        each.tag == "body" for each in joint.iterancestors()
-    )
 
 
 @rule("unnamed-actuator", profiles=_ASSET)
@@ -78,11 +75,8 @@ def awkward_name(subject: Subject) -> Found:
     """A name with spaces or with characters that other programs refuse."""
     for element in subject.root.iter("*"):
         name = element.get("name")
-        if (
-            name
-            and element.tag not in ("material", "texture", "text", "numeric", "mesh")
-            and not _CHARACTERS.fullmatch(str(name))
-        ):
+        is_free = element.tag in ("material", "texture", "text", "numeric", "mesh")
+        if name and not is_free and not _CHARACTERS.fullmatch(str(name)):
             message = f"the name `{name}` of this {element.tag} has characters that other programs refuse"
             yield Finding(element, message, "name", help="use letters, digits and `_ . / : -`")
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-from mjcompose.build.lint.rule import FAMILIES, Rule, rules
+from mjcompose.build.lint.rule import FAMILIES, rules
 
 _MEANING = {
     "dead": "elements that nothing uses",
@@ -29,21 +29,12 @@ The [guide](../how-to/lint.md) shows how.
 def index() -> str:
     lines = [_INTRODUCTION]
     for family in FAMILIES:
-        lines += [
-            f"## {family}",
-            "",
-            f"Rules about {_MEANING[family]}.",
-            "",
-            "| rule | runs | finds |",
-            "|---|---|---|",
-        ]
-        lines += [_row(each) for each in rules().values() if each.family == family]
+        lines += [f"## {family}\n\nRules about {_MEANING[family]}.\n", "| rule | runs | finds |", "|---|---|---|"]
+        for each in rules().values():
+            if each.family == family:
+                lines.append(f"| [{each.code}]({each.code}.md) | {'yes' if each.usual else ''} | {each.summary} |")
         lines.append("")
     return "\n".join(lines)
-
-
-def _row(each: Rule) -> str:
-    return f"| [{each.code}]({each.code}.md) | {'yes' if each.usual else ''} | {each.summary} |"
 
 
 if __name__ == "__main__":

@@ -106,10 +106,8 @@ def inertia_balanced(subject: Subject) -> Found:
     """An inertia that no rigid body can have, which MuJoCo replaces silently."""
     import numpy as np
 
-    if (
-        subject.setting("compiler", "balanceinertia") != "true"
-        or subject.setting("compiler", "inertiafromgeom") == "true"
-    ):
+    balances, by_geoms = (subject.setting("compiler", name) for name in ("balanceinertia", "inertiafromgeom"))
+    if balances != "true" or by_geoms == "true":
         return
     for element in subject.each("inertial"):
         full, name = subject.numbers(element, "fullinertia"), "fullinertia"
@@ -146,21 +144,14 @@ def free_joint_damped(subject: Subject) -> Found:
     for joint, values in free:
         shared = [f"`{name}` {value}" for name, (value, writer) in values.items() if (name, writer) in others]
         if shared:
-            message = (
-                f"the free {subject.called(joint)} has {' and '.join(shared)} of its default class, as hinges have"
-            )
+            resists = " and ".join(shared)
+            message = f"the free {subject.called(joint)} has {resists} of its default class, as hinges have"
             yield Finding(joint, message, help="write `<freejoint/>`, which ignores the classes")
 
 
-def _first(value: Any) -> float:
-    return float(value) if getattr(value, "ndim", 0) == 0 else float(value[0])
-
-
-@rule(
-    "timestep-too-long",
-    in_mujoco=True,
-    profiles={"robot-asset": _DRIVE.format("“within reasonable ranges for stable simulation”")},
-)
+@rule("timestep-too-long", in_mujoco=True, profiles={
+    "robot-asset": _DRIVE.format("“within reasonable ranges for stable simulation”"),
+})  # fmt: skip
 def timestep_too_long(subject: Subject) -> Found:
     """A servo or spring that is too stiff for the time step."""
     servos = subject.servos
@@ -188,17 +179,15 @@ def _single(subject: Subject) -> Iterator[tuple[int, int]]:
             yield joint, int(model.jnt_dofadr[joint])
 
 
-@rule(
-    "servo-undamped",
-    in_mujoco=True,
-    profiles={"robot-asset": _DRIVE.format("“include sufficient damping for stability”")},
-)
+@rule("servo-undamped", in_mujoco=True, profiles={
+    "robot-asset": _DRIVE.format("“include sufficient damping for stability”"),
+})  # fmt: skip
 def servo_undamped(subject: Subject) -> Found:
     """A position servo that nothing damps."""
     model, servos = subject.model, subject.servos
     for joint, dof in _single(subject):
         stiff = [each for each in servos.of_dof(dof) if servos.gains(each)[0] > 0]
-        damping = _first(model.dof_damping[dof]) + servos.damping[dof, dof]
+        damping = model.dof_damping[dof].ravel()[0] + servos.damping[dof, dof]
         if stiff and damping == 0 and model.dof_frictionloss[dof] == 0:
             message = (
                 f"nothing damps {subject.name('actuator', stiff[0])}: it holds {subject.name('joint', joint)} with"
@@ -209,9 +198,7 @@ def servo_undamped(subject: Subject) -> Found:
 
 def _unit(subject: Subject, joint: int, per: bool = True) -> str:
     is_hinge = int(subject.model.jnt_type[joint]) == int(subject.mujoco.mjtJoint.mjJNT_HINGE)
-    if per:
-        return "N·m/rad" if is_hinge else "N/m"
-    return "N·m" if is_hinge else "N"
+    return ("N·m" if is_hinge else "N") + (("/rad" if is_hinge else "/m") if per else "")
 
 
 @rule("friction-exceeds-motor", in_mujoco=True)

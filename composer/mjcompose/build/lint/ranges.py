@@ -82,10 +82,7 @@ def reference_out_of_range(subject: Subject) -> Found:
     if model.nkey or not subject.is_complete:
         return
     for row in range(model.njnt):
-        if not model.jnt_limited[row] or int(model.jnt_type[row]) not in (
-            int(kinds.mjJNT_HINGE),
-            int(kinds.mjJNT_SLIDE),
-        ):
+        if not model.jnt_limited[row] or int(model.jnt_type[row]) < int(kinds.mjJNT_SLIDE):
             continue
         at, (low, high) = float(model.qpos0[model.jnt_qposadr[row]]), map(float, model.jnt_range[row])
         if not low - _ROUNDING <= at <= high + _ROUNDING:
@@ -121,14 +118,13 @@ def control_misses_range(subject: Subject) -> Found:
 def servos(subject: Subject) -> list[tuple[int, int]]:
     """Return the position actuators on a hinge or slide, and these joints."""
     model, mujoco = subject.model, subject.mujoco
-    single = (int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE))
     found = []
     for row in range(model.nu):
         joint = int(model.actuator_trnid[row, 0])
         gain, bias = float(model.actuator_gainprm[row, 0]), float(model.actuator_biasprm[row, 1])
         if (
             int(model.actuator_trntype[row]) == int(mujoco.mjtTrn.mjTRN_JOINT)
-            and int(model.jnt_type[joint]) in single
+            and int(model.jnt_type[joint]) >= int(mujoco.mjtJoint.mjJNT_SLIDE)
             and int(model.actuator_biastype[row]) == int(mujoco.mjtBias.mjBIAS_AFFINE)
             and gain > 0 and abs(gain + bias) <= 1e-6 * gain and model.actuator_gear[row, 0]
             and not float(model.actuator_biasprm[row, 0])
@@ -145,9 +141,8 @@ def solref_below_timestep(subject: Subject) -> Found:
     if flags and flags[-1] == "disable":
         return
     step = float(steps[-1] or 0.002) if steps else 0.002
-    names = ("solref", "solreflimit", "solreffriction", "solimplimit")[:3]
     for element in subject.root.iter("*"):
-        for name in names:
+        for name in ("solref", "solreflimit", "solreffriction"):
             value = element.get(name)
             first = float(value.split()[0]) if value and value.split() else 0.0
             if 0 < first < 2 * step * (1 - 1e-9):

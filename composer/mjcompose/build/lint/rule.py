@@ -166,11 +166,8 @@ class Subject:
     @property
     def is_complete(self) -> bool:
         """Whether programs load the model as it is: it has a floor or a light, or it is a bundle or a recipe."""
-        return (
-            not self.is_part
-            or self.root.find("worldbody/light") is not None
-            or any(self.value(each, "type") in ("plane", "hfield") for each in self.root.iterfind("worldbody/geom"))
-        )
+        shapes = {self.value(each, "type") for each in self.root.iterfind("worldbody/geom")}
+        return not self.is_part or self.root.find("worldbody/light") is not None or bool(shapes & {"plane", "hfield"})
 
     def is_own(self, element: Node) -> bool:
         """Return whether the element is written in the file itself, and not in one that it includes."""

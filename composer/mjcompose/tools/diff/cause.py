@@ -165,12 +165,8 @@ class Causes:
         """Return the cause of a change, or None if no line is known."""
         before, after = self._nodes(change)
         others = chain(self._around(before, after), self._naming(before, 0), self._naming(after, 1))
-        return (
-            self._first(self._candidates(change, before, after))
-            or self._content(change, before, after)
-            or self._first(others)
-            or self.written.only()
-        )
+        found = self._first(self._candidates(change, before, after)) or self._content(change, before, after)
+        return found or self._first(others) or self.written.only()
 
     def _first(self, causes: Iterable[Cause]) -> Cause | None:
         settled = (self._settled(cause) for cause in causes)

@@ -166,7 +166,7 @@ class Values:
             yield from self._numbers(name, before, after)
 
     def _numbers(self, name: str, before: Any, after: Any) -> Iterator[tuple[str, Value, Value]]:
-        ours, others = list(_flat(before)), list(_flat(after))
+        ours, others = _flat(before), _flat(after)
         different = [at for at, (x, y) in enumerate(zip(ours, others, strict=True)) if not close(x, y, self.tolerance)]
         if different and len(ours) <= _SHOWN:
             yield name, _value(before), _value(after)
@@ -190,7 +190,7 @@ class Values:
             elif before != after:
                 yield from self._numbers(name, _one(before), _one(after))
         else:
-            pairs = zip(_flat(mine.tolist()), _flat(theirs.tolist()), strict=True)
+            pairs = zip(_flat(mine), _flat(theirs), strict=True)
             off = [abs(x - y) for x, y in pairs if not close(x, y, self.tolerance)]
             if off:
                 yield name, None, f"{len(off)} of {mine.size} numbers differ, by up to {max(off):.3g}"
@@ -211,19 +211,17 @@ def _servo(model: Model, index: int) -> dict[str, float] | None:
     return None if gain[1:].any() or beside.any() else servo(model, index)
 
 
-def _flat(value: Any) -> Iterator[float]:
-    if isinstance(value, list):
-        for each in value:
-            yield from _flat(each)
-    else:
-        yield value
+def _flat(value: Any) -> list[float]:
+    import numpy as np
+
+    return list(np.ravel(value).tolist())
 
 
 def _one(rows: list[Any]) -> Any:
     return rows[0] if rows and all(row == rows[0] for row in rows) else rows
 
 
-def _value(value: Any) -> Value:
+def _value(value: Any) -> Any:
     return tuple(_value(each) for each in value) if isinstance(value, list) else value
 
 
@@ -330,16 +328,12 @@ def contrast(mujoco: Any, a: Model, b: Model, given: Mapping[str, Any]) -> dict[
 
 
 def contrast_of(data: Mapping[str, Any]) -> Contrast:
-    frozen = ({name: _frozen(value) for name, value in each.items()} for each in data["changes"])
+    frozen = ({name: _value(value) for name, value in each.items()} for each in data["changes"])
     return Contrast(
         identical=data["identical"], changes=tuple(Change(**each) for each in frozen),
         moves=tuple(Move(**each) for each in data["moves"]), counts=tuple(Count(**each) for each in data["counts"]),
         arrays=tuple(data["arrays"]), elements={kind: (a, b) for kind, (a, b) in data["elements"].items()},
     )  # fmt: skip
-
-
-def _frozen(value: Any) -> Any:
-    return tuple(_frozen(each) for each in value) if isinstance(value, list) else value
 
 
 def _renamed(names: Names, matching: Correspondence) -> Iterator[Change]:

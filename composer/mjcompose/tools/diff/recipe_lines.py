@@ -17,7 +17,7 @@ from mjcompose.base.diagnostic import Span
 from mjcompose.build.plan.plan import AttachPart, Plan
 from mjcompose.text.evaluate import Template
 from mjcompose.text.expression import ExpressionError
-from mjcompose.text.node import Mapping, Node, Scalar, Sequence, find, is_template
+from mjcompose.text.node import Mapping, Node, Scalar, find, is_template, walk
 from mjcompose.tools.diff.changes import Cause
 from mjcompose.tools.diff.sides import Side
 
@@ -149,7 +149,7 @@ class Recipes:
     def conditions(self) -> Iterator[tuple[Span, Node]]:
         """Yield the place of every item with a `when`, and its condition."""
         for document in self._documents:
-            for node in _walk(document):
+            for _, _, node in walk(document):
                 if isinstance(node, Mapping) and "when" in node.entries:
                     yield node.span, node.entries["when"][1]
 
@@ -180,7 +180,7 @@ class Recipes:
     def _expressions(self) -> dict[_Place, tuple[str, ...]]:
         found: dict[_Place, tuple[str, ...]] = {}
         for document in self._documents:
-            for scalar in _walk(document):
+            for _, _, scalar in walk(document):
                 if isinstance(scalar, Scalar) and isinstance(scalar.value, str) and is_template(scalar.value):
                     span = scalar.span
                     with suppress(ExpressionError):
@@ -195,14 +195,6 @@ def _pieces(document: Node) -> Iterator[Node]:
     for _, values in axes.entries.values() if isinstance(axes, Mapping) else ():
         for _, piece in values.entries.values() if isinstance(values, Mapping) else ():
             yield piece
-
-
-def _walk(node: Node) -> Iterator[Node]:
-    yield node
-    if not isinstance(node, Scalar):
-        values = node.items if isinstance(node, Sequence) else [value for _, value in node.entries.values()]
-        for value in values:
-            yield from _walk(value)
 
 
 class Written:

@@ -268,7 +268,7 @@ def _lines(diff: Diff) -> Iterator[str]:
     yield from (f"A {diff.a.named}", f"B {diff.b.named}", verdict(diff), *_remarks(diff))
     if contrast.counts:
         yield from ("", "the whole model", *(f"  {count(each)}" for each in contrast.counts))
-    yield from _changes(diff.groups, contrast.moves, contrast.arrays)
+    yield from _changes(diff.groups, contrast.moves, contrast.arrays, False)
     if diff.views:
         yield from ("", "pictures")
         yield from (f"  {each.name}: {view(each)}: {each.before}, {each.after}" for each in diff.views)
@@ -278,13 +278,16 @@ def _lines(diff: Diff) -> Iterator[str]:
         yield from ("", f"files that differ: {', '.join(diff.files)}")
 
 
-def _changes(groups: Iterable[Group], moves: Sequence[Move], arrays: Sequence[str]) -> Iterator[str]:
+def _changes(groups: Iterable[Group], moves: Sequence[Move], arrays: Sequence[str], markdown: bool) -> Iterator[str]:
     for group in groups:
-        yield from ("", *_group(group))
+        yield from ("", *(_group_markdown(group) if markdown else _group(group)))
     if moves:
-        yield from ("", "addresses", *(f"  {each}" for each in moved(moves)))
+        lines = [*moved(moves)]
+        listed = ["#### Addresses", "", *_list(lines)] if markdown else ["addresses", *(f"  {each}" for each in lines)]
+        yield from ("", *listed)
     if arrays:
-        yield from ("", f"arrays of mjModel that differ: {', '.join(arrays)}")
+        of, names = ("Arrays of `mjModel`", map(_code, arrays)) if markdown else ("arrays of mjModel", arrays)
+        yield from ("", f"{of} that differ: {', '.join(names)}")
 
 
 def _group(group: Group) -> Iterator[str]:
@@ -325,7 +328,7 @@ def _lines_markdown(diff: Diff) -> Iterator[str]:
         yield from ("", f"<sub>{remark[0].upper()}{remark[1:]}</sub>")
     if contrast.counts:
         yield from ("", *(f"- {count(each)}" for each in contrast.counts))
-    yield from _changes_markdown(diff.groups, contrast.moves, contrast.arrays)
+    yield from _changes(diff.groups, contrast.moves, contrast.arrays, True)
     if diff.views:
         yield from ("", "#### Pictures", "", "| view | before | after |", "|---|---|---|")
         yield from (
@@ -334,15 +337,6 @@ def _lines_markdown(diff: Diff) -> Iterator[str]:
         )
     for more in _following(diff):
         yield from ("", f"<sub>{more}</sub>")
-
-
-def _changes_markdown(groups: Iterable[Group], moves: Sequence[Move], arrays: Sequence[str]) -> Iterator[str]:
-    for group in groups:
-        yield from ("", *_group_markdown(group))
-    if moves:
-        yield from ("", "#### Addresses", "", *_list([*moved(moves)]))
-    if arrays:
-        yield from ("", f"Arrays of `mjModel` that differ: {', '.join(map(_code, arrays))}")
 
 
 def _group_markdown(group: Group) -> Iterator[str]:
@@ -393,11 +387,8 @@ def render_breaking(breaking: Breaking, *, markdown: bool) -> str:
         lines = [f"### {_code(diff.a.named)} → {_code(diff.b.named)}", "", f"**{says.capitalize()}.**"]
         lines += [f"\n<sub>{remark}</sub>" for remark in _remarks(diff)]
     for level in breaking.levels:
-        changes = level.groups, level.moves, level.arrays
-        if markdown:
-            lines += ["", f"### {level.name.capitalize()}", *_changes_markdown(*changes)]
-        else:
-            lines += ["", level.name.upper(), *_changes(*changes)]
+        lines += ["", f"### {level.name.capitalize()}" if markdown else level.name.upper()]
+        lines += _changes(level.groups, level.moves, level.arrays, markdown)
     return _cut(lines).removesuffix("\n") if markdown else "\n".join(lines)
 
 

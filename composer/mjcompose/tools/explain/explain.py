@@ -88,11 +88,8 @@ class Traced:
             return None
         if asked.attribute is not None:
             attribute, _ = attribute_and_index(asked.attribute)
-            fitting = [
-                node
-                for node in found
-                if attribute in kind_of(node).attributes or trace_words.is_derived(node, attribute)
-            ]
+            fitting = [node for node in found
+                       if attribute in kind_of(node).attributes or trace_words.is_derived(node, attribute)]  # fmt: skip
             if not fitting:
                 no_attribute(found[0], asked.attribute, context.sink)
                 return None
@@ -196,10 +193,8 @@ class Traced:
             if origin.kind == "entry":
                 reason = self.recipe_lines.in_own_form(reason.span, numbers)
             written = origin.written or (None if reason.span is None else self.recipe_lines.text_of(reason.span))
-            yield (
-                holder,
-                trace_words.row_explained(self.labels[holder], numbers, origin, reason=reason, written=written),
-            )
+            row = trace_words.row_explained(self.labels[holder], numbers, origin, reason=reason, written=written)
+            yield holder, row
 
     def written(self, life: Life) -> Iterator[Reason]:
         if life.made_by is not None:

@@ -172,24 +172,20 @@ def _element(it: ElementExplained, read_source: ReadSource | None, paint: Paint)
                              break_long_words=False, break_on_hyphens=False)  # fmt: skip
     if it.holder:
         yield f"  in {it.holder}"
-    yield ""
-    yield paint("bold", "where it comes from")
+    yield from ("", paint("bold", "where it comes from"))
     for number, each in enumerate(it.written):
         comma = "" if each.words == "read from" else ","
         yield f"  {each.words}" + ("" if each.span is None else f"{comma} {each.span.file}:{each.span.line}")
         yield from _source(each.span, it.end_line if number == 0 else None, read_source, paint=paint)
     yield from _table([("part", each.words, _at(each.span)) for each in it.parts])
     if it.sets:
-        yield ""
-        yield paint("bold", "settings")
+        yield from ("", paint("bold", "settings"))
         yield from _table([(each.label, _cut(each.value or ""), _at(each.reason.span)) for each in it.sets])
     if it.changes:
-        yield ""
-        yield paint("bold", "changes")
+        yield from ("", paint("bold", "changes"))
         yield from _changes(it.changes)
     if it.classes:
-        yield ""
-        yield paint("bold", "default classes, the nearest first")
+        yield from ("", paint("bold", "default classes, the nearest first"))
         if it.in_force is not None:
             yield f"  in force {it.in_force.words}{_at(it.in_force.span, ', ')}"
         yield from _classes(it)
@@ -214,16 +210,14 @@ def _attribute(it: AttributeExplained, read_source: ReadSource | None, paint: Pa
     yield from textwrap.wrap(shown, _WIDE, initial_indent="  ", subsequent_indent="  ") or ['  ""']
     if it.about:
         yield f"  # {it.about}"
-    yield ""
-    yield paint("bold", "where it comes from")
+    yield from ("", paint("bold", "where it comes from"))
     yield from _table([_level(each) for each in it.levels])
     winner = next((each for each in it.levels if each.wins and each.span is not None), None)
     if winner is not None and winner.span is not None:
         yield f"  {winner.span.file}:{winner.span.line}"
         yield from _source(winner.span, None, read_source, paint=paint)
     if it.rows:
-        yield ""
-        yield paint("bold", "number by number")
+        yield from ("", paint("bold", "number by number"))
         rows: list[tuple[str, ...]] = []
         for row in it.rows:
             place = _at(row.reason.span, ", " if row.reason.words else "")
@@ -232,8 +226,7 @@ def _attribute(it: AttributeExplained, read_source: ReadSource | None, paint: Pa
         yield from _table(rows)
     first = next((each for each in it.levels if each.kind == "class"), None)
     if it.in_force is not None and first is not None:
-        yield ""
-        yield f"class {first.name} is in force {it.in_force.words}{_at(it.in_force.span, ', ')}"
+        yield from ("", f"class {first.name} is in force {it.in_force.words}{_at(it.in_force.span, ', ')}")
     for each in it.levels:
         if each.changes:
             yield ""
@@ -243,8 +236,7 @@ def _attribute(it: AttributeExplained, read_source: ReadSource | None, paint: Pa
             yield paint("bold", f"changes {place}")
             yield from _changes(each.changes, name=False)
     for note in it.notes:
-        yield ""
-        yield f"{paint('note', 'note')}: {note}"
+        yield from ("", f"{paint('note', 'note')}: {note}")
 
 
 def _level(each: LevelExplained) -> tuple[str, str, str, str]:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import cached_property
-from typing import TypeAlias, overload
+from itertools import chain
+from typing import Any, TypeAlias, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,75 +48,57 @@ def unknown(kind: str, name: str, known: Iterable[str]) -> UnknownNameError:
     return UnknownNameError([Diagnostic("unknown-name", message, notes=notes, help=did_you_mean(name, known))])
 
 
-class Lookup:
-    """The names of one kind in the order of the model, and their look-up by name or glob.
+class _Named:
+    """Elements of one kind in the order of the model, and their look-up by name or glob.
 
     `*` and `?` stop at the separator, `**` does not, `{a,b}` is a choice, `/…/` a regular expression over the whole
     name. An existing name always matches itself, whatever characters it has.
     """
 
     def __init__(self, kind: str, names: Sequence[str], separator: str) -> None:
-        self.kind = kind
+        self._kind, self._separator = kind, separator
         self.names = tuple(names)
-        self.separator = separator
-        self._rows: dict[str, int] = {}
+        """All names in the order of the model; unnamed elements are ""."""
+        self._by_name: dict[str, int] = {}
         for row, name in enumerate(self.names):
             if name:
-                self._rows.setdefault(name, row)
+                self._by_name.setdefault(name, row)
 
-    def row(self, name: str) -> int | None:
+    def _row(self, name: str) -> int | None:
         """Return the row of one name, or None for a glob. Raises UnknownNameError."""
-        found = self._rows.get(name)
+        found = self._by_name.get(name)
         if found is None and not is_pattern(name):
-            raise unknown(self.kind, name, self._rows)
+            raise unknown(self._kind, name, self._by_name)
         return found
 
-    def rows(self, names: Names) -> list[int]:
+    def _rows(self, names: Names) -> list[int]:
         """Return the rows of all names, in their order; a glob has the order of the model."""
         if not isinstance(names, Iterable):
             raise TypeError(f"give one or several names, not {names!r}")
         found: list[int] = []
         for name in [names] if isinstance(names, str) else names:
-            row = self.row(name)
+            row = self._row(name)
             if row is not None:
                 found.append(row)
                 continue
             try:
-                fits = fitter(name, self._rows.keys, self.separator)
+                fits = fitter(name, self._by_name.keys, self._separator)
             except BadPattern as bad:
                 raise UnknownNameError([Diagnostic("selector", bad.message, help=bad.help)]) from None
-            matched = [row for known, row in self._rows.items() if fits(known)]
+            matched = [row for known, row in self._by_name.items() if fits(known)]
             if not matched:
-                raise unknown(self.kind, name, self._rows)
+                raise unknown(self._kind, name, self._by_name)
             found += matched
         return found
 
     def __contains__(self, name: object) -> bool:
-        return name in self._rows
+        return name in self._by_name
 
     def __iter__(self) -> Iterator[str]:
-        return iter(self._rows)
-
-
-class _Named:
-    """Elements in the order of the model."""
-
-    def __init__(self, lookup: Lookup) -> None:
-        self._lookup = lookup
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """All names in the order of the model; unnamed elements are ""."""
-        return self._lookup.names
-
-    def __contains__(self, name: object) -> bool:
-        return name in self._lookup
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._lookup)
+        return iter(self._by_name)
 
     def __len__(self) -> int:
-        return len(self._lookup.names)
+        return len(self.names)
 
 
 class Numbers(_Named):
@@ -133,12 +116,12 @@ class Numbers(_Named):
 
         For a glob the declared type is int, as for a name, although the result is an array.
         """
-        if isinstance(names, str) and (row := self._lookup.row(names)) is not None:
+        if isinstance(names, str) and (row := self._row(names)) is not None:
             return row
-        return np.array(self._lookup.rows(names), dtype=np.intp)
+        return np.array(self._rows(names), dtype=np.intp)
 
     def __repr__(self) -> str:
-        return f"<{len(self)} × {self._lookup.kind}>"
+        return f"<{len(self)} × {self._kind}>"
 
 
 Place: TypeAlias = int | slice | NDArray[np.intp]
@@ -179,7 +162,7 @@ class Vector(_Named):
     def __init__(self, name: str, kind: str, entries: Sequence[Entry], separator: str) -> None:
         self.name = name
         self.entries = tuple(entries)
-        super().__init__(Lookup(kind, [each.name for each in entries], separator))
+        super().__init__(kind, [each.name for each in entries], separator)
 
     @property
     def size(self) -> int:
@@ -188,20 +171,21 @@ class Vector(_Named):
 
     def __getitem__(self, names: Names) -> Place:
         """Return the addresses of the elements with these names or globs. Raises UnknownNameError, a KeyError."""
-        if isinstance(names, str) and (row := self._lookup.row(names)) is not None:
+        if isinstance(names, str) and (row := self._row(names)) is not None:
             entry = self.entries[row]
             return entry.start if entry.size == 1 else slice(entry.start, entry.start + entry.size)
-        return self._places(self._entries(names))
+        return self.array(names)
 
     def array(self, names: Names) -> NDArray[np.intp]:
         """Return the addresses as an array of shape (n,), even for one name."""
-        return self._places(self._entries(names))
+        places = (range(each.start, each.start + each.size) for each in self._entries(names))
+        return np.array([*chain.from_iterable(places)], dtype=np.intp)
 
     def on(self, body: str) -> Place:
         """Return the addresses of the elements of a body, including unnamed joints. Raises UnknownNameError."""
         found = [each for each in self.entries if each.body == body]
         if not found:
-            raise unknown(f"body with a {self._lookup.kind}", body, [each.body for each in self.entries if each.body])
+            raise unknown(f"body with a {self._kind}", body, [each.body for each in self.entries if each.body])
         start, end = found[0].start, found[-1].start + found[-1].size
         return start if end - start == 1 else slice(start, end)
 
@@ -222,20 +206,15 @@ class Vector(_Named):
     def _entries(self, names: Names) -> list[Entry]:
         if names == "**":
             return list(self.entries)
-        return [self.entries[row] for row in self._lookup.rows(names)]
-
-    @staticmethod
-    def _places(entries: Sequence[Entry]) -> NDArray[np.intp]:
-        places = [place for each in entries for place in range(each.start, each.start + each.size)]
-        return np.array(places, dtype=np.intp)
+        return [self.entries[row] for row in self._rows(names)]
 
     def __repr__(self) -> str:
-        return f"<{self.name}: {self.size} numbers of {len(self)} × {self._lookup.kind}>"
+        return f"<{self.name}: {self.size} numbers of {len(self)} × {self._kind}>"
 
 
 def _ids(kind: str, word: str = "") -> cached_property[Numbers]:
     def ids(index: Index) -> Numbers:
-        return Numbers(Lookup(word or kind, index._names(kind), index._separator))
+        return Numbers(word or kind, index._names(kind), index._separator)
 
     ids.__doc__ = f"Ids of {word or kind}s."
     return cached_property(ids)
@@ -256,50 +235,45 @@ class Index:
     @cached_property
     def qpos(self) -> Vector:
         """Positions of joints: rad, m, and quaternions (w x y z)."""
-        entries = []
-        for each in self._listed.joints:
-            # The range of a ball joint is an angle, not one of its numbers.
-            limits = (_limits(each.range) if each.qpos_size == 1 else UNLIMITED,) * each.qpos_size
-            units = BY_WORD[each.type].position_units
-            entries.append(Entry(each.name, each.qpos, units, limits=limits, body=each.body, origin=each.origin))
-        return self._vector("qpos", "joint", entries)
+        # The range of a ball joint is an angle, not one of its numbers.
+        return self._vector("qpos", "joint", (
+            (each, each.qpos, BY_WORD[each.type].position_units,
+             (_limits(each.range) if each.qpos_size == 1 else UNLIMITED,) * each.qpos_size)
+            for each in self._listed.joints
+        ))  # fmt: skip
 
     @cached_property
     def qvel(self) -> Vector:
         """Velocities of joints: rad/s, m/s. MuJoCo does not limit them."""
-        entries = []
-        for each in self._listed.joints:
-            units, limits = BY_WORD[each.type].velocity_units, (UNLIMITED,) * each.dof_size
-            entries.append(Entry(each.name, each.dof, units, limits=limits, body=each.body, origin=each.origin))
-        return self._vector("qvel", "joint", entries)
+        return self._vector("qvel", "joint", (
+            (each, each.dof, BY_WORD[each.type].velocity_units, (UNLIMITED,) * each.dof_size)
+            for each in self._listed.joints
+        ))  # fmt: skip
 
     @cached_property
     def ctrl(self) -> Vector:
         """Controls of actuators, with their limits."""
-        entries = []
-        for each in self._listed.actuators:
-            units, limits = (each.unit,) * each.ctrl_size, tuple(map(_limits, each.ranges))
-            entries.append(Entry(each.name, each.ctrl, units, limits=limits, origin=each.origin))
-        return self._vector("ctrl", "actuator", entries)
+        return self._vector("ctrl", "actuator", (
+            (each, each.ctrl, (each.unit,) * each.ctrl_size, tuple(map(_limits, each.ranges)))
+            for each in self._listed.actuators
+        ))  # fmt: skip
 
     @cached_property
     def act(self) -> Vector:
         """Activations of the actuators that have some."""
-        entries = []
-        for each in self._listed.actuators:
-            if each.act is not None:
-                limits = (_limits(each.act_range),) * each.act_size
-                entries.append(Entry(each.name, each.act, (None,) * each.act_size, limits=limits, origin=each.origin))
-        return self._vector("act", "activation", entries)
+        return self._vector("act", "activation", (
+            (each, each.act, (None,) * each.act_size, (_limits(each.act_range),) * each.act_size)
+            for each in self._listed.actuators if each.act is not None
+        ))  # fmt: skip
 
     @cached_property
     def sensordata(self) -> Vector:
         """Sensor values; limits are their cutoff."""
-        entries = []
-        for each in self._listed.sensors:
-            limits = (UNLIMITED if each.cutoff is None else (-each.cutoff, each.cutoff),) * each.size
-            entries.append(Entry(each.name, each.address, (each.unit,) * each.size, limits=limits, origin=each.origin))
-        return self._vector("sensordata", "sensor", entries)
+        return self._vector("sensordata", "sensor", (
+            (each, each.address, (each.unit,) * each.size,
+             (UNLIMITED if each.cutoff is None else (-each.cutoff, each.cutoff),) * each.size)
+            for each in self._listed.sensors
+        ))  # fmt: skip
 
     camera = _ids("camera")
     """Ids of cameras."""
@@ -320,7 +294,12 @@ class Index:
     tendon = _ids("tendon")
     """Ids of tendons."""
 
-    def _vector(self, name: str, kind: str, entries: Sequence[Entry]) -> Vector:
+    def _vector(
+        self, name: str, kind: str, found: Iterable[tuple[Any, int, tuple[str | None, ...], tuple[Range, ...]]]
+    ) -> Vector:
+        """Return a vector of the elements, each with its first address, its units and its limits."""
+        entries = [Entry(each.name, start, units, limits, body=getattr(each, "body", None), origin=each.origin)
+                   for each, start, units, limits in found]  # fmt: skip
         return Vector(name, kind, entries, separator=self._separator)
 
     def __repr__(self) -> str:
