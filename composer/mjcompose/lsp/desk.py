@@ -402,8 +402,8 @@ class Desk:
             try:
                 if document.kind:
                     work = self.workspace.analyze if document.kind == "recipe" else self.workspace.analyze_model
-                    others = self.texts(document.path)
-                    document.analysis = await self._analyse(work, document.path, text, others, document.analysis)
+                    given = document.path, text, self.texts(document.path), document.analysis
+                    document.analysis = await self._analyse(work, *given)
             except Exception:
                 self._log(traceback.format_exc())
             document.done, document.seen = count, version

@@ -149,7 +149,7 @@ def lint(path: Path, context: Context, session: Session, selected: Sequence[Rule
             findings = [each for each in findings if not _may_be_used(each[1], others, may_be_part)]
         places = {element: at for at, element in enumerate(unit.root.iter("*"))}
         findings.sort(key=lambda each: -1 if each[1].element is None else places[each[1].element])
-        every = [_diagnostic(each, finding, unit, is_written) for each, finding in findings]
+        every = [_diagnostic(each, finding, unit, is_written=is_written) for each, finding in findings]
         kept = tuple(each for each in every if not _is_ignored(each, unit))
         return Linted(path, kept, len(every) - len(kept))
 

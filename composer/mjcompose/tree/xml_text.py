@@ -70,7 +70,7 @@ class SourceText:
 
         Return None if the element does not have it on a single line.
         """
-        found = self._attribute(tag, line, attributes, name)
+        found = self._attribute(name, self._find(tag, line, attributes))
         if found is None:
             return None
         start, end = (found.at, found.at + len(name)) if key else (found.start, found.end)
@@ -103,16 +103,16 @@ class SourceText:
         self, tag: str, line: int, attributes: Mapping[str, str], name: str, first: int, last: int
     ) -> tuple[Stretch, Stretch, str] | None:
         """Return the positions of two items of an attribute, counted from 0, and the text from one to the other."""
-        found = self._attribute(tag, line, attributes, name)
+        found = self._attribute(name, self._find(tag, line, attributes))
         items = [] if found is None else [each.span() for each in _ITEM.finditer(self._text, found.start, found.end)]
         if last >= len(items):
             return None
         text = self._text[items[first][0] : items[last][1]]
         return self._stretch(*items[first]), self._stretch(*items[last]), text
 
-    def _attribute(self, tag: str, line: int, attributes: Mapping[str, str], name: str) -> Written | None:
-        found = self._find(tag, line, attributes)
-        return next((each for each in found.attributes if each.name == name), None) if found is not None else None
+    @staticmethod
+    def _attribute(name: str, tag: Piece | None) -> Written | None:
+        return None if tag is None else next((each for each in tag.attributes if each.name == name), None)
 
     def _find(self, tag: str, line: int, attributes: Mapping[str, str]) -> Piece | None:
         if not 1 <= line <= len(self._starts):

@@ -268,7 +268,7 @@ def _lines(diff: Diff) -> Iterator[str]:
     yield from (f"A {diff.a.named}", f"B {diff.b.named}", verdict(diff), *_remarks(diff))
     if contrast.counts:
         yield from ("", "the whole model", *(f"  {count(each)}" for each in contrast.counts))
-    yield from _changes(diff.groups, contrast.moves, contrast.arrays, False)
+    yield from _changes(diff.groups, contrast.moves, contrast.arrays, markdown=False)
     if diff.views:
         yield from ("", "pictures")
         yield from (f"  {each.name}: {view(each)}: {each.before}, {each.after}" for each in diff.views)
@@ -278,7 +278,7 @@ def _lines(diff: Diff) -> Iterator[str]:
         yield from ("", f"files that differ: {', '.join(diff.files)}")
 
 
-def _changes(groups: Iterable[Group], moves: Sequence[Move], arrays: Sequence[str], markdown: bool) -> Iterator[str]:
+def _changes(groups: Iterable[Group], moves: Sequence[Move], arrays: Sequence[str], *, markdown: bool) -> Iterator[str]:
     for group in groups:
         yield from ("", *(_group_markdown(group) if markdown else _group(group)))
     if moves:
@@ -328,7 +328,7 @@ def _lines_markdown(diff: Diff) -> Iterator[str]:
         yield from ("", f"<sub>{remark[0].upper()}{remark[1:]}</sub>")
     if contrast.counts:
         yield from ("", *(f"- {count(each)}" for each in contrast.counts))
-    yield from _changes(diff.groups, contrast.moves, contrast.arrays, True)
+    yield from _changes(diff.groups, contrast.moves, contrast.arrays, markdown=True)
     if diff.views:
         yield from ("", "#### Pictures", "", "| view | before | after |", "|---|---|---|")
         yield from (
@@ -388,7 +388,7 @@ def render_breaking(breaking: Breaking, *, markdown: bool) -> str:
         lines += [f"\n<sub>{remark}</sub>" for remark in _remarks(diff)]
     for level in breaking.levels:
         lines += ["", f"### {level.name.capitalize()}" if markdown else level.name.upper()]
-        lines += _changes(level.groups, level.moves, level.arrays, markdown)
+        lines += _changes(level.groups, level.moves, level.arrays, markdown=markdown)
     return _cut(lines).removesuffix("\n") if markdown else "\n".join(lines)
 
 

@@ -298,7 +298,7 @@ class Index:
         self, name: str, kind: str, found: Iterable[tuple[Any, int, tuple[str | None, ...], tuple[Range, ...]]]
     ) -> Vector:
         """Return a vector of the elements, each with its first address, its units and its limits."""
-        entries = [Entry(each.name, start, units, limits, body=getattr(each, "body", None), origin=each.origin)
+        entries = [Entry(each.name, start, units, limits=limits, body=getattr(each, "body", None), origin=each.origin)
                    for each, start, units, limits in found]  # fmt: skip
         return Vector(name, kind, entries, separator=self._separator)
 
