@@ -190,7 +190,7 @@ class Values:
             elif before != after:
                 yield from self._numbers(name, _one(before), _one(after))
         else:
-            pairs = zip(_flat(mine), _flat(theirs), strict=True)
+            pairs = zip(_flat(mine.tolist()), _flat(theirs.tolist()), strict=True)
             off = [abs(x - y) for x, y in pairs if not close(x, y, self.tolerance)]
             if off:
                 yield name, None, f"{len(off)} of {mine.size} numbers differ, by up to {max(off):.3g}"
@@ -212,9 +212,7 @@ def _servo(model: Model, index: int) -> dict[str, float] | None:
 
 
 def _flat(value: Any) -> list[float]:
-    import numpy as np
-
-    return list(np.ravel(value).tolist())
+    return [number for each in value for number in _flat(each)] if isinstance(value, list) else [value]
 
 
 def _one(rows: list[Any]) -> Any:
