@@ -133,8 +133,8 @@ schemas: $(STAMP)
 	  $(BIN)/mjcompose schema $$what > build/$$what.schema.json && mv build/$$what.schema.json schemas/ || exit 1; \
 	done
 	@$(BIN)/python -m mjcompose.language.reference_page docs/reference/keys
-	@$(BIN)/python -m mjcompose.build.lint.pages docs/rules
-	@$(BIN)/python -m mjcompose.mjcf.stub
+	@$(BIN)/python .ci/rule_index.py docs/rules
+	@$(BIN)/python .ci/element_stub.py
 	@$(BIN)/python -m mjcompose.targets.table
 	@$(BIN)/python -m mjcompose.language.datasheets
 	@$(BIN)/python -m mjcompose.language.reference_page > build/key_order.json && mv build/key_order.json composer/mjcompose/text/

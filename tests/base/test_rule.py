@@ -96,7 +96,7 @@ WRITES_ITSELF = {
         mujoco/child.py:main base/sandbox.py:main base/sandbox.py:probe base/worker.py:main""",
     "pages of this project, for `make schemas`": """
         build/bundle/manifest.py:<module> language/datasheets.py:<module>
-        targets/table.py:<module> mjcf/stub.py:_main language/reference_page.py:write""",
+        targets/table.py:<module> language/reference_page.py:write""",
     "no file: it links models, or names elements": """
         build/bundle/write.py:write build/compose/compose.py:Composer._joined tools/diff/models.py:contrast
         mjcf/flat.py:link_checked targets/urdf.py:write_urdf""",

@@ -9,7 +9,7 @@ from typing import Any
 import mujoco
 import numpy as np
 from mjcompose.mjcf import Element, Physics, RootElement
-from mjcompose.mjcf.views import always_there
+from mjcompose.mjcf.attributed import always_there
 from mjcompose.tree.grammar import ElementType
 from mjcompose.tree.select import kind_of
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import runpy
 import subprocess
 import sys
 from pathlib import Path
@@ -11,7 +12,7 @@ from types import ModuleType
 import mjcompose
 import pytest
 from mjcompose import mjcf, worlds
-from mjcompose.mjcf import elements, stub
+from mjcompose.mjcf import elements
 
 _GOOD = """\
 from mjcompose import mjcf
@@ -68,8 +69,9 @@ model.wordbody.add("geom")
 
 
 def test_the_stub_is_what_the_grammar_says() -> None:
-    written = Path(stub.__file__).with_name("elements.pyi").read_text(encoding="utf-8")
-    assert written == stub.stub(), "`make schemas` writes it anew"
+    stub = runpy.run_path(str(Path(__file__).parents[2] / ".ci" / "element_stub.py"))["stub"]
+    written = Path(mjcf.__file__).with_name("elements.pyi").read_text(encoding="utf-8")
+    assert written == stub(), "`make schemas` writes it anew"
 
 
 @pytest.mark.slow

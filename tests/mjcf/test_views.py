@@ -6,7 +6,7 @@ import pydoc
 import numpy as np
 import pytest
 from mjcompose import mjcf
-from mjcompose.mjcf.views import of_attribute, of_element
+from mjcompose.mjcf.attributed import of_attribute, of_element
 from mjcompose.tree.grammar import GRAMMAR
 
 

@@ -21,6 +21,7 @@ from mjcompose.mjcf.attachment import (
     get_frame_joints,
     get_freejoint,
 )
+from mjcompose.mjcf.attributed import ViewClasses, register
 from mjcompose.mjcf.binding import Binding
 from mjcompose.mjcf.commit import commit_defaults
 from mjcompose.mjcf.element import Element, ElementList, RootElement
@@ -42,7 +43,6 @@ from mjcompose.mjcf.parse import (
     from_zip,
 )
 from mjcompose.mjcf.physics import Physics
-from mjcompose.mjcf.views import ViewClasses, register
 from mjcompose.tree.names import SEPARATOR as PREFIX_SEPARATOR
 
 register(ViewClasses(element=Element, root=RootElement, frame=AttachmentFrame, several=ElementList))

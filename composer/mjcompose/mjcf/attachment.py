@@ -10,13 +10,12 @@ from lxml.etree import _Element as Node
 
 from mjcompose.base.diagnostic import Note
 from mjcompose.mjcf import edit
-from mjcompose.mjcf.attributed import targets
+from mjcompose.mjcf.attributed import targets, view
 from mjcompose.mjcf.element import Element, RootElement
 from mjcompose.mjcf.errors import failure
 from mjcompose.mjcf.model import Attachment
 from mjcompose.mjcf.node_view import checked
 from mjcompose.mjcf.value import describe
-from mjcompose.mjcf.views import view
 from mjcompose.tree.classes import ORIENTATIONS, Classes, childclass_of, through_frames
 
 _OF_FRAMES = frozenset({"pos", *ORIENTATIONS, "mocap"})

@@ -10,6 +10,7 @@ from lxml.etree import _Element as Node
 from mjcompose.base.diagnostic import call_site, warn
 from mjcompose.base.suggest import did_you_mean
 from mjcompose.mjcf.asset import as_name, wrong_argument
+from mjcompose.mjcf.attributed import class_of
 from mjcompose.mjcf.compile import settings
 from mjcompose.mjcf.element import Element
 from mjcompose.mjcf.errors import MjcfWarning, failure
@@ -17,7 +18,6 @@ from mjcompose.mjcf.model import Model
 from mjcompose.mjcf.mounting import childclass_at
 from mjcompose.mjcf.node_view import checked
 from mjcompose.mjcf.value import describe
-from mjcompose.mjcf.views import class_of
 from mjcompose.tree.classes import MAIN, ORIENTATIONS, Classes, DefaultClass, childclass_of, default_tag
 from mjcompose.tree.edit import assign
 from mjcompose.tree.grammar import GRAMMAR, Attribute

@@ -16,7 +16,7 @@ from mjcompose.base.suggest import unknown_name
 from mjcompose.link.linking import Policy
 from mjcompose.mjcf import edit, traversal
 from mjcompose.mjcf.asset import Files, as_index, as_name
-from mjcompose.mjcf.attributed import targets
+from mjcompose.mjcf.attributed import targets, view
 from mjcompose.mjcf.compile import to_spec
 from mjcompose.mjcf.edit import remove
 from mjcompose.mjcf.errors import MjcfKeyError, error_of, failure, unknown_tag
@@ -24,7 +24,6 @@ from mjcompose.mjcf.include import duplicate, include_copy
 from mjcompose.mjcf.model import UNNAMED, Model, Target
 from mjcompose.mjcf.node_view import NodeView, RootView, attach, model_of, set_model_name
 from mjcompose.mjcf.physics import Physics, page_with_picture
-from mjcompose.mjcf.views import view
 from mjcompose.tree.grammar import ElementType
 from mjcompose.tree.names import SEPARATOR
 from mjcompose.tree.select import WORLD_SECTION

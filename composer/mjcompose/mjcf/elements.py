@@ -5,12 +5,12 @@
     def lift(body: elements.Body) -> None: ...
 
 `elements.Geom` is the class of every `<geom>` of the world, `elements.DefaultGeom` the class of its default settings.
-The stub for type checkers, `elements.pyi`, is written from the grammar by `mjcompose.mjcf.stub`.
+The stub for type checkers, `elements.pyi`, is written from the grammar by `make schemas`.
 """
 
 from __future__ import annotations
 
-from mjcompose.mjcf.views import class_of, kinds
+from mjcompose.mjcf.attributed import class_of, kinds
 
 
 def __getattr__(name: str) -> object:

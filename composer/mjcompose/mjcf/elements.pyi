@@ -1,4 +1,4 @@
-# Written from the grammar by `python -m mjcompose.mjcf.stub`; do not edit.
+# Written from the grammar by `make schemas`; do not edit.
 # mypy: disable-error-code="override,misc"
 # pyright: reportIncompatibleMethodOverride=false, reportIncompatibleVariableOverride=false
 import os

@@ -16,11 +16,10 @@ from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Note, Span, call_site, warn
 from mjcompose.base.sink import Sink
 from mjcompose.mjcf.asset import Asset, add_files, asset_of, place_asset
-from mjcompose.mjcf.attributed import Attributed
+from mjcompose.mjcf.attributed import Attributed, view
 from mjcompose.mjcf.errors import MjcfWarning, raise_errors
 from mjcompose.mjcf.model import Attachment, Model
 from mjcompose.mjcf.value import describe
-from mjcompose.mjcf.views import view
 from mjcompose.tree.files import NAMED_AFTER_FILE, Settings, file_attributes, join
 from mjcompose.tree.names import own_name, word
 from mjcompose.tree.unit import FileText, Origins, Unit, counterpart

@@ -90,7 +90,7 @@ class Model:
     """The state shared by a `RootElement` and all Elements of one model.
 
     Accessing a section that does not exist creates it, under a lock, so several threads can read at once. `views`
-    has the Element of every node accessed so far, so each node has only one (see `views.py`). `attachments` are
+    has the Element of every node accessed so far, so each node has only one (see `attributed.py`). `attachments` are
     by prefix, in the order in which they were made. `awaited` are the references to elements of models that are not in
     this composition yet, with their provisional texts (see `settle`).
     """

@@ -20,6 +20,7 @@ from mjcompose.build.bundle.staging import check_is_no_source, move, resolved_ou
 from mjcompose.build.bundle.write import write_archive
 from mjcompose.link.linking import Policy
 from mjcompose.mjcf.asset import Files, Folders, as_files, as_path, door_of
+from mjcompose.mjcf.attributed import view
 from mjcompose.mjcf.compile import compile_error, engine
 from mjcompose.mjcf.element import Element, RootElement
 from mjcompose.mjcf.errors import MjcfWarning, failure, raise_errors
@@ -27,7 +28,6 @@ from mjcompose.mjcf.flat import flatten, issue_warnings
 from mjcompose.mjcf.model import UNNAMED, Model
 from mjcompose.mjcf.mounting import check_tree, one_of_each_section
 from mjcompose.mjcf.node_view import escape_separators as escape_separators_of
-from mjcompose.mjcf.views import view
 from mjcompose.mujoco.attributes import KINDS
 from mjcompose.mujoco.references import arrays
 from mjcompose.tree.parse import all_admitted, parse_file, parse_text

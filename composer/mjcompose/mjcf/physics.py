@@ -21,12 +21,12 @@ from mjcompose.base.sink import Sink
 from mjcompose.base.suggest import exists_note, unknown_name
 from mjcompose.link.linking import Policy
 from mjcompose.mjcf.asset import Folders, as_files, as_index, as_path, door_of
+from mjcompose.mjcf.attributed import view
 from mjcompose.mjcf.binding import Binding, EmptyBinding, as_slice, binding_of
 from mjcompose.mjcf.compile import Snapshot, compile_error, compile_model, compile_text, engine, snapshot
 from mjcompose.mjcf.errors import MjcfError, MjcfWarning, error_of, failure, raise_errors
 from mjcompose.mjcf.model import Model, page
 from mjcompose.mjcf.node_view import NodeView, RootView, model_of
-from mjcompose.mjcf.views import view
 from mjcompose.mujoco.attributes import KINDS, NameTable
 from mjcompose.mujoco.film import png
 from mjcompose.mujoco.index import compiled_kind

@@ -18,9 +18,10 @@ from mjcompose.base.extensions import check_rows
 from mjcompose.base.limits import advice, in_force
 from mjcompose.base.sink import Sink
 from mjcompose.build.bundle.collect import check_files
-from mjcompose.build.compose.additions import EarlyAdditions, add_element
 from mjcompose.build.compose.attach import (
+    EarlyAdditions,
     UnplacedRecord,
+    add_element,
     add_joints,
     check_joints,
     part_of,

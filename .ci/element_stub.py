@@ -1,18 +1,19 @@
-"""Write `elements.pyi`, which tells type checkers the attributes and children of every element (`make schemas`)."""
+"""Write `mjcf/elements.pyi`, which tells type checkers the attributes and children of every element."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
+from mjcompose import mjcf
+from mjcompose.mjcf.attributed import always_there, class_name, kinds
 from mjcompose.mjcf.element import Element, RootElement
-from mjcompose.mjcf.views import always_there, class_name, kinds
 from mjcompose.tree.grammar import GRAMMAR, Attribute, ElementType
 from mjcompose.tree.select import query, spoken
 
 _WIDTH = 140
 _HEAD = '''\
-# Written from the grammar by `python -m mjcompose.mjcf.stub`; do not edit.
+# Written from the grammar by `make schemas`; do not edit.
 # mypy: disable-error-code="override,misc"
 # pyright: reportIncompatibleMethodOverride=false, reportIncompatibleVariableOverride=false
 import os
@@ -197,9 +198,5 @@ def _type(attribute: Attribute, words: dict[tuple[str, ...], str], way: str) -> 
     return f"_{way}{'Elements' if attribute.type == 'references' else names.get(attribute.type, 'Text')}"
 
 
-def _main() -> None:
-    Path(__file__).with_name("elements.pyi").write_text(stub(), encoding="utf-8")
-
-
 if __name__ == "__main__":
-    _main()
+    Path(mjcf.__file__).with_name("elements.pyi").write_text(stub(), encoding="utf-8")

@@ -1,4 +1,4 @@
-"""Write the index of the rules: `python -m mjcompose.build.lint.pages docs/rules`."""
+"""Write the index of the linter's rules into the folder that is given."""
 
 from __future__ import annotations
 
