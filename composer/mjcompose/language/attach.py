@@ -353,17 +353,9 @@ class Start:
         if not isinstance(value, Mapping):
             return handler({"model": value} if isinstance(value, str) else value)
         help = "write it as a part: `attach: {NAME: {model: …}}`"
-        faults = [
-            Fault(
-                "not-supported",
-                f"`{RESERVED}` is at the world and has no prefix: it cannot have `{key}`",
-                (key,),
-                key=True,
-                help=help,
-            )
-            for key in _NOT_OF_A_BASE
-            if key in value
-        ]
+        message = f"`{RESERVED}` is at the world and has no prefix: it cannot have `{{}}`"
+        barred = [key for key in _NOT_OF_A_BASE if key in value]
+        faults = [Fault("not-supported", message.format(key), (key,), key=True, help=help) for key in barred]
         return validated_with(handler, value, faults)
 
 

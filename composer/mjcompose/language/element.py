@@ -206,15 +206,9 @@ class Reader:
             return [each for each in read if each is not None]
         if isinstance(value, dict) and _is_named(kind, value):
             name = next(iter(value))
-            self.faults.append(
-                Fault(
-                    "wrong-type",
-                    f"`{kind.tag}` in {owner} expects a list of elements, got a mapping of names",
-                    (*at, name),
-                    key=True,
-                    help=f"write `{kind.tag}: [{{name: {name}, …}}]`",
-                )
-            )
+            message = f"`{kind.tag}` in {owner} expects a list of elements, got a mapping of names"
+            help = f"write `{kind.tag}: [{{name: {name}, …}}]`"
+            self.faults.append(Fault("wrong-type", message, (*at, name), key=True, help=help))
             return ()
         element = self.element(kind, value, at, owner=label(kind.tag, value))
         return () if element is None else (element,)
@@ -229,13 +223,8 @@ class Reader:
             if is_unprintable(key):
                 self.faults.append(unprintable(f"the key of a `{CONFIG}`", (*at, key), key=True))
             elif text is None:
-                self.faults.append(
-                    Fault(
-                        "wrong-type",
-                        f"`{key}` in the `{CONFIG}` of {owner} expects text or a number, got {kind_of(setting)}",
-                        (*at, key),
-                    )
-                )
+                message = f"`{key}` in the `{CONFIG}` of {owner} expects text or a number, got {kind_of(setting)}"
+                self.faults.append(Fault("wrong-type", message, (*at, key)))
             elif is_unprintable(text):
                 self.faults.append(unprintable(f"`{key}` in the `{CONFIG}` of {owner}", (*at, key)))
             else:

@@ -131,7 +131,7 @@ def _list(item: str, low: int) -> Schema:
     # If `items` is at the top, editors write a new list with dashes, which is an error inside of `{ }`.
     schema: Schema = {"type": ["array", "string"], "allOf": [{"items": reference(item)}], "minItems": low}
     places = ", ".join(f"${place}" for place in range(1, max(low, 1) + 1))
-    schema["defaultSnippets"] = [{"body": f"[{places}]"}]  # what editors insert for a new list
+    schema["defaultSnippets"] = [{"body": f"[{places}]"}]  # editors insert it for a new list
     single = SHARED[item]
     if low <= 1:
         return {**single, **schema, "type": ["array", *single["type"]]}

@@ -410,11 +410,8 @@ def _check_unique(made: list[Cell], matrix: _Matrix, sink: Sink) -> None:
             differing = [
                 axis for axis in cell.given if not _same(cell.given[axis], other.given.get(axis, cell.given[axis]))
             ]
-            sink.error(
-                "name-clash",
-                f"two cells of the matrix are called `{cell.name}`",
-                entry[1].span if entry else cell.span,
-                notes=(Note(f"they differ in {', '.join(f'`{axis}`' for axis in differing)}"),) if differing else (),
-                help=f"put `${{{differing[0]}}}` into the name" if differing else "take one of the two out",
-            )
+            message, span = f"two cells of the matrix are called `{cell.name}`", entry[1].span if entry else cell.span
+            notes = (Note(f"they differ in {', '.join(f'`{axis}`' for axis in differing)}"),) if differing else ()
+            help = f"put `${{{differing[0]}}}` into the name" if differing else "take one of the two out"
+            sink.error("name-clash", message, span, notes=notes, help=help)
             return

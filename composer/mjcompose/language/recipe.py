@@ -52,16 +52,10 @@ def _element(
         return None
     first, *others = found
     for name in others:
-        reader.faults.append(
-            Fault(
-                EXCLUSIVE,
-                f"an entry of `add` has both `{first}` and `{name}`, of which only one is allowed",
-                (*at, name),
-                key=True,
-                related=((f"`{first}` is written here", (*at, first)),),
-                help=f"write an entry of its own for `{name}`",
-            )
-        )
+        message = f"an entry of `add` has both `{first}` and `{name}`, of which only one is allowed"
+        related = ((f"`{first}` is written here", (*at, first)),)
+        help = f"write an entry of its own for `{name}`"
+        reader.faults.append(Fault(EXCLUSIVE, message, (*at, name), key=True, related=related, help=help))
     if first == FRAGMENT:
         return reader.fragment(kinds, place, value, at=at, own=(*_OF_AN_ADDITION, *others))
     item = value[first]

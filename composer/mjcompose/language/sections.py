@@ -126,17 +126,12 @@ class Singleton(Section):
         return schema
 
     def _unsettable(self, name: str) -> Fault:
-        top = name in ("angle", "eulerseq")
-        return Fault(
-            "compiler-setting",
-            f"`{name}` cannot be set in `{self.tag}`: each part keeps its own",
-            (name,),
-            key=True,
-            notes=(Note(f"settings: {', '.join(sorted(self.settable))}"),),
-            help=f"for the recipe's own elements, write `{name}` at the top of the recipe"
-            if top
-            else f"leave `{name}` out",
-        )
+        message = f"`{name}` cannot be set in `{self.tag}`: each part keeps its own"
+        notes = (Note(f"settings: {', '.join(sorted(self.settable))}"),)
+        help = f"leave `{name}` out"
+        if name in ("angle", "eulerseq"):
+            help = f"for the recipe's own elements, write `{name}` at the top of the recipe"
+        return Fault("compiler-setting", message, (name,), key=True, notes=notes, help=help)
 
 
 @dataclass(frozen=True, slots=True)

@@ -80,19 +80,12 @@ def read_selector(
         if others[0] in _BESIDE and owner.startswith("`select`"):
             help = f"write it next to `select`, after the `}}` of the selector: `{others[0]}: …`"
             fix = None
-        faults.append(
-            Fault(
-                EXCLUSIVE if known else "unknown-key",
-                f"{owner} has both `{tag}` and `{others[0]}`, of which only one is allowed"
-                if known
-                else f"`{others[0]}` is not a key of a selector",
-                (*at, others[0]),
-                key=True,
-                notes=() if known else (exists_note("key", keys, others[0]),),
-                help="write an entry of its own for each" if known else help,
-                fix=None if known else fix,
-            )
-        )
+        code, message = "unknown-key", f"`{others[0]}` is not a key of a selector"
+        notes: tuple[Note, ...] = (exists_note("key", keys, others[0]),)
+        if known:
+            code, message = EXCLUSIVE, f"{owner} has both `{tag}` and `{others[0]}`, of which only one is allowed"
+            notes, help, fix = (), "write an entry of its own for each", None
+        faults.append(Fault(code, message, (*at, others[0]), key=True, notes=notes, help=help, fix=fix))
     if not paths_of(tag):
         faults.append(_unknown_tag(tag, (*at, tag)))
         return None

@@ -140,13 +140,10 @@ def bare_angle(attribute: Attribute, value: Value, joint: str | None, at: Path, 
     instead = shown(with_unit) if isinstance(value, tuple) else with_unit[0]
     alone = len(bare) == 1 and isinstance(value, tuple)
     clear = radians or any(abs(float(items[i])) > FULL_TURN for i in bare)  # type: ignore[arg-type]
-    return Fault(
-        "bare-angle",
-        f"`{attribute.name}` of {owner} is an angle without a unit",
-        (*at, bare[0]) if alone else at,
-        help=f"write `{attribute.name}: {instead}`, or `angle: {name}` at the top of the recipe",
-        fix=Fix(with_unit[bare[0]] if alone else instead) if clear else None,
-    )
+    message = f"`{attribute.name}` of {owner} is an angle without a unit"
+    help = f"write `{attribute.name}: {instead}`, or `angle: {name}` at the top of the recipe"
+    fix = Fix(with_unit[bare[0]] if alone else instead) if clear else None
+    return Fault("bare-angle", message, (*at, bare[0]) if alone else at, help=help, fix=fix)
 
 
 def angle_places(attribute: Attribute, count: int, joint: str | None) -> range:

@@ -225,17 +225,9 @@ def _report(model: Model, namespace: str, name: str, users: list[Use], sink: Sin
     help = "`../` is the model that this one is attached to" if name.startswith(UP) else None
     if namespace == "body" and any(not rest for _, rest in outside.split(inner)):
         help = "the attachment frame is a body only once it has a joint"
-    sink.add(
-        unresolved(
-            model,
-            namespace,
-            name,
-            span=model.span(first),
-            message=f"{describe(model, first)} refers to the {word(namespace)} `{name}`, which does not exist",
-            help=help,
-            notes=notes if len(users) > 1 else (),
-        )
-    )
+    message = f"{describe(model, first)} refers to the {word(namespace)} `{name}`, which does not exist"
+    several = notes if len(users) > 1 else ()
+    sink.add(unresolved(model, namespace, name, span=model.span(first), message=message, help=help, notes=several))
 
 
 # The linker's advice is for recipes; this is advice for Python.

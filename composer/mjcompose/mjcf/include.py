@@ -215,6 +215,10 @@ def _are_free(model: Model, files: dict[str, bytes | Path]) -> bool:
 _SETTINGS = ("compiler", "option", "size", "visual", "statistic")
 # Settings by which MuJoCo reads a model's own elements, so defaults that nobody writes count as well.
 _READ_BY = ("compiler", "default")
+_OVERRIDE = (
+    "make the two agree, pass `override=True`, which takes the other's setting, or `attach` the other: an attached"
+    " model keeps its own"
+)
 _FOLDERS = frozenset({"meshdir", "texturedir", "assetdir", "strippath"})
 
 
@@ -234,18 +238,11 @@ def include_copy(model: Model, other: Model, override: bool) -> None:
     settled: list[str] = []
     for conflict in _conflicts(model, source):
         if not override:
-            names = f"`{model.name}` and `{other.name}`"
-            sink.error(
-                "option-conflict",
-                f"`{'/'.join(conflict.path)}` has `{conflict.attribute}`, which is not the same in {names}",
-                call_site(),
-                notes=[
-                    Note(f"`{where.name}` has {_shown(setting)}", setting and where.span(setting.node))
-                    for where, setting in ((model, conflict.mine), (source, conflict.theirs))
-                ],
-                help="make the two agree, pass `override=True`, which takes the other's setting, or `attach` the "
-                "other: an attached model keeps its own",
-            )
+            names, path = f"`{model.name}` and `{other.name}`", "/".join(conflict.path)
+            message = f"`{path}` has `{conflict.attribute}`, which is not the same in {names}"
+            pair = (model, conflict.mine), (source, conflict.theirs)
+            notes = [Note(f"`{each.name}` has {_shown(its)}", its and each.span(its.node)) for each, its in pair]
+            sink.error("option-conflict", message, call_site(), notes=notes, help=_OVERRIDE)
         elif conflict.path[0] in _READ_BY:
             winner = model if conflict.theirs is None else other
             settled.append(
@@ -324,16 +321,11 @@ def _check_names(model: Model, source: Model, other: Model, sink: Sink) -> None:
         for name, node in names.items():
             taken = top.lookup(namespace, prefix + name)
             if taken is not None:
-                sink.error(
-                    "class-clash" if namespace == "default" else "name-clash",
-                    f"both `{model.name}` and `{other.name}` have {word(namespace, article=True)} `{name}`",
-                    call_site(),
-                    notes=(
-                        Note(f"{describe(taken.model, taken.node)} is here", taken.model.span(taken.node)),
-                        Note("the other is here", source.span(node)),
-                    ),
-                    help="rename one of the two, or `attach` the other",
-                )
+                code = "class-clash" if namespace == "default" else "name-clash"
+                message = f"both `{model.name}` and `{other.name}` have {word(namespace, article=True)} `{name}`"
+                note = Note(f"{describe(taken.model, taken.node)} is here", taken.model.span(taken.node))
+                notes = (note, Note("the other is here", source.span(node)))
+                sink.error(code, message, call_site(), notes=notes, help="rename one of the two, or `attach` the other")
     for attached in source.attachments.keys() & model.attachments.keys():
         help = "give one of the two another name first: `child.model = '…'`"
         sink.error("name-clash", f"models called `{attached[:-1]}` are attached to both", call_site(), help=help)

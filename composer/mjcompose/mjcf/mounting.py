@@ -134,14 +134,13 @@ def _check_names(unit: Unit, sink: Sink) -> None:
             attribute, namespace = namespaces[str(node.tag)]
             name = own_name(node, attribute)
             if name and first.setdefault((namespace, name), node) is not node:
-                is_class = namespace == "default"
-                sink.error(
-                    "class-clash" if is_class else "name-clash",
-                    f"another {'default class' if is_class else namespace} is called `{name}` already",
-                    unit.origins.span(node, unit.file, attribute if node.get(attribute) else "file"),
-                    notes=(Note("the first one is here", unit.origins.span(first[namespace, name], unit.file)),),
-                    help="give one of the two another name",
-                )
+                code, kind = "name-clash", namespace
+                if namespace == "default":
+                    code, kind = "class-clash", "default class"
+                span = unit.origins.span(node, unit.file, attribute if node.get(attribute) else "file")
+                notes = (Note("the first one is here", unit.origins.span(first[namespace, name], unit.file)),)
+                message, help = f"another {kind} is called `{name}` already", "give one of the two another name"
+                sink.error(code, message, span, notes=notes, help=help)
 
 
 def one_of_each_section(unit: Unit) -> None:

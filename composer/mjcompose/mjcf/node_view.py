@@ -83,12 +83,10 @@ def attach(model: Model, host: Node, child: Model) -> Node:
         raise failure("attach-cycle", f"`{child.name}` cannot be attached to {where}")
     if child.hung is not None:
         there = child.hung
-        raise failure(
-            "attach-place",
-            f"`{child.name}` is attached already, to {describe(there.parent, there.host)} of `{there.parent.name}`",
-            notes=(Note("it was attached here", there.parent.span(there.frame)),),
-            help="`detach()` it first, or attach a copy: `copy.deepcopy(model)`",
-        )
+        place = f"{describe(there.parent, there.host)} of `{there.parent.name}`"
+        notes = (Note("it was attached here", there.parent.span(there.frame)),)
+        help = "`detach()` it first, or attach a copy: `copy.deepcopy(model)`"
+        raise failure("attach-place", f"`{child.name}` is attached already, to {place}", notes=notes, help=help)
     _check_prefix(model, child, child.name)
     frame = etree.Element("body")
     child.hung = model.attachments[child.prefix] = Attachment(model, child, host, frame=frame)

@@ -308,11 +308,8 @@ class Physics:
         kinds = {self._kind(each): each for each in elements}
         if len(kinds) > 1:
             (kind, first), (other, second) = list(kinds.items())[:2]
-            raise failure(
-                "wrong-type",
-                f"elements of one kind are bound together, got the {kind} {first._described()} and the "
-                f"{other} {second._described()}",
-            )
+            got = f"the {kind} {first._described()} and the {other} {second._described()}"
+            raise failure("wrong-type", f"elements of one kind are bound together, got {got}")
         kind = next(iter(kinds))
         ids = [self._found(each, kind) for each in elements]
         labels = [each._described() for each in elements]

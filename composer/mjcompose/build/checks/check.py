@@ -163,12 +163,9 @@ class Scope:
         if key is None:
             return data
         if self.keys is None:
-            return Fault(
-                "unknown-name",
-                f"the keyframe `{key}` does not exist: this recipe drops its keyframes",
-                ("key",),
-                notes=(Note("the recipe around it leaves them out: `drop: [key]`"),),
-            )
+            message = f"the keyframe `{key}` does not exist: this recipe drops its keyframes"
+            notes = (Note("the recipe around it leaves them out: `drop: [key]`"),)
+            return Fault("unknown-name", message, ("key",), notes=notes)
         index = self.roster.ids["key"].get(self.keys + key)
         if index is None:
             return unknown("keyframe", key, self.names("key"), "key")

@@ -208,11 +208,8 @@ class Masses:
         mass = None if survey is None else survey.values(body, "body_mass", 1)
         if mass is None:
             message = f"the mass of {editing.called(body)} is not known{hidden}"
-            notes = (Note("it is written here", editing.span_of(body)),)
             help = "use `scale`, which does not need the mass, or write a `mass` on each of its geoms"
-            subjects = editing.subjects(body)
-            editing.sink.error("selector", message, editing.span(at), notes=notes, help=help, subjects=subjects)
-            raise UnusableValue
+            report_unusable(editing, body, Fault("selector", message, at, help=help), it="it")
         return mass[0]
 
     def change(self, body: Node, verb: str, given: float, now: float | None, at: Path) -> None:
@@ -312,6 +309,4 @@ class Masses:
         if name.endswith(editing.linking.request.separator) and own(body, "body"):  # the joint of a part adds it
             help = f'`{name}` only carries the joint of the part; its bodies are `body: "{name}?**"`'
         message = f"{editing.called(body)} has no mass of its own to scale"
-        notes, span = (Note("it is written here", editing.span_of(body)),), editing.span(at, key=True)
-        editing.sink.error("wrong-type", message, span, notes=notes, help=help, subjects=editing.subjects(body))
-        raise UnusableValue
+        report_unusable(editing, body, Fault("wrong-type", message, at, key=True, help=help), it="it")

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 from pydantic import Field
 
 from mjcompose.base.diagnostic import Fault, Note, Path
-from mjcompose.build.compose.values import UnusableValue, Values
+from mjcompose.build.compose.values import UnusableValue, Values, report_unusable
 from mjcompose.language.edit import For, Verb, listed
 from mjcompose.language.forms.context import Settings
 from mjcompose.language.forms.model import Exclusive
@@ -85,19 +85,15 @@ class Move(Verb):
 def _move(editing: Editing, node: Node, index: int, to: str | Frame, at: Path) -> None:
     """Put a node last into its new place; it keeps its class, and its pose there is the one it is written with."""
     target = _target(editing, node, index, to=to, at=(*at, "to"))
-    span = editing.span((*at, "to"))
     if node is target or node in list(target.iterancestors()):
-        message = f"{editing.called(node)} cannot be moved into itself"
+        message, span = f"{editing.called(node)} cannot be moved into itself", editing.span((*at, "to"))
         editing.sink.error("wrong-type", message, span, subjects=(*editing.subjects(node), *editing.subjects(target)))
         raise UnusableValue
     kind = kind_of(target)
     if str(node.tag) not in kind.children:
         message = f"{editing.called(node)} cannot stand in {editing.called(target)}"
-        notes = (Note("it is written here", editing.span_of(node)),)
-        editing.sink.error(
-            "unknown-element", message, span, notes=notes, subjects=(*editing.subjects(node), *editing.subjects(target))
-        )
-        raise UnusableValue
+        fault = Fault("unknown-element", message, (*at, "to"), names=editing.subjects(target))
+        report_unusable(editing, node, fault, it="it")
     _check_free(editing, node, target, at=at)
     _check_scale(editing, node, target, at=at)
     _keep_class(editing, node, target)
@@ -141,16 +137,12 @@ def _check_free(editing: Editing, node: Node, target: Node, at: Path) -> None:
     )
     if not (is_mocap or floats):
         return
-    what = "is a mocap body" if is_mocap else "has a free joint"
-    editing.sink.error(
-        "mocap-on-body" if is_mocap else "freejoint-on-body",
-        f"{editing.called(node)} {what} and cannot stand below {editing.called(outer)}",
-        editing.span((*at, "to")),
-        notes=(Note("it is written here", editing.span_of(node)),),
-        help="set `mocap: false` first" if is_mocap else "remove its free joint first, or move it to the world",
-        subjects=(*editing.subjects(node), *editing.subjects(outer)),
-    )
-    raise UnusableValue
+    code, what, help = "freejoint-on-body", "has a free joint", "remove its free joint first, or move it to the world"
+    if is_mocap:
+        code, what, help = "mocap-on-body", "is a mocap body", "set `mocap: false` first"
+    message = f"{editing.called(node)} {what} and cannot stand below {editing.called(outer)}"
+    fault = Fault(code, message, (*at, "to"), help=help, names=editing.subjects(outer))
+    report_unusable(editing, node, fault, it="it")
 
 
 def _check_scale(editing: Editing, node: Node, target: Node, at: Path) -> None:
@@ -160,14 +152,11 @@ def _check_scale(editing: Editing, node: Node, target: Node, at: Path) -> None:
         return
     frame = next(each for each in (*here, *there) if (each in here) != (each in there))
     way = "out of" if frame in here else "into"
-    editing.sink.error(
-        "not-supported",
-        f"{editing.called(node)} cannot be moved {way} a frame that scales: its sizes and masses would change",
-        editing.span((*at, "to")),
-        notes=(Note("the frame", editing.span_of(frame, "scale" if frame.get("scale") else "massscale")),),
-        help="write the frame's content in its final size, without `scale` and `massscale`",
-        subjects=(*editing.subjects(node), *editing.subjects(target)),
-    )
+    message = f"{editing.called(node)} cannot be moved {way} a frame that scales: its sizes and masses would change"
+    notes = (Note("the frame", editing.span_of(frame, "scale" if frame.get("scale") else "massscale")),)
+    help = "write the frame's content in its final size, without `scale` and `massscale`"
+    span, subjects = editing.span((*at, "to")), (*editing.subjects(node), *editing.subjects(target))
+    editing.sink.error("not-supported", message, span, notes=notes, help=help, subjects=subjects)
     raise UnusableValue
 
 

@@ -146,15 +146,12 @@ def _check_twists(editing: Editing, new: dict[Node, str], at: Path) -> None:
         flex = editing.find_node("flex", rod) if rod else None
         if flex is None or not is_rod(flex) or twisted_by(name) == new.get(flex, rod):
             continue
-        editing.sink.error(
-            "bad-name",
-            f"{editing.called(node)} cannot be called `{name}`: MuJoCo finds the joints in which the flex `{rod}` is "
-            "twisted by their names",
-            editing.span(at),
-            notes=(Note("the flex", editing.span_of(flex)),),
-            help=f"rename the flex, which takes its joints along: `select: {{flex: {rod}}}`",
-            subjects=editing.subjects(node),
-        )
+        why = f"MuJoCo finds the joints in which the flex `{rod}` is twisted by their names"
+        message = f"{editing.called(node)} cannot be called `{name}`: {why}"
+        notes = (Note("the flex", editing.span_of(flex)),)
+        help = f"rename the flex, which takes its joints along: `select: {{flex: {rod}}}`"
+        span, subjects = editing.span(at), editing.subjects(node)
+        editing.sink.error("bad-name", message, span, notes=notes, help=help, subjects=subjects)
         raise UnusableValue
 
 
@@ -177,16 +174,13 @@ def _check(editing: Editing, new: dict[Node, str], at: Path) -> None:
             if there is None or there in new:
                 continue
             other, help = there, "choose another name"
-        editing.sink.error(
-            "class-clash" if naming.declares == "default" else "name-clash",
-            f"{editing.called(node)} cannot be called `{name}`: {editing.called(other)} is"
-            if other not in new
-            else f"{editing.called(other)} and {editing.called(node)} would both be called `{name}`",
-            editing.span(at),
-            notes=(Note("the other one", editing.span_of(other)),),
-            help=help,
-            subjects=(name, *editing.subjects(node), *editing.subjects(other)),
-        )
+        code = "class-clash" if naming.declares == "default" else "name-clash"
+        message = f"{editing.called(node)} cannot be called `{name}`: {editing.called(other)} is"
+        if other in new:
+            message = f"{editing.called(other)} and {editing.called(node)} would both be called `{name}`"
+        notes = (Note("the other one", editing.span_of(other)),)
+        subjects = (name, *editing.subjects(node), *editing.subjects(other))
+        editing.sink.error(code, message, editing.span(at), notes=notes, help=help, subjects=subjects)
         raise UnusableValue
 
 

@@ -6,11 +6,12 @@ Attributes that an element then lacks are reported when its entry is done.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 from pydantic import Field
 
-from mjcompose.base.diagnostic import Fault, Note, Path
+from mjcompose.base.diagnostic import Fault, Path
 from mjcompose.language.assign import Changed, Values, changes_of, flat
 from mjcompose.language.edit import Verb
 from mjcompose.language.forms.model import WHOLE
@@ -125,21 +126,15 @@ def _report_newly_missing(
     editing: Editing, before: Mapping[Node, list[Fault]], names: tuple[str, ...], at: Path
 ) -> None:
     """Report the first element that lacks something now that it did not lack `before`."""
-    from mjcompose.build.compose.values import UnusableValue
+    from mjcompose.build.compose.values import report_unusable
 
     for node, lacked in before.items():
         for fault in _missing_attributes(editing, node):
             if fault in lacked:
                 continue
             name = next((each for each in names if each in fault.names), names[0])
-            notes = fault.all_notes()
-            notes.append(Note("it is written here", editing.span_of(node)))
-            editing.sink.error(
-                fault.code, fault.message, editing.span((*at, name), key=True), notes=notes,
-                help=f"leave `{name}` where it is, or set its replacement in the same entry",
-                subjects=(*fault.names, *editing.subjects(node)),
-            )  # fmt: skip
-            raise UnusableValue
+            help = f"leave `{name}` where it is, or set its replacement in the same entry"
+            report_unusable(editing, node, replace(fault, at=(*at, name), key=True, help=help, fix=None), it="it")
 
 
 def _by_class(editing: Editing, node: Node, name: str) -> bool:
