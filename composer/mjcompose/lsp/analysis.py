@@ -63,16 +63,12 @@ class Shelf:
 
     def note(self, texts: Entries[str, bytes]) -> None:
         for key, unit in self.library.items():
-            if key not in self._marks:
-                self._marks[key] = marks(_files(key, unit), texts)
+            if key not in self._marks:  # texts without a path of their own belong to the file of the unit
+                included = (text.path or PathlibPath(name) for name, text in unit.origins.texts.items())
+                self._marks[key] = marks({key[0], *included}, texts)
         for key in list(self.library)[: max(0, len(self.library) - _MOST)]:
             del self.library[key]
             self._marks.pop(key, None)
-
-
-def _files(key: Key, unit: Unit) -> set[PathlibPath]:
-    """Return the file of a unit and those that it includes. Texts without a path of their own belong to their file."""
-    return {key[0], *(text.path or PathlibPath(name) for name, text in unit.origins.texts.items())}
 
 
 _UNITS: dict[str, Callable[[str], int]] = {
@@ -268,7 +264,9 @@ def names_of(plan: Plan, root: _Element | None, composed: Plan | None, library: 
     """
     places = [place for place in plan.walk() if place.model is not None and place.part]
     parts = sorted(((place.prefix, place.part) for place in places), key=lambda each: -len(each[0]))
-    sources = {place.part: unit for place in places if (unit := _unit(place, library)) is not None}
+    keys = {each.part: source_key(each.model, each.is_fixed_in_world) for each in places
+            if isinstance(each.model, Source)}  # fmt: skip
+    sources = {part: library[key] for part, key in keys.items() if key in library}
     there = set() if composed is None else set(map(_identity, composed.walk()))
     roots = [] if root is None else [(root, "")]
     roots += [(sources[each.part].root, each.prefix) for each in places
@@ -293,12 +291,6 @@ def _by_namespace(found: Iterable[Known]) -> dict[str, dict[str, Known]]:
 def _identity(placed: PlacedModel) -> tuple[str, object]:
     """Return a value that changes whenever the names of a part may change."""
     return placed.prefix, placed.model.path if isinstance(placed.model, Source) else None
-
-
-def _unit(placed: PlacedModel, library: Library) -> Unit | None:
-    if not isinstance(placed.model, Source):
-        return None
-    return library.get(source_key(placed.model, placed.is_fixed_in_world))
 
 
 def _of_root(root: _Element, prefix: str, prefixes: list[tuple[str, str]]) -> Iterator[Known]:

@@ -170,8 +170,7 @@ def _lines(placed: PlacedModel, question: Question) -> Iterator[str]:
     model = placed.model
     source = model.source if isinstance(model, Plan) else model
     if source is not None:
-        yield f"**`{source.reference}`**"
-        yield ""
+        yield from (f"**`{source.reference}`**", "")
         version = f", version {source.version}" if source.version else ""
         yield f"- {source.kind.name}, {'recipe' if isinstance(model, Plan) else source.format.upper()}{version}"
         yield f"- file: `{question.analysis.path.parent.joinpath(source.path)}`"
@@ -205,8 +204,7 @@ def _of_model(source: Source, unit: Unit) -> Iterator[str]:
     yield f"- {len(files)} files, {size / 1e6:.2f} MB"
     places = [place for body in (world, *bodies) for place in body.places if place.kind != "body"]
     if places:
-        yield ""
-        yield "places to attach to:"
+        yield from ("", "places to attach to:")
         for place in places[:_MODEL_MOST]:
             pos = ", ".join(f"{float(each):.4g}" for each in place.world.pos)
             yield f"- {place.kind} `{place.name}` at [{pos}] m"

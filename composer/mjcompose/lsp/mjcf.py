@@ -157,8 +157,7 @@ def effect(node: Node, kind: ElementType, attribute: Attribute, unit: Unit) -> I
     steps = levels(node, kind, attribute, classes=unit.classes)
     found = value(steps)
     if found is not None:
-        yield f"value in effect: **`{found}`**"
-        yield ""
+        yield from (f"value in effect: **`{found}`**", "")
     for step in steps:
         at = "" if step.writer is None else _place(step.writer, attribute.name, unit)
         name = {"element": "this element", "class": f"class `{step.name}`", "mujoco": "MuJoCo's default"}[step.kind]

@@ -136,13 +136,12 @@ class _Layout:
             self.lines[-1] += f" {text}"
             return
         is_section = len(self.kinds) == 1 and self.before is not None and self.before.kind != "comment"
-        self.line(text, blank=is_section and self._leads(piece))
-        self.before = piece
-
-    def _leads(self, piece: Piece) -> bool:
-        """Return whether a comment is directly above a section."""
         after = self.text[piece.end :].lstrip(" \t")
-        return re.match(r"\n[ \t]*(<!--.*?-->\s*)*<(?!/)", after, re.DOTALL) is not None
+        leads = (
+            re.match(r"\n[ \t]*(<!--.*?-->\s*)*<(?!/)", after, re.DOTALL) is not None
+        )  # it is directly above a section
+        self.line(text, blank=is_section and leads)
+        self.before = piece
 
     def tag(self, piece: Piece, kind: ElementType | None) -> str:
         if not piece.complete:

@@ -260,10 +260,8 @@ class Elements:
 
     def weighs(self, body: Node) -> bool:
         """Return whether a body has an inertial, or a geom with mass."""
-        return any(
-            each.tag == "inertial" or has_mass(each, self.traced.classes)
-            for each in self.inside(body, "inertial", "geom")
-        )
+        found, classes = self.inside(body, "inertial", "geom"), self.traced.classes
+        return any(each.tag == "inertial" or has_mass(each, classes) for each in found)
 
     def frames(self, node: Node) -> list[Node]:
         """Return the frames between an element and its body, the innermost first."""
@@ -369,9 +367,8 @@ class Pairs:
         if before is None or after is None:
             return
         yield before, after, ("ref",)
-        mine, theirs = (
-            node if node.tag == "body" else next(node.iterancestors("body"), None) for node in (before, after)
-        )
+        both = (before, after)
+        mine, theirs = (each if each.tag == "body" else next(each.iterancestors("body"), None) for each in both)
         if mine is not None and theirs is not None:
             yield mine, theirs, _POSE
             yield from self.above(mine, theirs)

@@ -189,10 +189,8 @@ def as_data(diff: Diff) -> dict[str, Any]:
 
 
 def _groups(groups: Iterable[Group]) -> list[dict[str, Any]]:
-    return [
-        {"cause": None if cause is None else asdict(cause), "changes": list(map(_change, changes))}
-        for cause, changes in ((group.cause, group.changes) for group in groups)
-    ]
+    pairs = ((each.cause and asdict(each.cause), list(map(_change, each.changes))) for each in groups)
+    return [{"cause": cause, "changes": changes} for cause, changes in pairs]
 
 
 def _end(end: End) -> dict[str, Any]:

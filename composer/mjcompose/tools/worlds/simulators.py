@@ -94,7 +94,7 @@ def per_world(model: Any, worlds: Worlds) -> list[str]:
     for name in worlds.arrays:
         if _can_vary(model, name):
             names.append(name)
-        elif _has(model, name) and is_stepped(name) and name not in unread(worlds):
+        elif hasattr(*_owner(model, name)) and is_stepped(name) and name not in unread(worlds):
             raise failure("not-per-world", f"MuJoCo Warp has `{name}` once for all worlds", _INSTEAD)
     return names
 
@@ -113,9 +113,9 @@ def put_worlds(model: Any, name: str, worlds: Worlds) -> None:
 
 
 def _can_vary(model: Any, name: str) -> bool:
-    if not _has(model, name):
-        return False
     owner, field = _owner(model, name)
+    if not hasattr(owner, field):
+        return False
     spec = next((each.type for each in dataclasses.fields(owner) if each.name == field), None)
     shape = getattr(spec, "shape", None) or ("",)
     return bool(shape[0] == "*")
@@ -135,12 +135,7 @@ def unread(worlds: Worlds) -> list[str]:
 
 def _owner(model: Any, name: str) -> tuple[Any, str]:
     path, _, field = name.rpartition(".")
-    return (getattr(model, path) if path else model), field
-
-
-def _has(model: Any, name: str) -> bool:
-    path, _, field = name.rpartition(".")
-    return hasattr(getattr(model, path, None) if path else model, field)
+    return (getattr(model, path, None) if path else model), field
 
 
 def mjx(worlds: Worlds, model: Any = None) -> tuple[Any, Any]:
@@ -336,9 +331,7 @@ def _written(worlds: Worlds, refusal: Refusal) -> Iterator[Note]:
 
 
 _FLAG = "has"
-NOT_STEPPED = (
-    "key_", "light_", "mat_", "tex_", "cam_", "geom_rgba", "site_rgba", "tendon_rgba", "names", "stat.",
-)  # fmt: skip
+NOT_STEPPED = ("key_", "light_", "mat_", "tex_", "cam_", "geom_rgba", "site_rgba", "tendon_rgba", "names", "stat.")
 """Arrays that a step does not read: if a simulator shares them, only its rendering and resets are affected."""
 
 
