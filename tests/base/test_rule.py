@@ -43,7 +43,7 @@ READS_ITSELF = {
     "files of this package or project": """
         build/cache/cache_key.py:tool_version tools/cluster/probe.py:versions base/codes.py:page
         text/key_order.py:<module> tree/grammar.py:read_data tree/history.py:spans
-        language/datasheets.py:<module> language/datasheets.py:library
+        language/datasheets.py:library
         language/reference_page.py:examples tools/new.py:_action tools/new.py:_read tools/new.py:examples
         tools/new.py:_template targets/table.py:<module> targets/table.py:read_back
         tools/view/page.py:alone tools/view/page.py:_built tools/view/page.py:described
@@ -95,7 +95,6 @@ WRITES_ITSELF = {
     "the standard output of a process, and trials of what it may": """
         mujoco/child.py:main base/sandbox.py:main base/sandbox.py:probe base/worker.py:main""",
     "pages of this project, for `make schemas`": """
-        build/bundle/manifest.py:<module> language/datasheets.py:<module>
         targets/table.py:<module> language/reference_page.py:write""",
     "no file: it links models, or names elements": """
         build/bundle/write.py:write build/compose/compose.py:Composer._joined tools/diff/models.py:contrast

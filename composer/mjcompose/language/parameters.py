@@ -249,12 +249,9 @@ def merged(document: Mapping, axes: Axes, chosen: Map[str, str], sink: Sink) -> 
     for axis, value in chosen.items():
         piece = axes[axis].entries[value][1]
         if isinstance(piece, Mapping):
-            document = merge(document, _permitted(piece), sink)
+            permitted = {name: entry for name, entry in piece.entries.items() if name not in NO_PIECE}
+            document = merge(document, Mapping(permitted, piece.span), sink)
     return document
-
-
-def _permitted(piece: Mapping) -> Mapping:
-    return Mapping({name: entry for name, entry in piece.entries.items() if name not in NO_PIECE}, piece.span)
 
 
 class Substitution:

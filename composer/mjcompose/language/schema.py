@@ -1,13 +1,9 @@
-"""The JSON Schema of recipes, for editors.
-
-`python -m mjcompose.language.schema > schemas/recipe.schema.json` writes it.
-"""
+"""The JSON Schema of recipes, for editors."""
 
 from __future__ import annotations
 
 import itertools
 import json
-import sys
 from collections import Counter
 from collections.abc import Callable, Iterator
 from typing import Any
@@ -324,7 +320,3 @@ def _layout(value: Any, indent: str, in_order: bool) -> str:
         for key, each in value.items()
     ]
     return "{\n" + ",\n".join(lines) + f"\n{indent}}}"
-
-
-if __name__ == "__main__":
-    sys.stdout.write(text())

@@ -130,7 +130,8 @@ def bare_angle(attribute: Attribute, value: Value, joint: str | None, at: Path, 
     caller has to look at their classes.
     """
     items = value if isinstance(value, tuple) else (value,)
-    bare = [index for index in angle_places(attribute, len(items), joint) if _is_bare(items[index])]
+    places = angle_places(attribute, len(items), joint)
+    bare = [index for index in places if isinstance(items[index], int | float) and items[index] != 0]
     if not bare:
         return None
     # A number with decimals that is at most a full turn in radians is most likely in radians.
@@ -160,11 +161,6 @@ def angle_places(attribute: Attribute, count: int, joint: str | None) -> range:
     if attribute.angle == "joint" and (joint == "hinge" or (joint == "ball" and attribute.name == "range")):
         return range(count)
     return range(0)
-
-
-def _is_bare(item: object) -> bool:
-    """Return whether a value is a number other than zero and has no unit."""
-    return isinstance(item, int | float) and item != 0
 
 
 _WORDS = {"yes": "true", "on": "true", "no": "false", "off": "false"}

@@ -9,7 +9,6 @@ import json
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import zip_longest
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError
@@ -58,7 +57,6 @@ def _in_words(fault: ErrorDetails) -> str:
 
 FORMAT = 1
 SCHEMA_ID = "https://json-schema.org/draft/2020-12/schema"
-SCHEMA_FILE = Path(__file__).resolve().parents[4] / "schemas" / "manifest.schema.json"
 
 
 class _Part(BaseModel):
@@ -499,7 +497,3 @@ def check_index(expected: Index, actual: Index, shown: str, sink: Sink) -> None:
         if notes:
             message = f"the {kind} of the compiled `{shown}` are not the {kind} of its manifest"
             sink.error("bundle-manifest", message, notes=notes[:_SHOWN])
-
-
-if __name__ == "__main__":
-    SCHEMA_FILE.write_text(schema(), encoding="utf-8", newline="\n")

@@ -54,12 +54,8 @@ def remove(editing: Editing, nodes: list[Node], *, cascade: bool, at: Path) -> l
         _take_out(editing, node)
     linking = editing.linking
     # The bundle omits a file that only removed elements used.
-    linking.files = [use for use in linking.files if _stands(use.element, editing.root)]
+    linking.files = [use for use in linking.files if use.element.getroottree().getroot() is editing.root]
     return gone
-
-
-def _stands(node: Node, root: Node) -> bool:
-    return node.getroottree().getroot() is root
 
 
 def _take_out(editing: Editing, node: Node) -> None:
