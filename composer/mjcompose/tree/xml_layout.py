@@ -137,9 +137,7 @@ class _Layout:
             return
         is_section = len(self.kinds) == 1 and self.before is not None and self.before.kind != "comment"
         after = self.text[piece.end :].lstrip(" \t")
-        leads = (
-            re.match(r"\n[ \t]*(<!--.*?-->\s*)*<(?!/)", after, re.DOTALL) is not None
-        )  # it is directly above a section
+        leads = re.match(r"\n[ \t]*(<!--.*?-->\s*)*<(?!/)", after, re.DOTALL) is not None
         self.line(text, blank=is_section and leads)
         self.before = piece
 
