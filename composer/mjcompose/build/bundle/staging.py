@@ -222,19 +222,18 @@ def write_files(bundle: Bundle, folder: Path) -> None:
 _LITTER = {"MUJOCO_LOG.TXT", ".DS_Store", "Thumbs.db", "desktop.ini"}
 
 
-def write_folder(bundle: Bundle, out: Path, option: str | None = None, *, inputs: Iterable[Path] = ()) -> None:
+def write_folder(bundle: Bundle, out: Path) -> None:
     """Write the bundle's files into the folder `out`, which then holds nothing else.
 
     The folder is built next to `out` and renamed. An existing folder is replaced only if it is empty or an earlier
     output without other files in it. Raises OutputError, and then leaves `out` as it was.
     """
-    inputs = tuple(inputs)
-    check_is_no_source(out, option, inputs)
+    check_is_no_source(out)
     try:
         _check_replaceable(resolved_output(out), out)
     except OSError as error:
         raise unwritable_error(out, error) from error
-    with staged_folder(out, option, inputs=inputs, replaces=True) as stage:
+    with staged_folder(out, replaces=True) as stage:
         stage.mkdir()
         write_files(bundle, stage)
 
@@ -281,9 +280,7 @@ def _own_files(folder: Path) -> set[str] | None:
     return None
 
 
-def write_mjb(
-    bundle: Bundle, out: Path, *, limits: engine.Limits | None = None, session: engine.Session | None = None
-) -> None:
+def write_mjb(bundle: Bundle, out: Path, *, session: engine.Session | None = None) -> None:
     """Compile the bundle and write MuJoCo's binary form, which only the same version of MuJoCo reads.
 
     A manifest that lists this one file is written next to it. Raises OutputError, even if the model does not
@@ -296,7 +293,7 @@ def write_mjb(
         try:
             with scratch("bundle") as folder:
                 write_files(bundle, Path(folder))
-                compiled = engine.compile(Path(folder), bundle.model, mjb=stage, limits=limits, session=session)
+                compiled = engine.compile(Path(folder), bundle.model, mjb=stage, session=session)
         except OSError as error:
             raise unwritable_error("a temporary folder", error) from error
         if not compiled.ok:
