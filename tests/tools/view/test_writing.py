@@ -318,9 +318,10 @@ def test_names_are_not_yaml(tmp_path: Path, session: Session) -> None:
         answer = page.ask("place", "a", site=page.scene["site"]["name"].index(name))
         assert "refused" not in answer, answer
         page.load()  # which fails if the recipe names another site
-    for name in ("x: 1}\nbase: y", "x\ny", ""):
+    for name in ("x: 1}\nbase: y", "x\ny", "", "${1}", "$${1}"):
         before = page.text
         assert "refused" in page.ask("keyframe", name=name, qpos=[], mpos=[], mquat=[])
+        assert "refused" in page.ask("attach", prefix=name, model="./ball.xml", site=0)
         assert page.text == before
 
 

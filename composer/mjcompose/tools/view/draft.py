@@ -20,6 +20,7 @@ from mjcompose.text.node import (
     added_key,
     changed,
     find,
+    is_template,
     lines_of,
     resolve,
     to_python,
@@ -51,7 +52,7 @@ def name_text(name: str) -> str:
     """Return a name as YAML that means the same name again."""
     text = word(name)
     text = text if isinstance(resolve(text), str) else quoted(name)
-    if not name.isprintable() or not name or value_of(text) != name:
+    if not name.isprintable() or not name or is_template(name) or value_of(text) != name:
         raise Refused("this name has characters that a recipe cannot have")
     return text
 
