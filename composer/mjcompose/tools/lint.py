@@ -104,7 +104,7 @@ def _others(path: Path) -> bytes:
 
 
 def _may_be_used(finding: Finding, others: bytes, may_be_part: bool) -> bool:
-    """Return whether a model that includes the file may use what is unused in the file itself."""
+    """Return whether a model that includes the file may use the element, which the file itself does not use."""
     if finding.edit is None or not finding.edit.removes or finding.element is None or finding.attribute is None:
         return False
     names = {str(each.get(key)) for each in finding.element.iter("*") for key in ("class", "name") if each.get(key)}
@@ -134,7 +134,7 @@ def lint(path: Path, context: Context, session: Session, selected: Sequence[Rule
     """Return the findings of rules about the model of a file; errors of the model itself are reported to the context.
 
     `path` is an MJCF or URDF file, a recipe or a bundle. If MuJoCo refuses the model, the rules that need it are left
-    out. What a file defines for a model that includes it is used.
+    out. An element counts as used if a model that includes the file uses it.
     """
     with ExitStack() as opened:
         unit, is_part, compiles, is_written = _model(path, context, session, opened=opened)
