@@ -276,7 +276,7 @@ def plan(options: PlanOptions, run: Run) -> Answer:
             cells = cells_of(recipe, context, given)
     planned = run.need(plan, recipe)
     if options.licenses:
-        from mjcompose.build.bundle.licenses import license_rows, license_table
+        from mjcompose.build.bundle.bundle import license_rows, license_table
 
         rows = license_rows(planned, context)
         return Answer(lambda: license_table(rows), [asdict(row) for row in rows])

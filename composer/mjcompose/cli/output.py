@@ -184,7 +184,7 @@ def _lines(result: BuildResult, spec: OutputSpec, out: str) -> Iterator[str]:
     if spec.licenses and not result.licenses:
         yield "  no licenses: it takes nothing from other models"
     elif spec.licenses:
-        from mjcompose.build.bundle.licenses import license_table
+        from mjcompose.build.bundle.bundle import license_table
 
         yield license_table(result.licenses)
 
@@ -276,8 +276,7 @@ class _Writer:
     session: Session | None
 
     def put(self, result: BuildResult) -> BuildResult | None:
-        from mjcompose.build.bundle.bundle import OutputError
-        from mjcompose.build.bundle.licenses import report_unlicensed
+        from mjcompose.build.bundle.bundle import OutputError, report_unlicensed
 
         maker, spec, context = self.maker, self.spec, self.context
         clear_progress()

@@ -137,6 +137,6 @@ def test_a_ball_joint_at_its_limit_turns_along_it() -> None:
 
 
 def test_mujoco_is_not_imported_where_checks_are_only_asked() -> None:
-    code = "import sys, mjcompose.build.checks.ask; print('mujoco' in sys.modules)"
+    code = "import sys, mjcompose.build.checks.check; print('mujoco' in sys.modules)"
     shown = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert shown.stdout.strip() == "False"

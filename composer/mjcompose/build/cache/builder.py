@@ -18,8 +18,7 @@ from mjcompose.build.cache.cache_key import BuildOptions, CacheKey, now
 from mjcompose.sources.blobs import key_of
 
 if TYPE_CHECKING:
-    from mjcompose.build.bundle.bundle import Bundle, Location, Outcome
-    from mjcompose.build.bundle.licenses import Row
+    from mjcompose.build.bundle.bundle import Bundle, LicenseRow, Location, Outcome
     from mjcompose.build.bundle.write import BackgroundPacker, Packed
     from mjcompose.build.cache.cache import Answer, Cache
     from mjcompose.build.cache.inputs import Inputs
@@ -60,7 +59,9 @@ class BuildResult(Facts):
         return replace(self, built=None, record=None, bundle=None, packed={}, text=None, key=None, inputs=())
 
 
-def result_of_build(built: Built, licenses: Iterable[Row], why: tuple[str, ...], key: CacheKey | None) -> BuildResult:
+def result_of_build(
+    built: Built, licenses: Iterable[LicenseRow], why: tuple[str, ...], key: CacheKey | None
+) -> BuildResult:
     from mjcompose.build.plan.describe import allowed_everywhere
 
     plan, composed, compiled = built.plan, built.composed, built.compiled
@@ -226,7 +227,7 @@ class Maker:
         built = build.run()
         if built is None:
             return None
-        from mjcompose.build.bundle.licenses import license_rows
+        from mjcompose.build.bundle.bundle import license_rows
 
         made = result_of_build(built, license_rows(plan, context), why, key=key)
         names = self._names()

@@ -23,8 +23,7 @@ from typing import TYPE_CHECKING, Any
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Diagnostic, Fix, Note, Severity, Span
 from mjcompose.base.files import read_regular
-from mjcompose.build.bundle.bundle import Outcome, is_address
-from mjcompose.build.bundle.licenses import Row
+from mjcompose.build.bundle.bundle import LicenseRow, Outcome, is_address
 from mjcompose.build.cache.cache_key import CacheKey, Files, FileState, differences, file_state, stamp_of
 from mjcompose.sources import blobs
 from mjcompose.sources.blobs import key_of
@@ -94,7 +93,7 @@ class Facts:
     sizes: Mapping[str, int] | None
     merged: Mapping[str, Mapping[str, str]]
     mujoco: str | None = None
-    licenses: tuple[Row, ...] = ()
+    licenses: tuple[LicenseRow, ...] = ()
     draws: Mapping[str, Value] | None = None
     cells: int = 0
     cells_at: Span | None = None
@@ -137,7 +136,7 @@ def from_json(text: bytes) -> Record:
     data: dict[str, Any] = json.loads(text)
     data["files"] = tuple(KeptFile(**each) for each in data["files"])
     data["recipes"] = tuple(KeptRecipe(**each) for each in data["recipes"])
-    data["licenses"] = tuple(Row(**{**each, "files": tuple(each["files"])}) for each in data["licenses"])
+    data["licenses"] = tuple(LicenseRow(**{**each, "files": tuple(each["files"])}) for each in data["licenses"])
     data["diagnostics"] = tuple(map(_diagnostic, data["diagnostics"]))
     data["checks"] = tuple(
         Outcome(**{**each, "span": Span(**each["span"]), "diagnostics": tuple(map(_diagnostic, each["diagnostics"]))})

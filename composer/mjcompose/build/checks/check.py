@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, field
 from functools import cache, cached_property
 from typing import Any
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Fault, Note
+from mjcompose.base.extensions import Table
 from mjcompose.base.suggest import did_you_mean, exists_note, unknown_name
+from mjcompose.language.check import MODULES
 from mjcompose.mujoco.arrays import JOINT_TYPES, words
 from mjcompose.mujoco.attributes import ANGLES, ENUMERATED, ON_BODIES, Model, NameTable, array_of, holder
 from mjcompose.tree.grammar import GRAMMAR
-from mjcompose.tree.pattern import fitter, paths_of
+from mjcompose.tree.pattern import BadPattern, fitter, paths_of
 from mjcompose.tree.values import is_in_degrees
 
 
@@ -423,3 +425,20 @@ def like(quantities: Sequence[Quantity], numbers: Sequence[float]) -> list[str]:
     if len(quantities) != len(numbers):
         quantities = [quantities[0]] * len(numbers)
     return [each.like(number) for each, number in zip(quantities, numbers, strict=True)]
+
+
+CHECKS: Table[Callable[[Scope, dict[str, Any]], list[Fault]]] = Table("checks", {}, "check", modules=MODULES)
+
+
+def ask(mujoco: Any, model: Model, question: dict[str, Any]) -> dict[str, Any]:
+    """Return the failures and the values of a check as JSON data; runs under `mjcompose.mujoco.engine.call`.
+
+    ``question`` has the `kind`, the arguments of the check under `asked`, and the fields of a `Scope` under
+    `scope`.
+    """
+    scope = Scope(mujoco, model, **question["scope"])
+    try:
+        found = CHECKS[question["kind"]](scope, question["asked"])
+    except BadPattern as bad:
+        found = [Fault("selector", bad.message, help=bad.help)]
+    return {"findings": list(map(to_json, found)), "values": scope.values}

@@ -14,8 +14,7 @@ from mjcompose.base.rotation import IDENTITY_QUAT, ORIGIN
 from mjcompose.base.sink import Sink
 from mjcompose.build.bundle.assemble import Renamed
 from mjcompose.build.bundle.bundle import Bundle, Outcome
-from mjcompose.build.checks.ask import ask
-from mjcompose.build.checks.check import from_json
+from mjcompose.build.checks.check import ask, from_json
 from mjcompose.build.plan.plan import BASE, GeneratedShapes, PartRecord, Plan, arrays_of_draw
 from mjcompose.build.verify.compile import WHOLE
 from mjcompose.build.verify.parts import PartComparer
