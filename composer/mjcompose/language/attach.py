@@ -85,8 +85,8 @@ class Scatter(Model):
     """the seed of the places; draw a parameter for it to get other places in each sample"""
     key: Annotated[str, Name("key", what="the name of a keyframe")] | None = None
     """the keyframe in which nothing overlaps; without it, the reference configuration"""
-    settle: Annotated[float, Scaled({"ms": 1e-3, "s": 1.0}, gt=0)] | None = None
-    """lets the copies fall and come to rest for this time, in seconds; the rest of the model does not move"""
+    settle: Annotated[float, Scaled({"ms": 1e-3, "s": 1.0}, gt=0, le=60)] | None = None
+    """lets the copies fall and come to rest for this time, at most 60 s; the rest of the model does not move"""
 
 
 class Axis(Model):

@@ -46,8 +46,8 @@ class MovesAlike(Check):
     """a version of MuJoCo, such as `mujoco==3.12`, which is installed into an environment of its own, or a target"""
     signal: Literal["qpos", "xpos"] = "qpos"
     """the compared positions: of joints, or of bodies (only for MuJoCo)"""
-    seconds: Annotated[Positive, Unit("s")] = 1.0
-    """the length of each simulation"""
+    seconds: Annotated[float, Field(gt=0, le=60), Unit("s")] = 1.0
+    """the length of each simulation, at most 60"""
     tol: Positive = 1e-3
     """the allowed distance, in m or rad"""
     key: Annotated[str, Name("key", what="the name of a keyframe")] | None = None

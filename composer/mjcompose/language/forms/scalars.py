@@ -145,8 +145,8 @@ class Measure:
     `Annotated[float | Angle, Measure(ge=0)]` is its type.
     """
 
-    def __init__(self, *, ge: float | None = None, gt: float | None = None) -> None:
-        self._ge, self._gt = ge, gt
+    def __init__(self, *, ge: float | None = None, gt: float | None = None, le: float | None = None) -> None:
+        self._ge, self._gt, self._le = ge, gt, le
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         return core_schema.no_info_plain_validator_function(self.read)
@@ -157,7 +157,7 @@ class Measure:
     @property
     def bounds(self) -> dict[str, float | None]:
         """The bounds by their words in a JSON Schema."""
-        return {"minimum": self._ge, "exclusiveMinimum": self._gt}
+        return {"minimum": self._ge, "exclusiveMinimum": self._gt, "maximum": self._le}
 
     def read(self, value: Any) -> float | Angle:
         """Return the written value, with its unit. Raises PydanticKnownError."""
@@ -171,6 +171,8 @@ class Measure:
             raise PydanticKnownError("greater_than_equal", {"ge": self._ge})
         if self._gt is not None and number <= self._gt:
             raise PydanticKnownError("greater_than", {"gt": self._gt})
+        if self._le is not None and number > self._le:
+            raise PydanticKnownError("less_than_equal", {"le": self._le})
         return read
 
 
@@ -182,8 +184,10 @@ class Scaled:
     -0.001
     """
 
-    def __init__(self, units: Mapping[str, float], *, ge: float | None = None, gt: float | None = None) -> None:
-        self._units, self._measure, self._signed = units, Measure(ge=ge, gt=gt), ge is None and gt is None
+    def __init__(
+        self, units: Mapping[str, float], *, ge: float | None = None, gt: float | None = None, le: float | None = None
+    ) -> None:
+        self._units, self._measure, self._signed = units, Measure(ge=ge, gt=gt, le=le), ge is None and gt is None
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         return core_schema.no_info_plain_validator_function(self._read)
