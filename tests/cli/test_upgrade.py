@@ -26,6 +26,13 @@ def test_the_same_version(folder: Path) -> None:
     )
 
 
+def test_a_number_is_finite(folder: Path) -> None:
+    (folder / "m.xml").write_text(MODEL)
+    for option in ("--seconds", "--tol"):
+        for value in ("nan", "inf"):
+            assert run("upgrade", "m.xml", "--from", installed(), option, value).exit_code == 2
+
+
 def test_differences_with_their_causes(folder: Path, monkeypatch: MonkeyPatch) -> None:
     moved = [Moved("joint", name, amount, unit="rad", trial="hold home", time=0.1) for name, amount in (("a", 1), ("b", 0.5), ("c", 0.1))]  # fmt: skip
     caused = (

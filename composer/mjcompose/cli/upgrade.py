@@ -11,7 +11,7 @@ import click
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.report import counted
 from mjcompose.cli import completion
-from mjcompose.cli.options import FetchOptions, ReportOptions, TimeOptions
+from mjcompose.cli.options import Amount, FetchOptions, ReportOptions, TimeOptions
 from mjcompose.cli.reporting import FINDINGS, progress
 from mjcompose.cli.run import PATH, Answer, Run, Stop, argument, command, group, option
 
@@ -26,9 +26,9 @@ class Options:
     after: str | None = option(
         "--to", metavar="VERSION", help="The MuJoCo version to use.  [default: the installed one]"
     )
-    seconds: float = option("--seconds", type=click.FloatRange(0, 60, min_open=True), default=2.0, show_default=True,
+    seconds: float = option("--seconds", type=Amount(0, 60, min_open=True), default=2.0, show_default=True,
                             help="The length of each simulation.")  # fmt: skip
-    tolerance: float = option("--tol", type=click.FloatRange(0), default=1e-3, show_default=True,
+    tolerance: float = option("--tol", type=Amount(0), default=1e-3, show_default=True,
                               help="The distance up to which motions are the same, in m or rad.")  # fmt: skip
     key: str | None = option("--key", help="The keyframe to hold, step and drop from.  [default: the first one]")
     pythons: tuple[Path, ...] = option("--with-python", multiple=True, metavar="PATH", type=PATH,

@@ -1,7 +1,7 @@
 """Simulates a model in several trials. Runs by itself, in any Python with numpy and a MuJoCo since 3.0.
 
 Its arguments are the path of a model, the path of the file to write, and a request as JSON: the `seconds`, the names of
-the `trials`, and the `key` to start from, if any. It prints JSON: the trials, the joints and the bodies. The file has
+the `trials`, and the `key` to start from, if any. It prints JSON: the keys, trials, joints and bodies. The file has
 the positions of all joints and bodies at equal times, as `qpos-N` and `xpos-N` for trial N.
 """
 
@@ -29,6 +29,10 @@ def main() -> None:
     except Exception as error:
         said["error"] = str(error)
     else:
+        said["keys"] = [_name(mujoco, model, "KEY", number=n) for n in range(model.nkey)]
+        if asked["key"] is not None and asked["key"] not in said["keys"]:
+            json.dump(said, sys.stdout)
+            return
         arrays: dict[str, Any] = {}
         said["trials"], said["diverged"] = [], []
         for name, data in _trials(mujoco, model, asked):

@@ -10,6 +10,11 @@ from mjcompose.base.dataclass import dataclass
 from mjcompose.mujoco.arrays import BALL, FREE, SLIDE
 from mjcompose.mujoco.environments import Other, OtherError
 
+
+class UnknownKeyError(OtherError):
+    """The model has no keyframe of the name that a request says."""
+
+
 TRIALS = ("settle", "hold", "step", "drop")
 
 
@@ -46,6 +51,10 @@ class Motion:
         answer = other.move(model, out, asked)
         if "error" in answer:
             raise OtherError(f"MuJoCo {other.version} rejects the model: {' '.join(str(answer['error']).split())}")
+        if asked["key"] is not None and asked["key"] not in answer["keys"]:
+            known = ", ".join(f"`{each}`" for each in answer["keys"])
+            help = f"name one of {known}" if known else "name none: the model has no keyframes"
+            raise UnknownKeyError(f"the keyframe `{asked['key']}` does not exist", help)
         return cls(answer, out, float(asked["seconds"]))
 
 

@@ -36,6 +36,11 @@ def test_the_same_version_moves_alike(tmp_path: Path, signal: str) -> None:
     assert found == [] and outcome.values == {"apart": 0.0}
 
 
+def test_a_key_that_does_not_exist_is_an_error(tmp_path: Path) -> None:
+    ((code, message),), _ = checked(tmp_path, f"{{as: mujoco=={OWN}, seconds: 0.1, key: hom}}")
+    assert code == "unknown-name" and "the keyframe `hom` does not exist" in message
+
+
 def test_a_version_in_which_it_moves_differently(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Another version, for which this one stands, gets a stiffer model."""
 

@@ -37,6 +37,12 @@ def of_model(folder: Path, text: str, name: str = "m", **asked: object) -> Motio
     return Motion.of(other, folder / f"{name}.xml", folder / f"{name}.npz", request)
 
 
+def test_a_key_that_does_not_exist_is_an_error(tmp_path: Path) -> None:
+    with pytest.raises(OtherError, match="the keyframe `hom` does not exist") as caught:
+        of_model(tmp_path, MODEL, key="hom")
+    assert caught.value.help == "name one of `home`, `up`"
+
+
 def test_the_same_version_moves_alike(tmp_path: Path) -> None:
     (tmp_path / "m.xml").write_text(MODEL)
     context = Context(environment={}, folder=tmp_path)

@@ -77,7 +77,7 @@ def _in_mujoco(
     checks: Checks, check: MovesAlike, context: Context, offline: bool
 ) -> tuple[list[Fault], dict[str, Any]]:
     from mjcompose.mujoco.environments import Other, OtherError, make, this_python
-    from mjcompose.mujoco.moved import TRIALS, Motion, differences
+    from mjcompose.mujoco.moved import TRIALS, Motion, UnknownKeyError, differences
 
     version = release(check.program.removeprefix(_MUJOCO)) or ""
     asked = {"seconds": check.seconds, "trials": TRIALS, "key": check.key}
@@ -93,6 +93,8 @@ def _in_mujoco(
                 Motion.of(each, model, folder / f"{n}.npz", asked=asked) for n, each in enumerate((other, own))
             )
             moved = differences(there, here, signal=check.signal, tolerance=check.tol)
+    except UnknownKeyError as error:
+        return [Fault("unknown-name", str(error), ("key",), help=error.help)], {}
     except OtherError as error:
         return [Fault("check-failed", str(error), ("as",), help=error.help)], {}
     if wild := sorted({*there.answer["diverged"], *here.answer["diverged"]}):
