@@ -114,3 +114,9 @@ def test_closed_streams(folder: Path) -> None:
     ):
         result = subprocess.run(line, shell=True, env=environment(), capture_output=True, timeout=60, check=False)
         assert (result.returncode, result.stderr, result.stdout) == (1, said, b""), line
+
+
+def test_a_urdf_is_no_recipe(folder: Path) -> None:
+    (folder / "arm.urdf").write_text('<robot name="arm"/>', encoding="utf-8")
+    result = run("fmt", "arm.urdf")
+    assert result.exit_code == 1 and "error[not-mjcf]: `arm.urdf` is not MJCF: its root is `<robot>`" in result.stderr

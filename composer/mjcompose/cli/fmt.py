@@ -48,7 +48,7 @@ def fmt(options: FmtOptions, run: Run) -> int:
     """
     from mjcompose.text.layout import format_recipe
     from mjcompose.tree.xml_layout import format_mjcf
-    from mjcompose.tree.xml_pieces import MODELS, root_of
+    from mjcompose.tree.xml_pieces import MODELS
 
     context, check = run.context, options.check
     files = [file for given in options.files for file in _inside(given, context)]
@@ -59,7 +59,7 @@ def fmt(options: FmtOptions, run: Run) -> int:
         shown = "<stdin>" if file == STDIN else context.shown(Path(file))
         if source is None:
             continue
-        is_model = is_model or (file == STDIN and root_of(source.decode("utf-8", "replace")) is not None)
+        is_model = is_model or source.removeprefix(b"\xef\xbb\xbf").lstrip().startswith(b"<")
         result = (format_mjcf if is_model else format_recipe)(source, shown, context.sink)
         if result is None:
             continue
