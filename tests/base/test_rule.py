@@ -52,11 +52,13 @@ READS_ITSELF = {
         build/bundle/staging.py:write_mjb build/bundle/write.py:write_usd tools/diff/diff.py:render_views
         mujoco/child.py mujoco/engine.py:_last_words mujoco/engine.py:_load_arrays mujoco/moved.py:differences
         tools/migrate/compare.py:_Side.of mujoco/dump.py:main mujoco/motion.py:main tools/migrate/migrate.py:measured
-        mujoco/pictures.py:sheet targets/export.py:aimed targets/read_back.py:placed targets/export.py:export
+        mujoco/pictures.py:sheet mujoco/playable.py:_replaced tools/view/page.py:_played
+        targets/export.py:aimed targets/read_back.py:placed targets/export.py:export
         targets/plain.py:keep_files targets/plain.py:plain targets/read_back.py:read_back
         build/verify/draws.py:with_worlds build/verify/draws.py:compute_worlds build/verify/draws.py:compare_world
         cli/servers.py:_call""",
-    "what was checked, in a folder of ours, as MuJoCo's process opens it": "mujoco/convert.py:_read tools/worlds/load.py:_compiled",
+    "what was checked, in a folder of ours, as MuJoCo's process opens it": """
+        mujoco/convert.py:_read mujoco/playable.py:strip tools/worlds/load.py:_compiled""",
     "the entry points of installed packages, as Python's own reader does": "base/extensions.py:_are_there",
     "runs in an environment of its own, on a model in a folder of ours": """
         targets/readers/drake.py targets/readers/genesis.py targets/readers/mjx.py targets/readers/newton.py
@@ -77,7 +79,7 @@ WRITES_ITSELF = {
         cli/about.py:_mujoco build/compose/mesh_jobs.py:MeshWorkshop._make tools/diff/sides.py:_recipe_of
         tools/diff/sides.py:_beside_the_same mujoco/child.py
         mujoco/engine.py:Session._spawn link/measure.py:folder_of mujoco/pictures.py:pictures base/scratch.py
-        build/checks/moves_alike.py:_in_mujoco mujoco/scene.py:Blobs.put mujoco/scene.py:describe targets/read_back.py:placed targets/export.py:_put
+        build/checks/moves_alike.py:_in_mujoco mujoco/playable.py:_replaced mujoco/scene.py:Blobs.put mujoco/scene.py:describe targets/read_back.py:placed targets/export.py:_put
         targets/read_back.py:read_back urdf/read.py:UrdfReader._written build/verify/compile.py:_written
         build/verify/draws.py:with_worlds build/verify/draws.py:compute_worlds tools/view/live.py:_opened
         tools/worlds/union.py:compose_union""",
@@ -108,6 +110,7 @@ GIVEN_TO_MUJOCO = {
     "cli/about.py": "a model of this package",
     "build/compose/load.py": "a model without files",
     "tools/diff/sides.py": "asks `all_admitted`",
+    "tools/lint.py": "asks `all_admitted`",
     "tools/importing/recover.py": "models that `recover` asks `all_admitted` of",
     "link/measure.py": "a folder of files that passed",
     "urdf/read.py": "asks `includes_admitted`, and converts with the door",

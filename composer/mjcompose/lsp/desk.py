@@ -124,7 +124,7 @@ class Verifier:
 
     def lint(self, path: Path, text: str, texts: Mapping[str, bytes]) -> tuple[Diagnostic, ...]:
         """Return the findings about an MJCF file, as `mjcompose lint` reports them. A file must exist."""
-        if not path.is_file():
+        if not os.path.isfile(path):
             return ()
         context = _offline(self.folder)
         with unsaved({**texts, os.path.realpath(path): text.encode("utf-8", "replace")}):

@@ -106,18 +106,18 @@ def _folder(question: ModelQuestion) -> Path | None:
 
 def _files(question: ModelQuestion) -> Iterator[str]:
     folder, above = _folder(question), question.cursor.word.rpartition("/")[0]
-    if folder is None or question.cursor.role != "value" or is_absolute(above) or not (folder / above).is_dir():
+    if folder is None or question.cursor.role != "value" or is_absolute(above) or not os.path.isdir(folder / above):
         return
     for entry in sorted((folder / above).iterdir())[:_FILES_MOST]:
         if not entry.name.startswith(".") and entry != question.analysis.path:
-            yield f"{above}/{entry.name}".lstrip("/") + ("/" if entry.is_dir() else "")
+            yield f"{above}/{entry.name}".lstrip("/") + ("/" if os.path.isdir(entry) else "")
 
 
 def file_at(question: ModelQuestion) -> Iterator[Span]:
     """Yield the start of the file that the value at the cursor names."""
     folder = _folder(question)
     path = None if folder is None else Path(os.path.normpath(folder / question.cursor.whole))
-    if path is not None and question.cursor.whole and path.is_file():
+    if path is not None and question.cursor.whole and os.path.isfile(path):
         yield Span(str(path), 1, 1, end_line=1, end_column=1)
 
 

@@ -14,6 +14,7 @@ from xml.sax.saxutils import escape
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Cause, Diagnostic, Fix, Severity, Span
+from mjcompose.base.files import open_regular
 from mjcompose.base.sink import Sink
 from mjcompose.build.lint.rule import Edit, Finding, Rule, Subject, found, in_child
 from mjcompose.mujoco import engine
@@ -56,15 +57,15 @@ def targets_of(paths: Iterable[Path]) -> list[Target]:
     """
     found: dict[Path, Target] = {}
     for path in paths:
-        named = sorted(Path().glob(str(path))) if _GLOB.search(str(path)) and not path.exists() else [path]
+        named = sorted(Path().glob(str(path))) if _GLOB.search(str(path)) and not os.path.exists(path) else [path]
         for each in named or [path]:
-            below = _models_below(each) if each.is_dir() and not _is_bundle(each) else [Target(each)]
+            below = _models_below(each) if os.path.isdir(each) and not _is_bundle(each) else [Target(each)]
             found |= {target.path: target for target in below}
     return list(found.values())
 
 
 def _is_bundle(folder: Path) -> bool:
-    return (folder / "manifest.json").is_file()
+    return os.path.isfile(folder / "manifest.json")
 
 
 def _models_below(top: Path) -> list[Target]:
@@ -93,7 +94,7 @@ def _others(path: Path) -> bytes:
     """Return the text of the models near a file that include it, and of the other files that they include."""
     path = Path(os.path.abspath(path))
     near = [each for folder in (path.parent, path.parent.parent) for each in islice(folder.glob("*.xml"), _MOST_NEAR)]
-    waiting = [str(each) for each in near if each.is_file() and str(path) in _included(each, _head(each))]
+    waiting = [str(each) for each in near if os.path.isfile(each) and str(path) in _included(each, _head(each))]
     texts = {str(path): b""}
     while waiting and len(texts) < _MOST_NEAR:
         name = waiting.pop()
@@ -115,7 +116,7 @@ def _may_be_used(finding: Finding, others: bytes, may_be_part: bool) -> bool:
 
 def _head(path: Path) -> bytes:
     try:
-        with path.open("rb") as file:
+        with open_regular(path) as file:
             return file.read(_HEAD)
     except OSError:
         return b" "

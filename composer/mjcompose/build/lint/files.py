@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from mjcompose.base.files import Refused
+from mjcompose.base.files import Refused, read_regular
 from mjcompose.build.lint.rule import Finding, Found, Subject, rule
 from mjcompose.sources import license
 from mjcompose.tree.cost import pixels
@@ -90,8 +90,7 @@ def same_file_twice(subject: Subject) -> Found:
     for alike in sizes.values():
         first: dict[str, str] = {}
         for element, attribute, real in alike if len(alike) > 1 else ():
-            with open(real, "rb") as file:
-                digest = hashlib.file_digest(file, "sha256").hexdigest()
+            digest = hashlib.sha256(read_regular(real)).hexdigest()
             other = first.setdefault(digest, real)
             if other != real:
                 message = f"`{os.path.basename(real)}` has the same bytes as `{os.path.basename(other)}`"
@@ -142,7 +141,7 @@ def no_scene(subject: Subject) -> Found:
     if unit is None or not subject.is_part or next(subject.each("joint", "freejoint"), None) is None:
         return
     name = os.path.basename(unit.file)
-    beside = [path.read_bytes() for path in unit.directory.glob("*scene*.xml")]
+    beside = [read_regular(path) for path in unit.directory.glob("*scene*.xml") if os.path.isfile(path)]
     if "scene" not in name and not any(name.encode() in text for text in beside):
         yield Finding(subject.root, f"no scene next to the model includes `{name}`")
 
