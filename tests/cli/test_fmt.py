@@ -9,6 +9,9 @@ from pathlib import Path
 
 import pytest
 from cli.shell import environment, process, run
+from mjcompose.base.sink import Sink
+from mjcompose.cli.fmt import rewrite
+from mjcompose.sources.context import Context
 
 UNTIDY = "name: cell   # short\nrecipe: 1\nattach: {tool: {site: flange, model: ./models/tool.xml}}\n"
 TIDY = "recipe: 1\nname: cell   # short\nattach: {tool: {model: ./models/tool.xml, site: flange}}\n"
@@ -120,3 +123,13 @@ def test_a_urdf_is_no_recipe(folder: Path) -> None:
     (folder / "arm.urdf").write_text('<robot name="arm"/>', encoding="utf-8")
     result = run("fmt", "arm.urdf")
     assert result.exit_code == 1 and "error[not-mjcf]: `arm.urdf` is not MJCF: its root is `<robot>`" in result.stderr
+
+
+def test_a_file_that_has_changed_since_is_left_as_it_is(folder: Path) -> None:
+    path = folder / "arm.xml"
+    path.write_bytes(b"<mujoco />")
+    context, there = Context(sink=Sink(), folder=folder), sorted(folder.iterdir())
+    assert not rewrite(path, b"<mujoco/>\n", context, before=b"<mujoco></mujoco>")
+    assert path.read_bytes() == b"<mujoco />" and sorted(folder.iterdir()) == there
+    assert [each.code for each in context.sink.errors] == ["output-unwritable"]
+    assert rewrite(path, b"<mujoco/>\n", context, before=b"<mujoco />") and path.read_bytes() == b"<mujoco/>\n"

@@ -71,7 +71,7 @@ def fmt(options: FmtOptions, run: Run) -> int:
             sys.stdout.buffer.write(result)
         elif result != source and check:
             _report(shown, difference(source, result, shown, done="formatted"), run.form)
-        elif result != source and rewrite(Path(file), result, context):
+        elif result != source and rewrite(Path(file), result, context, before=source):
             _report(shown, None, run.form)
     if unchanged and run.form == "text" and STDIN not in files:
         say(f"{counted(unchanged, 'file')} left unchanged")
@@ -128,8 +128,13 @@ def _read(file: str, context: Context, most: int) -> bytes | None:
         return None
 
 
-def rewrite(recipe: Path, result: bytes, context: Context, option: str | None = None) -> bool:
-    """Replace the file in one step and keep its permissions; return whether that succeeded."""
+def rewrite(
+    recipe: Path, result: bytes, context: Context, option: str | None = None, *, before: bytes | None = None
+) -> bool:
+    """Replace the file in one step and keep its permissions; return whether that succeeded.
+
+    A file whose text is not `before` any more is left as it is.
+    """
     from mjcompose.build.bundle.bundle import OutputError
     from mjcompose.build.bundle.staging import staged_file
 
@@ -141,6 +146,9 @@ def rewrite(recipe: Path, result: bytes, context: Context, option: str | None = 
             stage.write_bytes(result)
             with contextlib.suppress(OSError):
                 stage.chmod(stat.S_IMODE(os.stat(recipe).st_mode))
+            if before is not None and read_regular(recipe, in_force().xml_size) != before:
+                message = f"`{context.shown(recipe)}` has changed since it was read, so it is not written"
+                raise OutputError("output-unwritable", message, "run the command again")
     except OutputError as error:
         context.sink.add(error.diagnostic)
         return False
@@ -193,7 +201,11 @@ def fix(options: FixOptions, run: Run) -> int:
         show_differences(found.files, context, done="fixed")
         if writes is None and found.files and is_asked():
             writes = click.confirm(f"write {_amount(found)}?", err=True)
-    done = [rewrite(path, after, context) for path, (_, after) in found.files.items()] if writes else [False]
+    done = (
+        [rewrite(path, after, context, before=before) for path, (before, after) in found.files.items()]
+        if writes
+        else [False]
+    )
     written = all(done)
     if run.form == "json":
         _say_data(found, context, written=written)

@@ -126,7 +126,7 @@ def _fix(target: Target, selected: Sequence[Rule], context: Context) -> int:
             return [*own.sink.sorted(), *found]
 
         done = Fixing(look, context, (".xml",)).fixed()
-    written = [rewrite(file, after, context) for file, (_, after) in done.files.items()]
+    written = [rewrite(file, after, context, before=before) for file, (before, after) in done.files.items()]
     return len(done.fixed) if all(written) else 0
 
 
