@@ -133,7 +133,7 @@ def rewrite(
 ) -> bool:
     """Replace the file in one step and keep its permissions; return whether that succeeded.
 
-    A file whose text is not `before` any more is left as it is.
+    If the text of the file is no longer `before`, the file stays unchanged.
     """
     from mjcompose.build.bundle.bundle import OutputError
     from mjcompose.build.bundle.staging import staged_file
