@@ -63,7 +63,7 @@ CASES = {
         _arm(joint='range="0.5 1"').replace("<worldbody>", "<worldbody><light/>"),
         _arm(joint='range="0 1"').replace("<worldbody>", "<worldbody><light/>"),
     ),
-    "control-misses-range": (_arm(_SERVO.format("0 1.7")), _arm(_SERVO.format("0 1.9"))),
+    "control-misses-range": (_arm(_SERVO.format("0 1.5")), _arm(_SERVO.format("0 1.7"))),
     "solref-below-timestep": (
         _arm(joint='solreflimit="0.003 1"'), _arm(joint='solreflimit="0.003 1"', more='<option timestep="0.001"/>'),
     ),

@@ -105,7 +105,7 @@ def control_misses_range(subject: Subject) -> Found:
         low, high = sorted(float(each) / gear for each in model.actuator_ctrlrange[row])
         least, most = map(float, model.jnt_range[joint])
         width, common = most - least, max(min(high, most) - max(low, least), 0.0)
-        if width <= 0 or common >= 0.9 * width:
+        if width <= 0 or common >= 0.8 * width:
             continue
         message = (
             f"the controls of {subject.name('actuator', row)} aim from {low:.4g} to {high:.4g}, and"
