@@ -178,9 +178,9 @@ def test_a_table_of_samples_needs_several_models() -> None:
 
 # What may be said to every command that does such a thing.
 SAME = {
-    "--output-format": {"names", "lint", "list", "build", "rebuild", "check", "verify", "plan", "explain", "lock", "diff", "new", "fmt", "import", "doctor",
+    "--output-format": {"upgrade", "names", "lint", "list", "build", "rebuild", "check", "verify", "plan", "explain", "lock", "diff", "new", "fmt", "import", "doctor",
                "render", "view", "tree", "fix", "migrate"},
-    "--quiet": {"names", "lint", "list", "build", "rebuild", "check", "verify", "plan", "explain", "lock", "diff", "new", "fmt", "import",
+    "--quiet": {"upgrade", "names", "lint", "list", "build", "rebuild", "check", "verify", "plan", "explain", "lock", "diff", "new", "fmt", "import",
                 "render", "view", "tree", "fix", "migrate"},
     "--output": {"names", "build", "rebuild", "import", "render", "migrate"},
     "--pick": {"names", "build", "check", "plan", "explain", "diff", "render", "view", "tree"},
@@ -188,8 +188,8 @@ SAME = {
     "--all": {"build", "check", "render"},
     "--strict": {"build", "check", "verify", "migrate"},
     "--verbose": {"build", "check"},
-    "--timeout": {"names", "lint", "build", "check", "verify", "diff", "import", "render", "view", "migrate"},
-    "--limit": {"names", "lint", "build", "rebuild", "check", "verify", "plan", "explain", "lock", "diff", "import", "render", "view",
+    "--timeout": {"upgrade", "names", "lint", "build", "check", "verify", "diff", "import", "render", "view", "migrate"},
+    "--limit": {"upgrade", "names", "lint", "build", "rebuild", "check", "verify", "plan", "explain", "lock", "diff", "import", "render", "view",
                 "tree", "fix", "migrate"},
     "--set": {"names", "build", "check", "plan", "explain", "lock", "diff", "render", "view", "tree", "fix"},
 }  # fmt: skip

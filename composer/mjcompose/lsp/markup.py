@@ -35,7 +35,7 @@ def repaired(text: str) -> str:
     """Return a half-written text as well-formed XML, in which everything that is complete keeps its place.
 
     >>> repaired("<mujoco><worldbody><geom name='a' size=<body")
-    "<mujoco><worldbody><geom name='a'       /><body/></worldbody></mujoco>"
+    "<mujoco><worldbody><geom name='a'/>    <body/></worldbody></mujoco>"
     """
     found: list[str] = []
     waiting: list[str] = []

@@ -136,6 +136,10 @@ OutputLocator = Callable[[str, "str | None"], "Location | None"]
 """Returns the output's place by the model's name and its version of MuJoCo; None to write nothing."""
 
 
+def no_output(name: str, mujoco: str | None) -> None:
+    """Return None: a model that is not written. Workers get this function by its name."""
+
+
 _SETTLED = "the recipe changed, in nothing that this model is made of"
 
 
@@ -155,7 +159,7 @@ class Maker:
 
     def __init__(
         self, recipe: Path, options: BuildOptions, cache: Cache | None, context: Context, form: str | None = None,
-        place: OutputLocator = lambda name, mujoco: None,
+        place: OutputLocator = no_output,
     ) -> None:  # fmt: skip
         is_piped = recipe.name == STDIN  # the cache compares files
         self.recipe, self.options, self.context = recipe, options, context
