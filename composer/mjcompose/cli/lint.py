@@ -19,6 +19,7 @@ from mjcompose.cli.run import PATH, Answer, Run, argument, command, flag, group,
 if TYPE_CHECKING:
     from mjcompose.base.diagnostic import Diagnostic
     from mjcompose.build.lint.rule import Rule
+    from mjcompose.mujoco.engine import Session
     from mjcompose.sources.context import Context
     from mjcompose.tools.lint import Linted, Target
 
@@ -56,6 +57,7 @@ def lint(options: Options, run: Run) -> Answer | int:
     """
     from mjcompose.base.processes import cores
     from mjcompose.build.lint.rule import UnknownRuleError, chosen, rules
+    from mjcompose.mujoco.engine import Session
     from mjcompose.tools.lint import lint_all, merged, targets_of
 
     if options.rules:
@@ -80,7 +82,8 @@ def lint(options: Options, run: Run) -> Answer | int:
     if not targets:
         raise click.UsageError("There is no model in these folders.")
     if options.fix:
-        fixed = sum(_fix(each, selected, run.context) for each in targets)
+        with Session() as session:
+            fixed = sum(_fix(each, selected, run.context, session=session) for each in targets)
         if fixed:
             say(f"fixed {counted(fixed, 'finding')}")
     results = lint_all(
@@ -113,19 +116,16 @@ def _separated(values: Sequence[str]) -> list[str]:
     return [name for value in values for name in value.replace(",", " ").split()]
 
 
-def _fix(target: Target, selected: Sequence[Rule], context: Context) -> int:
+def _fix(target: Target, selected: Sequence[Rule], context: Context, session: Session) -> int:
     """Apply the fixes of one model and return how many were applied."""
-    from mjcompose.mujoco.engine import Session
     from mjcompose.tools.fix import Fixing
     from mjcompose.tools.lint import lint
 
-    with Session() as session:
+    def look(own: Context) -> list[Diagnostic]:
+        found = lint(target.path, own, session, selected=selected, may_be_part=target.may_be_part).found
+        return [*own.sink.sorted(), *found]
 
-        def look(own: Context) -> list[Diagnostic]:
-            found = lint(target.path, own, session, selected=selected, may_be_part=target.may_be_part).found
-            return [*own.sink.sorted(), *found]
-
-        done = Fixing(look, context, (".xml",)).fixed()
+    done = Fixing(look, context, (".xml",)).fixed()
     written = [rewrite(file, after, context, before=before) for file, (before, after) in done.files.items()]
     return len(done.fixed) if all(written) else 0
 

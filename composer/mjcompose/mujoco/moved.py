@@ -15,6 +15,10 @@ class UnknownKeyError(OtherError):
     """The model has no keyframe of the name that a request says."""
 
 
+class RejectedError(OtherError):
+    """A version of MuJoCo rejects the model."""
+
+
 TRIALS = ("settle", "hold", "step", "drop")
 
 
@@ -50,7 +54,7 @@ class Motion:
         """Simulate a model. Raises OtherError."""
         answer = other.move(model, out, asked)
         if "error" in answer:
-            raise OtherError(f"MuJoCo {other.version} rejects the model: {' '.join(str(answer['error']).split())}")
+            raise RejectedError(f"MuJoCo {other.version} rejects the model: {' '.join(str(answer['error']).split())}")
         if asked["key"] is not None and asked["key"] not in answer["keys"]:
             known = ", ".join(f"`{each}`" for each in answer["keys"])
             help = f"name one of {known}" if known else "name none: the model has no keyframes"

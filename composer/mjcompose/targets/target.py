@@ -120,18 +120,18 @@ class Draft:
     losses: list[Loss] = field(default_factory=list)
     output: str = "model.xml"
     mujoco_reads: bool = True
-    _rows: dict[Node, tuple[str, int]] = field(default_factory=dict)
+    rows: dict[Node, tuple[str, int]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         for kind, nodes in self.elements.items():
-            self._rows.update((node, (kind, number)) for number, node in enumerate(nodes))
+            self.rows.update((node, (kind, number)) for number, node in enumerate(nodes))
 
     def lose(
         self, feature: str, node: Node, why: str = "", *, what: str = "", outcome: Outcome = Outcome.LEFT_OUT,
         help: str | None = None,
     ) -> None:  # fmt: skip
         """Record that the target cannot express an element, or `what` it has."""
-        row, tag, name = self._rows.get(node, ("", -1)), str(node.tag), str(node.get("name") or "")
+        row, tag, name = self.rows.get(node, ("", -1)), str(node.tag), str(node.get("name") or "")
         self.losses.append(Loss(feature, *row, tag, name, why=why, what=what, outcome=outcome, help=help))
 
     def remove(self, node: Node) -> None:

@@ -138,46 +138,61 @@ def lint(path: Path, context: Context, session: Session, selected: Sequence[Rule
     out. An element counts as used if a model that includes the file uses it.
     """
     with ExitStack() as opened:
-        unit, is_part, compiles, is_written = _model(path, context, session, opened=opened)
-        if unit is None:
+        read = _model(path, context, session, opened=opened)
+        if read is None:
             return Linted(path, ())
-        subject, deep = Subject(unit.root, unit, is_part=is_part), [each for each in selected if each.in_mujoco]
+        unit = read.unit
+        subject = Subject(unit.root, unit, is_part=read.is_part)
         findings = list(found(subject, [each for each in selected if not each.in_mujoco]))
-        if compiles:
-            findings += _in_mujoco(unit, context, session, selected=deep, is_part=is_part)
+        deep = [each for each in selected if each.in_mujoco]
+        if read.is_compiled and deep:
+            findings += _in_mujoco(read, context, session, selected=deep)
         if any(each.edit is not None and each.edit.removes for _, each in findings):
             others = _others(path)
             findings = [each for each in findings if not _may_be_used(each[1], others, may_be_part)]
         places = {element: at for at, element in enumerate(unit.root.iter("*"))}
         findings.sort(key=lambda each: -1 if each[1].element is None else places[each[1].element])
-        every = [_diagnostic(each, finding, unit, is_written=is_written) for each, finding in findings]
-        kept = tuple(each for each in every if not _is_ignored(each, unit))
+        every = [_diagnostic(each, finding, unit, is_written=read.is_written) for each, finding in findings]
+        comments = _Comments(unit)
+        kept = tuple(each for each in every if not comments.ignore(each))
         return Linted(path, kept, len(every) - len(kept))
 
 
-def _model(path: Path, context: Context, session: Session, opened: ExitStack) -> tuple[Unit | None, bool, bool, bool]:
-    """Return the model of a file.
+@dataclass(frozen=True, slots=True)
+class _Model:
+    """The model of a file, and its text as MJCF.
 
-    Also return whether other files may complete it, whether the session keeps it compiled, and whether it is as the
-    file says, and not linked or converted.
+    `is_part` says whether other files may complete it, `is_compiled` whether the session keeps it, and `is_written`
+    whether it is as the file says, and not linked or converted.
     """
+
+    unit: Unit
+    text: bytes
+    is_part: bool
+    is_compiled: bool
+    is_written: bool
+
+
+def _model(path: Path, context: Context, session: Session, opened: ExitStack) -> _Model | None:
+    """Return the model of a file, or None if it cannot be read, which is reported."""
     operand = read_operand(str(path), context, opened)
     if operand is None:
-        return None, True, False, False
+        return None
     if operand.kind is not Kind.MJCF:
         side = load(operand, _KEPT, session)
         operand.report(context.sink)
-        is_part = path.suffix.lower() in (".urdf", ".xacro")
-        traced = None if side is None else side.traced
-        return None if traced is None else traced.model, is_part, traced is not None, False
-    unit = parse_file(path, context.sink, file=context.shown(path))
-    if unit is None or not all_admitted(unit, context.sink, context.shown):
-        return None, True, False, False
-    text = write(unit.root)
+        if side is None or side.traced is None:
+            return None
+        unit, is_part = side.traced.model, path.suffix.lower() in (".urdf", ".xacro")
+        return _Model(unit, write(unit.root), is_part, is_compiled=True, is_written=False)
+    read = parse_file(path, context.sink, file=context.shown(path))
+    if read is None or not all_admitted(read, context.sink, context.shown):
+        return None
+    text = write(read.root)
     compiled = engine.compile(path.parent, path.name, text=text.decode(), keep=_KEPT, session=session)
     if not compiled.ok:
-        _refused(compiled, unit, text, context=context)
-    return unit, True, compiled.ok, True
+        _refused(compiled, read, text, context=context)
+    return _Model(read, text, is_part=True, is_compiled=compiled.ok, is_written=True)
 
 
 def _refused(compiled: engine.Compiled, unit: Unit, text: bytes, context: Context) -> None:
@@ -192,12 +207,10 @@ def _refused(compiled: engine.Compiled, unit: Unit, text: bytes, context: Contex
 
 
 def _in_mujoco(
-    unit: Unit, context: Context, session: Session, selected: Sequence[Rule], is_part: bool
+    read: _Model, context: Context, session: Session, selected: Sequence[Rule]
 ) -> Iterator[tuple[Rule, Finding]]:
-    if not selected:
-        return
-    by_code = {each.code: each for each in selected}
-    asked = {"text": write(unit.root).decode(), "codes": list(by_code), "is_part": is_part}
+    by_code, unit = {each.code: each for each in selected}, read.unit
+    asked = {"text": read.text.decode(), "codes": list(by_code), "is_part": read.is_part}
     answer = engine.call(session, in_child, [_KEPT], argument=asked)
     if not answer.ok:
         code = CRASHES.get(answer.crash or "", "mujoco-crash")
@@ -258,27 +271,44 @@ def _escaped(value: str | None) -> str:
     return escape(value or "", {each: f"&#{ord(each)};" for each in "\"'\n\r\t"})
 
 
-def _is_ignored(diagnostic: Diagnostic, unit: Unit) -> bool:
-    """Return whether a comment on the line, in the lines of comments above it, or for the file ignores the finding."""
-    if diagnostic.span is None or (text := unit.origins.text(diagnostic.span.file)) is None:
-        return False
-    lines = text.text.split("\n")
-    for line in lines:
-        if (found := _IGNORED.search(line)) and found[1] == "ignore-file" and _names(found[2], diagnostic.code):
-            return True
-    at = diagnostic.span.line - 1
-    while 0 <= at < len(lines):
-        found = _IGNORED.search(lines[at])
-        if found and found[1] == "ignore" and _names(found[2], diagnostic.code):
-            return True
-        at -= 1
-        if at < 0 or not lines[at].strip().startswith(("<!--", "#")):
+class _Comments:
+    """The comments in the files of a model that ignore findings."""
+
+    def __init__(self, unit: Unit) -> None:
+        self.unit = unit
+        self._lines: dict[str, list[str]] = {}
+        self._of_files: dict[str, set[str]] = {}
+
+    def ignore(self, diagnostic: Diagnostic) -> bool:
+        """Return whether a comment on the line of a finding, above it, or for the file ignores it."""
+        span = diagnostic.span
+        if span is None:
             return False
-    return False
+        if span.file not in self._lines:
+            text = self.unit.origins.text(span.file)
+            lines = [] if text is None else text.text.split("\n")
+            self._lines[span.file] = lines
+            self._of_files[span.file] = {code for line in lines for code in _ignored(line, "ignore-file")}
+        lines, at = self._lines[span.file], span.line - 1
+        if diagnostic.code in self._of_files[span.file]:
+            return True
+        while 0 <= at < len(lines):
+            if diagnostic.code in _ignored(lines[at], "ignore"):
+                return True
+            at -= 1
+            if at < 0 or not lines[at].strip().startswith(("<!--", "#")):
+                return False
+        return False
 
 
-def _names(codes: str, code: str) -> bool:
-    return code in re.split(r"[\s,]+", codes.strip())
+def _ignored(line: str, word: str) -> list[str]:
+    """Return the codes that a comment on a line ignores.
+
+    >>> _ignored("<!-- mjcompose: ignore[unused-class, overlap] -->", "ignore")
+    ['unused-class', 'overlap']
+    """
+    found = _IGNORED.search(line)
+    return re.split(r"[\s,]+", found[2].strip()) if found and found[1] == word else []
 
 
 def lint_all(

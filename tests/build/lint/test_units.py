@@ -3,7 +3,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from build.lint.workshop import linted
+from build.lint.workshop import check_case, linted
 from mjcompose.mujoco.engine import Session
 
 HINGE = '<mujoco>{}<worldbody><body><joint name="elbow" {}/><geom size="1"/></body></worldbody></mujoco>'
@@ -29,14 +29,11 @@ CASES = [
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize(("code", "wrong", "right", "words"), CASES)
+@pytest.mark.parametrize("case", CASES)
 def test_a_unit_is_found_and_a_near_model_is_not(
-    code: str, wrong: str, right: str, words: str, tmp_path: Path, session: Session
+    case: tuple[str, str, str, str], tmp_path: Path, session: Session
 ) -> None:
-    found = linted(wrong, code, tmp_path, session)
-    assert len(found) == 1
-    assert words in found[0].message
-    assert not linted(right, code, tmp_path, session)
+    check_case(case, tmp_path, session)
 
 
 def test_the_help_says_the_scale(tmp_path: Path, session: Session) -> None:

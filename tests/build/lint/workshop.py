@@ -23,6 +23,15 @@ def linted(text: str, code: str, folder: Path, session: Session, name: str = "mo
     return found.found
 
 
+def check_case(case: tuple[str, str, str, str], folder: Path, session: Session) -> None:
+    """A rule has one finding with these words in the wrong model, and none in the right one, which is nearly the same."""
+    code, wrong, right, words = case
+    found = linted(wrong, code, folder, session)
+    assert len(found) == 1
+    assert words in found[0].message
+    assert not linted(right, code, folder, session)
+
+
 def mended(text: str, found: tuple[Diagnostic, ...]) -> str:
     """Return the text with all fixes applied; every finding must have one."""
     edits = [edit_of(each, text) for each in found]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from itertools import pairwise
 
-from mjcompose.build.lint.ranges import servos
+from mjcompose.build.lint.ranges import position_servos
 from mjcompose.build.lint.rule import Finding, Found, Subject, rule
 
 _FAR = 0.05
@@ -37,7 +37,7 @@ def actuator_order(subject: Subject) -> Found:
 def key_does_not_hold(subject: Subject) -> Found:
     """A keyframe whose controls move the joints away from its pose."""
     model = subject.model
-    pairs = servos(subject)
+    pairs = position_servos(subject)
     for row, name, data in subject.at_keys():
         element = subject.node("key", row)
         if element is None:

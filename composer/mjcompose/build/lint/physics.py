@@ -30,9 +30,9 @@ _SECONDS = 1.0
 @rule("inertia-implausible", in_mujoco=True, profiles={"robot-asset": _UNITS})
 def inertia_implausible(subject: Subject) -> Found:
     """A mass or inertia that the shapes of the body cannot have."""
-    from mjcompose.mujoco.solids import Shapes, faults
+    from mjcompose.mujoco.solids import faults
 
-    shapes = Shapes(subject.mujoco, subject.model)
+    shapes = subject.shapes
     for body in range(1, subject.model.nbody):
         node = subject.node("body", body)
         inertial = None if node is None else node.find("inertial")
@@ -50,9 +50,7 @@ def density_impossible(subject: Subject) -> Found:
     """A body that is denser than any metal."""
     import numpy as np
 
-    from mjcompose.mujoco.solids import Shapes
-
-    shapes, model = Shapes(subject.mujoco, subject.model), subject.model
+    shapes, model = subject.shapes, subject.model
     for body in range(1, model.nbody):
         mass, geoms = float(model.body_mass[body]), shapes.of(body)
         if not geoms or mass <= _DENSE * _BOXES * sum(8 * float(np.prod(model.geom_aabb[each][3:])) for each in geoms):
@@ -274,7 +272,7 @@ def simulation_diverges(subject: Subject) -> Found:
         mujoco.mj_resetDataKeyframe(model, data, 0)
     why = advance(mujoco, model, data, end=_SECONDS, begun=data.time) if model.nv and model.opt.timestep > 0 else None
     if why is not None:
-        start = subject.name("key", 0).replace("key", "keyframe", 1) if has_key else "the reference configuration"
+        start = subject.name("key", 0) if has_key else "the reference configuration"
         yield Finding(subject.node("key", 0) if has_key else None, f"from {start}, the simulation is {why}")
 
 

@@ -69,7 +69,7 @@ def _losses(subject: Subject, name: str) -> Found:
     for limit in TARGETS[name].limits:
         if limit.outcome not in (Outcome.WRITTEN, Outcome.KEPT):
             limit.apply(draft)
-    places = {row: node for node, row in draft._rows.items()}
+    places = {row: node for node, row in draft.rows.items()}
     for group in grouped(draft.losses):
         place = places.get((group[0].kind, group[0].number))
         yield Finding(None if place is None else original[place], in_words(TARGETS[name].title, group))

@@ -55,11 +55,12 @@ def key_out_of_range(subject: Subject) -> Found:
     """A position, control or activation of a keyframe that is outside of its range."""
     from mjcompose.mujoco.index import index, ranged
 
-    compiled = index(subject.model, subject.mujoco)
+    model = subject.model
+    compiled = index(model, subject.mujoco)
     made = next((each for each in subject.root.iterfind("size") if each.get("nkey")), None)
-    for row, name, data in subject.at_keys():
-        vectors = {"qpos": subject.model.key_qpos[row], "ctrl": subject.model.key_ctrl[row], "act": data.act}
-        element = subject.node("key", row)
+    for row in range(model.nkey):
+        vectors = {"qpos": model.key_qpos[row], "ctrl": model.key_ctrl[row], "act": model.key_act[row]}
+        element, name = subject.node("key", row), subject.name("key", row)
         if element is None and (made is None or row > len(subject.root.findall("keyframe/key"))):
             continue  # of an attached model, or as empty as the one before
         for each in ranged(compiled, vectors):
@@ -98,7 +99,7 @@ def reference_out_of_range(subject: Subject) -> Found:
 def control_misses_range(subject: Subject) -> Found:
     """A position actuator whose controls leave a part of its joint's range out of reach."""
     model = subject.model
-    for row, joint in servos(subject):
+    for row, joint in position_servos(subject):
         if not (model.actuator_ctrllimited[row] and model.jnt_limited[joint]):
             continue
         gear = float(model.actuator_gear[row, 0])
@@ -115,7 +116,7 @@ def control_misses_range(subject: Subject) -> Found:
         yield Finding(subject.node("actuator", row), message, "ctrlrange", help='write `inheritrange="1"`')
 
 
-def servos(subject: Subject) -> list[tuple[int, int]]:
+def position_servos(subject: Subject) -> list[tuple[int, int]]:
     """Return the position actuators on a hinge or slide, and these joints."""
     model, mujoco = subject.model, subject.mujoco
     found = []

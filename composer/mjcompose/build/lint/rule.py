@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 
     from mjcompose.mujoco.attributes import NameTable
     from mjcompose.mujoco.servos import Servos
+    from mjcompose.mujoco.solids import Shapes
     from mjcompose.tree.unit import Unit
 
 FAMILIES = ("dead", "ranges", "order", "physics", "contact", "units", "names", "portable", "files")
@@ -239,8 +240,8 @@ class Subject:
 
     def name(self, kind: str, row: int) -> str:
         """Return a compiled element in words: joint `elbow`, or geom #2 of body `hand`."""
-        described = self.roster.describe(kind, row)
-        return f"{kind} `{described}`" if self.roster.names[kind][row] else f"{kind} {described}"
+        described, word = self.roster.describe(kind, row), "keyframe" if kind == "key" else kind
+        return f"{word} `{described}`" if self.roster.names[kind][row] else f"{word} {described}"
 
     @cached_property
     def data(self) -> Any:
@@ -256,13 +257,20 @@ class Subject:
 
         return Servos(self.mujoco, self.model, self.data)
 
+    @cached_property
+    def shapes(self) -> Shapes:
+        """The geoms of bodies at the reference configuration."""
+        from mjcompose.mujoco.solids import Shapes
+
+        return Shapes(self.mujoco, self.model)
+
     def at_keys(self) -> Iterator[tuple[int, str, Any]]:
         """Yield number, name and an mjData after `mj_forward` of each keyframe."""
         for row in range(self.model.nkey):
             data = self.mujoco.MjData(self.model)
             self.mujoco.mj_resetDataKeyframe(self.model, data, row)
             self.mujoco.mj_forward(self.model, data)
-            yield row, self.name("key", row).replace("key ", "keyframe ", 1), data
+            yield row, self.name("key", row), data
 
 
 def found(subject: Subject, selected: Iterable[Rule]) -> Iterator[tuple[Rule, Finding]]:

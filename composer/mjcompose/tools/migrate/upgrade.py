@@ -9,7 +9,7 @@ from typing import Any
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.scratch import scratch
 from mjcompose.mujoco.environments import Other, OtherError, make, open_python, this_python
-from mjcompose.mujoco.moved import TRIALS, Motion, Moved, differences
+from mjcompose.mujoco.moved import TRIALS, Motion, Moved, RejectedError, differences
 from mjcompose.sources.context import Context
 from mjcompose.tools.migrate.editing import Meaning, Step
 from mjcompose.tools.migrate.migrate import Migrated, found_model, installed, known, lay_out, migrate, read
@@ -85,7 +85,7 @@ def upgrade(request: Request, context: Context, progress: Callable[[str], None])
             causes = tuple(trials.causes(one, moved, before, after=after)) if moved else ()
     except (OtherError, OSError) as error:
         help = getattr(error, "help", None)
-        if "rejects" in str(error):
+        if isinstance(error, RejectedError):
             help = f"write the model for it first: `mjcompose migrate {request.model} --from {before} --mujoco {after}`"
         context.sink.error("migrate-python", str(error), help=help)
         return None
