@@ -110,6 +110,7 @@ class Draft:
 
     `elements` has the elements of the text by kind, in the order of the compiled model. `files` has the content of the
     files that the text names, by path. The limits of a target change `root` and record the losses in `losses`.
+    `rows` has the kind and the number of each element.
     """
 
     mujoco: Any
@@ -120,7 +121,7 @@ class Draft:
     losses: list[Loss] = field(default_factory=list)
     output: str = "model.xml"
     mujoco_reads: bool = True
-    rows: dict[Node, tuple[str, int]] = field(default_factory=dict)
+    rows: dict[Node, tuple[str, int]] = field(default_factory=dict, init=False)
 
     def __post_init__(self) -> None:
         for kind, nodes in self.elements.items():

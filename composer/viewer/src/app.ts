@@ -1,4 +1,4 @@
-// The page around the canvas, and what its parts do to each other.
+// The page around the canvas, and how its parts work together.
 import { Contrast } from "./compare";
 import { Clock } from "./clock";
 import { Compass } from "./compass";
@@ -37,13 +37,13 @@ export class App {
   sliders!: Sliders;
   selection: Element | null = null;
   key = -1;
-  /** What the server does when the page asks for it; a page without one has none. */
+  /** The actions of the server that the page can ask for; a page without a server has none. */
   server: { play: () => void; pose: () => void; choose: (name: string, value: string) => void; look: () => void; pull: (pull: Pull | null) => void } | null = null;
   readonly meters = new Meters();
   /** The keyframe whose pose is shown, -1 for the reference; null for any other pose. */
   at: number | null = -1;
 
-  /** Moves what the recipe places; only a live page has one. */
+  /** Moves the parts and elements that the recipe places; only a live page has one. */
   gizmo: Gizmo | null = null;
 
   private models: Model[] = [];
@@ -106,7 +106,7 @@ export class App {
 
   // -- models ------------------------------------------------------------------------------------------------------
 
-  /** Show a model; what is common to it and the one before stays as it is: pose, selection, what is hidden. */
+  /** Show a model. Pose, selection and hidden elements stay, as far as it has them in common with the model before. */
   async show(models: Model[], at = models.length - 1): Promise<void> {
     const model = models[at], world = new World(model, this.world), before = this.world as World | undefined, controls = this.sliders?.ctrl;
     await world.load();
@@ -218,7 +218,7 @@ export class App {
     this.server?.pose();
   }
 
-  /** What MuJoCo says of the pose that is shown, with the time if physics run; null while it is not known. */
+  /** The results of MuJoCo for the pose that is shown, with the time if physics run; null while they are not known. */
   see(seen: Seen | null, time: number | null = null): void {
     this.world.softs.seen = seen;
     this.meters.show(seen, time);
@@ -235,7 +235,7 @@ export class App {
     if (!this.playing) this.server?.look();
   }
 
-  /** The pose is no longer that of a keyframe. */
+  /** The model has left the pose of its keyframe. */
   private stray(): void {
     this.see(null);
     if (this.at === null) return;
@@ -264,7 +264,7 @@ export class App {
     return h("div", { className: "pose" }, this.keyButtons, h("button", { className: "wide", onclick: () => void this.sliders.copyPose() }, icon("copy"), "Copy this pose as a keyframe"), this.gizmo?.saver() ?? null);
   }
 
-  // -- what is seen ------------------------------------------------------------------------------------------------
+  // -- the view ---------------------------------------------------------------------------------------------------
 
   private setCamera(index: number): void {
     if (index < 0) this.stage.fit();
@@ -466,7 +466,7 @@ export class App {
   }
 }
 
-/** The pose of a model for another one, by the names of joints. What nobody moved follows the new keyframe or reference. */
+/** The pose of a model for another one, by the names of joints. Joints that nobody moved follow the new keyframe or reference. */
 function carry(before: World, oldKey: number, after: World, key: number): void {
   const old = before.model.scene, now = after.model.scene, { pose } = before;
   const still = oldKey < 0 ? old.qpos0 : old.key.qpos.slice(oldKey * pose.qpos.length, (oldKey + 1) * pose.qpos.length);

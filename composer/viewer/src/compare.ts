@@ -8,7 +8,7 @@ export const WHATS = ["added", "removed", "changed", "moved"] as const;
 export type What = (typeof WHATS)[number];
 const COLORS: Record<What, number> = { added: 0x2fbf5b, removed: 0xe5484d, changed: 0xf5a524, moved: 0x8b5cf6 };
 
-/** What is different about the elements of one of the two models. */
+/** The differences of the elements of one of the two models. */
 export class Contrast {
   private readonly names: Record<What, Set<string>>;
   private readonly scene: Scene;
@@ -19,7 +19,7 @@ export class Contrast {
     this.names = Object.fromEntries(WHATS.map((what) => [what, new Set(names[what] ?? [])])) as unknown as Record<What, Set<string>>;
   }
 
-  /** What became of an element, by itself or by what it is made of and stands on; null where it is as in the other model. */
+  /** The change of an element, by itself, by its parts or by the body that holds it; null if it is as in the other model. */
   of({ kind, index }: Element): What | null {
     const columns = (this.scene as any)[kind], above = [`${kind} ${index}`], made = [`${kind} ${index}`];
     const body = kind === "body" ? this.scene.body.parent[index] : columns?.body?.[index] ?? 0;

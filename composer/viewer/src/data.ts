@@ -1,4 +1,4 @@
-// The model as the server or the file has it: `composer/mjcompose/mujoco/scene.py` says what is in it.
+// The model as the server or the file has it: `composer/mjcompose/mujoco/scene.py` describes it.
 
 import type { Seen } from "./seen";
 
@@ -33,12 +33,12 @@ export interface Look {
 export interface Difference { text: string; before: Record<string, string[]>; after: Record<string, string[]>; label: string }
 export interface Choice { name: string; label: string; values: string[]; value: string | null }
 
-/** Something that a recipe places: where it says so, the frame of that place in a body, and what moves. */
+/** Something that a recipe places: the place of its line, the frame of its place in a body, and the elements that move. */
 export interface MoveRow {
   at: [file: number, line: number, column: number]; label: string; kind: string; mount: number; frame: number[] | null;
   moved: Record<string, number[]>;
 }
-/** What a page may move, or why nothing. */
+/** The things that a page may move, or the reason why there are none. */
 export interface Move { why?: string; version: number; files: string[]; targets: MoveRow[]; framed: Record<string, number[]> }
 
 export interface Scene {
@@ -58,7 +58,7 @@ export interface Scene {
 
 export interface Model { scene: Scene; blobs: Map<string, ArrayBuffer> }
 
-/** One element of a model: its kind, and its row among those of the kind. */
+/** One element of a model: its kind, and its row among the elements of the kind. */
 export interface Element { kind: string; index: number }
 
 export async function unpacked(element: globalThis.Element): Promise<Model> {
@@ -81,10 +81,10 @@ export async function unpacked(element: globalThis.Element): Promise<Model> {
   return { scene, blobs };
 }
 
-/** The models that stand in the page itself. */
+/** The models that the page itself contains. */
 export async function embedded(): Promise<Model[]> {
   const models = await Promise.all([...document.querySelectorAll("script.model")].map(unpacked));
-  // What the second has in common with the first stands there once.
+  // The page contains the common data of both models once.
   const blobs = new Map(models.flatMap((each) => [...each.blobs]));
   return models.map(({ scene }) => ({ scene, blobs }));
 }

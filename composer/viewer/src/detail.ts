@@ -1,14 +1,14 @@
-// Fewer triangles for what is small in the picture, moves, or only casts a shadow.
+// Fewer triangles for surfaces that are small in the picture, that move, or that only cast a shadow.
 import { BufferAttribute, BufferGeometry, Matrix4, PerspectiveCamera, Vector3, type InstancedMesh } from "three";
 
-/** Triangles of a surface whose corners are merged on a grid with so many cells along its longest side. */
+/** Triangles of a surface whose corners are merged on a grid. `cells` is the number of cells along its longest side. */
 interface Level { cells: number; start: number; count: number }
 
 const LEAST = 800, MOST_CELLS = 512, LEAST_CELLS = 4, SHADOW_CELLS = 22;
 /** Sides of round things that differ from a circle by less than a quarter of a cell. */
 const ROUND = [{ sides: 24, cells: 64 }, { sides: 16, cells: 28 }, { sides: 8, cells: 7 }, { sides: 6, cells: 3 }];
 
-/** Add coarser triangles after those of a surface. Its corners are in Morton order, with whole numbers below 2^bits. */
+/** Add coarser triangles after the triangles of a surface. Its corners are in Morton order, with whole numbers below 2^bits. */
 export function simplify(geometry: BufferGeometry, whole: Uint16Array[], bits: number): void {
   const fine = geometry.index!.array, count = whole[0].length, found: Level[] = [{ cells: Infinity, start: 0, count: fine.length }];
   if (fine.length < 3 * LEAST) return;
@@ -42,7 +42,7 @@ export function simplify(geometry: BufferGeometry, whole: Uint16Array[], bits: n
   use(geometry, Infinity);
 }
 
-/** Draw the coarsest triangles that have so many cells. */
+/** Draw the coarsest triangles that have at least this number of cells. */
 function use(geometry: BufferGeometry, cells: number): void {
   const levels = geometry.userData.levels as Level[], found = [...levels].reverse().find((each) => each.cells >= cells)!;
   geometry.setDrawRange(found.start, found.count);
@@ -74,7 +74,7 @@ export function suit(mesh: InstancedMesh, camera: PerspectiveCamera, pixels: num
   use(geometry, share * pixels * fine);
 }
 
-/** A round thing with fewer and fewer sides; `make` has it with so many, and `most` is the greatest number. */
+/** A round shape in versions with fewer and fewer sides. `make` returns it with a number of sides, at most `most`. */
 export function rounded(make: (sides: number) => BufferGeometry, most: number): BufferGeometry {
   const all = [{ sides: most, cells: Infinity }, ...ROUND.filter(({ sides }) => sides < most)];
   const made = all.map(({ sides }) => make(sides)), whole = new BufferGeometry();

@@ -1,4 +1,4 @@
-// What is drawn of a model beyond its surfaces: frames, joint axes, inertia boxes, contacts, cameras.
+// The drawings of a model beyond its surfaces: frames, joint axes, inertia boxes, contacts, cameras.
 import {
   BoxGeometry, BufferAttribute, BufferGeometry, Color, ConeGeometry, CylinderGeometry, GridHelper, Group, InstancedMesh, LineBasicMaterial,
   LineSegments, Matrix4, MeshBasicMaterial, MeshPhongMaterial, Quaternion, SphereGeometry, Vector3,

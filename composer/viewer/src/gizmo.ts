@@ -1,4 +1,4 @@
-// Moves what a recipe places: handles in the picture, numbers next to them, and the recipe's own line.
+// Moves the parts and elements that a recipe places: handles in the picture, numbers next to them, and the recipe's own line.
 import { Euler, Group, Matrix4, MathUtils, Object3D, Quaternion, Vector3 } from "three";
 import { TransformControls } from "three/examples/jsm/controls/TransformControls.js";
 import type { App } from "./app";
@@ -89,7 +89,7 @@ export class Gizmo {
     this.follow(this.app.selection);
   }
 
-  /** An element is selected, or the model is a new one. `panel` says what is known of the element. */
+  /** An element is selected, or the model is a new one. `panel` shows the element. */
   follow(element: Element | null, panel?: HTMLElement): void {
     const scene = this.app.world.model.scene, { move } = scene, before = this.choices[this.chosen];
     this.scene = scene;
@@ -98,7 +98,7 @@ export class Gizmo {
     this.moved = [];
     this.box.hidden = !MODES[this.mode] || !move;
     this.choices = move && !move.why && element ? this.found(element) : [];
-    // Of a new model the same element is selected again, and the same thing moves with it.
+    // In a new model, the same element is selected again, and the same thing moves with it.
     const called = element ? `${element.kind} ${(scene as any)[element.kind].name?.[element.index]}` : "";
     this.chosen = called === this.called ? Math.max(0, this.choices.findIndex((each) => each.label === before?.label)) : 0;
     this.called = called;
@@ -119,9 +119,9 @@ export class Gizmo {
     return this.writes && !this.scene?.move?.why ? h("button", { className: "wide", onclick: () => this.save() }, "Save this pose in the recipe…") : null;
   }
 
-  // -- what can be moved -------------------------------------------------------------------------------------------
+  // -- movable things ---------------------------------------------------------------------------------------------
 
-  /** What moves with an element, the nearest first. */
+  /** The things that move with an element, the nearest first. */
   private found({ kind, index }: Element): Choice[] {
     const { move, body } = this.app.world.model.scene, columns = (this.app.world.model.scene as any)[kind];
     const places: [string, number][] = [[kind, index]];
@@ -292,7 +292,7 @@ export class Gizmo {
 
   // -- asking ------------------------------------------------------------------------------------------------------
 
-  /** One after the other, each with the model for which it was meant. */
+  /** Requests, one after the other, each with its model. */
   private ask(said: Record<string, unknown>): Promise<any> {
     const version = this.scene?.move?.version;
     return (this.queue = this.queue.then(() => this.asked({ version, ...said })));

@@ -1,4 +1,4 @@
-// What is known of the element that is selected or under the pointer.
+// The facts about the element that is selected or under the pointer.
 import { type Element, row, type Change, type Model, type Origin, type Place } from "./data";
 import { copy, h } from "./dom";
 import { BALL, FREE, HINGE, SLIDE } from "./kinematics";

@@ -1,4 +1,4 @@
-// Where bodies are at a configuration: what `mj_kinematics` computes, in double precision.
+// The poses of bodies at a configuration, like `mj_kinematics`, in double precision.
 import type { Scene } from "./data";
 
 export const FREE = 0, BALL = 1, SLIDE = 2, HINGE = 3;
@@ -37,10 +37,10 @@ export class Pose {
   readonly qpos: Float64Array;
   readonly mpos: Float64Array;
   readonly mquat: Float64Array;
-  /** Of each body, in the world: three and four numbers. */
+  /** Three and four numbers for each body, in the world. */
   readonly pos: Float64Array;
   readonly quat: Float64Array;
-  /** Of each joint, in the world. */
+  /** One for each joint, in the world. */
   readonly anchor: Float64Array;
   readonly axis: Float64Array;
   private readonly of: number[][];

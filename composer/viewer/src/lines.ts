@@ -3,8 +3,8 @@ import type { Element, Place, Scene } from "./data";
 
 /**
  * The element that is written at the first of `places` that has one: an element's own line, then the entry of a part,
- * which means its first body, then what changed an element. Null where nothing is written at any of them. What is
- * selected stays if it is one of those that are written there: of a file that is used twice it may be either.
+ * which means its first body, then what changed an element. Null where nothing is written at any of them. The
+ * selected element stays if it is written there, too: a file that is used twice writes several elements.
  */
 export function elementAt(scene: Scene, files: string[], places: [line: number, column: number][], selected: Element | null): Element | null {
   const paths = new Set(files.map(folded)), known = scene.editor?.files ?? {};

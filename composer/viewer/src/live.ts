@@ -32,7 +32,7 @@ export class Live {
     });
   }
 
-  /** Ask what MuJoCo says of the pose, once at a time. */
+  /** Ask for the results of MuJoCo for the pose, once at a time. */
   private look(): void {
     if (this.looking) { this.looking = "again"; return; }
     this.looking = "asked";

@@ -15,7 +15,7 @@ export class Meters {
   private cells: { signal: Signal; value: HTMLElement; box: HTMLInputElement }[] = [];
   private seen: Seen | null = null;
 
-  /** Another model; what was plotted and is still there goes on. */
+  /** Show another model. Plots go on if the model still has their values. */
   use(model: Model, qpos: Float64Array, ctrl: number[]): void {
     this.all = signals(model, qpos, ctrl);
     const ids = new Set(this.all.map((each) => each.id));

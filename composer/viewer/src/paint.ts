@@ -7,7 +7,7 @@ import { row, type Model } from "./data";
 
 export interface Paint { rgba: number[]; material: number }
 
-/** A geom's own color where it says one, otherwise that of its material. */
+/** The color of a geom if it has one, otherwise the color of its material. */
 export function colourOf(model: Model, rgba: number[], material: number): number[] {
   const unsaid = rgba.every((each) => each === 0.5 || each === 1) && rgba[0] === 0.5 && rgba[3] === 1;
   return material >= 0 && unsaid ? row(model.scene.material.rgba, material, 4) : rgba;
@@ -23,7 +23,7 @@ export class Painter {
 
   constructor(private readonly model: Model) {}
 
-  /** Decode the textures; what is drawn before would lack them. */
+  /** Decode the textures, because pictures that are drawn before lack them. */
   async load(): Promise<void> {
     await Promise.all(this.model.scene.texture.map(async (each, number) => {
       if (!decoded.has(each.blob)) {
@@ -34,7 +34,7 @@ export class Painter {
     }));
   }
 
-  /** `size` is that of a textured geom, whose texture may depend on it; null where its surface has coordinates. */
+  /** `size` is the size of a textured geom, on which its texture may depend; null if its surface has coordinates. */
   material(number: number, opacity: number, size: number[] | null, endless: boolean): MeshPhongMaterial {
     const found = new MeshPhongMaterial({
       specular: new Color().setScalar(gloss(0.5, 64)), shininess: 64, side: FrontSide,
@@ -143,7 +143,7 @@ export class Painter {
   }
 }
 
-/** What three.js calls specular, which it normalizes for the shininess, where MuJoCo has plain Phong. */
+/** The specular value of three.js, which it normalizes for the shininess; MuJoCo has plain Phong. */
 const gloss = (specular: number, shininess: number): number => LIGHT_SPECULAR * specular * 4 / (0.5 * shininess + 1);
 const LIGHT_SPECULAR = 0.4;
 
@@ -157,7 +157,7 @@ function before(material: MeshPhongMaterial, key: string, change: (shader: any) 
   material.customProgramCacheKey = () => `${known}|${key}`;
 }
 
-/** A plane without an end thins out towards what is the horizon here. */
+/** An infinite plane fades out toward the horizon. */
 function fade(material: MeshPhongMaterial): void {
   before(material, "fade", (shader) => {
     shader.vertexShader = shader.vertexShader.replace("#include <common>", "#include <common>\nvarying float vOut;")

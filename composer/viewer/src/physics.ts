@@ -43,7 +43,7 @@ class Physics {
 
   pull = (pull: Pull | null): void => { this.pulled = pull; };
 
-  /** What MuJoCo says of a pose, if it runs in the page already. */
+  /** The results of MuJoCo for a pose, if it runs in the page already. */
   look = (): void => {
     if (!this.data || this.playing) return;
     this.pose();
@@ -97,7 +97,7 @@ class Physics {
     // A browser that is busy calls late, so the time of the call does not count.
     const begun = performance.now();
     let pull = -Infinity;
-    // MuJoCo sets what diverges back to the time 0, so the steps are counted.
+    // MuJoCo sets a simulation that diverges back to the time 0, so the steps are counted.
     const timestep = this.model.opt.timestep;
     for (let left = Math.ceil(MOST / timestep) + 1; left > 0 && this.data.time < end && performance.now() - begun < MOST_MILLISECONDS; left--) {
       if (this.data.time - pull >= PULL) { pull = this.data.time; this.drag(); }

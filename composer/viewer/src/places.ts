@@ -1,4 +1,4 @@
-// The places on which a part may hang, with what a recipe says for it.
+// The places to which a part can be attached, with the text for a recipe.
 import type { Element, Model } from "./data";
 import { copy, h, icon } from "./dom";
 

@@ -19,7 +19,7 @@ export class Plot {
     new ResizeObserver(() => this.draw()).observe(this.root);
   }
 
-  /** Plot these; what was plotted before goes on if nothing is new. */
+  /** Plot these; earlier plots go on if nothing is new. */
   choose(signals: Signal[], remove: (signal: Signal) => void): void {
     const same = signals.map((each) => each.id).join() === this.chosen.map((each) => each.id).join();
     this.chosen = signals;

@@ -31,7 +31,7 @@ export class Ruler {
     this.stage.draw();
   }
 
-  /** A click in the picture; the third one begins anew. */
+  /** A click in the picture; the third click starts again. */
   click(x: number, y: number): void {
     const hit = this.stage.hit(x, y), { world } = this.stage;
     if (!hit || !world) return;

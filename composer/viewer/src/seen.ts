@@ -1,4 +1,4 @@
-// What is known of a state beyond where bodies are: contacts, ways of tendons, and values of sensors.
+// The facts about a state beyond the poses of bodies: contacts, paths of tendons, and values of sensors.
 import { SLIDE, HINGE } from "./kinematics";
 import type { Model } from "./data";
 

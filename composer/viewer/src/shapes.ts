@@ -12,7 +12,7 @@ export const SHAPE_NAMES = ["plane", "height field", "sphere", "capsule", "ellip
 
 export interface Shape { key: string; scale: [number, number, number]; make: () => BufferGeometry }
 
-/** What is drawn of a geom or site; `far` is how far a plane without an end reaches. */
+/** The drawing of a geom or site; `far` is the distance to which an infinite plane is drawn. */
 export function shapeOf(model: Model, type: number, size: number[], data: number, far: number, fine: boolean): Shape {
   const round = fine ? 48 : 20;
   const [a, b, c] = size;

@@ -15,7 +15,7 @@ const SITE = 3, PULLEY = 2, JOINT = 1;
 export class Softs {
   readonly root = new Group();
   private readonly all: Soft[] = [];
-  /** What MuJoCo says of the pose, such as the ways of tendons; null while it is not known. */
+  /** The results of MuJoCo for the pose, such as the paths of tendons; null while they are not known. */
   seen: Seen | null;
 
   constructor(private readonly model: Model, private readonly painter: Painter, private readonly pose: Pose) {
@@ -151,7 +151,7 @@ export class Softs {
     return { object: rods.root, update: () => rods.place(this.way(index), tendon.width[index]) };
   }
 
-  /** The straight pieces of a tendon; away from a known pose those from site to site, past what it winds around. */
+  /** The straight pieces of a tendon; away from a known pose, the pieces from site to site, without the geoms that it wraps around. */
   private way(index: number): number[] {
     const { scene } = this.model, { tendon, wrap, site } = scene;
     if (this.seen) return this.seen.tendons[index];

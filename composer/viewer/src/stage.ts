@@ -5,7 +5,7 @@ import { type Element, row } from "./data";
 import { rotated } from "./kinematics";
 import type { World } from "./world";
 
-/** How long after a change the page still counts as moving, and what a picture may take then, in milliseconds. */
+/** How long the page counts as moving after a change, and the time that a picture may take then, in milliseconds. */
 const STILL = 180, SLOW = 33, QUICK = 14;
 /** Cells of a surface for each pixel, and pixels of the picture for each of the screen, at rest and at their least. */
 const FINE = 1.5, LEAST_FINE = 0.06, LEAST_RATIO = 0.4;
@@ -53,7 +53,7 @@ export class Stage {
     canvas.addEventListener("webglcontextrestored", () => this.draw());
   }
 
-  /** Show a model in place of the one before; the camera stays where it is unless there was none. */
+  /** Show a model instead of the one before; the camera stays unless there was none. */
   show(world: World): void {
     const first = this.world === null;
     const before = this.world;
@@ -79,7 +79,7 @@ export class Stage {
     this.draw();
   }
 
-  /** The whole model or a part of it in the picture, from where it is looked at or from where its author looks. */
+  /** Fit the whole model or a part of it into the picture, seen from the present side or from the side that its author chose. */
   fit(box?: Box3): void {
     const { look } = this.world!.model.scene, whole = !box;
     const wanted = box && !box.isEmpty() ? box : this.world!.box();
@@ -149,7 +149,7 @@ export class Stage {
     return this.hit(x, y)?.element ?? null;
   }
 
-  /** What is drawn at a point of the window, and where that is. */
+  /** The thing that is drawn at a point of the window, and its place. */
   hit(x: number, y: number): { element: Element; point: Vector3 } | null {
     const ray = new Raycaster();
     ray.setFromCamera(this.place(x, y), this.camera);
@@ -182,7 +182,7 @@ export class Stage {
     this.draw();
   }
 
-  /** Draw what moves: with less detail if this machine is slow, and once more with all of it afterwards. */
+  /** Draw a moving model: with less detail if this machine is slow, and once more with all details afterwards. */
   move(): void {
     this.isMoving = true;
     clearTimeout(this.settling);
@@ -212,7 +212,7 @@ export class Stage {
     this.world.headlight.position.copy(this.camera.position);
     this.suit(performance.now());
     this.renderer.render(this.scene, this.camera);
-    // Only now: what models have in common, such as programs of the GPU, is used again.
+    // Only now, because the new model uses the common data again, such as programs of the GPU.
     for (const world of this.left.splice(0)) world.dispose();
     this.frames++;
     document.documentElement.dataset.frames = String(this.frames);

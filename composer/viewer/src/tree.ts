@@ -1,4 +1,4 @@
-// The composition as a tree: parts, their bodies, and what stands on these.
+// The composition as a tree: parts, their bodies, and the elements of the bodies.
 import type { Element, Model } from "./data";
 import { h } from "./dom";
 import { MESH, SDF, SHAPE_NAMES } from "./shapes";
@@ -27,7 +27,7 @@ export class Tree {
     for (const kind of SOFT) scene[kind].forEach((each, index) => hang(each.body, { kind, index }));
     const origins = scene.origins.of.body ?? [];
     this.partOf = [-1];
-    // A body that MuJoCo made, such as that of a corner of a cloth, is of the part of the body that it is on.
+    // A body that MuJoCo made, such as one for a corner of a cloth, belongs to the part of its parent.
     for (let b = 1; b < scene.body.name.length; b++) this.partOf[b] = origins[b]?.[1] ?? this.partOf[scene.body.parent[b]];
     this.fill();
   }
@@ -146,7 +146,7 @@ export class Tree {
     next.focus();
   }
 
-  /** Show only what has a text in its name. */
+  /** Show only items with a text in their names. */
   search(text: string): HTMLElement[] {
     const found: HTMLElement[] = [], wanted = text.toLowerCase();
     for (const kind of ["body", ...LEAVES, ...SOFT, "tendon", "actuator"] as const) {

@@ -74,7 +74,7 @@ export class World {
       const textured = material >= 0 && scene.material.texture[material] >= 0;
       const endless = shape.key === "endless";
       const mapped = data >= 0 && textured && this.form(shape).hasAttribute("uv");
-      // What a texture depends on where the surface has no coordinates of its own.
+      // The values on which a texture depends if the surface has no coordinates of its own.
       const measure = endless ? [0, 0, this.far] : !textured || mapped ? null : data >= 0 ? meshSize(this.form(shape)) : size;
       const collides = kind === "geom" && (columns.contype[index] > 0 || columns.conaffinity[index] > 0);
       const batch = { kind, group: columns.group[index], collides };
@@ -117,7 +117,7 @@ export class World {
     return found;
   }
 
-  /** Lights of the model and the one at the camera; where none is on, that one is bright enough. */
+  /** Lights of the model and the light at the camera, which is bright enough alone. */
   private light(): void {
     const { light, look } = this.model.scene;
     const ambient = new Color(0, 0, 0);
@@ -271,7 +271,7 @@ export class World {
     return element && { element, point: hit.point };
   }
 
-  /** Color elements in another way than the model does. What has a texture gets the color on top of it. */
+  /** Color elements in another way than the model does. The color is drawn over a texture. */
   recolour(colors: (kind: string, index: number) => Color | null): void {
     this.uncover(this.tinted);
     const { scene } = this.model, paints = new Map<number, MeshBasicMaterial>();

@@ -1,4 +1,4 @@
-// In the page, before its own program: what it asks for goes to the extension. The page calls this `Host`
+// In the page, before its own program: its requests go to the extension. The page calls this `Host`
 // (composer/viewer/src/wire.ts).
 import type { FromPage, ToPage } from "./messages";
 import type { Place } from "./surroundings";

@@ -12,7 +12,7 @@ export interface Places {
   windows: boolean;
 }
 
-/** The commands to try. With the setting there is no other: what somebody chose is not replaced by something else. */
+/** The commands to try. With the setting there is no other, because your choice is not replaced. */
 export function candidates({ setting, interpreter, folders, windows }: Places): Candidate[] {
   if (setting.length) return [{ words: setting, from: "the setting mjcompose.command" }];
   const at = windows ? path.win32 : path.posix;
@@ -43,7 +43,7 @@ export function versionIn(output: string): string | null {
   return /^mjcompose, version (\S+)/m.exec(output)?.[1] ?? null;
 }
 
-/** What a server that ended at once says on its standard error, as a line to show. */
+/** The standard error of a server that ended at once, as a line to show. */
 export function reason(said: string): string {
   const lines = said.trim().split(/\r?\n/);
   return (lines.find((each) => /^Error: /.test(each))?.slice(7) ?? lines.at(-1) ?? "").trim();

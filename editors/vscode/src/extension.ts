@@ -1,4 +1,4 @@
-// What the extension does, and when it begins.
+// The actions of the extension, and when it starts.
 import * as vscode from "vscode";
 import { onInterpreter } from "./interpreter";
 import { Panels } from "./panel";
@@ -59,7 +59,7 @@ async function meet(document: vscode.TextDocument): Promise<void> {
   await vscode.languages.setTextDocumentLanguage(document, LANGUAGE);
 }
 
-/** The file that a command is about, with what was typed: of its argument, an address or a path, or of the editor. */
+/** The file of a command, from its argument, an address or a path, or from the editor. An unsaved text is saved first. */
 async function saved(target: unknown): Promise<string | undefined> {
   const given = target instanceof vscode.Uri ? target : typeof target === "string" && target ? (/^\w{2,}:/.test(target) ? vscode.Uri.parse(target) : vscode.Uri.file(target)) : undefined;
   const uri = given ?? vscode.window.activeTextEditor?.document.uri;

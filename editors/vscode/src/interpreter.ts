@@ -1,4 +1,4 @@
-// The Python that the Python extension has chosen, where there is that extension.
+// The Python that the Python extension has chosen, if it is installed.
 import * as vscode from "vscode";
 
 interface Environments {

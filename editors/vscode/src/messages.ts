@@ -1,4 +1,4 @@
-// What the page beside the text and the extension say to each other.
+// The messages between the extension and the page next to the text.
 import type { Place } from "./surroundings";
 
 export type FromPage =

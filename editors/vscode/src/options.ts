@@ -1,4 +1,4 @@
-// What the server is started with, and what is said to it. Without the API of VS Code, so that a test can do the same.
+// The command and the options of the server. It does not use the API of VS Code, so tests can use it.
 import { LANGUAGE } from "./recipes";
 
 /** The words that start the server. */
@@ -14,5 +14,5 @@ export const SELECTOR = [
 /** The files whose changes on the disk the server hears of. */
 export const WATCHED = "**/*.{xml,mjcf,urdf,xacro,yaml,yml,lock,obj,stl,msh,png}";
 
-/** What the extension does itself, also where the server offers it: the page opens beside the text. */
+/** Actions that the extension takes over from the server: the page opens next to the text. */
 export const OWN_COMMANDS = ["mjcompose.view", "mjcompose.build", "mjcompose.check"];

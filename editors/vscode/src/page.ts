@@ -1,4 +1,4 @@
-// The text of the page beside an editor.
+// The text of the page next to an editor.
 
 /** The page of `mjcompose view`, with nothing that it would have to fetch: its requests go through the extension. */
 export function page(program: string, style: string, bridge: string, theme: string, nonce: string): string {

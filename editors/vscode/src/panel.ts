@@ -1,4 +1,4 @@
-// The page of `mjcompose view` beside the editor.
+// The page of `mjcompose view` next to the editor.
 import { randomBytes } from "node:crypto";
 import { readFile, realpath } from "node:fs/promises";
 import * as path from "node:path";
@@ -11,7 +11,7 @@ import { folderOf, named } from "./tasks";
 import { write } from "./writing";
 
 const CELL = "cell";
-/** By this name the page's program looks for the editor that it stands in. */
+/** The program of the page looks for its editor by this name. */
 const HOST = "mjcomposeHost";
 
 export class Panels implements vscode.Disposable {
@@ -71,7 +71,7 @@ class Panel {
     void this.panel.webview.postMessage(message);
   }
 
-  /** Select what is written at the cursor. Of an edited text the lines are others than those of the model. */
+  /** Select the element that is written at the cursor. The lines of an edited text differ from the lines of the model. */
   follow(editor: vscode.TextEditor): void {
     const { document, selection } = editor, at = selection.active;
     const jumped = this.jumped;
@@ -135,7 +135,7 @@ class Panel {
     });
   }
 
-  /** Go to a line, in the editor beside the page: what is selected there stays. */
+  /** Go to a line in the editor next to the page; the selection there stays. */
   private async jump(file: string, line: number, column: number): Promise<void> {
     const at = new vscode.Position(line - 1, column - 1), uri = vscode.Uri.file(file);
     this.jumped = mark(uri.fsPath, at.line);

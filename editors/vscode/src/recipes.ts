@@ -1,7 +1,7 @@
 // Which texts are recipes, and which are MJCF models.
 
 export const LANGUAGE = "mjcompose-recipe";
-/** As many lines may stand above `recipe:`. */
+/** The greatest number of lines above `recipe:`. */
 export const MOST_LINES_ABOVE = 50;
 
 const NOTHING = /^\s*(#.*)?$|^---\s*(#.*)?$|^%\w+/;

@@ -55,7 +55,7 @@ export class Server implements vscode.Disposable {
     for (const each of [this.output, this.status, this.watcher]) each.dispose();
   }
 
-  /** Nothing begins before what was begun earlier is done. */
+  /** Each action starts after the one before has ended. */
   private after(act: () => Promise<void>): Promise<void> {
     return (this.last = this.last.then(act, act));
   }

@@ -1,4 +1,4 @@
-// `mjcompose view` as a process, and the requests to it. The extension carries those of the page: the server answers only
+// `mjcompose view` as a process, and the requests to it. The extension carries the requests of the page: the server answers only
 // who knows its address, no other page may show it in a frame, and over SSH it needs no forwarded port.
 import { spawn, type ChildProcess } from "node:child_process";
 import * as http from "node:http";
@@ -12,7 +12,7 @@ export class Service {
 
   private constructor(private readonly child: ChildProcess, readonly address: string) {}
 
-  /** Start; resolves once the page is served. Rejects with what the command said where it ends before. */
+  /** Start; resolves once the page is served. Rejects with the output of the command if it ends before. */
   static start([program, ...words]: string[], cwd: string, ended: (said: string) => void, began: (stop: () => void) => void): Promise<Service> {
     return new Promise((done, failed) => {
       const child = spawn(program, words, { cwd, stdio: ["ignore", "pipe", "pipe"], windowsHide: true });
@@ -84,7 +84,7 @@ export class Service {
   }
 }
 
-/** As Ctrl-C ends it; what does not listen is killed. */
+/** End it like Ctrl-C, and kill it if it does not listen. */
 function stop(child: ChildProcess): void {
   if (child.exitCode !== null || child.signalCode !== null) return;
   child.kill("SIGINT");

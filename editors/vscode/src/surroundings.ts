@@ -1,4 +1,4 @@
-// The places around a cursor at which something begins: its own first, then what it is in, outwards. They count from 1.
+// The places around a cursor at which something begins: its own first, then the surrounding ones. They count from 1.
 
 export type Place = [line: number, column: number];
 
@@ -10,7 +10,7 @@ export function aroundInYaml(text: string, line: number, column: number): Place[
   for (let at = line - 1; at > 0 && indent > 0; at--) {
     const above = lines[at - 1];
     if (!above.trim() || above.trimStart().startsWith("#")) continue;
-    // The first key of an item stands behind its dash.
+    // The first key of an item comes after its dash.
     const dashed = above.replace(/^(\s*)-(?=\s)/, "$1 ");
     if (begin(above) < indent || (begin(dashed) === indent && dashed !== above)) {
       found.push([at, above.length + 1]);
@@ -29,7 +29,7 @@ export function aroundInXml(text: string, line: number, column: number): Place[]
   const lines = text.split("\n"), own = (lines[line - 1] ?? "").trimEnd();
   const starts = [0];
   for (const each of lines) starts.push(starts.at(-1)! + each.length + 1);
-  // Before the text of a line the cursor means what begins there, and behind it what ends there.
+  // In front of the text of a line, the cursor is at the item that begins there, and behind it, at the item that ends there.
   const inText = Math.min(Math.max(column - 1, own.length - own.trimStart().length), own.length - 1);
   const cursor = starts[line - 1] + inText;
   const open: number[] = [];

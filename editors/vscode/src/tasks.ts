@@ -13,7 +13,7 @@ export function named(file: string, folder: string): string {
   return relative.startsWith("..") || path.isAbsolute(relative) ? file : relative;
 }
 
-/** Run a verb on a cell of a recipe; on all of them where none is meant. */
+/** Run a verb on a cell of a recipe, or on all of them without a cell. */
 export async function runTask(verb: "build" | "check", command: string[], file: string, cell?: string): Promise<void> {
   const folder = folderOf(file), [program, ...words] = command;
   const args = [...words, verb, named(file, folder), ...(cell ? ["--pick", cell] : ["--all"])];

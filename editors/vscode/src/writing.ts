@@ -1,4 +1,4 @@
-// What the page writes into a recipe goes through the editor, so text that is not saved stays.
+// The page changes a recipe through the editor, so text that is not saved stays.
 
 /** What to replace, in lines and columns from 0. */
 export interface Edit { file: string; range: [number, number, number, number]; text: string }
