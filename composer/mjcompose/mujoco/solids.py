@@ -13,6 +13,8 @@ _ROUNDING = 1e-6
 _ENDLESS = ("mjGEOM_PLANE", "mjGEOM_HFIELD")
 
 _DIGITS = 7
+SIGNS = [[x, y, z] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)]
+"""The corners of a box, as shares of half its size."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,6 +26,16 @@ class Volume:
 
     def __add__(self, other: Volume) -> Volume:
         return Volume(self.least + other.least, self.most + other.most)
+
+
+def box_corners(data: Any, geom: int, *, center: Any, half: Any) -> Any:
+    """Return the corners of a box around a geom, in the world frame (m), shape (8, 3).
+
+    Its `center` and `half` of its size are in the frame of the geom, shape (3,).
+    """
+    import numpy as np
+
+    return (center + half * np.array(SIGNS)) @ data.geom_xmat[geom].reshape(3, 3).T + data.geom_xpos[geom]
 
 
 class Shapes:
@@ -51,14 +63,10 @@ class Shapes:
         """Return the corners of the boxes around geoms, in the world frame (m), shape (8 n, 3)."""
         import numpy as np
 
-        model, data = self.model, self.data
-        signs = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
-        found = [
-            (model.geom_aabb[geom][:3] + signs * model.geom_aabb[geom][3:])
-            @ data.geom_xmat[geom].reshape(3, 3).T + data.geom_xpos[geom]
-            for geom in geoms
-        ]  # fmt: skip
-        return np.concatenate(found)
+        boxes = self.model.geom_aabb
+        return np.concatenate(
+            [box_corners(self.data, geom, center=boxes[geom][:3], half=boxes[geom][3:]) for geom in geoms]
+        )
 
     def reach(self, body: int) -> float:
         """Return the greatest distance of the body's geoms from its center of mass, in meters."""

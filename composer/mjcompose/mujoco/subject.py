@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from mjcompose.mujoco.attributes import names
+from mjcompose.mujoco.solids import SIGNS, box_corners
 
 Link = tuple[Any, Any]
 _NEAR = 0.1  # how much of the model is around a point
@@ -15,7 +16,6 @@ _APART = 0.5  # how far parts move, as a share of their size
 _INK, _WIDTH = (0.96, 0.6, 0.1, 1.0), 2.0
 _PLACES = {"site": "site_xpos", "body": "xpos", "joint": "xanchor", "geom": "geom_xpos"}
 _SHOWN_GROUPS = 3
-_CORNERS = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=float)
 
 
 def corners(mujoco: Any, model: Any, data: Any, some: Sequence[int] | None = None) -> Any:
@@ -29,8 +29,7 @@ def corners(mujoco: Any, model: Any, data: Any, some: Sequence[int] | None = Non
         if model.geom_type[geom] == plane:
             half = model.geom_size[geom][:2]  # 0 for infinite, which counts as 1
             center, half = np.zeros(3), np.array([*np.where(half > 0, half, 1.0), 0.0])
-        rotation = data.geom_xmat[geom].reshape(3, 3)
-        found.append((center + _CORNERS * half) @ rotation.T + data.geom_xpos[geom])
+        found.append(box_corners(data, geom, center=center, half=half))
     if model.nflexvert and some is None:
         found.append(data.flexvert_xpos.reshape(-1, 3))
     if model.nskin and some is None:
@@ -65,7 +64,7 @@ def points_of(mujoco: Any, model: Any, data: Any, kind: str, name: str) -> Any:
         getattr(data, _PLACES[kind])[at],
         _NEAR * float(np.ptp(whole, axis=0).max(initial=0) if len(whole) else 1),
     )
-    return place + reach * np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
+    return place + reach * np.array(SIGNS)
 
 
 def _above(model: Any, body: int) -> list[int]:

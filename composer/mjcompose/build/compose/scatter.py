@@ -22,7 +22,6 @@ from mjcompose.tree.grammar import number_text
 if TYPE_CHECKING:
     from mjcompose.build.compose.compose import Composed
 
-EDGE, COPY = "edge", "copy"
 _APART = 100.0
 """Meters between the copies before they have a place."""
 
@@ -112,6 +111,8 @@ def _report(plan: Plan, group: list[AttachPart], fault: dict[str, Any], context:
         context.sink.add(unknown_name(fault["kind"], fault["name"], fault["known"], span=span))
         return
     if why == "room":
+        from mjcompose.mujoco.scatter import COPY, EDGE  # imports numpy
+
         width, depth = (number_text(float(f"{100 * each:.4g}")) for each in fault["room"][:2])
         apart = f" with {number_text(100 * scatter.clearance)} cm between them" if scatter.clearance else ""
         message = f"{copies} do not fit on `{over}` ({width} × {depth} cm){apart}: {fault['placed']} did"
