@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import contextlib
 import difflib
 import json
 import os
-import stat
 import sys
 from collections.abc import Mapping
 from pathlib import Path
@@ -136,21 +134,19 @@ def rewrite(
     If the text of the file is no longer `before`, the file stays unchanged.
     """
     from mjcompose.build.bundle.bundle import OutputError
-    from mjcompose.build.bundle.staging import staged_file
+    from mjcompose.build.bundle.staging import ChangedError, replace_text
 
     if not (door := door_of_user()).sees(context.folder / recipe):
         door.outside(str(recipe)).report(context.sink, None, shown=context.shown)
         return False
     try:
-        with staged_file(recipe, option, rewrites=option is None) as stage:
-            stage.write_bytes(result)
-            with contextlib.suppress(OSError):
-                stage.chmod(stat.S_IMODE(os.stat(recipe).st_mode))
-            if before is not None and read_regular(recipe, in_force().xml_size) != before:
-                message = f"`{context.shown(recipe)}` has changed since it was read, so it is not written"
-                raise OutputError("output-unwritable", message, "run the command again")
+        replace_text(recipe, result, option, before=before)
     except OutputError as error:
         context.sink.add(error.diagnostic)
+    except ChangedError:
+        message = f"`{context.shown(recipe)}` has changed since it was read, so it is not written"
+        context.sink.error("output-unwritable", message, help="run the command again")
+        return False
         return False
     return True
 

@@ -12,12 +12,13 @@ import json
 import os
 import re
 import stat
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from mjcompose.base import files as sources
 from mjcompose.base.files import read_regular
+from mjcompose.base.limits import in_force
 from mjcompose.base.scratch import locked_folder, scratch, sweep_once
 from mjcompose.build.bundle.bundle import (
     LARGEST_MANIFEST,
@@ -68,6 +69,33 @@ def staged_file(
     except OSError as error:
         raise unwritable_error(out, error) from error
     sources.current().wrote(str(target))
+
+
+class ChangedError(Exception):
+    """A file no longer has the text that an edit of it began with, and stays as it is."""
+
+
+def replace_text(
+    file: Path,
+    text: bytes,
+    option: str | None = None,
+    *,
+    before: bytes | None = None,
+    allowed: Callable[[], object] | None = None,
+) -> None:
+    """Replace a source in one step, or write it to another place, the `option`; keep the permissions of the file.
+
+    Raises OutputError, and ChangedError if the file no longer has the text `before`. Once the new text is ready,
+    `allowed` is called, and an error that it raises leaves the file as it is.
+    """
+    with staged_file(file, option, rewrites=option is None) as stage:
+        stage.write_bytes(text)
+        with contextlib.suppress(OSError):
+            stage.chmod(stat.S_IMODE(os.stat(file).st_mode))
+        if allowed is not None:
+            allowed()
+        if before is not None and read_regular(file, in_force().xml_size) != before:
+            raise ChangedError
 
 
 @contextlib.contextmanager

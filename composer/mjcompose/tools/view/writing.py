@@ -7,7 +7,6 @@ import json
 import math
 import os
 import re
-import stat
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from threading import Lock
@@ -21,7 +20,7 @@ from mjcompose.base.limits import in_force
 from mjcompose.base.rotation import Pose, normalize
 from mjcompose.base.sink import Sink
 from mjcompose.build.bundle.bundle import OutputError
-from mjcompose.build.bundle.staging import staged_file
+from mjcompose.build.bundle.staging import ChangedError, replace_text
 from mjcompose.build.plan.steps import AngleSettings
 from mjcompose.language.attach import PLACES, prefix_fault
 from mjcompose.language.forms.context import Settings
@@ -381,13 +380,10 @@ class Writer:
                 self._in_editor[draft.file] = after
             edit = _difference(draft.text, after.decode("utf-8-sig"))
             return {"edits": [{"file": os.path.realpath(draft.path), **edit}]}
-        with staged_file(draft.path, rewrites=True) as stage:
-            stage.write_bytes(after)
-            with contextlib.suppress(OSError):
-                stage.chmod(stat.S_IMODE(os.stat(draft.path).st_mode))
-            self._own(draft.file)
-            if read_regular(draft.path, in_force().recipe_size) != draft.raw:
-                raise Refused(_STALE.format(draft.file), stale=True)
+        try:
+            replace_text(draft.path, after, before=draft.raw, allowed=lambda: self._own(draft.file))
+        except ChangedError:
+            raise Refused(_STALE.format(draft.file), stale=True) from None
         self._note(draft, after)
         return {}
 
