@@ -271,8 +271,10 @@ _NAMES = re.compile(rb"""[^\s\0"'<>|{}\[\],;:#]+\.\w{2,5}|"[^"\n\0]+"|'[^'\n\0]+
 _FOLDERS = re.compile(rb"""(?:mesh|texture|asset)dir\s*=\s*["']([^"'\n\0]+)["']""")
 _COMMENT = re.compile(rb"(?m)(?:^|(?<=[ \t]))#[^\n]*")
 _FILES = re.compile(rb"""\bfile\w*\s*=\s*["']([^"'\n\0]+)["']""")
-_RECIPES = (".yaml", ".yml")
-_MODELS = (*_RECIPES, ".xml", ".urdf", ".xacro")
+RECIPES = (".yaml", ".yml")
+"""The ends of the names of recipes."""
+MODEL_FILES = (*RECIPES, ".xml", ".urdf", ".xacro")
+"""The ends of the names of files that `base` and `attach` take."""
 _NOWHERE = {errno.ENOENT, errno.ENOTDIR, errno.EACCES, errno.ENAMETOOLONG, errno.ELOOP}
 Identity = tuple[int, int]
 """The device and the inode of a file, which are the same under each of its names."""
@@ -344,7 +346,7 @@ class Run:
             self._paths.add(os.path.normcase(real))
             if (identity := _identity(real)) is not None:
                 self._files[identity] = path
-                if path.lower().endswith(_RECIPES):
+                if path.lower().endswith(RECIPES):
                     self._unscanned.append(path)
             for above in _with_above(os.path.dirname(os.path.normcase(real))):
                 if above in self._above:
@@ -356,7 +358,7 @@ class Run:
         while self._unscanned:
             path = self._unscanned[-1]  # until it is scanned
             own = _identity(path)
-            is_recipe = path.lower().endswith(_RECIPES)
+            is_recipe = path.lower().endswith(RECIPES)
             text, folder = b"" if own is None or own in self._scanned else _text(path), os.path.dirname(path)
             folders = [folder, *(os.path.join(folder, os.fsdecode(each)) for each in _FOLDERS.findall(text))]
             names = dict.fromkeys(
@@ -368,7 +370,7 @@ class Run:
                 found = _identity(named)
                 if found is not None and found not in self._files and os.path.isfile(named):
                     self._named[found] = named
-                    if named.lower().endswith(_MODELS):
+                    if named.lower().endswith(MODEL_FILES):
                         more.append(named)
             if own is not None:
                 self._scanned.add(own)

@@ -11,7 +11,7 @@ import click
 
 from mjcompose.base.codes import CODES, address, code_of, in_terminal, page
 from mjcompose.base.dataclass import dataclass
-from mjcompose.base.files import STDIN
+from mjcompose.base.files import RECIPES, STDIN
 from mjcompose.cli import completion
 from mjcompose.cli.cells import CellOptions, ModelOptions
 from mjcompose.cli.options import Amount, Choices, ReportOptions, TimeOptions, did_you_mean, output
@@ -131,7 +131,7 @@ def tree(options: TreeOptions, run: Run) -> Answer:
     from mjcompose.tools.outline import as_data, outline, render, render_places
 
     model = Path(options.model)
-    is_recipe = options.model == STDIN or model.suffix.lower() in (".yaml", ".yml")
+    is_recipe = options.model == STDIN or model.suffix.lower() in RECIPES
     given = options.choices.given(run)
     options.cell.check(model, is_recipe=is_recipe)
     given, sample = options.cell.values(model, given, run=run, verb="show")
@@ -169,7 +169,7 @@ def names(options: NamesOptions, run: Run) -> Answer:
 
     if options.python + options.cpp + options.json != 1:
         raise click.UsageError("Give one of --python, --cpp and --json.")
-    is_recipe = Path(options.model).suffix.lower() in (".yaml", ".yml")
+    is_recipe = Path(options.model).suffix.lower() in RECIPES
     options.cell.check(options.model, is_recipe=is_recipe)
     given = options.choices.given(run)
     found = tool.names(options.model, run.context, given, pick=options.cell.pick, sample=options.cell.sample)

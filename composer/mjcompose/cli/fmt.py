@@ -15,7 +15,7 @@ import click
 from mjcompose.base import report as github
 from mjcompose.base.access import door_of_user
 from mjcompose.base.dataclass import dataclass
-from mjcompose.base.files import read_regular
+from mjcompose.base.files import RECIPES, read_regular
 from mjcompose.base.limits import in_force
 from mjcompose.base.report import Paint, counted, printable
 from mjcompose.cli.options import RECIPE, RecipeOptions, ReportOptions
@@ -83,7 +83,6 @@ def fmt(options: FmtOptions, run: Run) -> int:
 
 def _inside(given: str, context: Context) -> list[str]:
     """Return the recipes and MJCF files in a folder, in the order of their names; the file itself if it is a file."""
-    from mjcompose.tree.files import RECIPES
     from mjcompose.tree.xml_pieces import MODELS, kind_of
 
     if given == STDIN or not os.path.isdir(given):
@@ -143,10 +142,10 @@ def rewrite(
         replace_text(recipe, result, option, before=before)
     except OutputError as error:
         context.sink.add(error.diagnostic)
+        return False
     except ChangedError:
         message = f"`{context.shown(recipe)}` has changed since it was read, so it is not written"
         context.sink.error("output-unwritable", message, help="run the command again")
-        return False
         return False
     return True
 

@@ -142,7 +142,7 @@ class _Verbs(click.Group):
 
             if verb in _CALLED:
                 help = f" Write `{_CALLED[verb]}`."
-            elif verb.endswith((".yaml", ".yml")):
+            elif verb.endswith(files.RECIPES):
                 help = f" Write `mjcompose build {verb}`."
             else:
                 help = did_you_mean(verb, _VERBS)

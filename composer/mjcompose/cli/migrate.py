@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from mjcompose.base.dataclass import dataclass
+from mjcompose.base.files import RECIPES
 from mjcompose.base.report import counted
 from mjcompose.cli import completion
 from mjcompose.cli.fmt import difference, rewrite, show_differences
@@ -23,7 +24,6 @@ if TYPE_CHECKING:
     from mjcompose.tools.migrate.migrate import Result
 
 _XML = (".xml", ".mjcf")
-_RECIPES = (".yaml", ".yml")
 _SHOWN = 5
 
 
@@ -93,7 +93,7 @@ def _check_usage(options: Options) -> None:
     from mjcompose.tools.migrate.changes import TABLE
 
     model, out, changes = options.model, options.out, [each.name for each in TABLE]
-    if Path(model).suffix.lower() in _RECIPES:
+    if Path(model).suffix.lower() in RECIPES:
         raise click.UsageError(f"{model} is a recipe: migrate its models instead")
     if out is not None and options.in_place:
         raise click.UsageError("--in-place writes into MODEL itself: remove -o")

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import click
 
 from mjcompose.base.dataclass import dataclass
-from mjcompose.base.files import foreign_format, read_regular
+from mjcompose.base.files import RECIPES, foreign_format, read_regular
 from mjcompose.base.report import counted
 from mjcompose.cli.fmt import rewrite
 from mjcompose.cli.options import ReportOptions, TimeOptions, output
@@ -74,7 +74,7 @@ def _recipe(path: Path, context: Context) -> _Outcome:
     from mjcompose.sources.context import as_text
     from mjcompose.tools.new import starter
 
-    if path.suffix.lower() not in (".yaml", ".yml"):
+    if path.suffix.lower() not in RECIPES:
         shown = path.with_suffix(".yaml") if path.name else path / "model.yaml"
         raise click.UsageError(f"a recipe's name ends in .yaml: {shown}")
     if os.path.lexists(path):

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from mjcompose.base.dataclass import dataclass
+from mjcompose.base.files import RECIPES
 from mjcompose.base.report import counted
 from mjcompose.cli import completion
 from mjcompose.cli.options import Amount, FetchOptions, ReportOptions, TimeOptions
@@ -50,7 +51,7 @@ def upgrade(options: Options, run: Run) -> Answer:
     from mjcompose.tools.migrate.upgrade import Request
     from mjcompose.tools.migrate.upgrade import upgrade as upgraded
 
-    if Path(options.model).suffix.lower() in (".yaml", ".yml"):
+    if Path(options.model).suffix.lower() in RECIPES:
         help = f"in the recipe, write `check: {{moves: {{moves_alike: mujoco=={options.before}}}}}`"
         raise click.UsageError(f"{options.model} is a recipe: {help}")
     request = Request(

@@ -12,6 +12,7 @@ from pydantic import ValidationError
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Fault, Fix, Note, Path, Span
+from mjcompose.base.files import MODEL_FILES
 from mjcompose.base.limits import in_force
 from mjcompose.base.sink import Sink
 from mjcompose.base.suggest import closest
@@ -173,7 +174,6 @@ _OF_MJCF = {
     "include": "write `attach` for another model, or `base` for the one to start from",
     "flag": "write `option: {flag: {…}}`",
 }
-_MODEL_FILES = (".xml", ".urdf", ".xacro", ".yaml", ".yml")
 
 
 def part_keys(data: AbcMapping[str, Any]) -> dict[str, Any]:
@@ -192,7 +192,7 @@ def advice_at_top(name: str, value: Any, parts: AbcMapping[str, Any]) -> str | N
         entries = _flow({"model": "…", **parts})
         return f"{_keys_at_top(parts)} of a part under `attach`:\nattach:\n  PREFIX: {entries}"
     if name == "model":
-        if isinstance(value, str) and (":" in value or value.lower().endswith(_MODEL_FILES)):
+        if isinstance(value, str) and (":" in value or value.lower().endswith(MODEL_FILES)):
             return f"write `base: {value}` for the model to start from, or put it under `attach`, in a part"
         return "write `base` for the model to start from, or `name` for the name of the result"
     return _OF_MJCF.get(name) or _in_section(name, value)

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, TypeVar
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Diagnostic, Note, Severity, Span
-from mjcompose.base.files import read_regular, unsaved
+from mjcompose.base.files import RECIPES, read_regular, unsaved
 from mjcompose.base.sink import Sink, TooManyFaults
 from mjcompose.build.compose.compose import ComposeOptions, Composer
 from mjcompose.build.lint.rule import chosen
@@ -33,7 +33,6 @@ from mjcompose.text.node import lines_of
 from mjcompose.tools.explain.explain import Traced
 from mjcompose.tools.explain.trace import Trace
 from mjcompose.tools.lint import lint
-from mjcompose.tree.files import RECIPES
 from mjcompose.tree.parse import parse_text, parse_xml
 from mjcompose.tree.unit import Unit, Watch, nobody
 from mjcompose.tree.xml_pieces import kind_of, root_of

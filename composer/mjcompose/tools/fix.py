@@ -11,7 +11,7 @@ from pathlib import Path
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Diagnostic, Fix, Severity, Span
-from mjcompose.base.files import read_regular, unsaved
+from mjcompose.base.files import RECIPES, read_regular, unsaved
 from mjcompose.base.limits import in_force
 from mjcompose.base.sink import Sink
 from mjcompose.build.plan.read import Given
@@ -19,7 +19,6 @@ from mjcompose.build.stages import Request, build
 from mjcompose.sources.context import Context
 from mjcompose.text.faults import quoted, word
 
-RECIPES = (".yaml", ".yml")
 _CLOSING = {"[": "]", "{": "}"}
 
 

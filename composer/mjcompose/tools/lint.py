@@ -14,7 +14,7 @@ from xml.sax.saxutils import escape
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Cause, Diagnostic, Fix, Severity, Span
-from mjcompose.base.files import open_regular
+from mjcompose.base.files import MODEL_FILES, RECIPES, open_regular
 from mjcompose.base.sink import Sink
 from mjcompose.build.lint.rule import Edit, Finding, Rule, Subject, found, in_child
 from mjcompose.mujoco import engine
@@ -30,7 +30,7 @@ from mjcompose.tree.xml_text import Stretch, write
 if TYPE_CHECKING:
     from lxml.etree import _Element as Node
 
-SUFFIXES = (".xml", ".urdf", ".xacro", ".yaml", ".yml", ".zip", ".mjz")
+SUFFIXES = (*MODEL_FILES, ".zip", ".mjz")
 _KEPT = "lint"
 _HIDDEN = re.compile(r"\..+|__pycache__|node_modules")
 _IGNORED = re.compile(r"mjcompose:\s*(ignore|ignore-file)\[([\w\s,-]+)\]")
@@ -78,7 +78,7 @@ def _models_below(top: Path) -> list[Target]:
         models += bundles
         for path in (here / name for name in names):
             kind = path.suffix.lower()
-            head = _head(path) if kind in (".xml", ".yaml", ".yml") else b""
+            head = _head(path) if kind in (".xml", *RECIPES) else b""
             if kind == ".xml":
                 included |= _included(path, head)
             is_model = _MODEL.search(head) if kind == ".xml" else _RECIPE.search(head) if head else kind in SUFFIXES

@@ -10,6 +10,8 @@ from typing import NamedTuple
 
 from lxml.etree import _Element as Node
 
+from mjcompose.base.files import RECIPES
+
 
 class Settings(NamedTuple):
     """The compiler settings of one source, as text; the defaults are MuJoCo's.
@@ -55,10 +57,6 @@ def read_settings(root: Node) -> Settings:
             if name in _KNOWN and value.strip():
                 written[str(name)] = str(value).strip()
     return Settings(**written)
-
-
-RECIPES = (".yaml", ".yml")
-"""The ends of the names of recipes."""
 
 
 def is_recipe(file: str) -> bool:

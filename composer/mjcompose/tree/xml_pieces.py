@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from pathlib import PurePath
 from typing import Literal, NamedTuple
 
-from mjcompose.tree.files import RECIPES
+from mjcompose.base.files import RECIPES
 
 MODELS = (".xml", ".mjcf")
 """The ends of the names of MJCF files."""

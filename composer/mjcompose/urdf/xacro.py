@@ -16,7 +16,7 @@ from lxml.etree import _Element as Node
 from mjcompose.base.access import MOST_LOOKS, Door
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Diagnostic, Note, Severity, Span
-from mjcompose.base.files import Refused
+from mjcompose.base.files import MODEL_FILES, Refused
 from mjcompose.base.limits import advice, in_force
 from mjcompose.base.sandbox import call_confined
 from mjcompose.base.sink import Sink
@@ -231,7 +231,7 @@ def files_named(path: Path, data: bytes, door: Door, packages: Mapping[str, Path
                     continue
                 seen.add(found)
                 yield found
-                if found.suffix in (".xacro", ".urdf", ".xml", ".yaml", ".yml"):
+                if found.suffix in MODEL_FILES:
                     try:
                         waiting.append((found, door.read(found)))
                     except OSError:

@@ -19,7 +19,7 @@ from typing import NamedTuple, TypeVar
 from mjcompose.base.access import Door
 from mjcompose.base.diagnostic import Path as Place
 from mjcompose.base.diagnostic import Span
-from mjcompose.base.files import Refused, TooLarge, read_argument, read_regular, unsaved_text
+from mjcompose.base.files import RECIPES, Refused, TooLarge, read_argument, read_regular, unsaved_text
 from mjcompose.base.limits import advice, in_force
 from mjcompose.base.sink import Sink
 from mjcompose.base.suggest import exists_note
@@ -328,7 +328,7 @@ def _text(path: Path, context: Context) -> bytes | None:
 
 def _unreadable(path: Path, shown: str, error: OSError, context: Context) -> None:
     folder = path if os.path.isdir(path) else path.parent
-    recipes = [each for each in model_files(folder, 1) if each.endswith((".yaml", ".yml"))]
+    recipes = [each for each in model_files(folder, 1) if each.endswith(RECIPES)]
     if os.path.isdir(path):
         notes = [exists_note("recipe", recipes)]
         help: str | None = "name a file in it; `mjcompose new` writes a recipe to begin with"

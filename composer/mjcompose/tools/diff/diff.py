@@ -10,6 +10,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from mjcompose.base.files import RECIPES
 from mjcompose.base.scratch import scratch
 from mjcompose.build.bundle.bundle import OutputError
 from mjcompose.build.bundle.staging import staged_file
@@ -83,7 +84,7 @@ def _place(group: Group) -> tuple[bool, bool, str, int]:
     span = None if group.cause is None else group.cause.after or group.cause.before
     if span is None:
         return True, True, "", 0
-    return False, not span.file.endswith((".yaml", ".yml")), span.file, span.line
+    return False, not span.file.endswith(RECIPES), span.file, span.line
 
 
 def worded(cause: Cause | None, a: Side, b: Side) -> Cause | None:

@@ -14,6 +14,7 @@ from textwrap import dedent
 from typing import TYPE_CHECKING
 
 from mjcompose.base.diagnostic import Span
+from mjcompose.base.files import RECIPES
 from mjcompose.build.plan.plan import AttachPart, Plan
 from mjcompose.text.evaluate import Template
 from mjcompose.text.expression import ExpressionError
@@ -68,7 +69,7 @@ def excerpt(lines: list[str]) -> tuple[str, ...]:
 
 
 def is_yaml(span: Span | None) -> bool:
-    return span is not None and span.file.endswith((".yaml", ".yml"))
+    return span is not None and span.file.endswith(RECIPES)
 
 
 def different(lines: list[str], others: list[str]) -> list[str]:

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 from mjcompose.base.access import NOTHING
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import DiagnosticError, Span
-from mjcompose.base.files import foreign_format, read_regular
+from mjcompose.base.files import RECIPES, foreign_format, read_regular
 from mjcompose.base.scratch import scratch
 from mjcompose.base.sink import Sink
 from mjcompose.build.bundle.assemble import assemble
@@ -250,7 +250,7 @@ def _kind(path: Path) -> Kind | None:
     suffix = path.suffix.lower()
     if os.path.isdir(path) or suffix in (".zip", ".mjz"):
         return Kind.BUNDLE
-    if suffix in (*_URDF, ".yaml", ".yml"):
+    if suffix in (*_URDF, *RECIPES):
         return Kind.RECIPE
     return Kind.MJCF if suffix == ".xml" else None
 

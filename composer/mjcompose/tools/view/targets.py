@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Path as Steps
 from mjcompose.base.diagnostic import Span
+from mjcompose.base.files import RECIPES
 from mjcompose.base.rotation import Pose
 from mjcompose.build.plan.plan import Plan
 from mjcompose.build.plan.steps import AddElement
@@ -28,7 +29,6 @@ if TYPE_CHECKING:
     from mjcompose.link.linking import Part
 
 KINDS = ("body", "geom", "site", "camera")
-_RECIPES = (".yaml", ".yml")
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,7 +67,7 @@ class Targets:
 def movable(side: Side, scene: Mapping[str, Any], texts: Mapping[str, bytes | None]) -> tuple[dict[str, Any], Targets]:
     """Return the table of movable things for the page, and for the server."""
     operand = side.operand
-    if side.plan is None or side.traced is None or operand.revision or operand.path.suffix.lower() not in _RECIPES:
+    if side.plan is None or side.traced is None or operand.revision or operand.path.suffix.lower() not in RECIPES:
         return {"why": "only a recipe can be changed here: write one with `base: ./MODEL.xml`"}, Targets()
     if not (operand.context.folder / side.plan.file).samefile(operand.context.folder / operand.label):
         return {"why": "only a recipe can be changed here: write one with `base: ./MODEL.xml`"}, Targets()

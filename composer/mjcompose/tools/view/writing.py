@@ -15,7 +15,7 @@ from typing import Any
 from mjcompose.base.access import Door, door_of_user, folder_of_recipe
 from mjcompose.base.diagnostic import Path as Steps
 from mjcompose.base.diagnostic import Span
-from mjcompose.base.files import read_regular
+from mjcompose.base.files import RECIPES, read_regular
 from mjcompose.base.limits import in_force
 from mjcompose.base.rotation import Pose, normalize
 from mjcompose.base.sink import Sink
@@ -42,7 +42,6 @@ _MOST = 1e4
 _MOST_DONE, _MOST_VERSIONS = 200, 4
 _MOST_SIZE = 1 << 18
 _HINGE = 3
-_RECIPES = (".yaml", ".yml")
 _ELSEWHERE: dict[str, Steps] = {
     "mirror": ("mirror",), "scatter": ("replicate", 0, "scatter"), "fromto": ("fromto",),
 }  # fmt: skip
@@ -123,7 +122,7 @@ class Writer:
         """Return the path of a recipe that may be written: one of the user's own, in the folder of the project."""
         targets = self._now.targets
         path, recipe = (targets.paths.get(each) for each in (file, targets.recipe))
-        if path is not None and recipe is not None and path.suffix.lower() in _RECIPES:
+        if path is not None and recipe is not None and path.suffix.lower() in RECIPES:
             doors = Door.of([folder_of_recipe(recipe)]), door_of_user()
             if all(door.sees(path) for door in doors):
                 if os.access(path, os.W_OK):
@@ -202,7 +201,7 @@ class Writer:
         uses, name = sum(each.file == file for each in targets.plan.plans()), os.path.basename(file).encode()
         top, own = Path(folder_of_recipe(targets.paths[targets.recipe])), {os.path.realpath(self._own(file))}
         own.add(os.path.realpath(targets.paths[targets.recipe]))
-        near = (top / each for each in model_files(top) if each.endswith(_RECIPES))
+        near = (top / each for each in model_files(top) if each.endswith(RECIPES))
         others = 0
         for path in near:
             with contextlib.suppress(OSError):
