@@ -144,6 +144,16 @@ def test_null_is_told_once(faults: Callable[[str], list[Diagnostic]]) -> None:
     ]
 
 
+@pytest.mark.parametrize(
+    "text", ["base: [null]", "attach: {a: [null]}", "sensor: {a: [null]}", "attach: [null, {b: null}]"]
+)
+def test_nothing_in_a_list_where_none_is_expected_is_told_once(
+    faults: Callable[[str], list[Diagnostic]], text: str
+) -> None:
+    (fault,) = faults(text)
+    assert "expects a mapping" in fault.message
+
+
 def test_unknown_key_without_value_is_unknown(faults: Callable[[str], list[Diagnostic]]) -> None:
     assert [fault.code for fault in faults("sensors:\n")] == ["unknown-key"]
 

@@ -299,10 +299,15 @@ def _no_mapping(node: Node, sink: Sink) -> None:
 def _one_each(early: list[Fault], found: list[Fault]) -> Iterable[Fault]:
     """Yield the faults to report.
 
-    If a place has a fault of its own, then that its value is not an expected one is left out.
+    If a place has a fault of its own, then that its value is not an expected one is left out. What is inside of an unknown
+    key, or of a list where no list is expected, does not count.
     """
     unknown = {fault.at for fault in found if fault.key}
-    kept = [fault for fault in early if not any(fault.at[:n] in unknown for n in range(1, len(fault.at) + 1))]
+    unfit = {fault.at for fault in found if fault.code == "wrong-type"} - {fault.at for fault in early}
+    outer = ({fault.at[:n] for n in range(1, len(fault.at))} for fault in early)
+    kept = [
+        each for each, above in zip(early, outer, strict=True) if not (above & unfit or {*above, each.at} & unknown)
+    ]
     settled = {fault.at for fault in kept}
     yield from kept
     yield from (fault for fault in found if fault.key or fault.at not in settled)
