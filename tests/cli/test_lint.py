@@ -85,6 +85,14 @@ def test_what_another_model_uses_is_not_removed(models: Path) -> None:
         )
 
 
+def test_what_a_recipe_beside_names_is_not_removed(models: Path) -> None:
+    edit = "edit:\n  - {select: {geom: '**'}, set: {class: outer}}\n"
+    (models / "cell.yaml").write_text(f"recipe: 1\nbase: arms/arm.xml\n{edit}", encoding="utf-8")
+    assert run("lint", "arms/arm.xml", "--select", "unused-class").exit_code == 0
+    (models / "cell.yaml").write_text(f"recipe: 1\nbase: arms/other.xml\n{edit}", encoding="utf-8")
+    assert run("lint", "arms/arm.xml", "--select", "unused-class").exit_code == 1
+
+
 def test_a_recipe_changes_none_of_its_sources(models: Path) -> None:
     arm = (models / "arms" / "arm.xml").read_text(encoding="utf-8")
     edit = "edit:\n  - {select: {geom: '**'}, remove: true}\n"

@@ -91,17 +91,20 @@ def _included(path: Path, head: bytes) -> set[str]:
 
 
 def _others(path: Path) -> bytes:
-    """Return the text of the models near a file that include it, and of the other files that they include."""
+    """Return the text of the models near a file that include it, of their files, and of recipes that name it."""
     path = Path(os.path.abspath(path))
-    near = [each for folder in (path.parent, path.parent.parent) for each in islice(folder.glob("*.xml"), _MOST_NEAR)]
-    waiting = [str(each) for each in near if os.path.isfile(each) and str(path) in _included(each, _head(each))]
+    near = [each for folder in (path.parent, path.parent.parent) for kind in (".xml", *RECIPES)
+            for each in islice(folder.glob(f"*{kind}"), _MOST_NEAR) if os.path.isfile(each)]  # fmt: skip
+    heads = {str(each): _head(each) for each in near}
+    recipes = [text for name, text in heads.items() if name.endswith(RECIPES) and os.fsencode(path.name) in text]
+    waiting = [name for name, text in heads.items() if str(path) in _included(Path(name), text)]
     texts = {str(path): b""}
     while waiting and len(texts) < _MOST_NEAR:
         name = waiting.pop()
         if name not in texts and os.path.isfile(name):
             texts[name] = _head(Path(name))
             waiting += _included(Path(name), texts[name])
-    return b"\n".join(texts.values())
+    return b"\n".join((*recipes, *texts.values()))
 
 
 def _may_be_used(finding: Finding, others: bytes, may_be_part: bool) -> bool:
@@ -110,8 +113,8 @@ def _may_be_used(finding: Finding, others: bytes, may_be_part: bool) -> bool:
         return False
     names = {str(each.get(key)) for each in finding.element.iter("*") for key in ("class", "name") if each.get(key)}
     names |= set() if finding.element.get("name") else {Path(str(finding.element.get("file"))).stem}
-    return (may_be_part and not others) or any(re.search(rf"""["']\s*{re.escape(each)}\s*["']""".encode(), others)
-                                               for each in names)  # fmt: skip
+    word = re.compile(rf"(?<![\w.-])({'|'.join(map(re.escape, names))})(?![\w.-])".encode())
+    return (may_be_part and not others) or word.search(others) is not None
 
 
 def _head(path: Path) -> bytes:
@@ -135,7 +138,7 @@ def lint(path: Path, context: Context, session: Session, selected: Sequence[Rule
     """Return the findings of rules about the model of a file; errors of the model itself are reported to the context.
 
     `path` is an MJCF or URDF file, a recipe or a bundle. If MuJoCo refuses the model, the rules that need it are left
-    out. An element counts as used if a model that includes the file uses it.
+    out. An element counts as used if a model that includes the file uses it, or a recipe that names the file.
     """
     with ExitStack() as opened:
         read = _model(path, context, session, opened=opened)
