@@ -85,6 +85,19 @@ def test_what_another_model_uses_is_not_removed(models: Path) -> None:
         )
 
 
+@pytest.mark.parametrize("verb", ["lint", "lint .", "tree", "diff arm.mjcf", "fmt --check", "view --html page.html"])
+def test_a_model_may_be_called_mjcf(models: Path, verb: str) -> None:
+    """MuJoCo 4.0 opens no file with this name."""
+    for file in models.rglob("*.*"):
+        file.unlink()
+    text = '<mujoco>\n  <worldbody>\n    <geom name="ball" size="1"/>\n  </worldbody>\n</mujoco>\n'
+    (models / "arm.mjcf").write_text(text, encoding="utf-8")
+    command, *options = verb.split()
+    result = run(command, *options, *([] if "." in options else ["arm.mjcf"]))
+    assert result.exit_code == 0, result.stderr
+    assert command != "lint" or "0 findings in 1 model" in result.stdout
+
+
 def test_what_a_recipe_beside_names_is_not_removed(models: Path) -> None:
     edit = "edit:\n  - {select: {geom: '**'}, set: {class: outer}}\n"
     (models / "cell.yaml").write_text(f"recipe: 1\nbase: arms/arm.xml\n{edit}", encoding="utf-8")

@@ -273,7 +273,9 @@ _COMMENT = re.compile(rb"(?m)(?:^|(?<=[ \t]))#[^\n]*")
 _FILES = re.compile(rb"""\bfile\w*\s*=\s*["']([^"'\n\0]+)["']""")
 RECIPES = (".yaml", ".yml")
 """The ends of the names of recipes."""
-MODEL_FILES = (*RECIPES, ".xml", ".urdf", ".xacro")
+MJCF_FILES = (".xml", ".mjcf")
+URDF_FILES = (".urdf", ".xacro")
+MODEL_FILES = (*RECIPES, *MJCF_FILES, *URDF_FILES)
 """The ends of the names of files that `base` and `attach` take."""
 _NOWHERE = {errno.ENOENT, errno.ENOTDIR, errno.EACCES, errno.ENAMETOOLONG, errno.ELOOP}
 Identity = tuple[int, int]

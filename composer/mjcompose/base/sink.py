@@ -8,12 +8,11 @@ from dataclasses import replace
 
 from mjcompose.base.codes import CODES
 from mjcompose.base.diagnostic import Cause, CellName, Diagnostic, Fix, Note, Severity, Span
+from mjcompose.base.files import MJCF_FILES, URDF_FILES
 from mjcompose.base.limits import advice, in_force
 
 _STEP = re.compile(r"[/:.\s]")
 _SEVERITIES = tuple(Severity)
-_OF_MODELS = (".xml", ".mjcf", ".urdf", ".xacro")
-"""File name endings of models, which mostly come from somebody else."""
 
 
 class TooManyFaults(Exception):
@@ -210,4 +209,4 @@ def _rank(diagnostic: Diagnostic) -> tuple[int, bool, bool, str, int, int]:
     severity, span = _SEVERITIES.index(diagnostic.severity), diagnostic.span
     if span is None:
         return severity, True, True, "", 0, 0
-    return severity, False, span.file.lower().endswith(_OF_MODELS), span.file, span.line, span.column
+    return severity, False, span.file.lower().endswith((*MJCF_FILES, *URDF_FILES)), span.file, span.line, span.column

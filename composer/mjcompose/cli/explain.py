@@ -11,7 +11,7 @@ import click
 
 from mjcompose.base.codes import CODES, address, code_of, in_terminal, page
 from mjcompose.base.dataclass import dataclass
-from mjcompose.base.files import RECIPES, STDIN
+from mjcompose.base.files import MJCF_FILES, RECIPES, STDIN
 from mjcompose.cli import completion
 from mjcompose.cli.cells import CellOptions, ModelOptions
 from mjcompose.cli.options import Amount, Choices, ReportOptions, TimeOptions, did_you_mean, output
@@ -70,7 +70,7 @@ def explain(options: ExplainOptions, run: Run) -> Answer:
     if selection is None:
         raise Stop(USAGE)
     given = options.choices.given(run)
-    options.cell.check(model, is_recipe=model.suffix.lower() != ".xml")
+    options.cell.check(model, is_recipe=model.suffix.lower() not in MJCF_FILES)
     given, sample = options.cell.values(model, given, run=run, verb="explain")
     explained = explain(model, selection, context, sample=sample, given=given)
     if explained is None:

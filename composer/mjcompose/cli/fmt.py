@@ -15,7 +15,7 @@ import click
 from mjcompose.base import report as github
 from mjcompose.base.access import door_of_user
 from mjcompose.base.dataclass import dataclass
-from mjcompose.base.files import RECIPES, read_regular
+from mjcompose.base.files import MJCF_FILES, RECIPES, read_regular
 from mjcompose.base.limits import in_force
 from mjcompose.base.report import Paint, counted, printable
 from mjcompose.cli.options import RECIPE, RecipeOptions, ReportOptions
@@ -46,13 +46,12 @@ def fmt(options: FmtOptions, run: Run) -> int:
     """
     from mjcompose.text.layout import format_recipe
     from mjcompose.tree.xml_layout import format_mjcf
-    from mjcompose.tree.xml_pieces import MODELS
 
     context, check = run.context, options.check
     files = [file for given in options.files for file in _inside(given, context)]
     differing, unchanged = 0, 0
     for file in files:
-        is_model = file.lower().endswith(MODELS)
+        is_model = file.lower().endswith(MJCF_FILES)
         source = _read(file, context, in_force().xml_size if is_model or file == STDIN else in_force().recipe_size)
         shown = "<stdin>" if file == STDIN else context.shown(Path(file))
         if source is None:
@@ -83,14 +82,14 @@ def fmt(options: FmtOptions, run: Run) -> int:
 
 def _inside(given: str, context: Context) -> list[str]:
     """Return the recipes and MJCF files in a folder, in the order of their names; the file itself if it is a file."""
-    from mjcompose.tree.xml_pieces import MODELS, kind_of
+    from mjcompose.tree.xml_pieces import kind_of
 
     if given == STDIN or not os.path.isdir(given):
         return [given]
     found = []
     for folder, below, names in os.walk(given):
         below[:] = sorted(each for each in below if not each.startswith((".", "__")))
-        for path in (Path(folder, name) for name in sorted(names) if name.lower().endswith((*RECIPES, *MODELS))):
+        for path in (Path(folder, name) for name in sorted(names) if name.lower().endswith((*RECIPES, *MJCF_FILES))):
             text = (_read(str(path), context, in_force().xml_size) or b"").decode("utf-8", "replace")
             found += [str(path)] if kind_of(path, text) else []
     if not found:

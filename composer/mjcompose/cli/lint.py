@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import click
 
 from mjcompose.base.dataclass import dataclass
+from mjcompose.base.files import MJCF_FILES
 from mjcompose.base.report import counted
 from mjcompose.cli.fmt import rewrite
 from mjcompose.cli.options import FetchOptions, ReportOptions, TimeOptions
@@ -125,7 +126,7 @@ def _fix(target: Target, selected: Sequence[Rule], context: Context, session: Se
         found = lint(target.path, own, session, selected=selected, may_be_part=target.may_be_part).found
         return [*own.sink.sorted(), *found]
 
-    done = Fixing(look, context, (".xml",)).fixed()
+    done = Fixing(look, context, MJCF_FILES).fixed()
     written = [rewrite(file, after, context, before=before) for file, (before, after) in done.files.items()]
     return len(done.fixed) if all(written) else 0
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from mjcompose.base.dataclass import dataclass
-from mjcompose.base.files import RECIPES
+from mjcompose.base.files import MJCF_FILES, RECIPES
 from mjcompose.base.report import counted
 from mjcompose.cli import completion
 from mjcompose.cli.fmt import difference, rewrite, show_differences
@@ -23,7 +23,6 @@ if TYPE_CHECKING:
     from mjcompose.sources.context import Context
     from mjcompose.tools.migrate.migrate import Result
 
-_XML = (".xml", ".mjcf")
 _SHOWN = 5
 
 
@@ -116,7 +115,7 @@ def _written(result: Result, out: str | None, context: Context) -> Path | None:
         done = [rewrite(path, texts[1], context) for path, texts in migrated.changed.items()]
         return model if all(done) else None
     target = Path(out)
-    if target.suffix.lower() in _XML:
+    if target.suffix.lower() in MJCF_FILES:
         if (why := _bound(result, target)) is not None:
             context.sink.error("output-kind", f"`{out}` would not find its files: {why}",
                                help=f"write a folder: `-o {target.with_suffix('')}`")  # fmt: skip

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import click
 
 from mjcompose.base.dataclass import dataclass
-from mjcompose.base.files import RECIPES, foreign_format, read_regular
+from mjcompose.base.files import RECIPES, URDF_FILES, foreign_format, read_regular
 from mjcompose.base.report import counted
 from mjcompose.cli.fmt import rewrite
 from mjcompose.cli.options import ReportOptions, TimeOptions, output
@@ -188,7 +188,7 @@ def import_(options: ImportOptions, run: Run) -> Answer | int:
         raise click.UsageError(f"PARTS are files, and `{named}` is a reference. {help}")
     _refuse_foreign((merged, *parts), run)
     progress(f"reading {merged}")
-    if merged.suffix.lower() in (".urdf", ".xacro"):
+    if merged.suffix.lower() in URDF_FILES:
         if parts or options.folders:
             raise click.UsageError("a URDF has no parts: remove PARTS and --among")
         return _urdf(merged, target, run)

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from mjcompose.base.dataclass import dataclass
-from mjcompose.base.files import read_regular, unsaved
+from mjcompose.base.files import MJCF_FILES, read_regular, unsaved
 from mjcompose.base.sink import Sink
 from mjcompose.lsp.analysis import Analysis, Known, Names, Question, names_in_tree, shown
 from mjcompose.lsp.cursor import Cursor, Role
@@ -25,7 +25,7 @@ from mjcompose.tree.grammar import GRAMMAR, Attribute, ElementType
 from mjcompose.tree.parse import expand_includes, parse_xml, read_from, take_header_in
 from mjcompose.tree.unit import Unit, line_of
 from mjcompose.tree.xml_layout import outermost, place_of_fragment
-from mjcompose.tree.xml_pieces import MODELS, Piece, pieces, root_of
+from mjcompose.tree.xml_pieces import Piece, pieces, root_of
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as Node
@@ -297,7 +297,7 @@ def including(path: Path, folder: Path) -> Iterator[tuple[Unit, str]]:
     They are in its folder, in the folder above, or in the workspace.
     """
     near = (each for place in (path.parent, path.parent.parent) for each in sorted(place.glob("*.xml")))
-    for other in dict.fromkeys((*near, *(folder / each for each in model_files(folder) if each.endswith(MODELS)))):
+    for other in dict.fromkeys((*near, *(folder / each for each in model_files(folder) if each.endswith(MJCF_FILES)))):
         try:
             data = b"" if other == path else read_regular(other)
         except OSError:

@@ -96,8 +96,12 @@ def _spec(request: dict[str, Any], mujoco: Any) -> Any:
         str(path).encode()
     except UnicodeEncodeError:
         raise ValueError("MuJoCo opens only files whose whole path is UTF-8: rename it") from None
-    if request["text"] is not None:
-        return mujoco.MjSpec.from_file(str(path), include={str(path): request["text"].encode()})
+    text = request["text"]
+    if path.suffix.lower() == ".mjcf":  # MuJoCo 4.0 has no decoder for this name
+        text = path.read_text(encoding="utf-8") if text is None else text
+        path = path.with_name(f"{path.name}.xml")
+    if text is not None:
+        return mujoco.MjSpec.from_file(str(path), include={str(path): text.encode()})
     if path.suffix.lower() in {".zip", ".mjz"}:
         return mujoco.MjSpec.from_zip(str(path))
     return mujoco.MjSpec.from_file(str(path))

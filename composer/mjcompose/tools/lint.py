@@ -14,7 +14,7 @@ from xml.sax.saxutils import escape
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Cause, Diagnostic, Fix, Severity, Span
-from mjcompose.base.files import MODEL_FILES, RECIPES, open_regular
+from mjcompose.base.files import MJCF_FILES, MODEL_FILES, RECIPES, URDF_FILES, open_regular
 from mjcompose.base.sink import Sink
 from mjcompose.build.lint.rule import Edit, Finding, Rule, Subject, found, in_child
 from mjcompose.mujoco import engine
@@ -78,10 +78,10 @@ def _models_below(top: Path) -> list[Target]:
         models += bundles
         for path in (here / name for name in names):
             kind = path.suffix.lower()
-            head = _head(path) if kind in (".xml", *RECIPES) else b""
-            if kind == ".xml":
+            head = _head(path) if kind in (*MJCF_FILES, *RECIPES) else b""
+            if kind in MJCF_FILES:
                 included |= _included(path, head)
-            is_model = _MODEL.search(head) if kind == ".xml" else _RECIPE.search(head) if head else kind in SUFFIXES
+            is_model = _MODEL.search(head) if kind in MJCF_FILES else _RECIPE.search(head) if head else kind in SUFFIXES
             models += [path] if is_model else []
     return [Target(path, os.path.normpath(path) in included) for path in sorted(models)]
 
@@ -93,7 +93,7 @@ def _included(path: Path, head: bytes) -> set[str]:
 def _others(path: Path) -> bytes:
     """Return the text of the models near a file that include it, of their files, and of recipes that name it."""
     path = Path(os.path.abspath(path))
-    near = [each for folder in (path.parent, path.parent.parent) for kind in (".xml", *RECIPES)
+    near = [each for folder in (path.parent, path.parent.parent) for kind in (*MJCF_FILES, *RECIPES)
             for each in islice(folder.glob(f"*{kind}"), _MOST_NEAR) if os.path.isfile(each)]  # fmt: skip
     heads = {str(each): _head(each) for each in near}
     recipes = [text for name, text in heads.items() if name.endswith(RECIPES) and os.fsencode(path.name) in text]
@@ -186,7 +186,7 @@ def _model(path: Path, context: Context, session: Session, opened: ExitStack) ->
         operand.report(context.sink)
         if side is None or side.traced is None:
             return None
-        unit, is_part = side.traced.model, path.suffix.lower() in (".urdf", ".xacro")
+        unit, is_part = side.traced.model, path.suffix.lower() in URDF_FILES
         return _Model(unit, write(unit.root), is_part, is_compiled=True, is_written=False)
     read = parse_file(path, context.sink, file=context.shown(path))
     if read is None or not all_admitted(read, context.sink, context.shown):

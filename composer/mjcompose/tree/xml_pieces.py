@@ -7,9 +7,8 @@ from collections.abc import Iterator
 from pathlib import PurePath
 from typing import Literal, NamedTuple
 
-from mjcompose.base.files import RECIPES
+from mjcompose.base.files import MJCF_FILES, RECIPES
 
-MODELS = (".xml", ".mjcf")
 """The ends of the names of MJCF files."""
 _PIECE = re.compile(
     r"<!--.*?(?:-->|\Z)|<!\[CDATA\[.*?(?:\]\]>|\Z)|<\?.*?(?:\?>|\Z)|<![A-Za-z][^>]*>?|</[^<>]*>?|<(?:[A-Za-z_][^\s<>/!?\"'=]*)?|[^<]+",
@@ -105,4 +104,4 @@ def kind_of(path: PurePath, text: str) -> Literal["recipe", "model", ""]:
     suffix = path.suffix.lower()
     if suffix in RECIPES and (_RECIPE.search(text) or path.stem.endswith(".recipe")):
         return "recipe"
-    return "model" if suffix in MODELS and root_of(text) is not None else ""
+    return "model" if suffix in MJCF_FILES and root_of(text) is not None else ""

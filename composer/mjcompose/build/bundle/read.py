@@ -23,7 +23,7 @@ from pathlib import Path
 from mjcompose.base.access import Door
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Diagnostic, DiagnosticError
-from mjcompose.base.files import open_regular, read_regular
+from mjcompose.base.files import MJCF_FILES, open_regular, read_regular
 from mjcompose.base.limits import in_force
 from mjcompose.base.sink import Sink
 from mjcompose.build.bundle.bundle import MANIFEST, MODEL, Bundle, BundleError, check_paths, raise_error
@@ -101,7 +101,7 @@ def read(
         elif path.suffix.lower() == ".mjb" and path.exists():
             message = f"`{shown}` is MuJoCo's binary form, not a bundle: load it with `mjcompose.load`"
             raise ReadError("file-unreadable", message)
-        elif path.suffix.lower() == ".xml" and path.exists():
+        elif path.suffix.lower() in MJCF_FILES and path.exists():
             message = f"`{shown}` is text alone, which has no manifest: a bundle is a folder, a `.zip` or an `.mjz`"
             raise ReadError("file-unreadable", message)
         elif path.exists():

@@ -19,7 +19,16 @@ from typing import NamedTuple, TypeVar
 from mjcompose.base.access import Door
 from mjcompose.base.diagnostic import Path as Place
 from mjcompose.base.diagnostic import Span
-from mjcompose.base.files import RECIPES, Refused, TooLarge, read_argument, read_regular, unsaved_text
+from mjcompose.base.files import (
+    MJCF_FILES,
+    RECIPES,
+    URDF_FILES,
+    Refused,
+    TooLarge,
+    read_argument,
+    read_regular,
+    unsaved_text,
+)
 from mjcompose.base.limits import advice, in_force
 from mjcompose.base.sink import Sink
 from mjcompose.base.suggest import exists_note
@@ -319,7 +328,7 @@ def _text(path: Path, context: Context) -> bytes | None:
         _unreadable(path, shown, error, context=context)
         return None
     if text.lstrip().startswith(b"<"):
-        model = path.name if path.suffix in (".xml", ".urdf", ".xacro") else path.with_suffix(".xml").name
+        model = path.name if path.suffix in (*MJCF_FILES, *URDF_FILES) else path.with_suffix(".xml").name
         help = f"write a recipe that names it, `base: ./{model}`; `mjcompose import` writes one"
         context.sink.error("source-kind", f"`{shown}` is a model, not a recipe", Span(shown, 1, 1), help=help)
         return None

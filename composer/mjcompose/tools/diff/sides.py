@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 from mjcompose.base.access import NOTHING
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import DiagnosticError, Span
-from mjcompose.base.files import RECIPES, foreign_format, read_regular
+from mjcompose.base.files import MJCF_FILES, RECIPES, URDF_FILES, foreign_format, read_regular
 from mjcompose.base.scratch import scratch
 from mjcompose.base.sink import Sink
 from mjcompose.build.bundle.assemble import assemble
@@ -133,9 +133,6 @@ def _beside_the_same(top: Path, into: Path) -> Path:
     return into.joinpath(*top.parts[1:])
 
 
-_URDF = (".urdf", ".xacro")
-
-
 class Kind(StrEnum):
     RECIPE = "recipe"
     MJCF = "MJCF file"
@@ -213,7 +210,7 @@ def read_operand(text: str, context: Context, opened: ExitStack) -> Operand | No
             message, help = foreign.message(text), foreign.help(text)
         context.sink.error("source-kind", message, help=help)
         return None
-    if path.suffix.lower() in _URDF:
+    if path.suffix.lower() in URDF_FILES:
         path = _recipe_of(path, opened)
     return Operand(text, kind, path, context=own, revision=revision, files=files)
 
@@ -250,9 +247,9 @@ def _kind(path: Path) -> Kind | None:
     suffix = path.suffix.lower()
     if os.path.isdir(path) or suffix in (".zip", ".mjz"):
         return Kind.BUNDLE
-    if suffix in (*_URDF, *RECIPES):
+    if suffix in (*URDF_FILES, *RECIPES):
         return Kind.RECIPE
-    return Kind.MJCF if suffix == ".xml" else None
+    return Kind.MJCF if suffix in MJCF_FILES else None
 
 
 @dataclass(slots=True)

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Note, Span
+from mjcompose.base.files import MJCF_FILES
 from mjcompose.build.bundle.collect import collect
 from mjcompose.build.compose.compose import Composer
 from mjcompose.build.compose.elements import settle_joints
@@ -370,7 +371,7 @@ def explain(
 def trace(path: Path, context: Context, sample: int = 0, given: ConcreteGiven | None = None) -> Traced | None:
     """Compose the model under observation. Compiles only parts that MuJoCo has to measure."""
     watch = Trace()
-    if path.suffix.lower() == ".xml":
+    if path.suffix.lower() in MJCF_FILES:
         for node in (given or {}).values():
             message = f"`{context.shown(context.folder / path)}` is not a recipe and has no parameters"
             context.sink.error("unknown-name", message, node.span)
