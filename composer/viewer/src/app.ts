@@ -1,23 +1,15 @@
 // The page around the canvas, and how its parts work together.
-import { Contrast } from "./compare";
-import { Clock } from "./clock";
-import { Compass } from "./compass";
-import type { Element, Model, Scene } from "./data";
+import type { Element, Model, Pull, Scene, Seen } from "./data";
 import { h, icon, toast } from "./dom";
-import { Extras, EXTRAS, gridStep, type Extra } from "./extras";
-import { Ghosts } from "./ghosts";
+import { type Extra, Extras, EXTRAS, Ghosts, gridStep } from "./extras";
 import type { Gizmo } from "./gizmo";
-import { Info, typeOf } from "./info";
+import { Contrast, Info, typeOf } from "./info";
 import { WIDTHS } from "./kinematics";
-import { Meters } from "./meters";
-import { copyPicture } from "./picture";
-import { places } from "./places";
-import { Puller } from "./pull";
-import { Ruler } from "./ruler";
-import type { Pull, Seen } from "./seen";
+import { Clock, Meters } from "./meters";
+import { Puller, Ruler } from "./pointer";
 import { Sliders } from "./sliders";
-import { Stage } from "./stage";
-import { bodyOf, nameOf, numberOf, Tree } from "./tree";
+import { Compass, copyPicture, Stage } from "./stage";
+import { bodyOf, nameOf, numberOf, places, Tree } from "./tree";
 import { host } from "./wire";
 import { World } from "./world";
 

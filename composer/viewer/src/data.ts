@@ -1,7 +1,5 @@
 // The model as the server or the file has it: `composer/mjcompose/mujoco/scene.py` describes it.
 
-import type { Seen } from "./seen";
-
 export interface Columns {
   name: string[];
   /** Flat lists, with a few numbers for each element. */
@@ -11,6 +9,12 @@ export interface Columns {
 export type Place = [file: number, line: number, column: number];
 export type Change = [what: string, before: string | null, after: string | null, words: string, place: Place | null];
 export type Origin = [place: Place | null, part: number, words: string, changes: Change[]] | null;
+
+/** The facts about a state beyond the poses of bodies. A contact has its two geoms, its position, its normal, and the force on the second geom. */
+export interface Seen { contacts: number[][]; tendons: number[][]; sensors: number[] }
+
+/** A pull at a point of a body, in its frame, to a point of the world. */
+export interface Pull { body: number; at: number[]; to: number[] }
 
 /** Where a pair of bodies is excluded from contact, and why, if `exclude: auto` found it. */
 export type Excluded = [place: Place | null, words: string, why: string | null];

@@ -1,8 +1,7 @@
 // MuJoCo in the page: its own WebAssembly steps the model that the page shows.
 import loadMujoco from "@mujoco/mujoco";
 import type { App } from "./app";
-import type { Model } from "./data";
-import type { Pull, Seen } from "./seen";
+import type { Model, Pull, Seen } from "./data";
 
 /** No frame may take longer than this, in seconds of physics and in milliseconds: a slow machine plays slowly. */
 const MOST = 1 / 8, MOST_MILLISECONDS = 50;

@@ -1,12 +1,11 @@
 // Skins, flexes and tendons: what changes its form with the pose.
 import {
-  Box3, BufferAttribute, BufferGeometry, Color, CylinderGeometry, DoubleSide, Group, InstancedMesh, Matrix4, Mesh,
-  MeshPhongMaterial, Object3D, Quaternion, SphereGeometry, Vector3,
+  Box3, BufferAttribute, BufferGeometry, Color, CylinderGeometry, DoubleSide, Group, InstancedMesh, Matrix4, Mesh, MeshPhongMaterial, Object3D,
+  Quaternion, SphereGeometry, Vector3,
 } from "three";
-import { type Element, row, type Flex, type Model, type Skin } from "./data";
-import { rotated, type Pose } from "./kinematics";
+import { type Element, type Flex, type Model, row, type Seen, type Skin } from "./data";
+import { type Pose, rotated } from "./kinematics";
 import { colourOf, type Painter } from "./paint";
-import type { Seen } from "./seen";
 
 interface Soft { object: Object3D; kind: string; index: number; group: number; update: () => void; members?: number[] }
 
