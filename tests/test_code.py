@@ -32,8 +32,7 @@ CALLS_LEFT = Counter(
     _up_to_the_next=1, _where=1, add=2, added_key=2, carried=1, check=1, drop=4, element=11, failed=11,
     fetch=2, finish=1, in_brackets=2, items=1, listed=1, names_of=1, open=1, pack=5, pair_of=2,
     quantities_of=1, read_selector=2, rename=1, row=1, run=2, step=1, syscall=3, unknown=2,
-    unknown_attribute=1, unmet=4, unread_in=1, values_of=1, with_item=1, with_key=1, word=3, write_facts=2,
-    write_whole=1,
+    unknown_attribute=1, unmet=4, unread_in=1, values_of=1, with_item=1, with_key=1, word=3, write_whole=1,
 )
 # fmt: on
 

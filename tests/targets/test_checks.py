@@ -15,36 +15,34 @@ from mjcompose.targets.read_back import READERS, Reader, interpreter, placed
 from targets.models import PROBE, SELDOM
 
 READER = """
-import sys
-sys.path.insert(0, SHARED)
-import mujoco, numpy as np
-from mujoco_facts import without_forces, write_facts
-model = mujoco.MjModel.from_xml_path(sys.argv[1])
-for name, factor in CHANGED.items():
-    getattr(model, name)[:] *= factor
-data = mujoco.MjData(model)
-def placed(rows):
-    found = []
-    for row in rows:
-        data.qpos = row
-        mujoco.mj_kinematics(model, data)
-        found.append((data.xpos.copy(), data.xmat.copy()))
-    return zip(*found)
-def moved(start, steps):
-    free = without_forces(mujoco, model)
-    data = mujoco.MjData(free)
-    data.qpos = start
-    for _ in range(steps):
-        mujoco.mj_step(free, data)
-    return data.qpos
-write_facts("1", model, lambda name: getattr(model, name), placed, moved)
+import mujoco
+from facts import of_mujoco, without_forces
+def read(file):
+    model = mujoco.MjModel.from_xml_path(file)
+    for name, factor in CHANGED.items():
+        getattr(model, name)[:] *= factor
+    data = mujoco.MjData(model)
+    def placed(rows):
+        found = []
+        for row in rows:
+            data.qpos = row
+            mujoco.mj_kinematics(model, data)
+            found.append((data.xpos.copy(), data.xmat.copy()))
+        return zip(*found)
+    def moved(start, steps):
+        free = without_forces(mujoco, model)
+        data = mujoco.MjData(free)
+        data.qpos = start
+        for _ in range(steps):
+            mujoco.mj_step(free, data)
+        return data.qpos
+    return of_mujoco("1", model, lambda name: getattr(model, name), placed=placed, moved=moved)
 """
-SHARED = Path(read_back.__file__).parent / "readers" / "shared"
 
 
 def reader(**changed: float) -> str:
     """A program that is MuJoCo itself, with some arrays multiplied."""
-    return READER.replace("SHARED", repr(str(SHARED))).replace("CHANGED", repr(changed))
+    return READER.replace("CHANGED", repr(changed))
 
 
 BALL = (

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from mjcompose.base.dataclass import dataclass
-from mjcompose.targets.readers.shared import mujoco_facts
+from mjcompose.targets.readers.shared import facts as programs
 from mjcompose.targets.target import Loss
 
 Facts = dict[str, Any]
@@ -95,14 +95,14 @@ def questions(model: Any, count: int = 50, seed: int = 1) -> Facts:
         for number in range(model.njnt):
             kind, name = int(model.jnt_type[number]), model.joint(number).name
             body = model.body(int(model.jnt_bodyid[number])).name
-            if kind in (mujoco_facts.SLIDE, mujoco_facts.HINGE) and name:
+            if kind in (programs.SLIDE, programs.HINGE) and name:
                 joints[name] = [float(position(number, kind))]
-            elif kind == mujoco_facts.FREE and body:
+            elif kind == programs.FREE and body:
                 free[body] = [float(each) for each in position(number, kind)]
         return {"joints": joints, "free": free}
 
     def drawn(number: int, kind: int) -> Any:
-        if kind == mujoco_facts.FREE:
+        if kind == programs.FREE:
             turned = draw.normal(size=4)
             return [*draw.uniform(-1, 1, 3), *(turned / np.linalg.norm(turned))]
         return draw.uniform(*(model.jnt_range[number] if model.jnt_limited[number] else (-1.0, 1.0)))
@@ -112,7 +112,7 @@ def questions(model: Any, count: int = 50, seed: int = 1) -> Facts:
 
     def at_home(number: int, kind: int) -> Any:
         at = int(model.jnt_qposadr[number])
-        return start[at : at + 7] if kind == mujoco_facts.FREE else start[at]
+        return start[at : at + 7] if kind == programs.FREE else start[at]
 
     moves = model.nv > 0 and model.nflex == 0
     return {
@@ -123,23 +123,26 @@ def questions(model: Any, count: int = 50, seed: int = 1) -> Facts:
 
 def facts_of(mujoco: Any, model: Any, asked: Facts, losses: Sequence[Loss] = ()) -> Facts:
     """Return the facts of a compiled model, as consumers write them, with the end of the motion after the losses."""
-    data = mujoco.MjData(model)
-    placed = []
-    for pose in asked["poses"]:
-        data.qpos = mujoco_facts.qpos(model, pose)
-        mujoco.mj_kinematics(model, data)
-        placed.append((data.xpos.copy(), data.xmat.copy()))
-    found: Facts = mujoco_facts.numbers(model, lambda name: getattr(model, name))
-    xpos, xmat = zip(*placed, strict=True) if placed else ((), ())
-    found["poses"] = mujoco_facts.poses(model, xpos, xmat)
-    if asked["seconds"]:
-        free = mujoco_facts.without_forces(mujoco, _erased(model, losses))
+
+    def placed(rows: Any) -> Any:
+        data, found = mujoco.MjData(model), []
+        for row in rows:
+            data.qpos = row
+            mujoco.mj_kinematics(model, data)
+            found.append((data.xpos.copy(), data.xmat.copy()))
+        return zip(*found, strict=True)
+
+    def moved(start: Any, steps: int) -> Any:
+        free = programs.without_forces(mujoco, _erased(model, losses))
         free.opt.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
         data = mujoco.MjData(free)
-        data.qpos = mujoco_facts.qpos(free, asked["home"])
-        for _ in range(round(asked["seconds"] / mujoco_facts.STEP)):
+        data.qpos = start
+        for _ in range(steps):
             mujoco.mj_step(free, data)
-        found["motion"] = mujoco_facts.motion(free, data.qpos)
+        return data.qpos
+
+    read = programs.of_mujoco(None, model, lambda name: getattr(model, name), placed=placed, moved=moved)
+    found: Facts = programs.answered(asked, *read)
     return found
 
 
@@ -213,7 +216,7 @@ def _shapes(model: Any, mine: dict[str, int], read: dict[str, int], losses: Iter
     left = dict(mine)
     for loss in losses:
         if loss.feature == "shapes" and loss.kind == "geom":
-            left[mujoco_facts.SHAPES[int(model.geom_type[loss.number])]] -= 1
+            left[programs.SHAPES[int(model.geom_type[loss.number])]] -= 1
     if "all" in read:
         left = {"all": sum(left.values())}
     for kind in sorted({*left, *read}):

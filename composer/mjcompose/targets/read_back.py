@@ -25,6 +25,7 @@ from mjcompose.mujoco import engine
 from mjcompose.targets.export import exported
 from mjcompose.targets.judge import asked_of, judged, motion_of
 from mjcompose.targets.names import CONSUMERS, READ_IN
+from mjcompose.targets.readers.shared import facts as facts_module
 from mjcompose.targets.table import TARGETS
 from mjcompose.targets.target import Loss, grouped, in_words
 
@@ -92,7 +93,8 @@ def read_back(reader: Reader, python: str, model: Path, questions: dict[str, Any
     """
     asked, out = model.parent.with_suffix(".poses.json"), model.parent.with_suffix(".facts.json")
     asked.write_text(json.dumps(questions), encoding="utf-8")
-    command = [python, "-I", str(_READERS / f"{reader.program}.py"), str(model), str(asked), str(out)]
+    program = _READERS / f"{reader.program}.py"
+    command = [python, "-I", facts_module.__file__, str(program), str(model), str(asked), str(out)]
     seconds = in_force().time
     with Process(
         command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, cwd=model.parent.parent

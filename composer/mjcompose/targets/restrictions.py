@@ -1,4 +1,7 @@
-"""Limits of targets: trees of bodies, actuators, and ignored elements."""
+"""Limits of targets: trees of bodies, actuators, ignored elements, and MuJoCo's solver.
+
+Options of the solver are reported only if they differ from MuJoCo's defaults, because nobody has chosen the others.
+"""
 
 from __future__ import annotations
 
@@ -387,3 +390,98 @@ NO_SERVO_DAMPING = without_attribute("gains", "actuator/position", "kv", what="`
 NO_ACTUATOR_ARMATURE = without_attribute("armature", "actuator/*", "armature", what="armature")
 NO_DELAY = without_attribute("actuators", "actuator/*", "delay", what="`delay`", also=("nsample", "interp"))
 NO_ACTUATOR_DAMPING = without_attribute("damping", "actuator/*", "damping", what="damping")
+
+
+_PLAIN = "<mujoco><worldbody><body><joint/><geom size='1'/></body></worldbody></mujoco>"
+_OPTIONS = (
+    "timestep", "integrator", "cone", "impratio", "density", "viscosity", "wind", "magnetic", "noslip_iterations",
+    "disableflags", "enableflags",
+)  # fmt: skip
+_SOFTNESS = ("solref", "solimp", "margin", "gap", "priority", "solmix", "condim")
+_FRICTION = {"sliding": 0, "torsional": 1, "rolling": 2}
+
+
+def unread_contacts(*friction: str, but: Collection[str] = ()) -> Limit:
+    """Return a limit that reports the softness and margins of contacts as lost.
+
+    Attributes in `but` and these kinds of `friction` are read by the target.
+    """
+    names = [each for each in _SOFTNESS if each not in but]
+
+    def apply(draft: Draft) -> None:
+        model, plain = draft.model, _plain(draft)
+        for number, node in draft.of("geom"):
+            if model.geom_contype[number] or model.geom_conaffinity[number]:
+                changed = _changed(model, plain, number, names=names, kind="geom")
+                for word in friction:
+                    at = _FRICTION[word]
+                    if model.geom_friction[number][at] != plain.geom_friction[0][at]:
+                        changed.append(f"{word} friction")
+                if changed:
+                    draft.lose("contacts", node, what=f"{_listed(changed)} of the contacts")
+
+    return Limit("contacts", Outcome.LEFT_OUT, apply)
+
+
+def _plain(draft: Draft) -> Any:
+    return draft.mujoco.MjModel.from_xml_string(_PLAIN)
+
+
+def _options(draft: Draft) -> None:
+    mine, plain = draft.model.opt, _plain(draft).opt
+    names = [name for name in _OPTIONS if not np.array_equal(getattr(mine, name), getattr(plain, name))]
+    changed = ["flag" if name.endswith("flags") else name for name in names]
+    for option in draft.root.iterchildren("option"):
+        if changed:
+            draft.lose("computing", option, "it has settings of its own", what=_listed(changed))
+
+
+def _gravity(draft: Draft) -> None:
+    if np.array_equal(draft.model.opt.gravity, _plain(draft).opt.gravity):
+        return
+    for option in draft.root.iterchildren("option"):
+        shown = " ".join(f"{each:g}" for each in draft.model.opt.gravity)
+        draft.lose("gravity", option, f"set it to {shown} in the program", what="gravity")
+
+
+def _changed(model: Any, plain: Any, number: int, names: Collection[str], kind: str) -> list[str]:
+    """Return the attributes of an element that are not the defaults of MuJoCo."""
+    arrays = {name: f"{kind}_{name}" for name in names}
+    return [
+        name
+        for name, array in arrays.items()
+        if not np.array_equal(getattr(model, array)[number], getattr(plain, array)[0])
+    ]
+
+
+def _bits(draft: Draft) -> None:
+    model = draft.model
+    for number, node in draft.of("geom"):
+        bits = int(model.geom_contype[number]), int(model.geom_conaffinity[number])
+        if bits not in ((0, 0), (1, 1)):
+            draft.lose("bits", node, "they collide with everything", what="`contype` and `conaffinity`")
+
+
+def _soft_limits(draft: Draft) -> None:
+    model, plain = draft.model, _plain(draft)
+    for number, node in draft.of("joint"):
+        changed = _changed(model, plain, number, names=("solref", "solimp", "margin"), kind="jnt")
+        if changed and model.jnt_limited[number]:
+            draft.lose("softness", node, what=f"{_listed(changed)} of the limits")
+
+
+def _gravcomp(draft: Draft) -> None:
+    for number, node in draft.of("body"):
+        if draft.model.body_gravcomp[number]:
+            draft.lose("gravcomp", node, "all of their weight pulls", what="`gravcomp`")
+
+
+def _listed(names: Collection[str]) -> str:
+    return ", ".join(f"`{each}`" if " " not in each else each for each in dict.fromkeys(names))
+
+
+COMPUTING = Limit("computing", Outcome.LEFT_OUT, _options)
+GRAVITY = Limit("gravity", Outcome.LEFT_OUT, _gravity)
+BITS = Limit("bits", Outcome.LEFT_OUT, _bits)
+SOFTNESS = Limit("softness", Outcome.LEFT_OUT, _soft_limits)
+GRAVCOMP = Limit("gravcomp", Outcome.LEFT_OUT, _gravcomp)

@@ -15,6 +15,7 @@ import numpy as np
 from mjcompose.mujoco.arrays import REWRITTEN, with_trait
 from mjcompose.mujoco.attributes import NameTable
 from mjcompose.mujoco.compare import unequal_attributes
+from mjcompose.targets.readers.shared.facts import rotation
 
 Pose = tuple[Any, Any]
 """Position, shape (3,), and rotation matrix, shape (3, 3)."""
@@ -22,13 +23,7 @@ Pose = tuple[Any, Any]
 
 def pose(pos: Any, quat: Any = (1.0, 0.0, 0.0, 0.0)) -> Pose:
     """Return the pose with a position (m) and a quaternion (w, x, y, z), which is normalized."""
-    w, x, y, z = (float(each) for each in np.asarray(quat) / np.linalg.norm(quat))
-    rows = [
-        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-    ]
-    return np.asarray(pos, dtype=float), np.array(rows)
+    return np.asarray(pos, dtype=float), rotation(np.asarray(quat) / np.linalg.norm(quat))
 
 
 def about(axis: Any, angle: float) -> Pose:
@@ -44,8 +39,8 @@ def shifted(by: Any) -> Pose:
 def joined(*poses: Pose) -> Pose:
     """Return the product of poses: each one is in the frame of the one before it."""
     at, turned = shifted((0, 0, 0))
-    for pos, rotation in poses:
-        at, turned = at + turned @ pos, turned @ rotation
+    for pos, by in poses:
+        at, turned = at + turned @ pos, turned @ by
     return at, turned
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import replace
 from itertools import chain
 from typing import Any
@@ -11,8 +11,85 @@ import numpy as np
 
 from mjcompose.mujoco.arrays import words
 from mjcompose.targets.restrictions import NO_SOFT
-from mjcompose.targets.solver import is_enabled, refused_elements, refused_members, refused_options, with_plugins
-from mjcompose.targets.target import Outcome
+from mjcompose.targets.target import OPTION, Draft, Limit, Outcome, Refusal
+
+Missing = tuple[str, str, Collection[str], str]
+"""An array of the compiled model, its enumeration, those members that the simulator lacks, and the effect."""
+Flagged = Callable[[Any, Any], Iterator[tuple[int, str]]]
+"""Of MuJoCo and a model: the numbers of the elements that the simulator refuses, each with the reason."""
+
+
+def refused_members(feature: str, kind: str, missing: Sequence[Missing], help: str) -> Limit:
+    """Return a limit that refuses a model if an array has one of these enum members.
+
+    A member that the running MuJoCo does not have is ignored.
+    """
+
+    def flagged(mujoco: Any, model: Any) -> Iterator[tuple[int, str]]:
+        for array, enum, names, why in missing:
+            members = getattr(mujoco, enum).__members__
+            lacking = [int(members[name]) for name in names if name in members]
+            yield from ((number, why) for number in np.flatnonzero(np.isin(getattr(model, array), lacking)).tolist())
+
+    return refused_elements(feature, kind, flagged, help=help)
+
+
+def refused_elements(
+    feature: str, kind: str, flagged: Flagged, help: str, outcome: Outcome = Outcome.SOME_REFUSED
+) -> Limit:
+    """Return a limit that refuses a model with an element that `flagged` finds."""
+
+    def refuses(mujoco: Any, model: Any) -> Iterator[Refusal]:
+        for number, why in flagged(mujoco, model):
+            yield Refusal(kind, number, why, help=help)
+
+    def apply(draft: Draft) -> None:
+        option = next(draft.root.iterchildren(OPTION), draft.root)
+        nodes = {0: option} if kind == OPTION else dict(draft.of(kind))
+        for number, why in flagged(draft.mujoco, draft.model):
+            if number in nodes:
+                draft.lose(feature, nodes[number], why, outcome=Outcome.REFUSED, help=help)
+
+    return Limit(feature, outcome, apply, refuses=refuses)
+
+
+def refused_options(
+    name: str, enums: Sequence[tuple[str, str, Collection[str]]], flags: Collection[str], together: Flagged
+) -> Limit:
+    """Return a limit that refuses a model with one of these values of an option, or one of these flags enabled.
+
+    `together` finds values that are refused only in combination with something else; its numbers mean nothing.
+    """
+
+    def flagged(mujoco: Any, model: Any) -> Iterator[tuple[int, str]]:
+        for field, enum, names in enums:
+            members, value = getattr(mujoco, enum).__members__, int(getattr(model.opt, field))
+            for word in names:
+                if word in members and int(members[word]) == value:
+                    yield 0, f"{name} has no {field} `{word.partition('_')[2].lower()}`"
+        for flag in flags:
+            if is_enabled(mujoco, model, flag):
+                yield 0, f"{name} does not have the flag `{flag}`"
+        yield from together(mujoco, model)
+
+    return refused_elements("options", OPTION, flagged, help="write another one in the section `option` of the recipe")
+
+
+def is_enabled(mujoco: Any, model: Any, flag: str) -> bool:
+    """Whether a flag is on that is off by default; a MuJoCo may not have it."""
+    bit = getattr(mujoco.mjtEnableBit, f"mjENBL_{flag.upper()}", None)
+    return bit is not None and bool(int(model.opt.enableflags) & int(bit))
+
+
+def with_plugins(kind: str) -> Flagged:
+    """Return the elements of a kind that plugins compute."""
+
+    def flagged(_mujoco: object, model: Any) -> Iterator[tuple[int, str]]:
+        for number in np.flatnonzero(getattr(model, f"{kind}_plugin") >= 0).tolist():
+            yield number, f"a plugin computes this {kind}"
+
+    return flagged
+
 
 # From `_COLLISION_FUNC` of MJX 3.17.
 _KNOWN = frozenset(

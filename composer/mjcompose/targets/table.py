@@ -11,7 +11,6 @@ from mjcompose.base.extensions import Table, check_rows
 from mjcompose.targets import restrictions as limits
 from mjcompose.targets import simulators
 from mjcompose.targets.names import MUJOCO, NAMES
-from mjcompose.targets.solver import BITS, COMPUTING, GRAVCOMP, GRAVITY, SOFTNESS, unread_contacts
 from mjcompose.targets.target import Draft, Limit, Outcome, Target, write_mjcf
 from mjcompose.targets.urdf import write_urdf
 
@@ -37,9 +36,9 @@ DRAKE = Target(
         limits.NO_EFFORT, *limits.unread_in("free", "damping"), limits.no_shapes("hfield"), limits.NO_HIDDEN_SHAPES,
         limits.NO_TEXTURES, limits.servos("motor", "position"), _NO_CONTROL_RANGE, limits.AT_JOINTS,
         limits.SYMMETRIC_FORCES, limits.NO_SERVO_DAMPING, limits.NO_DELAY, limits.NO_ACTUATOR_ARMATURE,
-        limits.NO_ACTUATOR_DAMPING, limits.REFLECTED_ARMATURE,
-        limits.left_out("equality", "equality/*", but=("connect",), why="what they couple moves freely"),
-        COMPUTING, GRAVCOMP, BITS, SOFTNESS, unread_contacts("torsional", "rolling"),
+        limits.NO_ACTUATOR_DAMPING, limits.REFLECTED_ARMATURE, limits.left_out("equality", "equality/*",
+        but=("connect",), why="what they couple moves freely"), limits.COMPUTING, limits.GRAVCOMP, limits.BITS,
+        limits.SOFTNESS, limits.unread_contacts("torsional", "rolling"),
     ), write=write_mjcf, package="drake",
 )  # fmt: skip
 
@@ -47,11 +46,12 @@ DRAKE = Target(
 PINOCCHIO = Target(
     "pinocchio", "Pinocchio, by its parser of MJCF", (
         limits.one_root(with_free=True), limits.NO_REFERENCES, limits.SINGLE_JOINTS, limits.NO_KEYS, limits.NO_SENSORS,
-        limits.NO_CAMERAS, limits.NO_LIGHTS, limits.NO_TENDONS, limits.NO_EQUALITY, limits.NO_PAIRS, limits.NO_EXCLUDES,
-        limits.NO_SOFT, limits.NO_PLUGINS, limits.NO_CUSTOM, limits.NO_POLYNOMIALS, limits.NO_SPRINGS,
-        *limits.unread_in("free", "damping", "frictionloss"), *limits.unread_in("ball", "damping", "frictionloss"),
-        limits.no_shapes("hfield"), limits.CARRIED_FORCES, limits.servos(), COMPUTING, GRAVITY, GRAVCOMP, BITS,
-        SOFTNESS, unread_contacts("sliding", "torsional", "rolling"),
+        limits.NO_CAMERAS, limits.NO_LIGHTS, limits.NO_TENDONS, limits.NO_EQUALITY, limits.NO_PAIRS,
+        limits.NO_EXCLUDES, limits.NO_SOFT, limits.NO_PLUGINS, limits.NO_CUSTOM, limits.NO_POLYNOMIALS,
+        limits.NO_SPRINGS, *limits.unread_in("free", "damping", "frictionloss"), *limits.unread_in("ball", "damping",
+        "frictionloss"), limits.no_shapes("hfield"), limits.CARRIED_FORCES, limits.servos(), limits.COMPUTING,
+        limits.GRAVITY, limits.GRAVCOMP, limits.BITS, limits.SOFTNESS, limits.unread_contacts("sliding", "torsional",
+        "rolling"),
     ), write=write_mjcf, package="pin",
 )  # fmt: skip
 
@@ -59,12 +59,12 @@ PINOCCHIO = Target(
 PYBULLET = Target(
     "pybullet", "PyBullet, by its parser of MJCF", (
         limits.refused("ball", ".//joint[@type='ball']", "PyBullet has no ball joints in MJCF",
-                       help="convert it to three hinges"),
-        limits.one_root(with_free=False), limits.NO_REFERENCES, limits.SINGLE_JOINTS, limits.NO_KEYS, limits.NO_SENSORS,
-        limits.NO_CAMERAS, limits.NO_LIGHTS, limits.NO_SITES, limits.NO_TENDONS, limits.NO_EQUALITY, limits.NO_PAIRS,
-        limits.NO_EXCLUDES, limits.NO_SOFT, limits.NO_PLUGINS, limits.NO_CUSTOM, limits.NO_DAMPING, limits.NO_FRICTION,
-        limits.NO_ARMATURE, limits.NO_EFFORT, limits.NO_SPRINGS, limits.no_shapes("ellipsoid", "hfield"),
-        limits.servos(), COMPUTING, GRAVITY, GRAVCOMP, SOFTNESS, unread_contacts(but=("condim",)),
+        help="convert it to three hinges"), limits.one_root(with_free=False), limits.NO_REFERENCES,
+        limits.SINGLE_JOINTS, limits.NO_KEYS, limits.NO_SENSORS, limits.NO_CAMERAS, limits.NO_LIGHTS, limits.NO_SITES,
+        limits.NO_TENDONS, limits.NO_EQUALITY, limits.NO_PAIRS, limits.NO_EXCLUDES, limits.NO_SOFT, limits.NO_PLUGINS,
+        limits.NO_CUSTOM, limits.NO_DAMPING, limits.NO_FRICTION, limits.NO_ARMATURE, limits.NO_EFFORT,
+        limits.NO_SPRINGS, limits.no_shapes("ellipsoid", "hfield"), limits.servos(), limits.COMPUTING, limits.GRAVITY,
+        limits.GRAVCOMP, limits.SOFTNESS, limits.unread_contacts(but=("condim",)),
     ), write=write_mjcf, package="pybullet",
 )  # fmt: skip
 
@@ -76,7 +76,7 @@ NEWTON = Target(
     "newton", "Newton, by its parser of MJCF", (
         limits.NO_REFERENCES, limits.single_joints(_MASS), limits.NO_SOFT, limits.NO_PLUGINS, limits.NO_POLYNOMIALS,
         limits.NO_YIELD, *limits.unread_in("free", "damping", "armature", "frictionloss"), limits.CARRIED_FORCES,
-        limits.GEARS, GRAVITY,
+        limits.GEARS, limits.GRAVITY,
     ), write=write_mjcf, package="newton",
 )  # fmt: skip
 
@@ -102,10 +102,10 @@ def _springs(draft: Draft) -> None:
 GENESIS = Target(
     "genesis", "Genesis, which reads MJCF with MuJoCo", (
         limits.NO_SOFT, limits.NO_PLUGINS, limits.NO_CUSTOM, limits.NO_KEYS, limits.NO_SENSORS, limits.NO_CAMERAS,
-        limits.NO_LIGHTS, limits.NO_PAIRS, limits.NO_POLYNOMIALS, limits.NO_YIELD,
-        Limit("springs", Outcome.PARTLY, _springs), limits.no_shapes("hfield"), limits.CARRIED_FORCES, limits.AT_JOINTS,
-        limits.ONE_FOR_EACH_JOINT, limits.left_out("equality", "equality/tendon"), limits.NO_TENDONS,
-        Limit("no armature", Outcome.WRITTEN, _without_armature), GRAVCOMP,
+        limits.NO_LIGHTS, limits.NO_PAIRS, limits.NO_POLYNOMIALS, limits.NO_YIELD, Limit("springs", Outcome.PARTLY,
+        _springs), limits.no_shapes("hfield"), limits.CARRIED_FORCES, limits.AT_JOINTS, limits.ONE_FOR_EACH_JOINT,
+        limits.left_out("equality", "equality/tendon"), limits.NO_TENDONS, Limit("no armature", Outcome.WRITTEN,
+        _without_armature), limits.GRAVCOMP,
     ), write=write_mjcf, package="genesis-world",
 )  # fmt: skip
 
@@ -148,8 +148,9 @@ URDF = Target(
     "urdf", "URDF, in a ROS package with `ros2_control` and SRDF", (
         limits.refused("ball", ".//joint[@type='ball']", "URDF has no ball joints", help="convert it to three hinges"),
         *_IN_WRITING, limits.NO_POLYNOMIALS, limits.NO_SENSORS, limits.NO_CAMERAS, limits.NO_LIGHTS, limits.NO_TENDONS,
-        limits.NO_PAIRS, limits.NO_SOFT, limits.NO_PLUGINS, limits.NO_CUSTOM, limits.NO_SPRINGS, COMPUTING, GRAVITY,
-        GRAVCOMP, BITS, SOFTNESS, unread_contacts("sliding", "torsional", "rolling"),
+        limits.NO_PAIRS, limits.NO_SOFT, limits.NO_PLUGINS, limits.NO_CUSTOM, limits.NO_SPRINGS, limits.COMPUTING,
+        limits.GRAVITY, limits.GRAVCOMP, limits.BITS, limits.SOFTNESS, limits.unread_contacts("sliding", "torsional",
+        "rolling"),
     ), write=write_urdf, package="pin",
 )  # fmt: skip
 

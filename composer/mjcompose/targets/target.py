@@ -68,7 +68,7 @@ _SINGULARS = {
     "equality": "equality constraint", "key": "keyframe", "pair": "contact pair", "exclude": "excluded contact",
 }  # fmt: skip
 _NAMED = 3
-_OPTION = "option"
+OPTION = "option"
 
 
 def grouped(losses: Iterable[Loss]) -> Iterator[list[Loss]]:
@@ -87,8 +87,8 @@ def in_words(title: str, group: list[Loss]) -> str:
     """
     first = group[0]
     kind = first.kind or first.tag
-    counted = _OPTION
-    if kind != _OPTION:
+    counted = OPTION
+    if kind != OPTION:
         word = _SINGULARS.get(kind, kind) if len(group) == 1 else _PLURALS.get(kind, f"{kind}s")
         names = [f"`{each.name}`" for each in group if each.name]
         shown = names if len(names) <= _NAMED + 1 else [*names[:_NAMED]]
@@ -99,7 +99,7 @@ def in_words(title: str, group: list[Loss]) -> str:
     if first.refused:
         return f"{counted}: {first.why}"
     of = f"{first.what} of " if first.what else ""
-    if first.tag == _OPTION and first.what:
+    if first.tag == OPTION and first.what:
         counted, of = first.what, ""
     return f"{title} ignores {of}{counted}" + (f"; {first.why}" if first.why else "")
 

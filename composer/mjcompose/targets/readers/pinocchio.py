@@ -1,105 +1,90 @@
-"""Facts of a model as Pinocchio reads it: `python pinocchio.py MODEL POSES.json FACTS.json`."""
-
-import json
-import sys
+"""Facts of a model as Pinocchio reads it."""
 
 import numpy as np
 import pinocchio as pin
+from facts import count, ends, facts, fallen, inertia
 
-file = sys.argv[1]
-model = (pin.buildModelFromUrdf if file.endswith(".urdf") else pin.buildModelFromMJCF)(file)
-data = model.createData()
-
-STEP = 0.0005
 SHAPES = {
     "Halfspace": "plane", "Plane": "plane", "Sphere": "sphere", "Capsule": "capsule", "Ellipsoid": "ellipsoid",
     "Cylinder": "cylinder", "Box": "box", "BVHModelOBBRSS": "mesh", "Convex": "mesh", "ConvexBase": "mesh",
 }  # fmt: skip
 
 
-def dynamics(joint, limited=True):
-    at = joint.idx_v
-    found = {"damping": float(model.damping[at]), "friction": float(model.upperDryFrictionLimit[at])}
-    if not urdf:
-        found["armature"] = float(model.armature[at])
-    if limited:
-        most = float(model.upperEffortLimit[at])
-        unlimited = not np.isfinite(most) or (urdf and most == 1e6)
-        found["force"] = None if unlimited else most
-    return found
+def read(file):
+    urdf = file.endswith(".urdf")
+    model = (pin.buildModelFromUrdf if urdf else pin.buildModelFromMJCF)(file)
+    data = model.createData()
+    names = list(model.names)
 
+    def dynamics_of(joint, limited=True):
+        at = joint.idx_v
+        found = {"damping": float(model.damping[at]), "friction": float(model.upperDryFrictionLimit[at])}
+        if not urdf:
+            found["armature"] = float(model.armature[at])
+        if limited:
+            most = float(model.upperEffortLimit[at])
+            unlimited = not np.isfinite(most) or (urdf and most == 1e6)
+            found["force"] = None if unlimited else most
+        return found
 
-found = {
-    "version": pin.__version__, "composite": True, "shapes": {}, "bodies": {}, "joints": {}, "actuators": {},
-    "poses": [],
-}  # fmt: skip
-frames = [frame for frame in model.frames if frame.type == pin.FrameType.BODY]
-for frame in frames:
-    if frame.parentJoint:  # frames that are fixed to a body are part of it
-        inertia = frame.placement.actInv(model.inertias[frame.parentJoint])
-        found["bodies"][frame.name] = {
-            "mass": inertia.mass, "com": inertia.lever.tolist(), "inertia": inertia.inertia.tolist(),
-        }  # fmt: skip
-names = list(model.names)
-urdf = file.endswith(".urdf")
-for number in range(1, model.njoints):
-    joint = model.joints[number]
-    if joint.nq == 2 and joint.nv == 1:  # a joint without limits: cosine and sine
-        found["joints"][names[number]] = {"range": None, **dynamics(joint)}
-    if joint.nq == 1:
-        low, high = float(model.lowerPositionLimit[joint.idx_q]), float(model.upperPositionLimit[joint.idx_q])
-        bounded = np.isfinite([low, high]).all() and abs(low) < 1e30
-        found["joints"][names[number]] = {"range": [low, high] if bounded else None, **dynamics(joint)}
-    if joint.shortname() in ("JointModelSpherical", "JointModelSphericalZYX"):
-        found["joints"][names[number]] = dynamics(joint, limited=False)
-if not urdf:
-    seen = set()
-    for kind in (pin.GeometryType.COLLISION, pin.GeometryType.VISUAL):
-        for shape in pin.buildGeomFromMJCF(model, file, kind).geometryObjects:
-            if shape.name not in seen:
-                seen.add(shape.name)
-                word = SHAPES[type(shape.geometry).__name__]
-                found["shapes"][word] = found["shapes"].get(word, 0) + 1
-else:
-    del found["shapes"]
-asked = json.load(open(sys.argv[2]))
-
-
-def standing(pose):
-    q = pin.neutral(model)
-    for name, value in pose["joints"].items():
-        if name in names:
-            joint = model.joints[names.index(name)]
-            q[joint.idx_q : joint.idx_q + joint.nq] = value if joint.nq == 1 else [np.cos(value[0]), np.sin(value[0])]
-    for body, value in pose["free"].items():
-        joint = next((f.parentJoint for f in frames if f.name == body), 0)
-        if joint and model.joints[joint].nq == 7:
-            at = model.joints[joint].idx_q
-            wanted = pin.XYZQUATToSE3(np.array([*value[:3], *value[4:], value[3]]))
-            q[at : at + 7] = pin.SE3ToXYZQUAT(model.jointPlacements[joint].actInv(wanted))
-    return q
-
-
-for pose in asked["poses"]:
-    pin.forwardKinematics(model, data, standing(pose))
-    pin.updateFramePlacements(model, data)
-    row = {}
+    found = facts(pin.__version__, composite=True, without=["friction"])
+    frames = [frame for frame in model.frames if frame.type == pin.FrameType.BODY]
     for frame in frames:
-        at = data.oMf[model.getFrameId(frame.name, pin.FrameType.BODY)]
-        row[frame.name] = [at.translation.tolist(), at.rotation.tolist()]
-    found["poses"].append(row)
-if asked["seconds"]:
-    found["motion"], found["without"] = {}, ["friction"]
-    q, v, damping = standing(asked["home"]), np.zeros(model.nv), np.diag(model.damping)
-    for _ in range(round(asked["seconds"] / STEP)):
-        mass = pin.crba(model, data, q)
-        mass = np.triu(mass) + np.triu(mass, 1).T
-        force = -pin.nonLinearEffects(model, data, q, v) - damping @ v
-        v = v + STEP * np.linalg.solve(mass + STEP * damping, force)
-        q = pin.integrate(model, q, STEP * v)
+        if frame.parentJoint:  # frames that are fixed to a body are part of it
+            spatial = frame.placement.actInv(model.inertias[frame.parentJoint])
+            found["bodies"][frame.name] = inertia(spatial.mass, spatial.lever, spatial.inertia)
     for number in range(1, model.njoints):
         joint = model.joints[number]
-        if joint.nv == 1:
-            at = q[joint.idx_q : joint.idx_q + joint.nq]
-            found["motion"][names[number]] = float(at[0] if joint.nq == 1 else np.arctan2(at[1], at[0]))
-json.dump(found, open(sys.argv[3], "w"))
+        if joint.nq == 2 and joint.nv == 1:  # a joint without limits: cosine and sine
+            found["joints"][names[number]] = {"range": None, **dynamics_of(joint)}
+        if joint.nq == 1:
+            low, high = float(model.lowerPositionLimit[joint.idx_q]), float(model.upperPositionLimit[joint.idx_q])
+            bounds = ends(low, high) if abs(low) < 1e30 else None
+            found["joints"][names[number]] = {"range": bounds, **dynamics_of(joint)}
+        if joint.shortname() in ("JointModelSpherical", "JointModelSphericalZYX"):
+            found["joints"][names[number]] = dynamics_of(joint, limited=False)
+    if urdf:
+        del found["shapes"]
+    else:
+        kinds = (pin.GeometryType.VISUAL, pin.GeometryType.COLLISION)
+        shapes = [each for kind in kinds for each in pin.buildGeomFromMJCF(model, file, kind).geometryObjects]
+        for shape in {each.name: each for each in shapes}.values():
+            count(found, SHAPES[type(shape.geometry).__name__])
+
+    def standing(pose):
+        q = pin.neutral(model)
+        for name, (value, *_) in pose["joints"].items():
+            if name in names:
+                joint = model.joints[names.index(name)]
+                q[joint.idx_q : joint.idx_q + joint.nq] = value if joint.nq == 1 else [np.cos(value), np.sin(value)]
+        for body, value in pose["free"].items():
+            joint = next((f.parentJoint for f in frames if f.name == body), 0)
+            if joint and model.joints[joint].nq == 7:
+                at = model.joints[joint].idx_q
+                wanted = pin.XYZQUATToSE3(np.array([*value[:3], *value[4:], value[3]]))
+                q[at : at + 7] = pin.SE3ToXYZQUAT(model.jointPlacements[joint].actInv(wanted))
+        return q
+
+    def placed(poses):
+        for pose in poses:
+            pin.forwardKinematics(model, data, standing(pose))
+            pin.updateFramePlacements(model, data)
+            ats = {frame.name: data.oMf[model.getFrameId(frame.name, pin.FrameType.BODY)] for frame in frames}
+            yield {name: (at.translation, at.rotation) for name, at in ats.items()}
+
+    def moved(asked, steps):
+        damping = np.diag(model.damping)
+
+        def dynamics(q, v):
+            mass = pin.crba(model, data, q)
+            return np.triu(mass) + np.triu(mass, 1).T, -pin.nonLinearEffects(model, data, q, v) - damping @ v
+
+        def advanced(q, way):
+            return pin.integrate(model, q, way)
+
+        end = fallen(standing(asked["home"]), steps, damping, dynamics=dynamics, moved=advanced)
+        single = ((names[at], model.joints[at]) for at in range(1, model.njoints) if model.joints[at].nv == 1)
+        ats = {name: end[joint.idx_q : joint.idx_q + joint.nq] for name, joint in single}
+        return {name: at[0] if len(at) == 1 else np.arctan2(at[1], at[0]) for name, at in ats.items()}
+
+    return found, placed, moved

@@ -18,9 +18,8 @@ from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Diagnostic, Note
 from mjcompose.mujoco.attributes import Model, NameTable
 from mjcompose.mujoco.varying import MEANS, flat, put, value_of, whose
-from mjcompose.targets.solver import OPTION
 from mjcompose.targets.table import TARGETS
-from mjcompose.targets.target import Refusal
+from mjcompose.targets.target import OPTION, Refusal
 from mjcompose.tools.worlds.names import LoadError, failure
 from mjcompose.tools.worlds.worlds import Worlds
 

@@ -1,10 +1,15 @@
-"""Facts of a model as MuJoCo has it, or a simulator that is made of a `mujoco.MjModel`. The names are MuJoCo's.
+"""Facts of a model as a program reads it: `python facts.py READER MODEL QUESTIONS.json FACTS.json`.
 
-`composer/mjcompose/targets/judge.py` compares the other programs with its facts.
+A reader has a function `read` of the path of the model. It returns the facts without poses, and two functions: `placed`
+yields position and rotation matrix of each body by name for poses, `moved` returns where the joints are after some
+steps from the pose `home`, or None. The facts of MuJoCo are here too, for simulators that are made of a
+`mujoco.MjModel`; `composer/mjcompose/targets/judge.py` compares other programs with them. The names are MuJoCo's.
 """
 
 import json
+import runpy
 import sys
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,28 +17,97 @@ import numpy as np
 FREE, BALL, SLIDE, HINGE = range(4)
 _JOINT, _FIXED, _NO_DYNAMICS, _AFFINE = 0, 0, 0, 1  # mjTRN_JOINT, mjGAIN_FIXED, mjDYN_NONE, mjBIAS_AFFINE
 STEP = 0.0005
-"""The length of a motion, in seconds."""
+"""The length of a step of a motion, in seconds."""
 _FORCE_FREE = ("mjDSBL_CONTACT", "mjDSBL_LIMIT", "mjDSBL_EQUALITY", "mjDSBL_ACTUATION")
 SHAPES = ("plane", "hfield", "sphere", "capsule", "ellipsoid", "cylinder", "box", "mesh", "sdf")
 
 
-def write_facts(version, model, array, placed, moved):
-    """Write the facts of a model to `argv[3]`, with the answers to `argv[2]`.
+def main(reader, model, questions, out):
+    with open(questions) as file:
+        asked = json.load(file)
+    found = answered(asked, *runpy.run_path(reader)["read"](model))
+    with open(out, "w") as file:
+        json.dump(found, file)
+
+
+def answered(asked: Any, found: Any, placed: Any, moved: Any) -> Any:
+    """Return the facts with the poses and the motion of the questions."""
+    found["poses"] = [
+        {name: [np.asarray(at).tolist(), np.asarray(turned).tolist()] for name, (at, turned) in bodies.items()}
+        for bodies in placed(asked["poses"])
+    ]
+    if asked["seconds"] and (end := moved(asked, round(asked["seconds"] / STEP))) is not None:
+        found["motion"] = {name: float(value) for name, value in end.items()}
+    return found
+
+
+def facts(version, **more):
+    """Return facts without anything in them yet."""
+    return {"version": version, "bodies": {}, "joints": {}, "actuators": {}, "shapes": {}, **more}
+
+
+def inertia(mass, com, matrix):
+    """Return the facts of a body: mass (kg), center of mass (m) and inertia about it (kg·m²), shape (3, 3)."""
+    com, matrix = np.asarray(com, dtype=float), np.asarray(matrix, dtype=float)
+    return {"mass": float(mass), "com": com.tolist(), "inertia": matrix.tolist()}
+
+
+def count(found, shape):
+    found["shapes"][shape] = found["shapes"].get(shape, 0) + 1
+
+
+def ends(low, high):
+    """Return the range of a joint, or None if it has no limits."""
+    return [float(low), float(high)] if np.isfinite([low, high]).all() else None
+
+
+def rotation(quat: Any) -> Any:
+    """Return the rotation matrix of a quaternion (w, x, y, z), shape (3, 3)."""
+    w, x, y, z = np.asarray(quat, dtype=float)
+    return np.array([
+        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+    ])  # fmt: skip
+
+
+def fallen(q, steps, damping, dynamics, moved):
+    """Return the positions after some steps from rest that treat `damping` implicitly.
+
+    `dynamics(q, v)` gives mass matrix and force, `moved(q, way)` the positions after a way.
+    """
+    v = np.zeros(len(damping))
+    for _ in range(steps):
+        mass, force = dynamics(q, v)
+        v = v + STEP * np.linalg.solve(mass + STEP * damping, force)
+        q = moved(q, STEP * v)
+    return q
+
+
+def of_mujoco(version: Any, model: Any, array: Any, placed: Any, moved: Any) -> Any:
+    """Return the same as `read`, for a simulator that is made of a `mujoco.MjModel`.
 
     `array(name)` is an array of the simulator's model. `placed(qpos)` gives the positions and the matrices of all
     bodies, `(poses, nbody, 3)` and `(poses, nbody, 3, 3)`, for joint positions `(poses, nq)`. `moved(qpos, steps)` is
     where the joints are after a motion.
     """
-    with open(sys.argv[2]) as file:
-        asked = json.load(file)
-    rows = [qpos(model, pose) for pose in asked["poses"]]
-    xpos, xmat = map(np.asarray, placed(np.array(rows))) if rows else ([], [])
-    found = {"version": version, **numbers(model, array), "poses": poses(model, xpos, xmat)}
-    if asked["seconds"]:
-        end = moved(qpos(model, asked["home"]), round(asked["seconds"] / STEP))
-        found["motion"] = motion(model, np.asarray(end))
-    with open(sys.argv[3], "w") as file:
-        json.dump(found, file)
+    bodies = [(number, name) for number in range(1, model.nbody) if (name := model.body(number).name)]
+    joints = [
+        (name, model.jnt_qposadr[number])
+        for number in range(model.njnt)
+        if model.jnt_type[number] in (HINGE, SLIDE) and (name := model.joint(number).name)
+    ]
+
+    def all_placed(poses):
+        rows = [qpos(model, pose) for pose in poses]
+        for at, turned in zip(*map(np.asarray, placed(np.array(rows)))) if rows else ():
+            yield {name: (at[number], turned[number].reshape(3, 3)) for number, name in bodies}
+
+    def all_moved(asked, steps):
+        end = np.asarray(moved(qpos(model, asked["home"]), steps))
+        return {name: end[at] for name, at in joints}
+
+    return {"version": version, **numbers(model, array)}, all_placed, all_moved
 
 
 def numbers(model: Any, array: Any) -> Any:
@@ -88,37 +162,10 @@ def qpos(model: Any, pose: Any) -> Any:
     return q
 
 
-def poses(model: Any, xpos: Any, xmat: Any) -> Any:
-    names = [model.body(number).name for number in range(model.nbody)]
-    return [
-        {name: [at[n].tolist(), turned[n].reshape(3, 3).tolist()] for n, name in enumerate(names) if n and name}
-        for at, turned in zip(xpos, xmat)
-    ]
-
-
-def motion(model: Any, end: Any) -> Any:
-    """Return where hinges and slides are, by name."""
-    return {
-        model.joint(number).name: float(end[model.jnt_qposadr[number]])
-        for number in range(model.njnt)
-        if model.jnt_type[number] in (HINGE, SLIDE) and model.joint(number).name
-    }
-
-
 def body(array, number):
-    w, x, y, z = np.array(array("body_iquat")[number], dtype=float)
-    axes = np.array(
-        [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-        ]
-    )
-    return {
-        "mass": float(array("body_mass")[number]),
-        "com": np.asarray(array("body_ipos")[number]).tolist(),
-        "inertia": (axes @ np.diag(array("body_inertia")[number]) @ axes.T).tolist(),
-    }
+    axes = rotation(array("body_iquat")[number])
+    matrix = axes @ np.diag(array("body_inertia")[number]) @ axes.T
+    return inertia(array("body_mass")[number], array("body_ipos")[number], matrix)
 
 
 def joint(model, array, number):
@@ -154,3 +201,9 @@ def actuator(model, array, number):
     ends = np.sort(ends * gear) if gear else ends
     found["effort"] = [float(each) if np.isfinite(each) else None for each in ends]
     return found
+
+
+if __name__ == "__main__":
+    # Not the folder of the readers: its `warp.py` and others would stand for the packages of these names.
+    sys.path.append(str(Path(__file__).parent))
+    main(*sys.argv[1:])
