@@ -19,7 +19,7 @@ from mjcompose.base.version import __version__
 from mjcompose.cli import completion
 from mjcompose.cli.options import formats
 from mjcompose.cli.reporting import FINDINGS
-from mjcompose.cli.run import Answer, Run, argument, command
+from mjcompose.cli.run import Answer, Group, Run, argument, command
 
 _CORE = ("numpy", "pydantic", "lxml", "pyyaml", "click", "platformdirs", "filelock", "urllib3", "regex")
 _MODEL = "<mujoco><worldbody><geom size='1'/></worldbody></mujoco>"
@@ -34,8 +34,7 @@ class Finding:
     fine: bool | None = True
 
 
-@dataclass(frozen=True, slots=True)
-class Options:
+class Options(Group):
     form: str = formats("text", "json")
 
 
@@ -178,8 +177,7 @@ def _version(name: str) -> str | None:
         return None
 
 
-@dataclass(frozen=True, slots=True)
-class HelpOptions:
+class HelpOptions(Group):
     names: tuple[str, ...] = argument(metavar="[COMMAND]...", nargs=-1, shell_complete=completion.commands)
 
 
@@ -198,19 +196,13 @@ def help(options: HelpOptions, run: Run) -> Answer:
     return Answer(about.get_help())
 
 
-@dataclass(frozen=True, slots=True)
-class VersionOptions:
-    """`version` has no options."""
-
-
-@command(VersionOptions)
-def version(options: VersionOptions, run: Run) -> Answer:
+@command(Group)
+def version(options: Group, run: Run) -> Answer:
     """Print the version. `mjcompose doctor` prints the versions of all dependencies."""
     return Answer(f"mjcompose, version {__version__}")
 
 
-@dataclass(frozen=True, slots=True)
-class SchemaOptions:
+class SchemaOptions(Group):
     what: str = argument(type=click.Choice(["recipe", "manifest", "diagnostics", "reference"]), default="recipe")
 
 

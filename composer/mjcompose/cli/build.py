@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import hide
 from mjcompose.build.bundle.bundle import is_address
 from mjcompose.cli.cells import BuildingOptions, check_readers, check_several
@@ -38,7 +37,6 @@ class _Target(click.Choice):  # type: ignore[type-arg]  # before click 8.2 it is
         raise click.BadParameter(f"the target `{value}` does not exist.{hint} Targets: {', '.join(self.choices)}.")
 
 
-@dataclass(frozen=True, slots=True)
 class Options(BuildingOptions):
     recipe: Path = RECIPE_OR_STDIN
     out: str | None = output(

@@ -9,20 +9,18 @@ from typing import TYPE_CHECKING
 
 import click
 
-from mjcompose.base.dataclass import dataclass
 from mjcompose.build.bundle.bundle import is_address
 from mjcompose.build.bundle.listing import COLUMNS
 from mjcompose.cli.options import STRICT, FetchOptions, LimitOptions, ReportOptions, TimeOptions
 from mjcompose.cli.reporting import FINDINGS, USAGE, progress, say
-from mjcompose.cli.run import PATH, Answer, Run, Stop, argument, command, group, option
+from mjcompose.cli.run import PATH, Answer, Group, Run, Stop, argument, command, group, option
 from mjcompose.text.expression import shown
 
 if TYPE_CHECKING:
     from mjcompose.build.verify.stored import VerifiedBundle
 
 
-@dataclass(frozen=True, slots=True)
-class VerifyOptions:
+class VerifyOptions(Group):
     bundles: tuple[Path, ...] = argument(metavar="BUNDLE...", type=PATH, nargs=-1, required=True)
     recipe: Path | None = option(
         "--recipe", type=PATH,
@@ -73,8 +71,7 @@ def _say(stored: VerifiedBundle, path: str, form: str, *, ok: bool) -> None:
         say(f"{path}: ok: {len(stored.bundle.files)} files{compared if stored.parts else ', no parts'}")
 
 
-@dataclass(frozen=True, slots=True)
-class ListOptions:
+class ListOptions(Group):
     folder: str = argument(type=click.Path())
     where: str | None = option(
         "--where", metavar="EXPRESSION",
@@ -113,8 +110,7 @@ def list(options: ListOptions, run: Run) -> int:
     return 0
 
 
-@dataclass(frozen=True, slots=True)
-class RebuildOptions:
+class RebuildOptions(Group):
     stamp: Path = argument(type=PATH)
     recipe: Path | None = argument(type=PATH, required=False)
     out: str | None = option(

@@ -31,7 +31,7 @@ from mjcompose.cli.options import (
     TimeOptions,
 )
 from mjcompose.cli.reporting import USAGE, exit_code, is_quiet, on_terminal, say
-from mjcompose.cli.run import Run, flag, group, option
+from mjcompose.cli.run import Group, Run, flag, group, option
 
 if TYPE_CHECKING:
     from mjcompose.build.bundle.bundle import Location
@@ -44,8 +44,7 @@ if TYPE_CHECKING:
 Item = TypeVar("Item")
 
 
-@dataclass(frozen=True, slots=True)
-class CellOptions:
+class CellOptions(Group):
     """The choice of one cell or sample."""
 
     heading: ClassVar[str] = "Model"
@@ -82,8 +81,7 @@ class CellOptions:
         return (given, self.sample or 0) if cell is None else ({**given, **cell.given}, cell.sample)
 
 
-@dataclass(frozen=True, slots=True)
-class CellsOptions:
+class CellsOptions(Group):
     """The choice of several cells and samples; without any, a command is about one model."""
 
     heading: ClassVar[str] = "Model"
@@ -157,8 +155,7 @@ JOBS = option(
 )  # fmt: skip
 
 
-@dataclass(frozen=True, slots=True)
-class WorkerOptions:
+class WorkerOptions(Group):
     """The processes and machines that make the cells."""
 
     heading: ClassVar[str] = "Workers"
@@ -191,8 +188,7 @@ class WorkerOptions:
             yield crew
 
 
-@dataclass(frozen=True, slots=True)
-class ModelOptions:
+class ModelOptions(Group):
     """The groups of a command about one model of a recipe, which its class of options inherits."""
 
     choices: Choices = group(Choices)
@@ -202,8 +198,7 @@ class ModelOptions:
     reporting: ReportOptions = group(ReportOptions)
 
 
-@dataclass(frozen=True, slots=True)
-class BuildingOptions:
+class BuildingOptions(Group):
     """The options of `build` and `check`, which make the models of a recipe."""
 
     choices: Choices = group(Choices)

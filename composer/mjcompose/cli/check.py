@@ -32,7 +32,6 @@ if TYPE_CHECKING:
     from mjcompose.sources.context import Context
 
 
-@dataclass(frozen=True, slots=True)
 class Options(BuildingOptions):
     recipes: tuple[Path, ...] = argument(type=RECIPE_PATH, nargs=-1, required=True)
     no_compile: bool = flag("--no-compile", help="Do not compile the models in MuJoCo, and do not run their checks.")
@@ -245,7 +244,6 @@ def _counted(checks: int) -> str:
     return f", {checks} check{'s hold' if checks > 1 else ' holds'}" if checks else ""
 
 
-@dataclass(frozen=True, slots=True)
 class PlanOptions(ModelOptions):
     recipe: Path = RECIPE_OR_STDIN
     expanded: bool = flag("--expanded", help="Print the concrete recipe, with the file and line of every value.")

@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING
 import click
 from click.shell_completion import BashComplete, CompletionItem, add_completion_class, split_arg_string
 
-from mjcompose.base.dataclass import dataclass
-from mjcompose.cli.run import Answer, Run, argument, command
+from mjcompose.cli.run import Answer, Group, Run, argument, command
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as Element
@@ -26,8 +25,7 @@ _LINES = {
 }
 
 
-@dataclass(frozen=True, slots=True)
-class Options:
+class Options(Group):
     shell: str = argument(type=click.Choice(tuple(_LINES)))
 
 

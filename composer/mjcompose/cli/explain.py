@@ -10,20 +10,18 @@ from typing import TYPE_CHECKING
 import click
 
 from mjcompose.base.codes import CODES, address, code_of, in_terminal, page
-from mjcompose.base.dataclass import dataclass
 from mjcompose.base.files import MJCF_FILES, RECIPES, STDIN
 from mjcompose.cli import completion
 from mjcompose.cli.cells import CellOptions, ModelOptions
 from mjcompose.cli.options import Amount, Choices, ReportOptions, TimeOptions, did_you_mean, output
 from mjcompose.cli.reporting import FINDINGS, USAGE, progress, source_reader, use_color
-from mjcompose.cli.run import RECIPE_PATH, Answer, Run, Stop, argument, command, flag, group, option
+from mjcompose.cli.run import RECIPE_PATH, Answer, Group, Run, Stop, argument, command, flag, group, option
 
 if TYPE_CHECKING:
     from mjcompose.tools.diff.changes import Breaking, Diff
     from mjcompose.tools.diff.sides import Side
 
 
-@dataclass(frozen=True, slots=True)
 class ExplainOptions(ModelOptions):
     model: Path | None = argument(
         metavar="MODEL|CODE", type=RECIPE_PATH, required=False, shell_complete=completion.models_and_codes
@@ -115,7 +113,6 @@ def _no_code(word: Path) -> str:
     return f"`{word}` is neither a code nor a file that exists.{hint}"
 
 
-@dataclass(frozen=True, slots=True)
 class TreeOptions(ModelOptions):
     model: str = argument(type=type(RECIPE_PATH)(path_type=str), shell_complete=completion.files)
     places: bool = flag("--places", help="List the places where a part can be attached, as written in a recipe.")
@@ -145,8 +142,7 @@ def tree(options: TreeOptions, run: Run) -> Answer:
     )
 
 
-@dataclass(frozen=True, slots=True)
-class NamesOptions:
+class NamesOptions(Group):
     model: str = argument(shell_complete=completion.files)
     python: bool = flag("--python", help="Write a Python module.")
     cpp: bool = flag("--cpp", help="Write a C++17 header.")
@@ -207,8 +203,7 @@ def _no_all(_context: click.Context, _option: click.Parameter, is_given: bool) -
         )
 
 
-@dataclass(frozen=True, slots=True)
-class DiffOptions:
+class DiffOptions(Group):
     a: str = argument()
     b: str = argument()
     choices: Choices = group(Choices)

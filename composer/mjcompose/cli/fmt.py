@@ -14,13 +14,12 @@ import click
 
 from mjcompose.base import report as github
 from mjcompose.base.access import door_of_user
-from mjcompose.base.dataclass import dataclass
 from mjcompose.base.files import MJCF_FILES, RECIPES, read_regular
 from mjcompose.base.limits import in_force
 from mjcompose.base.report import Paint, counted, printable
 from mjcompose.cli.options import RECIPE, RecipeOptions, ReportOptions
 from mjcompose.cli.reporting import FINDINGS, on_terminal, say, use_color
-from mjcompose.cli.run import Run, argument, command, flag, group, option
+from mjcompose.cli.run import Group, Run, argument, command, flag, group, option
 
 if TYPE_CHECKING:
     from mjcompose.sources.context import Context
@@ -30,8 +29,7 @@ if TYPE_CHECKING:
 STDIN = "-"
 
 
-@dataclass(frozen=True, slots=True)
-class FmtOptions:
+class FmtOptions(Group):
     files: tuple[str, ...] = argument(nargs=-1, required=True)
     reporting: ReportOptions = group(ReportOptions)
     check: bool = flag("--check", help="Write nothing. Print the changes, and exit with 1 if there are any.")
@@ -166,7 +164,6 @@ def difference(source: bytes, result: bytes, shown: str, done: str) -> str:
     return "".join(line if line.endswith("\n") else f"{line}\n\\ No newline at end of file\n" for line in lines)
 
 
-@dataclass(frozen=True, slots=True)
 class FixOptions(RecipeOptions):
     recipe: Path = RECIPE
     write: bool | None = option(

@@ -9,13 +9,12 @@ from typing import TYPE_CHECKING
 
 import click
 
-from mjcompose.base.dataclass import dataclass
 from mjcompose.base.files import MJCF_FILES
 from mjcompose.base.report import counted
 from mjcompose.cli.fmt import rewrite
 from mjcompose.cli.options import FetchOptions, ReportOptions, TimeOptions
 from mjcompose.cli.reporting import FINDINGS, progress, say
-from mjcompose.cli.run import PATH, Answer, Run, argument, command, flag, group, option
+from mjcompose.cli.run import PATH, Answer, Group, Run, argument, command, flag, group, option
 
 if TYPE_CHECKING:
     from mjcompose.base.diagnostic import Diagnostic
@@ -27,8 +26,7 @@ if TYPE_CHECKING:
 _PROFILES = ("menagerie", "robot-asset")
 
 
-@dataclass(frozen=True, slots=True)
-class Options:
+class Options(Group):
     files: tuple[Path, ...] = argument(metavar="FILES...", type=PATH, nargs=-1)
     select: tuple[str, ...] = option(
         "--select", multiple=True, metavar="RULE", help="Run only this rule or family of rules, or `all`. Separate"

@@ -10,14 +10,13 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from mjcompose.base.dataclass import dataclass
 from mjcompose.base.files import MJCF_FILES, RECIPES
 from mjcompose.base.report import counted
 from mjcompose.cli import completion
 from mjcompose.cli.fmt import difference, rewrite, show_differences
 from mjcompose.cli.options import STRICT, FetchOptions, ReportOptions, TimeOptions, did_you_mean, output
 from mjcompose.cli.reporting import FINDINGS, progress
-from mjcompose.cli.run import PATH, Answer, Run, Stop, argument, command, flag, group, option
+from mjcompose.cli.run import PATH, Answer, Group, Run, Stop, argument, command, flag, group, option
 
 if TYPE_CHECKING:
     from mjcompose.sources.context import Context
@@ -26,8 +25,7 @@ if TYPE_CHECKING:
 _SHOWN = 5
 
 
-@dataclass(frozen=True, slots=True)
-class Options:
+class Options(Group):
     model: str = argument(shell_complete=completion.files)
     before: str | None = option("--from", metavar="VERSION",
                                 help="The MuJoCo version that MODEL is written for, 3.0 to 4.0.")  # fmt: skip

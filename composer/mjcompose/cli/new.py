@@ -17,15 +17,14 @@ from mjcompose.base.report import counted
 from mjcompose.cli.fmt import rewrite
 from mjcompose.cli.options import ReportOptions, TimeOptions, output
 from mjcompose.cli.reporting import FINDINGS, progress, say
-from mjcompose.cli.run import PATH, Answer, Run, Stop, argument, command, flag, group, option
+from mjcompose.cli.run import PATH, Answer, Group, Run, Stop, argument, command, flag, group, option
 
 if TYPE_CHECKING:
     from mjcompose.sources.context import Context
     from mjcompose.tools.importing.recover import Recovered
 
 
-@dataclass(frozen=True, slots=True)
-class Options:
+class Options(Group):
     path: Path | None = argument(type=PATH, required=False)
     project: bool = flag(
         "--project",
@@ -147,8 +146,7 @@ def _kept(path: str, folder: Path, files: Mapping[str, str]) -> str:
 _SHOWN = 20
 
 
-@dataclass(frozen=True, slots=True)
-class ImportOptions:
+class ImportOptions(Group):
     merged: Path = argument(type=PATH)
     parts: tuple[Path, ...] = argument(type=PATH, nargs=-1)
     folders: tuple[Path, ...] = option(

@@ -11,11 +11,10 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import click
 
-from mjcompose.base.dataclass import dataclass
 from mjcompose.base.limits import NAMES, allow, read
 from mjcompose.cli import completion
 from mjcompose.cli.entry import LEAST, bound
-from mjcompose.cli.run import PATH, RECIPE_PATH, Run, argument, flag, group, option
+from mjcompose.cli.run import PATH, RECIPE_PATH, Group, Run, argument, flag, group, option
 
 if TYPE_CHECKING:
     from mjcompose.build.cache.cache import Cache
@@ -64,8 +63,7 @@ RECIPE_OR_STDIN = argument(type=RECIPE_PATH)
 FORMATS = ("text", "json", "github", "junit", "sarif", "markdown")
 
 
-@dataclass(frozen=True, slots=True)
-class ReportOptions:
+class ReportOptions(Group):
     """The format and amount of output: `Run.form`, and `reporting.is_quiet`."""
 
     heading: ClassVar[str] = "Output"
@@ -73,8 +71,7 @@ class ReportOptions:
     quiet: bool = QUIET
 
 
-@dataclass(frozen=True, slots=True)
-class FetchOptions:
+class FetchOptions(Group):
     """The rules for fetching; `Run.context` has them."""
 
     heading: ClassVar[str] = "Sources"
@@ -103,8 +100,7 @@ def caching(context: Context, no_cache: bool) -> Iterator[Cache | None]:
             cache.close()
 
 
-@dataclass(frozen=True, slots=True)
-class Choices:
+class Choices(Group):
     """The values of `--set` and `--set-file`: parameters and variants."""
 
     heading: ClassVar[str] = "Model"
@@ -202,8 +198,7 @@ def _limits(ctx: click.Context, parameter: click.Parameter, given: tuple[str, ..
             bound(int(value))
 
 
-@dataclass(frozen=True, slots=True)
-class LimitOptions:
+class LimitOptions(Group):
     """Limits of a run, which are in force as soon as they are read: see `mjcompose.base.limits.in_force`."""
 
     heading: ClassVar[str] = "Limits"
@@ -212,8 +207,7 @@ class LimitOptions:
                          help="Change a limit, for example expansion=50000.")  # fmt: skip
 
 
-@dataclass(frozen=True, slots=True)
-class TimeOptions:
+class TimeOptions(Group):
     """The limits of a command that runs MuJoCo: `--timeout` is short for `--limit time=`."""
 
     heading: ClassVar[str] = "Limits"
@@ -224,8 +218,7 @@ class TimeOptions:
                                 "  [default: 300]")  # fmt: skip
 
 
-@dataclass(frozen=True, slots=True)
-class RecipeOptions:
+class RecipeOptions(Group):
     """The groups of a command about a recipe. A class of options inherits them, and its own options come first."""
 
     choices: Choices = group(Choices)

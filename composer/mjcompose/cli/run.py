@@ -9,9 +9,10 @@ import json
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager, nullcontext, redirect_stdout
+from dataclasses import field
 from pathlib import Path
 from threading import Event
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar, dataclass_transform
 
 import click
 
@@ -87,6 +88,15 @@ def flag(*flags: str, help: str) -> Any:
 def group(options: type) -> Any:
     """Declare a field as a group of options: an object of this class, with the group's `heading`."""
     return _Declared(options)
+
+
+@dataclass_transform(frozen_default=True, field_specifiers=(field,))
+@dataclass(frozen=True)
+class Group:
+    """The base of all classes of options: each of them is a frozen dataclass."""
+
+    def __init_subclass__(cls) -> None:
+        dataclass(frozen=True)(cls)
 
 
 def command(

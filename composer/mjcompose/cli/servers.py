@@ -17,12 +17,11 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
-from mjcompose.base.dataclass import dataclass
 from mjcompose.base.scratch import scratch
 from mjcompose.base.version import __version__
 from mjcompose.cli.options import formats
 from mjcompose.cli.reporting import USAGE
-from mjcompose.cli.run import PATH, Answer, Run, Stop, command, flag, option
+from mjcompose.cli.run import PATH, Answer, Group, Run, Stop, command, flag, option
 
 if TYPE_CHECKING:
     from mcp_types import CallToolResult
@@ -69,13 +68,8 @@ _CLOSED = {"type": "object", "additionalProperties": False}
 _KINDS = {"string": str, "boolean": bool, "integer": int, "object": dict}
 
 
-@dataclass(frozen=True, slots=True)
-class McpOptions:
-    pass
-
-
-@command(McpOptions)
-def mcp(options: McpOptions, run: Run) -> None:
+@command(Group)
+def mcp(options: Group, run: Run) -> None:
     """Serve tools to AI agents: tree, plan, check, fix, explain, render and reference, over standard input and output.
 
     An agent starts it, in the folder of the recipes. Tools read no other folder, except installed packages and sources
@@ -197,8 +191,7 @@ async def _run(root: Path, words: list[str]) -> tuple[int, str]:
 _EXTRA = ("pygls", "lsprotocol", "cattrs", "attrs", "attr")
 
 
-@dataclass(frozen=True, slots=True)
-class LspOptions:
+class LspOptions(Group):
     stdio: bool = flag("--stdio", help="Use standard input and output. This is always the case; the option exists"
                        " because many editors pass it.")  # fmt: skip
 
@@ -236,8 +229,7 @@ def plugin() -> None:
     """
 
 
-@dataclass(frozen=True, slots=True)
-class PluginOptions:
+class PluginOptions(Group):
     mujoco: Path | None = option("--mujoco", type=PATH, metavar="FOLDER", help="A MuJoCo release. Default: the package"
                                  " `mujoco` of this Python.")  # fmt: skip
     form: str = formats("text", "json")

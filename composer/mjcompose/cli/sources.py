@@ -9,11 +9,10 @@ from typing import TYPE_CHECKING
 
 import click
 
-from mjcompose.base.dataclass import dataclass
 from mjcompose.base.report import counted
 from mjcompose.cli.options import RECIPE, RecipeOptions, ReportOptions, formats
 from mjcompose.cli.reporting import FINDINGS, USAGE, say
-from mjcompose.cli.run import Answer, Run, Stop, command, flag, group, option
+from mjcompose.cli.run import Answer, Group, Run, Stop, command, flag, group, option
 
 if TYPE_CHECKING:
     from mjcompose.sources.reference import SourceError
@@ -31,8 +30,7 @@ def cache() -> None:
     """
 
 
-@dataclass(frozen=True, slots=True)
-class InfoOptions:
+class InfoOptions(Group):
     form: str = formats("text", "json")
 
 
@@ -73,8 +71,7 @@ def info(options: InfoOptions, run: Run) -> Answer:
     return Answer(lambda: "\n".join(lines()), data, is_outcome=True)
 
 
-@dataclass(frozen=True, slots=True)
-class PruneOptions:
+class PruneOptions(Group):
     size: str | None = option("--size", metavar="SIZE", help="Keep at most this much, such as 500M or 2G. Default: the"
                               " store's maximum size.")  # fmt: skip
     everything: bool = flag("--all", help="Remove everything.")
@@ -106,8 +103,7 @@ def prune(options: PruneOptions, run: Run) -> Answer:
     return Answer(words, {"removed": len(removed), "size": size_removed}, is_outcome=True)
 
 
-@dataclass(frozen=True, slots=True)
-class VerifyOptions:
+class VerifyOptions(Group):
     fix: bool = flag("--fix", help="Remove damaged files. They are fetched again when they are needed.")
     reporting: ReportOptions = group(ReportOptions)
 
@@ -185,7 +181,6 @@ def _bytes(size: float) -> str:
     return f"{size:.1f} GiB"
 
 
-@dataclass(frozen=True, slots=True)
 class LockOptions(RecipeOptions):
     recipe: Path = RECIPE
     upgrade: bool = flag("--upgrade", help="Lock all sources as they are now: the newest commits of branches, and"

@@ -8,20 +8,18 @@ from typing import TYPE_CHECKING
 
 import click
 
-from mjcompose.base.dataclass import dataclass
 from mjcompose.base.files import RECIPES
 from mjcompose.base.report import counted
 from mjcompose.cli import completion
 from mjcompose.cli.options import Amount, FetchOptions, ReportOptions, TimeOptions
 from mjcompose.cli.reporting import FINDINGS, progress
-from mjcompose.cli.run import PATH, Answer, Run, Stop, argument, command, group, option
+from mjcompose.cli.run import PATH, Answer, Group, Run, Stop, argument, command, group, option
 
 if TYPE_CHECKING:
     from mjcompose.tools.migrate.upgrade import Upgrade
 
 
-@dataclass(frozen=True, slots=True)
-class Options:
+class Options(Group):
     model: str = argument(shell_complete=completion.files)
     before: str = option("--from", metavar="VERSION", required=True, help="The MuJoCo version that you use now.")
     after: str | None = option(

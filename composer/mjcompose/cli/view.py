@@ -15,7 +15,7 @@ from mjcompose.cli import completion
 from mjcompose.cli.cells import JOBS, CellOptions, CellsOptions, check_several
 from mjcompose.cli.options import Amount, Choices, FetchOptions, ReportOptions, TimeOptions, output
 from mjcompose.cli.reporting import FINDINGS, USAGE, progress, say, words_of
-from mjcompose.cli.run import Answer, Run, Stop, argument, command, flag, group, option
+from mjcompose.cli.run import Answer, Group, Run, Stop, argument, command, flag, group, option
 
 if TYPE_CHECKING:
     from mjcompose.mujoco.engine import Session
@@ -26,8 +26,7 @@ if TYPE_CHECKING:
     from mjcompose.tools.view.render import Wish
 
 
-@dataclass(frozen=True, slots=True)
-class Options:
+class Options(Group):
     target: str = argument()
     html: Path | None = option("--html", type=click.Path(path_type=Path, dir_okay=False), metavar="FILE",
                                help="Write a page that needs no server and no network, and exit.")  # fmt: skip
@@ -172,8 +171,7 @@ def _color(context: click.Context, option: click.Parameter, text: str | None) ->
     return found
 
 
-@dataclass(frozen=True, slots=True)
-class RenderOptions:
+class RenderOptions(Group):
     target: str = argument()
     out: str | None = output("FILE.png, FILE.gif or FILE.mp4. Default: build/NAME.png.")
     key: str | None = option("--key", metavar="KEY", help="The keyframe to show. Default: the first one.",
