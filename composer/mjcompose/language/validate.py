@@ -299,8 +299,8 @@ def _no_mapping(node: Node, sink: Sink) -> None:
 def _one_each(early: list[Fault], found: list[Fault]) -> Iterable[Fault]:
     """Yield the faults to report.
 
-    If a place has a fault of its own, then that its value is not an expected one is left out. What is inside of an
-    unknown key, or of a list where no list is expected, does not count.
+    If a place has a fault of its own, then that its value is not an expected one is left out. Faults inside of an
+    unknown key, or of a list where no list is expected, do not count.
     """
     unknown = {fault.at for fault in found if fault.key}
     unfit = {fault.at for fault in found if fault.code == "wrong-type"} - {fault.at for fault in early}
