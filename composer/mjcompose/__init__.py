@@ -20,8 +20,8 @@ if TYPE_CHECKING:
     from mjcompose import mjcf as mjcf
     from mjcompose import mujoco_plugin as mujoco_plugin
     from mjcompose import worlds as worlds
+    from mjcompose.base import __version__ as __version__
     from mjcompose.base.report import MjcomposeError as MjcomposeError
-    from mjcompose.base.version import __version__ as __version__
     from mjcompose.tools.open.recipe import BuildError as BuildError
     from mjcompose.tools.open.recipe import RecipeWarning as RecipeWarning
     from mjcompose.tools.open.recipe import model as model
@@ -41,7 +41,7 @@ _HOMES = {
     "MjcomposeError": "mjcompose.base.report",
     "RecipeWarning": "mjcompose.tools.open.recipe",
     "UnknownNameError": "mjcompose.tools.worlds.names",
-    "__version__": "mjcompose.base.version",
+    "__version__": "mjcompose.base",
     "load": "mjcompose.tools.worlds.load",
     "load_many": "mjcompose.tools.worlds.load",
     "model": "mjcompose.tools.open.recipe",

@@ -95,7 +95,7 @@ WRITES_ITSELF = {
         sources/git_command.py:write_tree sources/git_repository.py:replace_by_local
         sources/git_repository.py:_Server.fill sources/archives.py:_Artifact._fill sources/store.py sources/web_archive.py:_write""",
     "the standard output of a process, and trials of what it may": """
-        mujoco/child.py:main base/sandbox.py:main base/sandbox.py:probe base/worker.py:main""",
+        mujoco/child.py:main base/sandbox.py:main base/sandbox.py:probe base/guard.py:work""",
     "pages of this project, for `make schemas`": """
         targets/table.py:<module> language/reference_page.py:write""",
     "no file: it links models, or names elements": """

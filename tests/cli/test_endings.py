@@ -60,7 +60,7 @@ def hung(process: subprocess.Popen[bytes], seconds: float) -> set[int]:
     while time.monotonic() < end and process.poll() is None:
         for child in children(process.pid):
             words = Path(f"/proc/{child}/cmdline").read_bytes() if child not in found else b""
-            if (b"child.py" in words or b"worker.py" in words) and children(child):  # its guard stands
+            if (b"child.py" in words or b"guard.py\0worker" in words) and children(child):  # its guard stands
                 os.kill(child, signal.SIGSTOP)
                 found.add(child)
                 end = min(end, time.monotonic() + seconds)

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from cli.shell import environment, process, run
 from click.testing import CliRunner
-from mjcompose.base.version import __version__
+from mjcompose.base import __version__
 from mjcompose.cli import main as main_module
 from mjcompose.cli import reporting
 from mjcompose.cli.main import main

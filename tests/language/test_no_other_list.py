@@ -11,8 +11,7 @@ import pytest
 from mjcompose.language.forms.context import Lazy
 from mjcompose.language.forms.model import Model, rest_of
 from mjcompose.language.forms.translate import first_keys, name_scopes, spots
-from mjcompose.language.interface import Interface
-from mjcompose.language.recipe import DEPTHS, SETTLED, Recipe
+from mjcompose.language.recipe import DEPTHS, SETTLED, Interface, Recipe
 from mjcompose.language.reference_page import pages
 from mjcompose.lsp.language import forms_at, keys_of
 from mjcompose.lsp.places import _rows

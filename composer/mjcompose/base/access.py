@@ -51,15 +51,13 @@ class Door:
         whose: str = "what it came with", help: str | None = None, start: str | None = None,
     ) -> Door:  # fmt: skip
         """Return a door to some folders, whose paths may contain links."""
-        roots = dict.fromkeys(real_folder(os.fspath(each)) for each in folders)
-        return cls(tuple(roots), whose, help, start)
+        return cls(tuple(dict.fromkeys(real_folder(os.fspath(each)) for each in folders)), whose, help, start)
 
     def wider(self, folders: tuple[str | os.PathLike[str], ...]) -> Door:
         """Return the same door with more folders."""
         if not folders:
             return self
-        roots = dict.fromkeys((*self.roots, *map(os.path.realpath, folders)))
-        return replace(self, roots=tuple(roots), _folders={})
+        return replace(self, roots=tuple(dict.fromkeys((*self.roots, *map(os.path.realpath, folders)))), _folders={})
 
     def sees(self, path: str | os.PathLike[str]) -> bool:
         """Return whether a path leads to a place that the reader may see, whether or not it exists."""

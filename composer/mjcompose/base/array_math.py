@@ -124,8 +124,7 @@ def _log(x: Floats) -> Pair:
     high, low = _times((high, low), (mantissa, np.zeros_like(x)))
     high, low = np.ldexp(high, powers + exponent), np.ldexp(low, powers + exponent)
     more = _sum(high - 1.0, low)  # so close to 1 that the difference is exact
-    square = more[0] * more[0] * -0.5
-    return _plus(_plus(more, (square, np.zeros_like(x))), (near, np.zeros_like(x)))
+    return _plus(_plus(more, (more[0] * more[0] * -0.5, np.zeros_like(x))), (near, np.zeros_like(x)))
 
 
 def _scaled_exp(x: Floats) -> tuple[Pair, NDArray[np.int64]]:

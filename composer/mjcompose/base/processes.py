@@ -132,7 +132,6 @@ Result = TypeVar("Result")
 Opening = Callable[[], AbstractContextManager[Callable[[Task], Result]]]
 """Called once in a process, it returns the function that does its tasks. It is pickled, as are tasks and results."""
 
-_SCRIPT = str(Path(__file__).with_name("worker.py"))
 _TRIES = 2
 _SECONDS_TO_END = 5.0
 
@@ -170,7 +169,7 @@ class Helper:
             if self._process is not None or self.ends:
                 return
             self._process = Process(
-                [sys.executable, "-I", "-X", f"utf8={sys.flags.utf8_mode}", _SCRIPT], watches=True,
+                [sys.executable, "-I", "-X", f"utf8={sys.flags.utf8_mode}", _GUARD, "worker"], watches=True,
                 stdin=subprocess.PIPE, stdout=subprocess.PIPE, cwd=self._folder,
             )  # fmt: skip
             self._is_open = False

@@ -244,8 +244,7 @@ def render_github(diagnostic: Diagnostic) -> str:
     in_cells = f" in {cells[0].name if len(cells) == 1 else f'{len(cells)} cells'}" if cells else ""
     properties["title"] = diagnostic.code + in_cells
 
-    lines = [diagnostic.message, *remarks(diagnostic)]
-    return command(_COMMAND[diagnostic.severity], "\n".join(lines), properties)
+    return command(_COMMAND[diagnostic.severity], "\n".join([diagnostic.message, *remarks(diagnostic)]), properties)
 
 
 def remarks(diagnostic: Diagnostic) -> Iterator[str]:

@@ -9,10 +9,10 @@ from dataclasses import fields
 from typing import Any, get_args, get_type_hints
 from urllib.parse import quote
 
+from mjcompose.base import __version__
 from mjcompose.base.codes import CODES, address
 from mjcompose.base.diagnostic import CellName, Diagnostic, Fix, Note, Severity, Span
 from mjcompose.base.report import printable, remarks
-from mjcompose.base.version import __version__
 
 
 def render_sarif(diagnostics: Sequence[Diagnostic]) -> str:

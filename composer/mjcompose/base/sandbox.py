@@ -199,8 +199,7 @@ class _Kernel:
 
     def _said(self, function: Any, kind: Any, *arguments: Any) -> int:
         long, function.restype = self._ctypes.c_long, kind
-        given = [long(each) if isinstance(each, int) else each for each in arguments]
-        result = int(function(*given))
+        result = int(function(*[long(each) if isinstance(each, int) else each for each in arguments]))
         return -self._ctypes.get_errno() if result < 0 else result
 
     def bytes(self, data: bytes) -> Any:

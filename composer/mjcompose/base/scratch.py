@@ -33,8 +33,7 @@ def scratch(purpose: str) -> Iterator[Path]:
     ...     folder.is_dir(), folder.parent.name.startswith("mjcompose-example-")
     (True, True)
     """
-    parent = sweep_temporary()
-    with locked_folder(parent / f"{PREFIX}{purpose}-{secrets.token_hex(6)}") as folder:
+    with locked_folder(sweep_temporary() / f"{PREFIX}{purpose}-{secrets.token_hex(6)}") as folder:
         files = folder / _FILES
         files.mkdir()
         yield files

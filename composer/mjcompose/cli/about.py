@@ -13,9 +13,9 @@ from importlib import metadata
 
 import click
 
+from mjcompose.base import __version__
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.scratch import scratch
-from mjcompose.base.version import __version__
 from mjcompose.cli import completion
 from mjcompose.cli.options import formats
 from mjcompose.cli.reporting import FINDINGS
@@ -55,7 +55,7 @@ def doctor(options: Options, run: Run) -> Answer:
 
 
 def _installed() -> Iterator[Finding]:
-    from mjcompose.base.version import __version__
+    from mjcompose.base import __version__
 
     yield Finding("mjcompose", f"{__version__}, Python {platform.python_version()}, {platform.platform()}")
     others = sorted(set(metadata.packages_distributions().get("mjcompose", [])) - {"mjcompose"})

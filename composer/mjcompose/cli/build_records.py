@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-from mjcompose.base.version import __version__
+from mjcompose.base import __version__
 from mjcompose.build.bundle.bundle import MANIFEST, MODEL, OutputError, to_text
 from mjcompose.build.bundle.manifest import Input, Manifest, from_json
 from mjcompose.build.bundle.read import ReadError, read

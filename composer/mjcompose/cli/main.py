@@ -12,8 +12,7 @@ from typing import Any
 
 import click
 
-from mjcompose.base import files
-from mjcompose.base.version import __version__
+from mjcompose.base import __version__, files
 from mjcompose.cli.entry import ran_out, requested_exit_code
 
 _GROUPS = {

@@ -17,8 +17,8 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
+from mjcompose.base import __version__
 from mjcompose.base.scratch import scratch
-from mjcompose.base.version import __version__
 from mjcompose.cli.options import formats
 from mjcompose.cli.reporting import USAGE
 from mjcompose.cli.run import PATH, Answer, Group, Run, Stop, command, flag, option

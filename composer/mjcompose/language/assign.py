@@ -267,8 +267,7 @@ def _or_null(schema: Schema) -> Schema:
     if REFERENCE in schema:
         return {**schema, **reference(f"null:{schema[REFERENCE]}")}
     if "type" in schema:
-        types = schema["type"] if isinstance(schema["type"], list) else [schema["type"]]
-        return {**schema, "type": [*types, "null"]}
+        return {**schema, "type": [*(schema["type"] if isinstance(schema["type"], list) else [schema["type"]]), "null"]}
     # Not one alternative more: an editor can explain only few.
     inner = {key: each for key, each in schema.items() if key != "description"}
     about = {key: each for key, each in schema.items() if key == "description"}

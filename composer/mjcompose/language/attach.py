@@ -22,7 +22,7 @@ from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Fault, Path
 from mjcompose.base.limits import advice, in_force
 from mjcompose.base.suggest import closest
-from mjcompose.language.edit import Edits
+from mjcompose.language.edit import Drops, Edits, Given, UrdfKeys
 from mjcompose.language.forms.context import Schema, Settings, settings, validated_with
 from mjcompose.language.forms.model import IT, Bars, Exclusive, Model, Needs, OneOf
 from mjcompose.language.forms.scalars import (
@@ -41,7 +41,6 @@ from mjcompose.language.forms.scalars import (
     When,
 )
 from mjcompose.language.placing import ORIENTATIONS, Inline, JointField, JointWord, Mirror, ModelReference, Offset
-from mjcompose.language.used_model import Drops, Given, UrdfKeys
 from mjcompose.language.value import EXCLUSIVE, Element, Single, is_unprintable, unprintable
 from mjcompose.tree.merged_settings import KeyPolicy
 
@@ -326,8 +325,7 @@ class Attachment(Model):
 
     @classmethod
     def listed(cls) -> list[str]:
-        names = cls.key_names()
-        return sorted(names, key=lambda name: name in _OF_A_MODEL)
+        return sorted(cls.key_names(), key=lambda name: name in _OF_A_MODEL)
 
 
 _OF_A_MODEL = ("packages", "urdf", "with", "subtree", "drop", "edit", "keys", "allow")
@@ -341,8 +339,7 @@ class Start:
     """Form of the field `base`: a part without a prefix, at the world, or only its `model`."""
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        part = handler.generate_schema(Attachment)
-        return core_schema.no_info_wrap_validator_function(self._validate, part)
+        return core_schema.no_info_wrap_validator_function(self._validate, handler.generate_schema(Attachment))
 
     def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> Schema:
         message = f"`{RESERVED}` is at the world and has no prefix"

@@ -88,8 +88,7 @@ class FieldDistribution:
         found = many.bits(seed, samples, stream, element=element, component=component)
         if self.kind == CHOICE:
             return [self.values[each] for each in many.below(found, len(self.values)).tolist()]
-        numbers = self.of(of).draw_all(found)
-        return array("q" if self.kind == "integers" else "d", numbers.tobytes())
+        return array("q" if self.kind == "integers" else "d", self.of(of).draw_all(found).tobytes())
 
     def extremes(self, component: int) -> tuple[float, ...]:
         """Return the least and the greatest number that can be drawn, or all values of a choice."""

@@ -59,8 +59,7 @@ def lost_indentation(mapping: Mapping, at: Path) -> tuple[Fault, Iterable[str]] 
             stand = "stands" if len(beside) == 1 else "stand"
             message = f"{keys} {stand} next to `{name}`, not below it"
             help = f"indent {keys} two spaces deeper than `{name}`"
-            fault = Fault("wrong-type", message, (*at, beside[0]), key=True, help=help)
-            return fault, [name, *beside]
+            return Fault("wrong-type", message, (*at, beside[0]), key=True, help=help), [name, *beside]
     return None
 
 
@@ -192,8 +191,7 @@ class Reader:
             return {NAME: name}
         if any(kind.attributes[NAME].required for kind in kinds):
             message = f"MuJoCo has no {owner.partition(' ')[0]} without a name"
-            help = f"leave `{NAME}` out: the key is the name"
-            self.faults.append(Fault("bad-name", message, (*at, NAME), help=help))
+            self.faults.append(Fault("bad-name", message, (*at, NAME), help=f"leave `{NAME}` out: the key is the name"))
         return {}
 
     def children(self, kind: ElementType, value: Any, at: Path, owner: str) -> Iterable[Element]:
@@ -359,12 +357,10 @@ def _no_mapping(owner: str, value: Any, at: Path, help: str | None = None) -> Fa
 def _no_names(owner: str, value: Any, at: Path) -> Fault:
     help = None
     if isinstance(value, list):
-        first = next((item for item in value if isinstance(item, dict)), {})
-        name = first.get("name")
+        name = next((item for item in value if isinstance(item, dict)), {}).get("name")
         shown = name if isinstance(name, str) else "NAME"
         help = f"the key is the name: write `{shown}: {{…}}` instead of a list"
-    message = f"{owner} expects a mapping from names to elements, got {kind_of(value)}"
-    return Fault("wrong-type", message, at, help=help)
+    return Fault("wrong-type", f"{owner} expects a mapping from names to elements, got {kind_of(value)}", at, help=help)
 
 
 def _keyed(owner: str, name: str, given: str, at: Path) -> Fault:

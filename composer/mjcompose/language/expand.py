@@ -123,8 +123,7 @@ def _values(node: Node) -> Iterator[str]:
     if isinstance(node, Scalar):
         yield node.text
     else:
-        inner = node.items if isinstance(node, Sequence) else [value for _, value in node.entries.values()]
-        for each in inner:
+        for each in node.items if isinstance(node, Sequence) else [value for _, value in node.entries.values()]:
             yield from _values(each)
 
 
@@ -135,8 +134,7 @@ def has_conditions(node: Node, path: Path = ()) -> bool:
             return True
         inner = [((*path, name), value) for name, (_, value) in node.entries.items()]
     else:
-        items = node.items if isinstance(node, Sequence) else ()
-        inner = [((*path, index), item) for index, item in enumerate(items)]
+        inner = [((*path, index), item) for index, item in enumerate(node.items if isinstance(node, Sequence) else ())]
     return len(in_own_model(path)) < _MAX_DEPTH and any(has_conditions(value, below) for below, value in inner)
 
 
@@ -201,8 +199,7 @@ def scope_of(document: Mapping, given: Map[str, Node]) -> dict[str, Value]:
     axes = read_axes(document, sink)
     chosen = choose(axes, given, sink)
     taken = {axis: _only_params(axes[axis], value) for axis, value in chosen.items()}
-    declared = merged(_section(document), taken, chosen, sink=sink)
-    return {**settle(_params(declared, sink), given, sink), **chosen}
+    return {**settle(_params(merged(_section(document), taken, chosen, sink=sink), sink), given, sink), **chosen}
 
 
 def _params(document: Mapping, sink: Sink) -> dict[str, Parameter]:
@@ -234,8 +231,7 @@ def _check_names(
     for name in axes.keys() & parameters.keys():
         variants = document.entries["variants"][1]
         assert isinstance(variants, Mapping)
-        note = Note("the parameter", parameters[name].span)
-        notes = (note,)
+        notes = (Note("the parameter", parameters[name].span),)
         sink.error("name-clash", f"`{name}` is a variant and a parameter", variants.entries[name][0].span, notes=notes)
     tried = _declared(document, "params") | _declared(document, "variants")
     for name, node in given.items():

@@ -46,8 +46,7 @@ def report_clashing(
             fault = None
             if not complete:
                 choices = tuple(name for bundle in rule.bundles for name in bundle)
-                message = f"{owner} needs {needed}"
-                fault = Fault("missing-key", message, at, key=True, help=help, names=choices)
+                fault = Fault("missing-key", f"{owner} needs {needed}", at, key=True, help=help, names=choices)
         elif rule.kind == "together":
             names = [name for bundle in rule.bundles for name in bundle]
             fault = _incomplete(

@@ -162,8 +162,7 @@ def settle(
         value = plain(node)
         answer = Diagnostic("wrong-type", f"parameter `{name}` is a value") if value is None else parameter.read(value)
         if isinstance(answer, Diagnostic):
-            note = Note("the parameter is declared here", parameter.span)
-            sink.add(replace(answer, span=node.span, notes=(note,)))
+            sink.add(replace(answer, span=node.span, notes=(Note("the parameter is declared here", parameter.span),)))
         else:
             scope[name] = answer
     return scope

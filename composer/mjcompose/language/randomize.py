@@ -177,8 +177,7 @@ def _range_faults(field: DrawField, name: str, index: int | None, at: Path) -> I
     distribution = field.distribution
     for component in range(distribution.components or 1):
         lowest = min((each for each in distribution.extremes(component) if abs(each) != float("inf")), default=0.0)
-        place = index if index is not None else component
-        if lowest < 0 and must_not_be_negative(name, place):
+        if lowest < 0 and must_not_be_negative(name, index if index is not None else component):
             what = "factors" if field.operation == "scale" else "values"
             message = f"`{field.attr}` cannot be negative, and {OWNER} draws {what} from {shown(lowest)}"
             yield Fault("out-of-range", message, at, help="let it begin at 0 or above")

@@ -171,8 +171,7 @@ def _section(name: str, schema: Schema, keys: _Keys) -> Iterator[str]:
 def _is_of_mjcf(section: str, place: str) -> bool:
     """Return whether a key is an element or an attribute of MJCF, without forms of the language in it."""
     kind = GRAMMAR.element("body") if section == "add" else GRAMMAR.root.children.get(section)
-    key = place.partition(".")[2]
-    return kind is not None and key in {*kind.attributes, *kind.children} - _OWN
+    return kind is not None and place.partition(".")[2] in {*kind.attributes, *kind.children} - _OWN
 
 
 def _titled(rows: Sequence[tuple[str, str]]) -> Iterator[str]:

@@ -121,8 +121,7 @@ class Singleton(Section):
     def schema(self) -> Schema:
         schema = element(self.kind)
         if self.settable:
-            properties = schema["properties"].items()
-            schema["properties"] = {name: each for name, each in properties if name in self.settable}
+            schema["properties"] = {name: each for name, each in schema["properties"].items() if name in self.settable}
         return schema
 
     def _unsettable(self, name: str) -> Fault:
@@ -147,8 +146,7 @@ class Extension(ByTag):
         kind = self.kind.children["plugin"]
         instance = kind.children["instance"]
         instances = {"instance": described(by_name(reference(f"named:{instance.path}")), instance.doc)}
-        plugins = by_name(element(kind, keyed=("plugin",), properties=instances))
-        return mapping({"plugin": described(plugins, kind.doc)})
+        return mapping({"plugin": described(by_name(element(kind, keyed=("plugin",), properties=instances)), kind.doc)})
 
     def element(self, reader: Reader, kind: ElementType, name: str, value: Any, at: Path) -> Element | None:
         instances: list[Element] = []
@@ -468,7 +466,6 @@ def _definition_of_step(path: str) -> Schema:
         schema = {"if": {"required": [mark]}, "then": step, "else": schema}
         if mark != tag:
             properties[tag] = step["properties"][mark]
-            short = mapping({tag: properties[tag]})
-            schema = {"if": {"required": [tag]}, "then": short, "else": schema}
+            schema = {"if": {"required": [tag]}, "then": mapping({tag: properties[tag]}), "else": schema}
     schema = {"if": {"required": [FRAGMENT]}, "then": {"maxProperties": 1}, "else": schema}
     return {"type": "object", "properties": properties, **schema}

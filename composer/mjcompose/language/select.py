@@ -125,8 +125,7 @@ def _unknown_tag(tag: str, at: Path) -> Fault:
             ' geom without a name of a body is `{geom: "**", parent: {body: torso}, where: "${index == 0}"}`'
         )
     notes = () if help else (Note("a tag of MJCF (`geom`), a path (`equality/joint`), a family (`actuator`)"),)
-    message = f"MJCF has no element `{tag}`"
-    return Fault("unknown-element", message, at, key=True, notes=notes, help=help, fix=fix)
+    return Fault("unknown-element", f"MJCF has no element `{tag}`", at, key=True, notes=notes, help=help, fix=fix)
 
 
 def _pattern(value: Any, tag: str, at: Path, faults: list[Fault]) -> str | None:

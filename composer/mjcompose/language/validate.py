@@ -325,8 +325,7 @@ def _without_misspelt(faults: list[Fault]) -> Iterator[Fault]:
             keys = [key for key in keys_of.get(fault.at[:-1], ()) if (fault.at[:-1], key) in lacking]
             if near := closest(str(fault.at[-1]), keys):
                 del lacking[fault.at[:-1], near[0]]
-                fix = Fix(near[0], str(fault.at[-1]))
-                fault = replace(fault, help=f"write `{near[0]}`", fix=fix)
+                fault = replace(fault, help=f"write `{near[0]}`", fix=Fix(near[0], str(fault.at[-1])))
         found.append(fault)
     return (each for each in found if each.lacks is None or (_mapping_of(each), each.lacks) in lacking)
 
@@ -355,8 +354,7 @@ def _without_strangers(faults: list[Fault]) -> Iterator[Fault]:
 
 def _report(faults: Iterable[Fault], node: Mapping, sink: Sink) -> None:
     for fault in faults:
-        related = (Note(message, locate(node, at, key=True)) for message, at in fault.related)
-        notes = (*fault.notes, *related)
+        notes = (*fault.notes, *(Note(message, locate(node, at, key=True)) for message, at in fault.related))
         message, span = fault.message, locate(node, fault.at, key=fault.key) if fault.at else _start(node.span)
         if fault.within is not None:
             line, column, width = fault.within

@@ -35,8 +35,7 @@ def unknown_key(message: str, name: str, known: Iterable[str], at: Path, *, noun
     """Return the fault of an unknown key. `known` are the allowed keys, which messages call a `noun`."""
     known = list(known)
     help, fix = advised(name, known)
-    note = exists_note(noun, known, name)
-    return Fault("unknown-key", message, at, key=True, notes=(note,), help=help, fix=fix)
+    return Fault("unknown-key", message, at, key=True, notes=(exists_note(noun, known, name),), help=help, fix=fix)
 
 
 def shown(value: object) -> str:
@@ -321,8 +320,7 @@ def _read_list(attribute: Attribute, value: list[Any], at: Path, subject: str, f
         # Each number is checked alone, so a fault points at the number and not at the whole list.
         before = len(faults)
         for index, item in enumerate(items):
-            number = item.value if isinstance(item, Angle) else item
-            if check_number(attribute, number) is not None:
+            if check_number(attribute, item.value if isinstance(item, Angle) else item) is not None:
                 faults.append(_item_fault(attribute, item, (*at, index), subject=subject))
         if len(faults) > before:
             return None

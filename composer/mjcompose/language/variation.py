@@ -76,9 +76,8 @@ class _Typed:
         needed = {"required": ["default"], "errorMessage": "write `default`, or `type: float`"}
         yield {"if": {"properties": none}, "then": needed}
         for word, kind in _SCHEMAS.items():
-            typed = {"properties": {"type": {"const": word}}, "required": ["type"]}
             yield {
-                "if": typed,
+                "if": {"properties": {"type": {"const": word}}, "required": ["type"]},
                 "then": {"properties": {"default": {**kind, "description": "its value where none is given"}}},
             }
 

@@ -123,8 +123,7 @@ def _in_order(linking: Linking, tops: Mapping[Part, Node]) -> None:
         return
     world = linking.base.section("worldbody")
     hung = [tops[part] for part in linking.parts if part in tops and tops[part].getparent() is world]
-    places = {node: at for at, node in enumerate(world)}
-    if hung != sorted(hung, key=places.__getitem__):
+    if hung != sorted(hung, key={node: at for at, node in enumerate(world)}.__getitem__):
         world.extend(hung)
 
 
@@ -359,8 +358,7 @@ class _PartAttachment:
         earlier = linking.names.declared.setdefault(namespace, {}).setdefault(name, node)
         if earlier is not node:
             note = Note("it is declared here", linking.span(self.part.unit, earlier, "name"))
-            subjects = (name, self.part.called)
-            linking.sink.error("name-clash", message, at, notes=(note,), help=help, subjects=subjects)
+            linking.sink.error("name-clash", message, at, notes=(note,), help=help, subjects=(name, self.part.called))
 
     def _move_world(self, frame: Node) -> None:
         """Move the elements in the worldbody of the part into its frame, with the comments above them."""
@@ -427,6 +425,5 @@ def effective_pose(site: Node, classes: Classes) -> dict[str, str]:
         # does `<site zaxis="-1 0 0"/>`. Six `nan` revert a class.
         start, end = ends[:3], ends[3:]
         middle = [0.5 * (a + b) for a, b in zip(start, end, strict=True)]
-        along = [a - b for a, b in zip(start, end, strict=True)]
-        return {"pos": numbers.text(middle), "zaxis": numbers.text(along)}
+        return {"pos": numbers.text(middle), "zaxis": numbers.text([a - b for a, b in zip(start, end, strict=True)])}
     return written

@@ -124,8 +124,7 @@ def settle_inertia(linking: Linking, unit: Unit, changed: Collection[Node], foun
 
 def _write_measured(kept: KeptSettings, bodies: Iterable[Node], found: Survey) -> bool:
     """Write the surveyed inertia onto these bodies. Report a body for which that is impossible."""
-    flexible = next(kept.unit.root.iter("flexcomp"), None)
-    if flexible is not None and any(name in kept.names for name in MEASURED):
+    if next(kept.unit.root.iter("flexcomp"), None) is not None and any(name in kept.names for name in MEASURED):
         kept.refuse("MuJoCo expands `<flexcomp>`")
         return False
     for body in bodies:
@@ -133,8 +132,7 @@ def _write_measured(kept: KeptSettings, bodies: Iterable[Node], found: Survey) -
         mass, pos, quat, moments = rows
         if mass is None or pos is None or quat is None or moments is None:
             gone = found.is_gone(body)
-            why = "`fusestatic` joins this body with another" if gone else "the copies of a body differ"
-            kept.refuse(why, body)
+            kept.refuse("`fusestatic` joins this body with another" if gone else "the copies of a body differ", body)
             return False
         written = own(body, "inertial")
         for inertial in written:
@@ -174,8 +172,7 @@ def fitted_sizes(linking: Linking) -> None:
 
 def _write_fitted(kept: KeptSettings, geom: Node, sizes: int, found: Survey) -> None:
     unit = kept.unit
-    rows = [found.values(geom, array, width) for array, width in zip(GEOMS, (3, 3, 4), strict=True)]
-    size, pos, quat = rows
+    size, pos, quat = [found.values(geom, array, width) for array, width in zip(GEOMS, (3, 3, 4), strict=True)]
     if size is None or pos is None or quat is None:
         kept.refuse("the copies of a geom differ", geom)
         return

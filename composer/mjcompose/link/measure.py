@@ -156,8 +156,7 @@ def flexible_widths(linking: Linking, unit: Unit) -> dict[Node, Slot] | None:
     at = 0
     for joint, slot in layout.joints.items():
         if is_measured(unit, joint, slot):
-            row = arrays["qpos0"][at : at + slot.widths[0]]
-            linking.keys.references[joint] = numbers.text(row).split()
+            linking.keys.references[joint] = numbers.text(arrays["qpos0"][at : at + slot.widths[0]]).split()
         at += slot.widths[0]
     bodies = iter(mocaps)
     for holder, count in layout.mocaps.items():
@@ -217,8 +216,7 @@ def _alone(unit: Unit, element: Node, assets: Iterable[Node]) -> Unit:
 def _measured_attach(linking: Linking, unit: Unit, attach: Node) -> Slot | None:
     if linking.measure is None:
         return None
-    alone = _alone(unit, attach, unit.root.iterfind("asset/model"))
-    arrays = linking.measure(alone, _ARRAYS, attempt=True)
+    arrays = linking.measure(_alone(unit, attach, unit.root.iterfind("asset/model")), _ARRAYS, attempt=True)
     if not arrays:
         return None
     acts, controls = _counts(arrays, "actnum"), _counts(arrays, "ctrlnum")
@@ -376,8 +374,7 @@ def compile_unaligned(
             if not element.get("name"):
                 element.set("name", f"pinned body {len(marked)} of {len(copy.root)}")
             sensors = copy.section("sensor")
-            names = {"objtype": "body", "objname": str(element.get("name"))}
-            sensors.append(sensors.makeelement("framepos", names))
+            sensors.append(sensors.makeelement("framepos", {"objtype": "body", "objname": str(element.get("name"))}))
     # Without alignment, the inertia is in the frame in which it will be written.
     for joint in copy.root.iter("freejoint"):
         joint.set("align", "false")
@@ -433,8 +430,7 @@ class Reference:
                 # `convert` reports the losses of actuators.
                 if vector in ("qpos", "qvel") and given and any(numbers.read(" ".join(texts(given)))):
                     self.lost.append((vector, element))
-                default = self._qpos(holder, slot) if vector == "qpos" else ["0"] * width
-                given = _unset_numbers(vector, default, given)
+                given = _unset_numbers(vector, self._qpos(holder, slot) if vector == "qpos" else ["0"] * width, given)
             row += given
         return row
 

@@ -139,8 +139,7 @@ class _UnitRenaming:
         first = min(clashes, key=lambda clash: line_of(clash.element) or 0)
         here = linking.span(part.unit, first.element)
         root = first.earlier.getroottree().getroot()
-        owner = next((unit for unit in linking.units if unit.root is root), linking.base)
-        there = linking.span(owner, first.earlier)
+        there = linking.span(next((unit for unit in linking.units if unit.root is root), linking.base), first.earlier)
         count = len(clashes) - 1
         more = f"; {count} more of its names {'is' if count == 1 else 'are'} taken too" if count else ""
         notes = [Note("it is declared here first", there)]

@@ -292,8 +292,7 @@ def take_subtree(
     inside = list(body.iter("*"))
     kept = set(inside)
     outside = [each for top in unit.root.iterchildren("worldbody") for each in top.iter("*") if each not in kept]
-    in_world = next(body.iterancestors("body"), None) is None
-    sides = SideFinder(unit, inside, outside, in_world=in_world)
+    sides = SideFinder(unit, inside, outside, in_world=next(body.iterancestors("body"), None) is None)
     dropped = [*_named(outside), *_cut_in_the_tree(sides, unit, inside)]
     _make_root(unit, body)
     dropped += _drop_from_sections(unit, sides)

@@ -360,8 +360,7 @@ def sections(linking: Linking) -> None:
                 # MuJoCo reads several sections of one tag as one, so any of them can receive it.
                 target = linking.base.section(tag)
                 elements = [*above(section, part.unit.header), *section]
-                owner = part.unit.origins.owner(section, part.unit.file)
-                linking.base.origins.own_all(elements, owner)
+                linking.base.origins.own_all(elements, part.unit.origins.owner(section, part.unit.file))
                 target.extend(elements)
 
 

@@ -17,10 +17,9 @@ from mjcompose.lsp.cursor import Path as Steps
 from mjcompose.lsp.hover import SECTIONS
 from mjcompose.lsp.markup import ModelQuestion
 from mjcompose.sources.fetching import model_files
-from mjcompose.text.decode import position
 from mjcompose.text.expression import Angle
 from mjcompose.text.faults import quoted, word
-from mjcompose.text.node import Change, Mapping, find, with_item, with_key
+from mjcompose.text.node import Change, Mapping, find, position, with_item, with_key
 from mjcompose.tools.fix import edit_of, place_of
 
 

@@ -21,9 +21,9 @@ from pygls.exceptions import JsonRpcException
 from pygls.lsp.server import LanguageServer
 from pygls.uris import from_fs_path, to_fs_path
 
+from mjcompose.base import __version__
 from mjcompose.base.diagnostic import Diagnostic, Span
 from mjcompose.base.files import read_regular, unsaved
-from mjcompose.base.version import __version__
 from mjcompose.lsp import language, mjcf, navigation
 from mjcompose.lsp.actions import Offer, actions
 from mjcompose.lsp.analysis import Analysis, Question, shown

@@ -241,8 +241,7 @@ class Builder:
                 self._refuse_tag(event.tag, self._marks.tag(event))
             if event.anchor is not None:
                 self._anchors[event.anchor] = _Anchored(Scalar(name, span, name, plain=False), 1, 0)
-        entries = frame.entries if frame.entries is not None else {}
-        found = entries.get(name)
+        found = (frame.entries if frame.entries is not None else {}).get(name)
         if name == "<<" and type(event) is ScalarEvent and not event.style:
             help = "write the keys out, or use `extends` or `variants`, which merge recipes"
             self._sink.error("yaml-merge-key", "the merge key `<<` is not part of the language", span, help=help)

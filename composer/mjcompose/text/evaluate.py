@@ -177,8 +177,7 @@ def _checked(tree: Binary | Call, work: Callable[[], int | float], of: Sequence[
         reason = str(error) if isinstance(error, ArgumentError) else f"it is not defined at {numbers}"
         raise ExpressionError(f"`{name}`: {reason}", tree.at) from None
     if isinstance(value, complex):
-        message = f"the root of a negative number, {shown(of[0])} to the power of {shown(of[1])}"
-        raise ExpressionError(message, tree.at)
+        raise ExpressionError(f"the root of a negative number, {shown(of[0])} to the power of {shown(of[1])}", tree.at)
     if isinstance(value, int):
         if abs(value) >= MAX_INTEGER:
             raise ExpressionError("the result is too large for a whole number", tree.at)

@@ -333,8 +333,7 @@ class _Parser:
     def unexpected(self, wanted: str) -> ExpressionError:
         token = self.next
         if token.kind == "end":
-            end = max(token.start - 1, 0), token.start
-            return ExpressionError(f"the expression ends without {wanted}", end)
+            return ExpressionError(f"the expression ends without {wanted}", (max(token.start - 1, 0), token.start))
         help = "compare with each: `a == 1 or a == 2`" if token.text in ("in", "not") else None
         return ExpressionError(f"expected {wanted}, got `{token.text}`", token.at, help)
 

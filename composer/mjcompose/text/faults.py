@@ -8,7 +8,7 @@ from typing import Any
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Diagnostic, Fix, Note, Span
-from mjcompose.text.decode import position
+from mjcompose.text.node import position
 
 _OPENING = {"[": "]", "{": "}", "(": ")"}
 

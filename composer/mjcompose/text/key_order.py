@@ -121,8 +121,7 @@ def _sort(node: Collection, path: Path) -> None:
     rank = {name: index for index, name in enumerate(order)}
     ranks: list[int] = []
     for entry in node.entries:
-        unknown = (ranks[-1] if ranks else -1) if whole else len(order)
-        ranks.append(rank.get(_name(entry), unknown))
+        ranks.append(rank.get(_name(entry), (ranks[-1] if ranks else -1) if whole else len(order)))
     before = node.entries
     after = [before[index] for index in sorted(range(len(before)), key=lambda index: (ranks[index], index))]
     if after == before or [e for e in before if e.pinned] != [e for e in after if e.pinned]:

@@ -6,10 +6,9 @@ import re
 
 from mjcompose.base.diagnostic import Note, Span
 from mjcompose.base.sink import Sink
-from mjcompose.text.decode import decode
 from mjcompose.text.key_order import Collection, Document, Entry, Leaf, Path, is_free, put_in_order
-from mjcompose.text.load import Comment, Token, comments, load, tokens
-from mjcompose.text.node import Mapping, Node, Scalar, Sequence
+from mjcompose.text.load import Comment, Token, comments, decode, load, tokens
+from mjcompose.text.node import LINE_BREAK, Mapping, Node, Scalar, Sequence
 
 _STARTS = {"FlowMappingStart", "FlowSequenceStart"}
 _ENDS = {"FlowMappingEnd", "FlowSequenceEnd"}
@@ -240,7 +239,6 @@ def _header(first: Entry) -> tuple[list[Comment], bool]:
 
 INDENT = 2
 
-_LINE_BREAK_IN_SCALAR = re.compile(r"\r\n|\n|\r")
 _HEADER = re.compile(r"([|>])([-+0-9]*)(.*)", re.DOTALL)
 
 
@@ -252,7 +250,7 @@ def lines_of(leaf: Leaf, indent: int) -> list[str]:
     >>> lines_of(Leaf("'a b'"), 0), lines_of(Leaf("'a\\b'"), 0), lines_of(Leaf("|\n     a\n      b", depth=5), 2)
     (['"a b"'], ["'a\\b'"], ['|', '    a', '     b'])
     """
-    lines = _LINE_BREAK_IN_SCALAR.split(leaf.text)
+    lines = LINE_BREAK.split(leaf.text)
     if leaf.text[:1] in ("|", ">"):
         return _block(leaf, lines, indent)
     if len(lines) == 1:

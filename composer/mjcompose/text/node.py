@@ -13,6 +13,8 @@ from mjcompose.base.diagnostic import Span
 from mjcompose.base.sink import Sink
 from mjcompose.tree.values import NOT_XML, code_point
 
+LINE_BREAK = re.compile(r"\r\n|\n|\r")
+
 _WORDS: dict[str, bool | float | None] = {
     **dict.fromkeys(("", "~", "null", "Null", "NULL")),
     **dict.fromkeys(("true", "True", "TRUE"), True),
@@ -256,9 +258,6 @@ def is_template(text: str) -> bool:
     return OPENING in text
 
 
-_LINE_BREAK = re.compile(r"\r\n|\n|\r")
-
-
 @dataclass(frozen=True, slots=True)
 class Change:
     """A replacement of a stretch of text. With an empty span, the text is inserted there."""
@@ -267,9 +266,23 @@ class Change:
     text: str
 
 
+def position(text: str, index: int) -> tuple[int, int]:
+    r"""Return the line and the column, both from 1, of the character at `index`.
+
+    >>> position("ab\r\ncd", 5)
+    (2, 2)
+    """
+    line, begin = 1, 0
+    for found in LINE_BREAK.finditer(text):
+        if found.end() > index:
+            break
+        line, begin = line + 1, found.end()
+    return line, index - begin + 1
+
+
 def lines_of(text: str) -> list[str]:
     """Return the lines without their ends. `str.splitlines` also splits at characters that editors and YAML do not."""
-    return _LINE_BREAK.split(text)
+    return LINE_BREAK.split(text)
 
 
 def with_key(tree: Mapping, lines: Lines[str], file: str, path: tuple[str | int, ...], value: str) -> Change | None:
@@ -337,7 +350,7 @@ def changed(text: str, changes: Iterable[Change]) -> str:
     >>> changed("a: 1\nb: 2\n", [Change(Span("", 2, 4, 2, 5), "3"), Change(Span("", 1, 5, 1, 5), "\nc: 4")])
     'a: 1\nc: 4\nb: 3\n'
     """
-    starts = [0, *(found.end() for found in _LINE_BREAK.finditer(text))]
+    starts = [0, *(found.end() for found in LINE_BREAK.finditer(text))]
     for each in sorted(changes, key=lambda each: (each.span.line, each.span.column), reverse=True):
         line, column = each.span.line, each.span.column
         end = starts[(each.span.end_line or line) - 1] + (each.span.end_column or column) - 1

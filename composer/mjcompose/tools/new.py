@@ -9,8 +9,8 @@ from collections.abc import Callable, Collection, Mapping
 from importlib import resources
 from pathlib import Path
 
+from mjcompose.base import __version__
 from mjcompose.base.files import read_regular
-from mjcompose.base.version import __version__
 from mjcompose.build.bundle.bundle import OutputError
 from mjcompose.build.bundle.staging import move, resolved_output, staged_folder
 

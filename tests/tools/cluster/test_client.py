@@ -179,7 +179,7 @@ def test_another_mjcompose_is_refused(folder: Path, cluster: Cluster) -> None:
     other.mkdir(parents=True)
     (other / "__init__.py").touch()
     (other / "base").mkdir()
-    (other / "base" / "version.py").write_text('__version__ = "0.0.7"\n')
+    (other / "base" / "__init__.py").write_text('__version__ = "0.0.7"\n')
     cluster.add(1, PYTHONPATH=str(folder / "other"))
     code, _, faults = build(cluster.file)
     assert code == 1 and "has mjcompose 0.0.7 (" in faults and "install the same mjcompose there" in faults

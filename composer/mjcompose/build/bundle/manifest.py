@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError
 
+from mjcompose.base import __version__
 from mjcompose.base.diagnostic import Note
 from mjcompose.base.sink import Sink
-from mjcompose.base.version import __version__
 from mjcompose.build.bundle.bundle import MANIFEST, Bundle, to_text
 from mjcompose.mujoco.arrays import BY_WORD
 

@@ -22,10 +22,9 @@ from dataclasses import field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from mjcompose.base import files
+from mjcompose.base import __version__, files
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.files import open_regular
-from mjcompose.base.version import __version__
 from mjcompose.sources import blobs
 from mjcompose.sources.blobs import key_of
 from mjcompose.sources.kinds import KINDS

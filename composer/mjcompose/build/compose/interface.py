@@ -16,7 +16,7 @@ from mjcompose.base.sink import Sink
 from mjcompose.base.suggest import unknown_name
 from mjcompose.build.plan.plan import Plan
 from mjcompose.build.plan.steps import OrderElements
-from mjcompose.language.interface import Order
+from mjcompose.language.recipe import Order
 from mjcompose.link.key_layout import BLOCKS
 from mjcompose.link.linking import Linking
 from mjcompose.link.ordering import elements_in_order, put_in_order, why_before

@@ -12,9 +12,8 @@ from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Note, Path, Span
 from mjcompose.base.sink import Sink
 from mjcompose.build.plan.plan import BASE, Plan, Tables, is_fixed_in_world, part_name
-from mjcompose.language.edit import Edit
+from mjcompose.language.edit import Drop, Edit
 from mjcompose.language.placing import Mirror
-from mjcompose.language.used_model import Drop
 from mjcompose.link.linking import Measure
 from mjcompose.link.measure import folder_of
 from mjcompose.link.source_check import check_source

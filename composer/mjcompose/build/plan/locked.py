@@ -8,11 +8,10 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import field, replace
 from pathlib import Path
 
-from mjcompose.base import files
+from mjcompose.base import __version__, files
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Note, Span
 from mjcompose.base.sink import Sink
-from mjcompose.base.version import __version__
 from mjcompose.build.plan.extensions import packages_of
 from mjcompose.build.plan.parts import is_one_choice
 from mjcompose.build.plan.plan import PlacedModel, Plan

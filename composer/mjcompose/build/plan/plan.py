@@ -25,9 +25,8 @@ from mjcompose.build.plan.steps import (
 from mjcompose.language.attach import Attachment
 from mjcompose.language.check import Check
 from mjcompose.language.datasheets import Sheet
-from mjcompose.language.edit import Edit
-from mjcompose.language.interface import Order
-from mjcompose.language.used_model import Drop
+from mjcompose.language.edit import Drop, Edit
+from mjcompose.language.recipe import Order
 from mjcompose.language.value import attribute_and_index, shown
 from mjcompose.mujoco.attributes import arrays_of
 from mjcompose.sources.reference import ReadAs, Source

@@ -43,8 +43,7 @@ from mjcompose.sources.context import Context, ReadRecipe
 from mjcompose.sources.fetching import Fetching, model_files, nearest
 from mjcompose.sources.lock import resolve as resolve_sources
 from mjcompose.sources.reference import Source, SourceError, Trust
-from mjcompose.text.decode import refuse_size
-from mjcompose.text.load import load
+from mjcompose.text.load import load, refuse_size
 from mjcompose.text.merge import merge
 from mjcompose.text.node import (
     Mapping,

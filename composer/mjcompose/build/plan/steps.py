@@ -15,10 +15,9 @@ from mjcompose.language.contact import Collisions, Contact
 from mjcompose.language.edit import Edit
 from mjcompose.language.expand import Concrete
 from mjcompose.language.fragment import names_in
-from mjcompose.language.interface import Order
 from mjcompose.language.keyframe import Keyframe
 from mjcompose.language.parameters import Substitution
-from mjcompose.language.recipe import Recipe, sections_of
+from mjcompose.language.recipe import Order, Recipe, sections_of
 from mjcompose.language.sections import Elements, Singleton
 from mjcompose.language.validate import judge
 from mjcompose.language.value import Element

@@ -22,8 +22,7 @@ _DEFINITIONS = "#/$defs/"
 
 @definition("real")
 def _real(_: str) -> Schema:
-    hint = "expected a number, or ${…}"
-    return {"type": ["number", "string"], "pattern": _TEMPLATE, "patternErrorMessage": hint}
+    return {"type": ["number", "string"], "pattern": _TEMPLATE, "patternErrorMessage": "expected a number, or ${…}"}
 
 
 @definition("whole")
@@ -71,8 +70,7 @@ class Generator(GenerateJsonSchema):
         found = super().literal_schema(schema)
         if not self._ours:
             return found
-        words = {"enum": found["enum"] if "enum" in found else [found["const"]]}
-        return {"anyOf": [words, reference("template")]}
+        return {"anyOf": [{"enum": found["enum"] if "enum" in found else [found["const"]]}, reference("template")]}
 
     def nullable_schema(self, schema: Any) -> Schema:
         return self.generate_inner(schema["schema"]) if self._ours else super().nullable_schema(schema)
@@ -120,8 +118,7 @@ def of_model(model: type[Model], schema: CoreSchema, handler: GetJsonSchemaHandl
         found["allOf"] = [*found.get("allOf", ()), *conditions]
     if model.short is None:
         return found
-    short = {key: each for key, each in written[model.short].items() if key != "description"}
-    return {"anyOf": [short, found]}
+    return {"anyOf": [{key: each for key, each in written[model.short].items() if key != "description"}, found]}
 
 
 @cache
@@ -171,8 +168,7 @@ def schema_of(form: Any) -> Schema:
     from pydantic import TypeAdapter
 
     found: Schema = TypeAdapter(form).json_schema(schema_generator=Generator, ref_template=_DEFINITIONS + "{model}")
-    definitions = found.pop("$defs", {})
-    for name, each in definitions.items():
+    for name, each in found.pop("$defs", {}).items():
         each = _referring(each)
         if _MODELS.setdefault(name, each) != each:
             raise TypeError(f"two models are called {name}")

@@ -31,7 +31,7 @@ def versions(packages: tuple[str, ...]) -> dict[str, str]:
             if name.endswith(".py"):
                 with open(os.path.join(folder, name), "rb") as file:
                     digest.update(name.encode() + hashlib.sha256(file.read()).digest())
-    with open(os.path.join(package, "base", "version.py"), encoding="utf-8") as file:
+    with open(os.path.join(package, "base", "__init__.py"), encoding="utf-8") as file:
         written = re.findall(r'^__version__ = "(.+)"$', file.read(), re.MULTILINE)
     found["mjcompose"] = f"{' '.join(written)} ({digest.hexdigest()[:16]})"
     return found

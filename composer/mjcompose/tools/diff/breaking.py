@@ -7,7 +7,7 @@ from dataclasses import replace
 from difflib import SequenceMatcher
 
 from mjcompose.base.diagnostic import Span
-from mjcompose.language.interface import KINDS, Order
+from mjcompose.language.recipe import KINDS, Order
 from mjcompose.mujoco import engine
 from mjcompose.mujoco.engine import Session
 from mjcompose.mujoco.index import Index

@@ -12,10 +12,10 @@ from typing import Any, Literal
 import pydantic
 from pydantic import BaseModel, ConfigDict
 
+from mjcompose.base import __version__
 from mjcompose.base.diagnostic import Diagnostic, Note
 from mjcompose.base.files import read_regular
 from mjcompose.base.report import MjcomposeError, short_traceback
-from mjcompose.base.version import __version__
 from mjcompose.build.bundle.bundle import MANIFEST, WORLDS, Bundle
 from mjcompose.build.bundle.manifest import Manifest, from_json
 from mjcompose.build.bundle.read import ReadError, read

@@ -15,12 +15,12 @@ from itertools import islice
 from pathlib import Path, PurePath
 from typing import TYPE_CHECKING, Any
 
+from mjcompose.base import __version__
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Span
 from mjcompose.base.scratch import scratch
 from mjcompose.base.sink import Sink
 from mjcompose.base.suggest import unknown_name
-from mjcompose.base.version import __version__
 from mjcompose.build.bundle.bundle import Bundle, OutputError
 from mjcompose.build.bundle.staging import staged_file, write_files
 from mjcompose.build.cache.cells import cells_of
