@@ -368,11 +368,9 @@ class Prefixes:
         return {**handler(schema), "propertyNames": _pattern("+")}
 
     def _validate(self, value: Any, handler: ValidatorFunctionWrapHandler, info: ValidationInfo) -> Any:
-        faults = []
-        for prefix in value if isinstance(value, Mapping) else ():
-            fault = prefix_fault(prefix, settings(info.context), (prefix,), key=True)
-            faults += [fault] if fault is not None else []
-        return validated_with(handler, value, faults)
+        context, prefixes = settings(info.context), value if isinstance(value, Mapping) else ()
+        found = (prefix_fault(each, context, (each,), key=True) for each in prefixes)
+        return validated_with(handler, value, [*filter(None, found)])
 
 
 def prefix_fault(prefix: str, context: Settings, at: tuple[str, ...] = (), key: bool = False) -> Fault | None:

@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable
 from collections.abc import Mapping as AbcMapping
 from dataclasses import field
+from itertools import takewhile
 from typing import Any
 
 from mjcompose.base.dataclass import dataclass
@@ -26,6 +27,7 @@ from mjcompose.language.value import (
     fault_at,
     is_unprintable,
     kind_of,
+    name_fault,
     read_value,
     unprintable,
 )
@@ -45,15 +47,12 @@ def lost_indentation(mapping: Mapping, at: Path) -> tuple[Fault, Iterable[str]] 
     if not (len(at) == 1 and at[0] in _NAMES) and not (len(at) == 2 and at[0] == "asset"):
         return None
     names = list(mapping.entries)
-    for index, name in enumerate(names):
-        if not _is_empty(mapping.entries[name][1]):
+    values = [value for _, value in mapping.entries.values()]
+    for index, name in enumerate(names, 1):
+        if not _is_empty(values[index - 1]):
             continue
-        beside: list[str] = []
-        for key in names[index + 1 :]:
-            value = mapping.entries[key][1]
-            if isinstance(value, Mapping) or _is_empty(value):
-                break
-            beside.append(key)
+        below = takewhile(lambda value: not (isinstance(value, Mapping) or _is_empty(value)), values[index:])
+        beside = [key for key, _ in zip(names[index:], below, strict=False)]
         if beside:
             keys = " and ".join(f"`{key}`" for key in beside)
             stand = "stands" if len(beside) == 1 else "stand"
@@ -82,25 +81,20 @@ def path_of(value: object) -> Path:
     return value.at if isinstance(value, Placed) else ()
 
 
-def raw(node: Node, faults: list[Fault]) -> Any:
+def raw(node: Node, faults: list[Fault], at: Path = ()) -> Any:
     """Return the tree as dicts (`Placed`), lists and values, and faults that can occur anywhere.
 
     A key without a value and an expression without one are reported, and stay in the result, so they do not count as
     missing.
     """
-    return _raw(node, (), faults)
-
-
-def _raw(node: Node, at: Path, faults: list[Fault]) -> Any:
     if isinstance(node, Scalar):
-        if node.value is None:
-            if not is_taken_out(at):
-                faults.append(_nothing(at))
+        if node.value is None and not is_taken_out(at):
+            faults.append(_nothing(at))
         elif isinstance(node.value, str) and is_template(node.value) and not is_of_elements(at):
             faults.append(Fault("expression", "an expression has no value here", at))
         return node.value
     if isinstance(node, Sequence):
-        return [_raw(item, (*at, index), faults) for index, item in enumerate(node.items)]
+        return [raw(item, faults, (*at, index)) for index, item in enumerate(node.items)]
     mapping = Placed(at)
     fallen = lost_indentation(node, at)
     if fallen is not None:
@@ -113,7 +107,7 @@ def _raw(node: Node, at: Path, faults: list[Fault]) -> Any:
             help = "write the name itself; parameters can choose between pieces of recipe, by `when` and `variants`"
             faults.append(Fault("expression", "an expression cannot be a key", path, key=True, help=help))
             continue
-        mapping[name] = _raw(value, path, faults)
+        mapping[name] = raw(value, faults, path)
     return mapping
 
 
@@ -265,16 +259,13 @@ class Reader:
     def angles(
         self, kind: ElementType, attributes: AbcMapping[str, Value], at: Path, owner: str, joint: str | None
     ) -> None:
-        if self.settings.bare_angles:
-            return
         written = attributes.get("type", joint)
-        for name, value in attributes.items():
+        type = written if isinstance(written, str) else None
+        for name, value in attributes.items() if not self.settings.bare_angles else ():
             attribute = kind.attributes.get(name)
             if attribute is not None and attribute.angle is not None:
-                type = written if isinstance(written, str) else None
                 fault = bare_angle(attribute, value, type, at=(*at, name), owner=owner)
-                if fault is not None:
-                    self.faults.append(fault)
+                self.faults += [fault] if fault is not None else []
 
     def unknown(
         self, kind: ElementType, name: str, value: Any, at: Path, owner: str, own: Collection[str],
@@ -310,16 +301,14 @@ class Reader:
             self.faults.append(_no_names(owner, value, at))
             return
         for name, item in value.items():
-            if not name.strip():
-                self.faults.append(Fault("bad-name", f"a name in {owner} is empty", (*at, name), key=True))
-            elif is_unprintable(name):
-                self.faults.append(unprintable(f"a name in {owner}", (*at, name), key=True))
+            if (fault := name_fault(name, owner, (*at, name))) is not None:
+                self.faults.append(fault)
             else:
                 yield name, item
 
 
 def _either(words: list[str]) -> str:
-    return " or ".join([", ".join(words[:-1]), words[-1]] if len(words) > 1 else words)
+    return ", ".join(words[:-1]) + " or " * (len(words) > 1) + words[-1]
 
 
 def label(tag: str, value: Any) -> str:

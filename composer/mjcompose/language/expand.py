@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import itertools
+import math
+import operator
 from collections.abc import Iterator
 from collections.abc import Mapping as Map
 
@@ -27,7 +29,7 @@ from mjcompose.language.parameters import (
 from mjcompose.text.evaluate import Template
 from mjcompose.text.expression import ExpressionError, Value, shown
 from mjcompose.text.merge import Path, in_own_model, is_edits, without_ids
-from mjcompose.text.node import Key, Mapping, Node, Scalar, Sequence, find, is_template
+from mjcompose.text.node import Key, Mapping, Node, Scalar, Sequence, find, is_template, walk
 
 WHEN = "when"
 _MAX_DEPTH = 4  # the depth of a part's edits
@@ -57,17 +59,19 @@ class Condition:
             before = self.sink.error_count
             holds = self.any or self.holds(node.entries[WHEN][1])
             if self.sink.error_count > before:
-                self.in_doubt.update([str(path[-1]), *_values(node)])
+                scalars = (each.node for each in walk(node) if isinstance(each.node, Scalar))
+                self.in_doubt.update([str(path[-1]), *(each.text for each in scalars)])
             if not holds:
                 return None
             node = Mapping({name: each for name, each in node.entries.items() if name != WHEN}, node.span)
         if len(in_own_model(path)) >= _MAX_DEPTH:
             return node
         if isinstance(node, Mapping):
-            entries = {name: (key, self._kept(value, (*path, name))) for name, (key, value) in node.entries.items()}
-            return Mapping(dict(_present(entries)), node.span)
+            entries = node.entries.items()
+            kept = ((name, key, self._kept(value, (*path, name))) for name, (key, value) in entries)
+            return Mapping({name: (key, value) for name, key, value in kept if value is not None}, node.span)
         if isinstance(node, Sequence):
-            items = [self._kept(item, (*path, index)) for index, item in enumerate(node.items)]
+            items = (self._kept(item, (*path, index)) for index, item in enumerate(node.items))
             return Sequence(tuple(item for item in items if item is not None), node.span)
         return node
 
@@ -86,7 +90,6 @@ class Condition:
         return True
 
     def _true(self, node: Scalar) -> bool:
-
         try:
             value = Template.parse(str(node.value)).value(self.scope)
         except ExpressionError as error:
@@ -119,23 +122,10 @@ class Condition:
         return holds
 
 
-def _values(node: Node) -> Iterator[str]:
-    if isinstance(node, Scalar):
-        yield node.text
-    else:
-        for each in node.items if isinstance(node, Sequence) else [value for _, value in node.entries.values()]:
-            yield from _values(each)
-
-
-def has_conditions(node: Node, path: Path = ()) -> bool:
+def has_conditions(node: Node) -> bool:
     """Return whether some item of a recipe belongs to some builds only."""
-    if isinstance(node, Mapping):
-        if WHEN in node.entries and _is_item(path):
-            return True
-        inner = [((*path, name), value) for name, (_, value) in node.entries.items()]
-    else:
-        inner = [((*path, index), item) for index, item in enumerate(node.items if isinstance(node, Sequence) else ())]
-    return len(in_own_model(path)) < _MAX_DEPTH and any(has_conditions(value, below) for below, value in inner)
+    mappings = ((path, each) for path, _, each in walk(node) if isinstance(each, Mapping))
+    return any(WHEN in each.entries and _is_item(path) for path, each in mappings)
 
 
 def _is_item(path: Path) -> bool:
@@ -144,12 +134,6 @@ def _is_item(path: Path) -> bool:
     from mjcompose.language.recipe import DEPTHS  # the forms of the language, which few commands need before this
 
     return is_edits(own[:-1]) or (len(own) > 0 and len(own) == DEPTHS.get(str(own[0])))
-
-
-def _present(entries: Map[str, tuple[Key, Node | None]]) -> Iterator[tuple[str, tuple[Key, Node]]]:
-    for name, (key, value) in entries.items():
-        if value is not None:
-            yield name, (key, value)
 
 
 @dataclass(frozen=True, slots=True)
@@ -329,10 +313,7 @@ class _Matrix:
         return {**needed, **{name: node for name, node in self.given.items() if name in known}}
 
     def combinations(self) -> Iterator[tuple[dict[str, Node], Span]]:
-        size = 1
-        for values in self.axes.values():
-            size *= len(values)
-        most = in_force().cells
+        size, most = math.prod(map(len, self.axes.values())), in_force().cells
         if size > most:
             message = f"the matrix has {size} cells; {most} are allowed"
             self.sink.error("limit-exceeded", message, self.key.span, help=advice("cells", size))
@@ -341,16 +322,13 @@ class _Matrix:
         hit = [False] * len(excluded)
         for values in itertools.product(*self.axes.values()) if self.axes else ():
             given = dict(zip(self.axes, values, strict=True))
-            out = False
-            for index, entry in enumerate(excluded):
-                if all(_same(given[key.name], node) for key, node in entry.entries.values()):
-                    out = hit[index] = True
-            if not out:
+            out = [all(_same(given[key.name], node) for key, node in each.entries.values()) for each in excluded]
+            hit = [*map(operator.or_, hit, out)]
+            if not any(out):
                 yield given, self.key.span
-        for entry, seen in zip(excluded, hit, strict=True):
-            if not seen:
-                self.sink.error("unknown-name", "no cell of the matrix is like this one to be excluded", entry.span,
-                                help="its values come from the axes, as they are written there")  # fmt: skip
+        for entry in itertools.compress(excluded, map(operator.not_, hit)):
+            self.sink.error("unknown-name", "no cell of the matrix is like this one to be excluded", entry.span,
+                            help="its values come from the axes, as they are written there")  # fmt: skip
         for entry in self._entries("include"):
             given = {key.name: node for key, node in entry.entries.values()}
             expand(self.document, {**self.around, **given}, self.sink)

@@ -132,14 +132,9 @@ def _cut(node: Node, path: Path) -> Node:
 
 def _texts(node: Node, path: Path) -> Iterator[str]:
     """Yield the key at the end of a path, and every key and value below it."""
-    for step in path:
-        if isinstance(node, Mapping):
-            node = node.entries[str(step)][1]
-        elif isinstance(node, List) and isinstance(step, int):
-            node = node.items[step]
     if isinstance(path[-1], str):
         yield path[-1]
-    yield from texts(node)
+    yield from texts(find(node, path) or node)
 
 
 def faults(error: ValidationError, data: Any) -> Iterator[Fault]:
@@ -262,9 +257,7 @@ def judge(node: Mapping) -> tuple[Recipe | None, list[Fault]]:
     """Return the recipe of a located tree, or None and all of its faults."""
     early: list[Fault] = []
     data = raw(node, early)
-    recipe: Recipe | None = None
-    found: list[Fault] = []
-    most = in_force().faults
+    recipe, found, most = None, list[Fault](), in_force().faults
     try:
         recipe = Recipe.model_validate(data, context=Settings.of(data))
     except ValidationError as error:
@@ -275,8 +268,7 @@ def judge(node: Mapping) -> tuple[Recipe | None, list[Fault]]:
     if not early and not found:
         return recipe, []
     version = [fault for fault in found if fault.code == "recipe-version"]
-    remaining = list(_without_misspelt(list(_one_each(early, found))))
-    return None, version or list(_without_strangers(remaining))
+    return None, version or list(_without_strangers(list(_without_misspelt(list(_one_each(early, found))))))
 
 
 def _follows(fault: Fault, node: Mapping, gone: Collection[Path]) -> bool:

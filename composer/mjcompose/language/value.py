@@ -13,7 +13,7 @@ from mjcompose.base.diagnostic import Diagnostic, Fault, Fix, Note, Path
 from mjcompose.base.suggest import advised, exists_note
 from mjcompose.text.expression import Angle
 from mjcompose.tree.grammar import Attribute, ElementType, number_text
-from mjcompose.tree.values import Refusal, check_number, check_python, expected, items, parse_real
+from mjcompose.tree.values import NOT_XML, Refusal, check_number, check_python, expected, items, parse_real
 
 # Two keys exclude each other.
 EXCLUSIVE = "wrong-type"
@@ -66,18 +66,21 @@ def kind_of(value: object) -> str:
     return f"{kind} `{text}`" if len(text) <= 40 and "\n" not in text else kind
 
 
-# Characters that no XML file can contain, not even escaped.
-_UNPRINTABLE = frozenset(map(chr, (*range(9), 11, 12, *range(14, 32), 0xFFFE, 0xFFFF, *range(0xD800, 0xE000))))
-
-
 def is_unprintable(text: str) -> bool:
-    """Return whether a text has a character that XML cannot contain."""
-    return not _UNPRINTABLE.isdisjoint(text)
+    """Return whether a text has a character that no XML file can contain, not even escaped."""
+    return NOT_XML.search(text) is not None
 
 
 def unprintable(subject: str, at: Path, *, key: bool = False, name: bool = True) -> Fault:
     """Return the fault of a text with such a character."""
     return Fault("bad-name" if name else "wrong-type", f"{subject} has a character that XML cannot hold", at, key=key)
+
+
+def name_fault(name: str, owner: str, at: Path) -> Fault | None:
+    """Return the fault of a key that is a name, or None."""
+    if not name.strip():
+        return Fault("bad-name", f"a name in {owner} is empty", at, key=True)
+    return unprintable(f"a name in {owner}", at, key=True) if is_unprintable(name) else None
 
 
 Single = bool | int | float | str | Angle

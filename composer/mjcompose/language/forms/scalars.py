@@ -36,7 +36,7 @@ from mjcompose.language.forms.context import (
 )
 from mjcompose.language.forms.model import IT, KEY, OWNER
 from mjcompose.language.select import GLOB, check_template, pattern_fault, read_selector
-from mjcompose.language.value import bare_angle, is_unprintable, kind_of, read_value, unprintable
+from mjcompose.language.value import bare_angle, is_unprintable, kind_of, name_fault, read_value
 from mjcompose.text.expression import Angle
 from mjcompose.text.node import is_template
 from mjcompose.tree.grammar import GRAMMAR
@@ -296,13 +296,8 @@ class Named:
         return core_schema.no_info_wrap_validator_function(self._read, handler(source))
 
     def _read(self, value: Any, handler: ValidatorFunctionWrapHandler) -> Any:
-        faults = []
-        for name in value if isinstance(value, dict) else ():
-            if not name.strip():
-                faults.append(Fault("bad-name", f"a name in {IT} is empty", (name,), key=True))
-            elif is_unprintable(name):
-                faults.append(unprintable(f"a name in {IT}", (name,), key=True))
-        return validated_with(handler, value, faults)
+        names = value if isinstance(value, dict) else ()
+        return validated_with(handler, value, [*filter(None, (name_fault(each, IT, (each,)) for each in names))])
 
 
 def _value_fault(value: Any) -> Fault | None:

@@ -112,8 +112,6 @@ def _stepped(place: Spot, step: str | int, is_there: bool) -> Spot:
         if info is None:
             return Spot(at, Any, model=kind, above=place.at, key=str(step))
         way = _Way(info.annotation, [*info.metadata]).plain()
-        if step == WHOLE:
-            return replace(place, kind=way.kind, metadata=tuple(way.metadata), model=kind, above=place.at)
         if is_hidden(step):
             return replace(place, kind=way.kind, metadata=tuple(way.metadata), model=kind, above=place.at)
         return Spot(at, way.kind, tuple(way.metadata), model=kind, above=place.at, key=str(step), info=info)
@@ -122,8 +120,8 @@ def _stepped(place: Spot, step: str | int, is_there: bool) -> Spot:
         way = _Way(rows.form(str(step))).plain()
         return replace(place, at=at, kind=way.kind, metadata=tuple(way.metadata), key=str(step), info=None)
     if is_hidden(step):
-        tagged = [each for each in alternatives(kind) if Tag(str(step)) in getattr(each, "__metadata__", ())]
-        way = _Way(tagged[0] if tagged else Any).plain()
+        tag = Tag(str(step))
+        way = _Way(next((each for each in alternatives(kind) if tag in getattr(each, "__metadata__", ())), Any)).plain()
         return replace(place, kind=way.kind, metadata=(*marks, *way.metadata))
     way = _Way(_inside(kind)).plain()
     return replace(place, at=at, kind=way.kind, metadata=tuple(way.metadata))
@@ -174,16 +172,11 @@ def _below(place: Spot, around: tuple[Any, ...]) -> Iterator[Spot]:
         if place.kind in around:
             return  # a recipe in place
         for key, info in fields_of(place.kind).items():
+            inner = [_stepped(place, key, not is_hidden(key))]
             if (rows := rows_of(info)) is not None:
-                for word in rows.table().own:
-                    below = _Way(rows.form(word)).plain()
-                    inner = Spot(
-                        (*place.at, word), below.kind, tuple(below.metadata), model=place.kind, above=place.at, key=word
-                    )
-                    yield from _below(inner, (*around, place.kind))
-                continue
-            inner = _stepped(place, key, not is_hidden(key))
-            yield from _below(inner, (*around, place.kind))
+                inner = [_stepped(inner[0], word, is_there=True) for word in rows.table().own]
+            for each in inner:
+                yield from _below(each, (*around, place.kind))
     elif get_origin(place.kind) in (*_MAPPINGS, *_LISTS):
         yield from _below(_stepped(place, "*", is_there=True), around)
 
