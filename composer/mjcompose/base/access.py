@@ -54,7 +54,6 @@ class Door:
         return cls(tuple(dict.fromkeys(real_folder(os.fspath(each)) for each in folders)), whose, help, start)
 
     def wider(self, folders: tuple[str | os.PathLike[str], ...]) -> Door:
-        """Return the same door with more folders."""
         if not folders:
             return self
         return replace(self, roots=tuple(dict.fromkeys((*self.roots, *map(os.path.realpath, folders)))), _folders={})
@@ -173,7 +172,6 @@ SERVED = os.environ.get("MJCOMPOSE_SERVED")
 
 
 def door_of_user() -> Door:
-    """Return the door of the user's own recipes."""
     return ALL if SERVED is None else Door.of([SERVED], f"`{SERVED}`, the only folder that `mjcompose mcp` reads")
 
 

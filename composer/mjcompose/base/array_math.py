@@ -21,7 +21,6 @@ Floats = NDArray[np.float64]
 
 
 def bits(seed: int, samples: Iterable[int], field: str, element: str, component: int) -> Bits:
-    """Return `stream.bits` for each sample."""
     before, after = draw_stream.identity(seed, field, element, component=component)
     size = draw_stream.BITS // 8
     found = b"".join([sha256(b"%b%d%b" % (before, each, after)).digest()[:size] for each in samples])
@@ -47,7 +46,6 @@ def exp(x: Floats) -> Floats:
 
 
 def log(x: Floats) -> Floats:
-    """Return `exact.log` of each number."""
     return _rounded(x, (x > _LEAST) & (x < 0.5), _log, one=draw_stream.log)
 
 

@@ -86,7 +86,6 @@ def caller() -> FrameType:
 
 
 def call_site() -> Span:
-    """Return the innermost line of the call stack outside of this package."""
     frame = caller()
     return Span(frame.f_code.co_filename, frame.f_lineno, 1)
 
@@ -214,7 +213,6 @@ class DiagnosticError(Exception):
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """The messages of the notes."""
         return tuple(note.message for note in self.diagnostic.notes)
 
     def at(self, span: Span, notes: Iterable[Note] = ()) -> Diagnostic:
@@ -250,7 +248,6 @@ class Fault:
     fix: Fix | None = None
 
     def all_notes(self) -> list[Note]:
-        """Return the notes, followed by the related ones without their places."""
         return [*self.notes, *(Note(message) for message, _ in self.related)]
 
 

@@ -36,7 +36,6 @@ class Distribution(ABC):
     """A distribution of numbers; a choice among given values is `below` of their count."""
 
     def draw(self, bits: int) -> float:
-        """Return the number for 64 random bits."""
         number: float = self._draw(bits, draw_stream)
         return number
 
@@ -67,8 +66,6 @@ class _Between(Distribution):
 
 @dataclass(frozen=True)
 class Uniform(_Between):
-    """All numbers between two are equally likely."""
-
     low: float
     high: float
 
@@ -94,8 +91,6 @@ class LogUniform(_Between):
 
 @dataclass(frozen=True)
 class Normal(Distribution):
-    """The Gaussian distribution, with its mean and standard deviation."""
-
     mean: float
     std: float
 
@@ -153,8 +148,6 @@ class LogNormal(Distribution):
 
 @dataclass(frozen=True)
 class Integers(_Between):
-    """Whole numbers from the first to the last, both included."""
-
     low: int
     high: int
 

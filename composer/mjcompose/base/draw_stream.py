@@ -35,7 +35,6 @@ def below(bits: int, count: int) -> int:
 
 
 def within(value: float, low: float, high: float) -> float:
-    """Limit a value to the bounds, which rounding might exceed."""
     return min(max(value, low), high)
 
 
@@ -114,7 +113,6 @@ def near(r: float) -> float:
 
 
 def far(r: float) -> float:
-    """Return the same for `r` above 5."""
     return _quotient(_FAR, r - 5.0)
 
 

@@ -391,7 +391,6 @@ _runs: list[Run] = [_NoRun()]
 
 
 def current() -> Run:
-    """Return the run of this process that began last."""
     return _runs[-1]
 
 

@@ -94,7 +94,6 @@ def render(diagnostic: Diagnostic, read_source: ReadSource | None = None, color:
 
 
 def counted(number: int, noun: str, plural: str = "") -> str:
-    """Return a number with its noun."""
     return f"{number} {noun if number == 1 else plural or f'{noun}s'}"
 
 
@@ -108,7 +107,6 @@ def printable(text: str, colors: bool = False) -> str:
 
 
 def summary(diagnostics: Iterable[Diagnostic]) -> str:
-    """Return how many diagnostics of each severity there are."""
     found = [each.severity for each in diagnostics]
     return ", ".join(counted(found.count(each), each.value) for each in Severity if each in found) or "no errors"
 

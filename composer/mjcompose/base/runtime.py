@@ -65,7 +65,6 @@ def interruptible() -> Iterator[None]:
 
 
 def hear_signals() -> None:
-    """Handle the deferred signal, if there is one."""
     with interruptible():
         pass
 

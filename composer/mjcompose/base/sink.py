@@ -107,7 +107,6 @@ class Sink:
             self._causes = {key: first for key, first in self._causes.items() if first is not found}
 
     def promote(self) -> None:
-        """Turn all warnings into errors."""
         found, self._found = self._found, {}
         for diagnostic, others in found.items():
             if diagnostic.severity is not Severity.WARNING:
@@ -175,7 +174,6 @@ class Sink:
 
     @property
     def diagnostics(self) -> list[Diagnostic]:
-        """All diagnostics, in the order they were added."""
         return [self._whole(each) for each in self._found]
 
     def sorted(self) -> list[Diagnostic]:
@@ -188,7 +186,6 @@ class Sink:
 
     @property
     def errors(self) -> list[Diagnostic]:
-        """The reported errors, in the order they were added."""
         return [each for each in self.diagnostics if each.severity is Severity.ERROR]
 
     def _whole(self, diagnostic: Diagnostic) -> Diagnostic:
@@ -201,7 +198,6 @@ class Sink:
 
     @property
     def has_errors(self) -> bool:
-        """Whether the work must stop."""
         return self.error_count > 0
 
 

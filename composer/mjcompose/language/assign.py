@@ -90,7 +90,6 @@ class Checker:
             self.faults.append(Fault("missing-key", message, at, help="write another value"))
 
     def unknown(self, name: str, tag: str, kinds: tuple[ElementType, ...], at: Path) -> Fault:
-        """Return the fault of a name that is not an attribute of the selected elements."""
         if all(kind.path == "default" or kind.tag == "default" for kind in kinds):
             known = [child for child in kinds[0].children if child != "default"]
             near = closest(name, known)
@@ -100,7 +99,6 @@ class Checker:
         return unknown_attribute(name, tag, kinds, at=at)
 
     def value(self, verb: str, fitting: list[Attribute], index: int | None, value: Any, tag: str, at: Path) -> None:
-        """Check the value of one attribute, or of one of its numbers."""
         subject = f"`{tag}`"
         if not self._templates(value, at):
             return
@@ -281,7 +279,6 @@ def _definition_of_null(name: str) -> Schema:
 
 @definition("scalable")
 def scalable(tag: str) -> Schema:
-    """Return the schema of a mapping from attributes that are numbers to factors or offsets."""
     found = {
         name: {**reference("amount"), "description": attributes[0].doc}
         for name, attributes in attributes_of(tag).items()
@@ -316,10 +313,7 @@ def attributes_of(tag: str) -> dict[str, list[Attribute]]:
 
 @definition("amount")
 def amount(_: str) -> Schema:
-    """Return the schema of a number, a list of them, or an expression of `${value}`."""
     return {
-        "type": ["number", "string", "array"],
-        "pattern": TEMPLATE_PATTERN,
-        "items": reference("number"),
+        "type": ["number", "string", "array"], "pattern": TEMPLATE_PATTERN, "items": reference("number"),
         "patternErrorMessage": "expected a number, a list of numbers, or ${…}",
-    }
+    }  # fmt: skip

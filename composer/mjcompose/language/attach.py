@@ -63,7 +63,6 @@ class Surface(Model):
 
     @property
     def named(self) -> tuple[str, str]:
-        """Its kind and name."""
         return ("geom", self.geom) if self.geom is not None else ("site", self.site or "")
 
 
@@ -109,7 +108,6 @@ class Axis(Model):
 
     @property
     def copies(self) -> int:
-        """The number of copies."""
         return self.count if self.scatter is None else self.scatter.count
 
 
@@ -130,7 +128,6 @@ class ScatterAlone:
     """The rule that `scatter` is the only axis of a part, and places it alone."""
 
     def faults(self, value: Mapping[str, Any], model: type[Model], context: Settings) -> Iterator[Fault]:
-        """Yield the fault of another axis, or of an offset that `scatter` replaces."""
         axes = value.get("replicate")
         axes = axes if isinstance(axes, list) else []
         scattering = any(isinstance(axis, dict) and "scatter" in axis for axis in axes)
@@ -160,7 +157,6 @@ class _Something:
     help = "write `force: true`, `torque: true` or both"
 
     def faults(self, value: Mapping[str, Any], model: type[Model], context: Settings) -> Iterator[Fault]:
-        """Yield the fault of a mapping without a quantity, unless one is misspelt."""
         unknown = [key for key in value if key not in model.key_names()]
         is_open = not any(value.get(each, False) is not False for each in _QUANTITIES)
         if is_open and not any(closest(key, _QUANTITIES) for key in unknown):
@@ -189,7 +185,6 @@ class Sense(Model):
 
     @property
     def quantities(self) -> tuple[str, ...]:
-        """The measured quantities."""
         return tuple(each for each in _QUANTITIES if getattr(self, each))
 
 
@@ -211,7 +206,6 @@ class _Prefix:
     """The rule that a prefix can be one, and that copies have one, which tells them apart."""
 
     def faults(self, value: Mapping[str, Any], model: type[Model], context: Settings) -> Iterator[Fault]:
-        """Yield the fault of the prefix, or of a part without one that has copies."""
         prefix = value.get("prefix")
         if isinstance(prefix, str) and prefix and (fault := prefix_fault(prefix, context, ("prefix",))) is not None:
             yield fault
@@ -298,12 +292,10 @@ class Attachment(Model):
 
     @property
     def scatter(self) -> Scatter | None:
-        """The surface that its copies are scattered over."""
         return self.replicate[0].scatter if self.replicate else None
 
     @property
     def sensors(self) -> Sense | None:
-        """The sensors at the place."""
         if not isinstance(self.sense, tuple):
             return self.sense
         return Sense(force="force" in self.sense, torque="torque" in self.sense)

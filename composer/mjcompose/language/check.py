@@ -15,16 +15,12 @@ from mjcompose.language.forms.model import IT, Model
 from mjcompose.language.forms.scalars import When
 
 MODULES = {
-    "expect": "mjcompose.build.checks.expect",
-    "settles": "mjcompose.build.checks.settles",
-    "clearance": "mjcompose.build.checks.clearance",
-    "reachable": "mjcompose.build.checks.reachable",
-    "unchanged": "mjcompose.build.checks.unchanged",
-    "budget": "mjcompose.build.checks.budget",
-    "targets": "mjcompose.targets.check",
-    "moves_alike": "mjcompose.build.checks.moves_alike",
+    "expect": "mjcompose.build.checks.expect", "settles": "mjcompose.build.checks.settles",
+    "clearance": "mjcompose.build.checks.clearance", "reachable": "mjcompose.build.checks.reachable",
+    "unchanged": "mjcompose.build.checks.unchanged", "budget": "mjcompose.build.checks.budget",
+    "targets": "mjcompose.targets.check", "moves_alike": "mjcompose.build.checks.moves_alike",
     "lint": "mjcompose.build.checks.lint",
-}
+}  # fmt: skip
 """The module of each check: its form and its executor. A recipe imports those that it writes."""
 SEVERITY = "severity"
 
@@ -55,7 +51,6 @@ class Check(CheckPart):
 
     @property
     def name(self) -> str:
-        """The name that the recipe gives the check."""
         return str(self.at[-2])
 
     def asked(self) -> dict[str, Any]:
@@ -65,20 +60,16 @@ class Check(CheckPart):
 
 KINDS: Table[type[Check]] = Table("checks", {}, "KIND", kind=type, modules=MODULES)
 _INSTEAD = {
-    "size": "write `expect: {attr: nu, equals: 7}`",
-    "mass": "write `expect: {attr: mass, range: [LOW, HIGH]}`",
+    "size": "write `expect: {attr: nu, equals: 7}`", "mass": "write `expect: {attr: mass, range: [LOW, HIGH]}`",
     "exists": "write `expect: {select: {site: NAME}}`",
     "equal": "write `expect: {select: {joint: NAME}, attr: damping, equals: 0.5}`",
-    "stable": "write `settles: {key: home}`",
-    "no_penetration": "write `clearance: {key: home}`",
+    "stable": "write `settles: {key: home}`", "no_penetration": "write `clearance: {key: home}`",
     "clear": 'write `clearance: {between: ["arm/**", table], min: 0.02}`',
-    "limits": "write `lint: {select: [key-out-of-range]}`",
-    "actuated": "write `lint: {select: [joint-unactuated]}`",
+    "limits": "write `lint: {select: [key-out-of-range]}`", "actuated": "write `lint: {select: [joint-unactuated]}`",
     "plausible": "write `lint: {select: [inertia-implausible]}`",
     "collision": "write `lint: {select: {shape-off-mesh: {hausdorff: 0.002}}}`",
-    "runs_on": "write `targets: {in: [mjx], read: false}`",
-    "loads": "write `targets: {in: [mjx], losses: warning}`",
-}
+    "runs_on": "write `targets: {in: [mjx], read: false}`", "loads": "write `targets: {in: [mjx], losses: warning}`",
+}  # fmt: skip
 """Words of other versions, with help."""
 
 

@@ -37,8 +37,6 @@ class Collisions:
 
 
 class _ElementOf(ByGrammar):
-    """An element, by the path of its kind in the grammar."""
-
     def __init__(self, path: str) -> None:
         self.kind = GRAMMAR.element(path)
 
@@ -142,13 +140,11 @@ class Contact(Model):
 
     @property
     def elements(self) -> tuple[Element, ...]:
-        """The elements of MJCF, in the order of the file."""
         entries = (each for key in self._written for each in getattr(self, key))
         return tuple(each for each in entries if isinstance(each, Element))
 
     @property
     def collisions(self) -> tuple[Collisions, ...]:
-        """The other entries."""
         top = self.at or ("contact",)
         found = [Collisions("collide", each.between, each.at) for each in self.collide]
         for index, each in enumerate(self.exclude):

@@ -64,12 +64,10 @@ class FieldDistribution:
         return self.kind == CHOICE and not all(_is_number(each) or isinstance(each, Angle) for each in self.values)
 
     def of(self, component: int) -> Distribution:
-        """Return the distribution of the number of one component. A choice has none."""
         numbers = tuple(each[component if len(each) > 1 else 0] for each in self.parameters.values())
         return _distribution(self.kind, numbers)
 
     def draw(self, bits: int, component: int) -> Any:
-        """Return one number, or the chosen value."""
         if self.kind == CHOICE:
             return self.values[below(bits, len(self.values))]
         return self.of(component).draw(bits)
@@ -138,7 +136,6 @@ class Written(Model):
 
     @staticmethod
     def field(at: Path) -> str:
-        """Return how messages call the field whose distribution is at a path."""
         return f"field `{at[-3] if at[-2] in ('scale', 'offset') else at[-2]}`"
 
     def numbers(self) -> dict[str, tuple[Any, ...] | None]:
@@ -279,10 +276,8 @@ DISTRIBUTIONS: Table[type[Written]] = Table(
     "",
 )
 _OF_CHANGES: dict[str, type[Written]] = {
-    "normal": BellOfChange,
-    "truncnormal": TruncatedOfChange,
-    "lognormal": LogarithmsOfChange,
-}
+    "normal": BellOfChange, "truncnormal": TruncatedOfChange, "lognormal": LogarithmsOfChange,
+}  # fmt: skip
 CHANGES: Table[type[Written]] = Table("distributions", {**DISTRIBUTIONS, **_OF_CHANGES}, "")
 KINDS = DISTRIBUTIONS.own
 

@@ -47,7 +47,6 @@ class For:
         self.paths, self.what, self.help = paths, what, help
 
     def fits(self, path: str) -> bool:
-        """Return whether elements of a path are included."""
         return any(path == each or (each.endswith("/") and path.startswith(each)) for each in self.paths)
 
     def faults(self, value: Mapping[str, Any], model: type[Model], context: Settings) -> Iterator[Fault]:
@@ -79,7 +78,6 @@ class Verb(Model):
         raise NotImplementedError
 
     def words(self) -> str:
-        """Return its effect on one line, as `plan` and `explain` print it."""
         raise NotImplementedError
 
     def changes(self, tag: str | None) -> Changed:
@@ -216,7 +214,6 @@ class Edit(Model):
 
     @property
     def words(self) -> str:
-        """The entry on one line, as `plan` prints it."""
         return f"edit {self.select}: {'; '.join(each.words() for each in self.verbs.values())}"
 
 
@@ -283,17 +280,14 @@ class Drop(Model):
 
     @property
     def index(self) -> int:
-        """Its place in the list."""
         return self._index
 
     @property
     def section(self) -> str | None:
-        """The whole section that it removes, or None."""
         return self.word if self.word in GRAMMAR.root.children else None
 
     @property
     def select(self) -> Selector | None:
-        """The elements that it removes; None for a section."""
         return self.selected if self.word is None or self.section else Selector(self.word, EVERYTHING)
 
     def __str__(self) -> str:
@@ -337,14 +331,11 @@ check_rows("the JSON Schema of selectors in composer/mjcompose/language/edit.py"
 def selector(_: str) -> Schema:
     """Return the schema of a mapping from a tag to a glob, with the keys that narrow it down."""
     return {
-        "type": "object",
-        "properties": dict(_NARROWING),
-        "propertyNames": {"enum": [*NARROWING, *known_tags(), *_paths()]},
-        "additionalProperties": GLOB,
-        "minProperties": 1,
-        "if": {"propertyNames": {"enum": [*NARROWING, *_COUNT]}},
+        "type": "object", "properties": dict(_NARROWING),
+        "propertyNames": {"enum": [*NARROWING, *known_tags(), *_paths()]}, "additionalProperties": GLOB,
+        "minProperties": 1, "if": {"propertyNames": {"enum": [*NARROWING, *_COUNT]}},
         "then": {"required": ["body"], "errorMessage": "write a tag, such as `body: NAME`"},
-    }
+    }  # fmt: skip
 
 
 def _paths() -> list[str]:

@@ -239,12 +239,10 @@ def _rule(rule: Constraint) -> list[Schema]:
 
 
 def mapping(properties: dict[str, Schema]) -> Schema:
-    """Return the schema of a mapping with these keys and no others."""
     return {"type": "object", "properties": properties, "additionalProperties": False}
 
 
 def described(schema: Schema, description: str) -> Schema:
-    """Return the schema with a description, if there is one."""
     return {**schema, "description": description} if description else schema
 
 

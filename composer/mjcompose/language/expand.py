@@ -49,7 +49,6 @@ class Condition:
         self.in_doubt: set[str] = set()
 
     def kept(self, document: Mapping) -> Mapping:
-        """Return the recipe of this build, without any `when`."""
         found = self._kept(document, ())
         assert isinstance(found, Mapping)
         return found
@@ -247,7 +246,6 @@ class Cell:
 
     @property
     def label(self) -> CellName:
-        """Its name in diagnostics."""
         return CellName(self.name, self.cell, self.sample if self.is_sample else None)
 
     def values(self) -> dict[str, Value | None]:

@@ -185,12 +185,10 @@ class Keyframe(Model):
 
     @property
     def name(self) -> str:
-        """The name of the key."""
         return str(self.at[-1])
 
     @property
     def values(self) -> dict[str, Mapping[str, Entry]]:
-        """The entries of each vector that is written, by name."""
         written = {name: getattr(self, name) for name in VECTORS if name in self.model_fields_set}
         return written if "controls" not in self.model_fields_set else {**written, CTRL: self.controls.numbers}
 

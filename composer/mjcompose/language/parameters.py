@@ -244,7 +244,6 @@ def no_value(axis: str, value: str, values: Mapping, node: Node, sink: Sink) -> 
 
 
 def merged(document: Mapping, axes: Axes, chosen: Map[str, str], sink: Sink) -> Mapping:
-    """Merge the chosen pieces over the recipe, in the order of their axes."""
     for axis, value in chosen.items():
         piece = axes[axis].entries[value][1]
         if isinstance(piece, Mapping):

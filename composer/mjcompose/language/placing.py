@@ -133,7 +133,6 @@ class Inline:
 
 
 def with_inherited(model: Located, around: Located) -> Located:
-    """Return the recipe that is written in place, with the settings it inherits from the recipe around it."""
     inherited = {name: entry for name, entry in around.entries.items() if name in INHERITED}
     known = {name: entry for name, entry in model.entries.items() if name not in OF_A_FILE}
     version = Key("recipe", model.span), Scalar(1, model.span, "1", plain=True)
@@ -167,7 +166,6 @@ def _choice(model: Located) -> list[str] | None:
 
 
 def _models(node: Located) -> Iterator[tuple[Path, Located]]:
-    """Yield the models that are written in place, each with its path."""
     parts = find(node, ("attach",))
     names = list(parts.entries) if isinstance(parts, Located) else []
     for at in (("base", "model"), *(("attach", name, "model") for name in names)):
@@ -183,11 +181,9 @@ JointType = ("hinge", "slide", "ball")
 TINY = 1e-10
 """Axes shorter than this are none to MuJoCo."""
 _NEUTRAL = {
-    "quat": "`[1, 0, 0, 0]`",
-    "axisangle": "an axis, such as `[0, 0, 1, 90deg]`",
-    "zaxis": "`[0, 0, 1]`",
+    "quat": "`[1, 0, 0, 0]`", "axisangle": "an axis, such as `[0, 0, 1, 90deg]`", "zaxis": "`[0, 0, 1]`",
     "xyaxes": "`[1, 0, 0, 0, 1, 0]`",
-}
+}  # fmt: skip
 
 
 class Offset(Attribute):

@@ -79,7 +79,6 @@ class DrawField(Model):
 
     @property
     def name(self) -> str:
-        """Its key in `fields`."""
         return str(self.at[-1])
 
     @property
@@ -110,12 +109,10 @@ class DrawField(Model):
 
     @property
     def drawn_at(self) -> Path:
-        """The path to the distribution."""
         return (*self.at, *self._of_distribution)
 
     @property
     def words(self) -> str:
-        """The drawn value, its element, and its distribution, as `plan` prints it on one line."""
         what = f"the parameter {self.param}" if self.param is not None else f"{self.attr} of {self.select}"
         shared = {"sample": ", one for all", "body": ", one a body", "part": ", one a part"}.get(self.per, "")
         grouped = f", with the others of {self.group}" if self.group is not None else ""
@@ -222,10 +219,8 @@ class Randomize(Model):
 
     @property
     def fields(self) -> tuple[DrawField, ...]:
-        """The drawn fields, in the order of the file."""
         return tuple(self.named.values())
 
     @property
     def of_parameters(self) -> tuple[DrawField, ...]:
-        """The fields that draw parameters."""
         return tuple(each for each in self.fields if each.param is not None)

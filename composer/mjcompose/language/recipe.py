@@ -97,7 +97,6 @@ class Interface(Model):
 
     @property
     def orders(self) -> tuple[Order, ...]:
-        """The lists that the recipe writes."""
         found: list[Order] = []
         for kind in KINDS:
             entries: tuple[Any, ...] | None = getattr(self, kind)
@@ -202,12 +201,10 @@ class Addition(Model):
 
     @property
     def to_kind(self) -> Literal["world", "body", "frame"]:
-        """The kind of the place."""
         return "frame" if isinstance(self.to, Frame) else "world" if self.to == WORLD else "body"
 
     @property
     def to_name(self) -> str:
-        """The name of the place."""
         return self.to.frame if isinstance(self.to, Frame) else self.to
 
     @classmethod
@@ -242,7 +239,6 @@ def _unprintable(text: str) -> Fault | None:
 
 
 def _sequence_fault(text: str) -> Fault | None:
-    """Return the fault of a sequence of rotations, or None."""
     if len(text) == 3 and set(text.lower()) <= set("xyz"):
         return None
     message = f"`eulerseq` is three letters of `xyz` (about the moving axes) and `XYZ` (fixed axes), got `{text}`"

@@ -117,11 +117,9 @@ def add_variation(schema: Schema, definitions: dict[str, Schema]) -> None:
     for name in sections_of(Singleton):
         _into(properties[name], "when", WHEN)
     definitions["InPlace"] = {
-        "type": "object",
-        "properties": {name: each for name, each in properties.items() if name not in OF_A_FILE},
-        "additionalProperties": False,
-        "description": "A recipe, instead of a model reference.",
-    }
+        "type": "object", "properties": {name: each for name, each in properties.items() if name not in OF_A_FILE},
+        "additionalProperties": False, "description": "A recipe, instead of a model reference.",
+    }  # fmt: skip
     _share(schema, definitions)
     pieces = loosened({name: each for name, each in properties.items() if name not in _OWN}, definitions)
     definitions["Piece"] = {
@@ -205,7 +203,6 @@ def _demand_less_of_what_extends(schema: Schema, pieces: Schema) -> None:
 
 
 def _into(schema: Any, key: str, value: Schema) -> None:
-    """Add a property to every mapping with fixed keys at the top of a schema."""
     if isinstance(schema.get("properties"), dict) and "additionalProperties" in schema:
         schema["properties"][key] = dict(value)
     for combined in ("anyOf", "oneOf", "allOf"):

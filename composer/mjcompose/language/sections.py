@@ -45,7 +45,6 @@ class Section(ByGrammar):
         return GRAMMAR.section(self.tag)
 
     def tags(self, reader: Reader, value: Any) -> list[tuple[ElementType, Any, Path]]:
-        """Return the entries of a mapping from tags to elements."""
         if not isinstance(value, dict):
             message = f"`{self.tag}` expects a mapping from tags to elements, got {kind_of(value)}"
             help = "write the tag as a key: `TAG: …`, not as an item of a list" if isinstance(value, list) else None
@@ -248,10 +247,8 @@ def _definition_of_class(_: str) -> Schema:
         if tag != "default"
     }
     parent = {
-        "type": "string",
-        "minLength": 1,
-        "description": "the class that it descends from; without it, the top class",
-    }
+        "type": "string", "minLength": 1, "description": "the class that it descends from; without it, the top class",
+    }  # fmt: skip
     return mapping({PARENT: parent, **rows})
 
 
@@ -412,7 +409,6 @@ class Typed(Elements):
 
 @definition("typed")
 def _definition_of_typed(tag: str) -> Schema:
-    """Return the schema of an element whose `type` decides its keys."""
     kinds = GRAMMAR.section(tag).children.values()
     variants: list[Schema] = [
         {
@@ -422,15 +418,12 @@ def _definition_of_typed(tag: str) -> Schema:
         for kind in kinds
     ]
     return {
-        "type": "object",
-        "properties": {TYPE: _types(tag, kinds), FRAGMENT: reference("fragment"), **nameless()},
-        **unless_fragment({"required": [TYPE]}, nameless()),
-        "allOf": variants,
-    }
+        "type": "object", "properties": {TYPE: _types(tag, kinds), FRAGMENT: reference("fragment"), **nameless()},
+        **unless_fragment({"required": [TYPE]}, nameless()), "allOf": variants,
+    }  # fmt: skip
 
 
 def _types(tag: str, kinds: Iterable[ElementType]) -> Schema:
-    """Return the schema of the key `type`, with an explanation for each value."""
     return {
         "enum": [kind.tag for kind in kinds],
         "markdownEnumDescriptions": [kind.doc for kind in kinds],
@@ -444,18 +437,15 @@ def _definition_of_variant(path: str) -> Schema:
     properties: dict[str, Schema] = {TYPE: {"const": kind.tag, "description": kind.doc}, **nameless()}
     if kind.path.startswith("tendon/"):
         steps = {
-            "type": "array",
-            "minItems": 1,
-            "items": reference(f"step:{kind.path}"),
+            "type": "array", "minItems": 1, "items": reference(f"step:{kind.path}"),
             "description": "its elements, in order: " + ", ".join(f"`{{{tag}: …}}`" for tag in kind.children),
-        }
+        }  # fmt: skip
         return element(kind, (NAME,), {**properties, PATH: steps}, required=(PATH,), fragment=False, children=False)
     return element(kind, (NAME,), properties, fragment=False)
 
 
 @definition("step")
 def _definition_of_step(path: str) -> Schema:
-    """Return the schema of a step of a tendon's path, whose keys say which element it is."""
     kind = GRAMMAR.element(path)
     properties: dict[str, Schema] = {FRAGMENT: reference("fragment")}
     schema: Schema = {"required": [next(iter(kind.children))]}

@@ -26,11 +26,9 @@ from mjcompose.tree.pattern import (
 )
 
 GLOB: Schema = {
-    "type": "string",
-    "minLength": 1,
-    "pattern": r"^/.*/$|\$\{|^(?:[^{}]|\{[^{}]*\})*$",
+    "type": "string", "minLength": 1, "pattern": r"^/.*/$|\$\{|^(?:[^{}]|\{[^{}]*\})*$",
     "patternErrorMessage": "a choice is `{a,b}`, with no other one in it",
-}
+}  # fmt: skip
 """A glob or a regular expression over names."""
 
 

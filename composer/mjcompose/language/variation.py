@@ -42,10 +42,8 @@ def _default_fault(value: Any) -> Fault | None:
 
 _ALONE: Schema = {**VALUE, "items": {"type": "number"}}
 _DEFAULT: Schema = {
-    **_ALONE,
-    "pattern": r"^(?!.*\$\{)",
-    "patternErrorMessage": "a default is written out: it cannot be an expression",
-}
+    **_ALONE, "pattern": r"^(?!.*\$\{)", "patternErrorMessage": "a default is written out: it cannot be an expression",
+}  # fmt: skip
 Values = Annotated[tuple[Written, ...], Items(1), Expects("a list of values", "[1, 2]")]
 Bound = Annotated[float | Angle, Measure()]
 Combinations = Annotated[

@@ -184,7 +184,6 @@ class _Wish:
         return f"`{self.path.replace('/', '.')}`"
 
     def written(self) -> Span | None:
-        """The place of the model's own value, or None if it is not written."""
         return None if self.have is None else self.have.span()
 
     def difference(self, wanted: str) -> str:
@@ -345,12 +344,9 @@ def _flow(tree: Mapping[str, Any]) -> str:
 
 
 _LIMITED_BY = {
-    "range": "limited",
-    "actuatorfrcrange": "actuatorfrclimited",
-    "ctrlrange": "ctrllimited",
-    "forcerange": "forcelimited",
-    "actrange": "actlimited",
-}
+    "range": "limited", "actuatorfrcrange": "actuatorfrclimited", "ctrlrange": "ctrllimited",
+    "forcerange": "forcelimited", "actrange": "actlimited",
+}  # fmt: skip
 _IGNORED_BY = {"range": ("free",), "actuatorfrcrange": ("free", "ball")}
 """Types of joints that these do not limit: MuJoCo (3.12 to 4.0) ignores them there."""
 

@@ -74,7 +74,6 @@ class _AttachmentOrder:
         return [self.linking.parts[number] for number in ready]
 
     def attached(self, part: Part) -> None:
-        """Try the parts that wait for a part that is attached now."""
         del self.waiting[part]
         self._exists(part.unit.root, ("body", part.prefix))
 
@@ -128,7 +127,6 @@ def _in_order(linking: Linking, tops: Mapping[Part, Node]) -> None:
 
 
 def _report_ring(linking: Linking, waiting: list[Part]) -> None:
-    """Report parts that are attached to one another, or a part that is attached to itself."""
     by_root = {part.unit.root: part for part in waiting}
     ring = [waiting[0]]
     while True:
@@ -312,7 +310,6 @@ class _PartAttachment:
         return child
 
     def _add_moving_body(self) -> None:
-        """Create the body for a part that moves. It has the joints of the attachment."""
         linking, part = self.linking, self.part
         body = self._enter("body", {"name": part.prefix} if part.prefix else {})
         if part.mocap:

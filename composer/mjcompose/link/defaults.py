@@ -31,12 +31,9 @@ from mjcompose.tree.unit import Unit
 # Sections whose elements take a class but are outside the body tree, beyond any childclass: MuJoCo 4.0
 # gives a `<motor joint="j"/>` gear 1 though the body of `j` has a childclass with `<motor gear="5"/>`.
 _CLASSED: Mapping[str, tuple[str, ...] | None] = {
-    "asset": ("mesh", "material", "texture"),
-    "contact": ("pair",),
-    "equality": None,
-    "tendon": ("spatial", "fixed"),
+    "asset": ("mesh", "material", "texture"), "contact": ("pair",), "equality": None, "tendon": ("spatial", "fixed"),
     "actuator": None,
-}
+}  # fmt: skip
 _TREE = ("joint", "geom", "site", "camera", "light")
 
 

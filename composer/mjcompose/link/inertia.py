@@ -151,7 +151,6 @@ _SIZES = {"sphere": 1, "capsule": 2, "cylinder": 2, "box": 3, "ellipsoid": 3}
 
 
 def fitted_sizes(linking: Linking) -> None:
-    """Measure the fitted primitives of each unit that fits them to the bounding box."""
     for unit in linking.units if linking.composed else ():
         if unit.settings.fitaabb != "true":
             continue

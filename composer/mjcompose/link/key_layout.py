@@ -46,7 +46,6 @@ class Copy(NamedTuple):
 
 
 def element_of(holder: Node | Copy) -> Node:
-    """Return the element that is written in the tree."""
     return holder.element if isinstance(holder, Copy) else holder
 
 

@@ -157,7 +157,6 @@ def _is_turned(part: Part, flex: Node) -> bool:
 
 
 def called(key: Node) -> str:
-    """Return the name of a key in messages."""
     return f"{'the' if key.get('name') else 'a'} key {shown_name(key)}"
 
 
@@ -268,7 +267,6 @@ def _element(linking: Linking, key: Key, final: Layout, reference: Reference) ->
 
 
 def _check_copies(linking: Linking, key: Key, reference: Reference) -> None:
-    """Report copies whose numbers differ in a key, and that are one element since an edit."""
     for vector, element in reference.disagreeing[:1]:
         name = element.get("name")
         message = (

@@ -293,7 +293,6 @@ class FileUse(NamedTuple):
 
 
 def detach(element: Node) -> None:
-    """Remove an element from its parent, if it has one."""
     if (parent := element.getparent()) is not None:
         parent.remove(element)
 
@@ -344,23 +343,18 @@ class Linking:
 
     @cached_property
     def angle(self) -> str:
-        """The model's unit of angle."""
         return common_angle(self.units)
 
     def find_node(self, namespace: str, name: str) -> Node | None:
-        """Return the element of the model with this name, or None."""
         return self.names.find(namespace, name)
 
     def known_names(self, namespace: str) -> list[str]:
-        """Return the names in a namespace."""
         return self.names.known(namespace)
 
     def kinds_of(self, name: str) -> list[str]:
-        """Return the namespaces in which the name exists."""
         return self.names.kinds_of(name)
 
     def may_generate(self, name: str) -> bool:
-        """Return whether MuJoCo may generate the name itself."""
         return may_be_generated(name, self.base.root)
 
     def flat(self) -> Unit:

@@ -302,7 +302,6 @@ class Survey:
         return found[0] if found and all(each == found[0] for each in found) else None
 
     def names(self, tag: str) -> set[str]:
-        """Return the names of the remaining meshes, materials or textures."""
         text = bytes(int(character) for character in self.arrays["names"])
         starts = [int(start) for start in self.arrays[_NAMES[tag]]]
         return {text[start : text.index(b"\0", start)].decode("utf-8", "replace") for start in starts}
@@ -325,7 +324,6 @@ class KeptSettings:
     names: Sequence[str]
 
     def survey(self, arrays: tuple[str, ...], *, pinned: Collection[Node] = ()) -> Survey | None:
-        """Measure the unit. Report an error if that is not possible."""
         found = compile_unaligned(self.linking, self.unit, arrays, pinned=pinned)
         if isinstance(found, Unmeasurable):
             self.refuse(found.why, found.element)

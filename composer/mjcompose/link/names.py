@@ -56,8 +56,6 @@ def names(linking: Linking) -> None:
 
 
 class _UnitRenaming:
-    """Renames the unit of a part, or the base if that is None, and reports faults of its names."""
-
     def __init__(self, linking: Linking, part: Part | None) -> None:
         self.linking, self.part = linking, part
         self.unit = linking.base if part is None else part.unit

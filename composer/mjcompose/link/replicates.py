@@ -70,7 +70,6 @@ def check_replicates(linking: Linking) -> None:
 
 
 def multiplied_elements(unit: Unit) -> Iterator[Node]:
-    """Yield the elements that a replicate may multiply."""
     for section in unit.root.iterchildren(*_SECTIONS):
         yield from (each for each in section.iterchildren("*") if each.tag not in _OF_NOTHING)
 
@@ -260,7 +259,6 @@ def _is_separate(unit: Unit, index_of: _IndexOf, nest: Node, inside: list[Node],
 
 
 def _names(node: Node) -> Iterator[tuple[str, str]]:
-    """Yield the namespace and name that a node of the body tree declares."""
     for attribute, (kind, namespace) in naming_table("worldbody").get(str(node.tag), {}).items():
         name = node.get(attribute)
         if kind == DECLARES and name:

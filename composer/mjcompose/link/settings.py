@@ -211,12 +211,9 @@ def _count(value: str) -> int:
 
 
 _USERS = {
-    "nuser_body": ("body",),
-    "nuser_jnt": ("joint", "freejoint"),
-    "nuser_geom": ("geom",),
-    "nuser_site": ("site",),
+    "nuser_body": ("body",), "nuser_jnt": ("joint", "freejoint"), "nuser_geom": ("geom",), "nuser_site": ("site",),
     "nuser_cam": ("camera",),
-}
+}  # fmt: skip
 _USER_SECTIONS = {"nuser_tendon": "tendon", "nuser_actuator": "actuator", "nuser_sensor": "sensor"}
 
 

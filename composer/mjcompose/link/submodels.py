@@ -315,7 +315,6 @@ def door_of_submodel(unit: Unit, path: Path, known: bytes | Path | None) -> Door
 
 
 def _shown(unit: Unit, source: str) -> str:
-    """Return the path of the sub-model for messages, next to the file of the unit."""
     return os.path.normpath(os.path.join(os.path.dirname(unit.file), os.path.relpath(source, unit.directory)))
 
 

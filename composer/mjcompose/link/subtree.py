@@ -192,7 +192,6 @@ class SideFinder:
         return needed
 
     def leave(self, element: Node) -> None:
-        """Mark an element of the tree as not taken."""
         declared = declaration(element, "worldbody")
         if declared is not None:
             self._inside.names.discard(declared)
@@ -267,7 +266,6 @@ class Subtree:
 
     @property
     def cut(self) -> tuple[DroppedElement, ...]:
-        """The elements that belong to both the subtree and the rest, which a cut would divide."""
         return tuple(each for each in self.dropped if each.lacks is not None)
 
 

@@ -38,13 +38,10 @@ MARK = "\u00b7"
 _BEYOND = ("attach", "composite")
 _POSES = ("pos", "quat", "euler", "axisangle", "xyaxes", "zaxis")
 _KEPT: Mapping[str, tuple[str, ...] | None] = {
-    "body": ("name", "mocap", "childclass", *_POSES),
-    "frame": ("childclass", *_POSES),
-    "replicate": None,
-    "joint": ("name", "class", "type", "pos", "axis", "ref", "range", "limited"),
-    "freejoint": ("name",),
+    "body": ("name", "mocap", "childclass", *_POSES), "frame": ("childclass", *_POSES), "replicate": None,
+    "joint": ("name", "class", "type", "pos", "axis", "ref", "range", "limited"), "freejoint": ("name",),
     "site": ("name",),
-}
+}  # fmt: skip
 # They limit or tune, and may name elements that a bare model does not have.
 _LEFT_OUT = ("user", "group", "inheritrange", "ctrllimited", "dampratio", "material", "class")
 _INERTIA = {"pos": "0 0 0", "mass": "1", "diaginertia": "1 1 1"}
@@ -111,7 +108,6 @@ class KeyNotes:
         self.copied |= linking.notes.copied
 
     def note_written(self, linking: Linking) -> None:
-        """Note the values that a recipe has written into keys or edited there."""
         self.written |= linking.keys.noted
         self.edited |= linking.keys.edited_keys
         self.copied |= linking.notes.copied
@@ -299,12 +295,10 @@ def layouts(linking: Linking) -> None:
 
 
 def keys_of(unit: Unit) -> list[Node]:
-    """Return the `<key>` elements of a unit."""
     return unit.root.findall("keyframe/key")
 
 
 def remove_keys(unit: Unit) -> None:
-    """Remove all keyframes of a unit."""
     for section in list(unit.root.iterchildren("keyframe")):
         unit.root.remove(section)
 
@@ -457,7 +451,6 @@ def _slots(linking: Linking) -> dict[Node, Slot]:
 
 
 def report_not_laid_out(linking: Linking, unit: Unit, unknown: Unknown) -> None:
-    """Report that the keys of a unit cannot be laid out."""
     more = "" if linking.request.requested_keys is None else ", and no `keyframe` in the recipe"
     message = f"keyframes of a model with this `<{unknown.element.tag}>` cannot be laid out: only MuJoCo knows its size"
     help = f"omit the keys: `drop: [key]`{more}"

@@ -350,7 +350,6 @@ def _warn(linking: Linking, part: Part, element: Node, what: str, help: str) -> 
 
 
 def sections(linking: Linking) -> None:
-    """Move the remaining sections of every part into the base's."""
     for part in linking.parts:
         for section in list(part.unit.root):
             tag = section.tag

@@ -96,11 +96,9 @@ class Mask:
 
     @property
     def active(self) -> bool:
-        """Whether any character is replaced."""
         return bool(self._originals)
 
     def restore(self, value: str) -> str:
-        """Return the original of a text that was read from the masked text."""
         return value.translate(self._originals)
 
     def _stand_in(self, character: str) -> str | None:

@@ -180,7 +180,6 @@ def walk(node: Node, path: tuple[str | int, ...] = (), key: Key | None = None) -
 
 
 def texts(node: Node) -> Iterator[str]:
-    """Yield every key and value as written."""
     for _, key, value in walk(node):
         if key is not None:
             yield key.name
@@ -189,7 +188,6 @@ def texts(node: Node) -> Iterator[str]:
 
 
 def spans(node: Node) -> Iterator[Span]:
-    """Yield the place of every key and value."""
     for _, key, value in walk(node):
         if key is not None:
             yield key.span

@@ -204,12 +204,10 @@ def loaded(target: str) -> Any:
 
 
 def form_of(row: Any) -> Any:
-    """Return the type behind a row of a table or a `module:Name`."""
     return loaded(row) if isinstance(row, str) else row
 
 
 def first_line(text: str) -> str:
-    """Return the first paragraph of a docstring on one line."""
     return " ".join(text.partition("\n\n")[0].split())
 
 
@@ -275,7 +273,6 @@ class Rows:
         self.table, self.selects = table, selects
 
     def form(self, word: str) -> Any:
-        """Return the form of a word's value."""
         return form_of(self.table()[word])
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:

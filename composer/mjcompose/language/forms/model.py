@@ -192,7 +192,6 @@ class Rest:
 
 
 def rest_of(model: type[BaseModel]) -> str | None:
-    """Return the key of the field with this mark, or None."""
     return next(
         (key for key, info in fields_of(model).items() if any(isinstance(m, Rest) for m in info.metadata)), None
     )

@@ -156,7 +156,6 @@ class Measure:
 
     @property
     def bounds(self) -> dict[str, float | None]:
-        """The bounds by their words in a JSON Schema."""
         return {"minimum": self._ge, "exclusiveMinimum": self._gt, "maximum": self._le}
 
     def read(self, value: Any) -> float | Angle:
@@ -357,8 +356,6 @@ class Attribute(ByGrammar):
 
 
 class Selects(ByGrammar):
-    """A selector, which is read as `Selector`."""
-
     def schema(self) -> Schema:
         return reference("selector")
 
@@ -389,7 +386,6 @@ def _code_fault(code: str) -> Fault | None:
 
 @definition("code")
 def code(_: str) -> Schema:
-    """Return the schema of a warning's code."""
     return {"enum": list(CODES)}
 
 

@@ -80,7 +80,6 @@ class _Way:
 
 
 def is_model(kind: Any) -> bool:
-    """Return whether a type is a mapping with fixed keys of this framework."""
     return isinstance(kind, type) and issubclass(kind, Model)
 
 
@@ -226,11 +225,9 @@ _NOUNS = {
     "list_type": "a list", "tuple_type": "a list",
 }  # fmt: skip
 _BOUNDS = {
-    "greater_than": ("gt", "more than"),
-    "greater_than_equal": ("ge", "at least"),
-    "less_than": ("lt", "less than"),
+    "greater_than": ("gt", "more than"), "greater_than_equal": ("ge", "at least"), "less_than": ("lt", "less than"),
     "less_than_equal": ("le", "at most"),
-}
+}  # fmt: skip
 # The meaning of `1cm`, `5g` or `2ms` is clear only for numbers in these units, and for plain numbers.
 _PLAIN_UNITS = (None, "m", "kg", "s", "N")
 
@@ -287,7 +284,6 @@ def translated(error: Any, root: Any, data: Any, start: Path = ()) -> Fault:
 
 
 def named(place: Spot) -> str:
-    """Return how messages call the value at a place."""
     if is_model(place.kind):
         subject: str = place.kind.subject(place.at)
         return subject
