@@ -50,8 +50,8 @@ READS_ITSELF = {
         tools/view/server.py:Server.__init__""",
     "what MuJoCo's process, or another program, has just written into a folder of ours": """
         build/bundle/staging.py:write_mjb build/bundle/write.py:write_usd tools/diff/diff.py:render_views
-        mujoco/child.py mujoco/engine.py:_last_words mujoco/engine.py:_load_arrays mujoco/moved.py:differences
-        tools/migrate/compare.py:_Side.of mujoco/dump.py:main mujoco/motion.py:main tools/migrate/migrate.py:measured
+        mujoco/child.py mujoco/engine.py:_last_words mujoco/engine.py:_load_arrays mujoco/environments.py:differences
+        tools/migrate/compare.py:_Side.of mujoco/dump.py:main tools/migrate/migrate.py:measured
         mujoco/pictures.py:sheet mujoco/playable.py:_replaced tools/view/page.py:_played
         targets/export.py:aimed targets/read_back.py:placed targets/export.py:export
         targets/plain.py:keep_files targets/plain.py:plain targets/read_back.py:read_back
@@ -84,7 +84,7 @@ WRITES_ITSELF = {
         build/verify/draws.py:with_worlds build/verify/draws.py:compute_worlds tools/view/live.py:_opened
         tools/worlds/union.py:compose_union""",
     "into a folder of ours, in an environment of its own": """
-        mujoco/dump.py:main mujoco/dump.py:_marks mujoco/motion.py:main targets/readers/drake.py
+        mujoco/dump.py:main mujoco/dump.py:_marks targets/readers/drake.py
         targets/readers/genesis.py targets/readers/newton.py targets/readers/pinocchio.py
         targets/readers/pybullet.py targets/readers/shared/mujoco_facts.py""",
     "the folder of a worker of a cluster, or a token beside the models": """

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from cli.shell import run
 from mjcompose.base.diagnostic import Span
-from mjcompose.mujoco.moved import Moved
+from mjcompose.mujoco.environments import Moved
 from mjcompose.tools.migrate import upgrade as module
 from mjcompose.tools.migrate.editing import Meaning, Step
 from mjcompose.tools.migrate.migrate import installed

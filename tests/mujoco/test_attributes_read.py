@@ -34,7 +34,7 @@ def test_every_kind_of_name_is_the_one_mujoco_gives() -> None:
         "tendon": "TENDON", "equality": "EQUALITY", "actuator": "ACTUATOR", "sensor": "SENSOR", "key": "KEY",
         "numeric": "NUMERIC", "text": "TEXT", "tuple": "TUPLE",
     }  # fmt: skip
-    found = attributes.all_names(compiled)
+    found = attributes.NameTable(compiled).names
     for kind, word in objects.items():
         kind_id = getattr(mujoco.mjtObj, f"mjOBJ_{word}")
         assert found[kind], kind

@@ -80,6 +80,11 @@ def _of_elements(numbers: Mapping[int, int]) -> Callable[[Model, int], int]:
     return lambda model, index: int(model.flex_elemnum[index]) * numbers[int(model.flex_dim[index])]
 
 
+def _each(kind: str, *names: str) -> dict[str, Run]:
+    """Return runs by size whose first rows and numbers have such names: `mesh_vertadr` and `mesh_vertnum`."""
+    return {f"n{kind}{each}": Run(f"{kind}_{each}adr", counted(f"{kind}_{each}num")) for each in names}
+
+
 _HFIELD = ("hfield_nrow", "hfield_ncol")
 _TEXTURE = ("tex_height", "tex_width", "tex_nchannel")
 
@@ -102,26 +107,17 @@ RUNS: Mapping[str, Mapping[str, Run]] = {
         "nplastic": _plastic("tendon_plasticadr"),
     },
     "mesh": {
-        "nmeshvert": Run("mesh_vertadr", counted("mesh_vertnum")),
-        "nmeshnormal": Run("mesh_normaladr", counted("mesh_normalnum")),
-        "nmeshtexcoord": Run("mesh_texcoordadr", counted("mesh_texcoordnum")),
-        "nmeshface": Run("mesh_faceadr", counted("mesh_facenum")),
-        "nmeshpoly": Run("mesh_polyadr", counted("mesh_polynum")),
+        **_each("mesh", "vert", "normal", "texcoord", "face", "poly"),
         "nmeshgraph": Run("mesh_graphadr", _up_to_the_next("mesh_graphadr", "nmeshgraph", "mesh_graphadr")),
     },
     "hfield": {"nhfielddata": Run("hfield_adr", _cells(*_HFIELD), shape=_grid(*_HFIELD))},
     "texture": {"ntexdata": Run("tex_adr", _cells(*_TEXTURE), shape=_grid(*_TEXTURE))},
     "skin": {
-        "nskinvert": Run("skin_vertadr", counted("skin_vertnum")),
-        "nskintexvert": Run("skin_texcoordadr", counted("skin_vertnum")),
-        "nskinface": Run("skin_faceadr", counted("skin_facenum")),
-        "nskinbone": Run("skin_boneadr", counted("skin_bonenum")),
+        **_each("skin", "vert"), "nskintexvert": Run("skin_texcoordadr", counted("skin_vertnum")),
+        **_each("skin", "face", "bone"),
     },
     "flex": {
-        "nflexvert": Run("flex_vertadr", counted("flex_vertnum")),
-        "nflexnode": Run("flex_nodeadr", counted("flex_nodenum")),
-        "nflexedge": Run("flex_edgeadr", counted("flex_edgenum")),
-        "nflexelem": Run("flex_elemadr", counted("flex_elemnum")),
+        **_each("flex", "vert", "node", "edge", "elem"),
         "nflexelemdata": Run("flex_elemdataadr", _of_elements(_CORNERS)),
         "nflexelemedge": Run("flex_elemedgeadr", _of_elements(_EDGES)),
         "nplastic": _plastic("flex_plasticadr"),
@@ -130,7 +126,7 @@ RUNS: Mapping[str, Mapping[str, Run]] = {
     "numeric": {"nnumericdata": Run("numeric_adr", counted("numeric_size"))},
     "tuple": {"ntupledata": Run("tuple_adr", counted("tuple_size"))},
     "plugin": {"npluginstate": Run("plugin_stateadr", counted("plugin_statenum"))},
-}
+}  # fmt: skip
 """By kind, and by the size that an array has rows for."""
 
 VECTORS: Mapping[str, tuple[str, str]] = {
@@ -161,12 +157,10 @@ def rows_of(model: Model, kind: str, array: str, index: int) -> range:
 _TO_THE_NEXT: Mapping[str, Run] = {
     own: Run(own, _up_to_the_next(own, size, own))
     for own, size in (
-        ("flex_stiffnessadr", "nflexstiffness"),
-        ("flex_bendingadr", "nflexbending"),
-        ("flex_texcoordadr", "nflextexcoord"),
-        ("plugin_attradr", "npluginattr"),
+        ("flex_stiffnessadr", "nflexstiffness"), ("flex_bendingadr", "nflexbending"),
+        ("flex_texcoordadr", "nflextexcoord"), ("plugin_attradr", "npluginattr"),
     )
-}
+}  # fmt: skip
 """By the array of addresses: data without a count, which an element lacks if its address is negative."""
 
 _COUNTED: Mapping[str, Run] = {

@@ -119,16 +119,10 @@ _TABLE: Mapping[str, tuple[str, Mapping[str, str]]] = {
     "joint": (
         "axis pos range limited stiffness margin group user",
         {
-            **{name: f"dof_{name}" for name in ("armature", "damping", "frictionloss")},
-            "ref": "qpos0",
-            "springref": "qpos_spring",
-            "solreflimit": "jnt_solref",
-            "solimplimit": "jnt_solimp",
-            "solreffriction": "dof_solref",
-            "solimpfriction": "dof_solimp",
-            "actuatorfrcrange": "jnt_actfrcrange",
-            "actuatorfrclimited": "jnt_actfrclimited",
-            "actuatorgravcomp": "jnt_actgravcomp",
+            **{name: f"dof_{name}" for name in ("armature", "damping", "frictionloss")}, "ref": "qpos0",
+            "springref": "qpos_spring", "solreflimit": "jnt_solref", "solimplimit": "jnt_solimp",
+            "solreffriction": "dof_solref", "solimpfriction": "dof_solimp", "actuatorfrcrange": "jnt_actfrcrange",
+            "actuatorfrclimited": "jnt_actfrclimited", "actuatorgravcomp": "jnt_actgravcomp",
         },
     ),
     "geom": (f"{_SHAPE} {_CONTACT} condim contype conaffinity priority solmix", {}),
@@ -185,10 +179,9 @@ ENUMERATED: Mapping[str, frozenset[str]] = {
 """By tag, the attributes whose values are words (`type`, `mode`); `enums.words` has these for each `array_of`."""
 
 
-DERIVED = {
-    *with_trait("tree inertia", "gain"),
-    *"actuator_acc0 actuator_length0 tendon_length0 tendon_lengthspring".split(),
-}
+DERIVED = with_trait("tree inertia", "gain") | set(
+    "actuator_acc0 actuator_length0 tendon_length0 tendon_lengthspring".split()
+)
 """Arrays that follow from nearly everything: they differ if anything else does."""
 
 _INERTIA = "mass inertia ipos iquat subtreemass sameframe pos quat rbound aabb"
@@ -204,9 +197,7 @@ _BECOMES = {
     "scale": f"{_MESH} {_GAINS}",
     **dict.fromkeys(
         "kp kv ki dampratio timeconst diameter area bias force lmin lmax vmax fpmax fvmax inheritrange gainprm"
-        " biasprm dynprm gaintype biastype dyntype ctrlrange".split(),
-        _GAINS,
-    ),
+        " biasprm dynprm gaintype biastype dyntype ctrlrange".split(), _GAINS),
     **dict.fromkeys("limited range".split(), "range limited lengthrange"),
     **dict.fromkeys("ref springref".split(), "qpos0 qpos_spring spring"),
     **dict.fromkeys("stiffness springdamper".split(), "stiffness stiffnesspoly"),
@@ -216,16 +207,10 @@ _BECOMES = {
     **dict.fromkeys("solimplimit solimpfriction".split(), "solimp"),
     **dict.fromkeys("fluidshape fluidcoef".split(), "fluid"),
     **dict.fromkeys("focal principal sensorsize".split(), "intrinsic fovy sensorsize"),
-    "damping": "damping dampingpoly",
-    "active": "active0",
-    "condim": "condim dim",
-    "actuatorgravcomp": "actgravcomp",
-    "forcerange": "forcerange forcelimited",
-    "actrange": "actrange actlimited",
-    "material": "matid rgba",
-    "target": "targetbodyid mode",
-    "texture": "texid",
-}
+    "damping": "damping dampingpoly", "active": "active0", "condim": "condim dim", "actuatorgravcomp": "actgravcomp",
+    "forcerange": "forcerange forcelimited", "actrange": "actrange actlimited", "material": "matid rgba",
+    "target": "targetbodyid mode", "texture": "texid",
+}  # fmt: skip
 # The kind of a tag's elements, if it is another word.
 _KINDS = {
     "freejoint": "joint",
@@ -233,9 +218,7 @@ _KINDS = {
     **dict.fromkeys(("connect", "weld", "flex", "flexvert", "flexstrain"), "equality"),
     **dict.fromkeys(
         "general motor position velocity intvelocity damper cylinder muscle adhesion plugin dcmotor pid"
-        " orientation".split(),
-        "actuator",
-    ),
+        " orientation".split(), "actuator"),
 }  # fmt: skip
 # Kinds that are affected too: a mesh shapes geoms, geoms give a body its inertia.
 _BEYOND = {"joint": ["dof"], "geom": ["body"], "mesh": ["geom", "body"], "inertial": ["body"]}
@@ -285,15 +268,8 @@ def sizes(model: Any) -> dict[str, int]:
     return {**found, "nactuator": found.get("nactuator", found["nu"])}
 
 
-def all_names(model: Any) -> dict[str, list[str]]:
-    return {kind: names(model, kind) for kind in KINDS}
-
-
 def arrays(wanted: list[str], model: Any, data: Any) -> dict[str, Any]:
-    """Return the requested arrays; a size becomes an array of one, text its bytes.
-
-    Names that this version does not have are missing.
-    """
+    """Return the requested arrays that this version has; a size becomes an array of one, text its bytes."""
     import numpy
 
     found = {}

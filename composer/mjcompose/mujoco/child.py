@@ -41,7 +41,13 @@ def main() -> None:
         from mjcompose.base.guard import end_with
 
         end_with(*map(int, sys.argv[1:]))
-    _set_limits(settings["memory"])
+    # Without core dumps; with limits for data and, where only that is counted, for address space.
+    for limit, value in (
+        ("RLIMIT_CORE", 0),
+        ("RLIMIT_DATA", settings["memory"]),
+        ("RLIMIT_AS", 2 * settings["memory"]),
+    ):
+        _set_soft_limit(limit, value)
     try:
         import mujoco
     except Exception as error:  # any exception of a broken installation becomes the answer
@@ -116,7 +122,7 @@ def _described(request: dict[str, Any], mujoco: Any, model: Any) -> dict[str, An
     if "index" in wants:
         answer["index"] = json.dumps(asdict(index(model, mujoco)))
     if "names" in wants:
-        answer["names"] = attributes.all_names(model)
+        answer["names"] = attributes.NameTable(model).names
     if request["mjb"]:
         mujoco.mj_saveModel(model, request["mjb"])
         if not os.path.isfile(request["mjb"]):
@@ -181,12 +187,6 @@ def _fault(error: Exception) -> dict[str, Any]:
     text = str(error).strip() or type(error).__name__
     short = isinstance(error, MemoryError) or any(sign in text for sign in _NO_MEMORY)
     return {"error": text, "crash": "memory" if short else None}
-
-
-def _set_limits(memory: int) -> None:
-    """Disable core dumps; limit data to `memory` bytes, and address space to twice that where only that is counted."""
-    for name, value in (("RLIMIT_CORE", 0), ("RLIMIT_DATA", memory), ("RLIMIT_AS", 2 * memory)):
-        _set_soft_limit(name, value)
 
 
 def _set_cpu_limit(seconds: float) -> None:

@@ -7,12 +7,14 @@ from typing import Any
 
 import numpy as np
 
+from mjcompose.mujoco.addresses import Run, counted
+
 ADJACENT, TOUCHING, NEVER = "adjacent", "touching", "never"
 _CLOSE = 1e-9
 _NEAR, _FAR = 0.002, 10.0
 """Two bodies that come so near can touch: limits are soft, and a search takes steps."""
 _STARTS, _ROUNDS, _STEPS = 3, 3, 7
-
+_geoms, _joints = (Run(f"body_{of}adr", counted(f"body_{of}num")).rows for of in ("geom", "jnt"))
 
 Pair = tuple[int, int]
 
@@ -174,11 +176,8 @@ def _moved(mujoco: Any, model: Any) -> set[int]:
 
 def _are_jaws(model: Any, pair: Pair, moved: set[int]) -> bool:
     """Return whether neither body carries the other, and actuators move both relative to their parents."""
-    sides = [set(_chain(model, body)) for body in pair]
-    return all(
-        any(joint in moved for body in one - other for joint in _joints(model, body))
-        for one, other in (sides, sides[::-1])
-    )
+    one, other = (set(_chain(model, body)) for body in pair)
+    return all(any(moved.intersection(_joints(model, body)) for body in side) for side in (one - other, other - one))
 
 
 def _between(model: Any, pair: Pair) -> Iterator[int]:
@@ -240,16 +239,6 @@ def _is_free(mujoco: Any, model: Any, body: int) -> bool:
     return any(int(model.jnt_type[joint]) == int(mujoco.mjtJoint.mjJNT_FREE) for joint in _joints(model, body))
 
 
-def _geoms(model: Any, body: int) -> range:
-    start = int(model.body_geomadr[body])
-    return range(start, start + int(model.body_geomnum[body]))
-
-
-def _joints(model: Any, body: int) -> range:
-    start = int(model.body_jntadr[body])
-    return range(start, start + int(model.body_jntnum[body]))
-
-
 def _is_tied(mujoco: Any, model: Any, pair: Pair, *, sliding: bool) -> bool:
     """Whether the two cannot go apart as far as they like; `sliding` says that slides without a range do not count."""
     one, other = (set(_chain(model, body)) for body in pair)
@@ -269,9 +258,7 @@ def _chain(model: Any, body: int) -> Iterator[int]:
 
 
 def _poses(mujoco: Any, model: Any, count: int, seed: int) -> Iterator[Any]:
-    random = np.random.Generator(np.random.PCG64(seed))
-    data = mujoco.MjData(model)
-    kinds = mujoco.mjtJoint
+    random, data, kinds = np.random.Generator(np.random.PCG64(seed)), mujoco.MjData(model), mujoco.mjtJoint
     for _ in range(count):
         for joint in range(model.njnt):
             type, at = int(model.jnt_type[joint]), int(model.jnt_qposadr[joint])

@@ -9,6 +9,7 @@ from __future__ import annotations
 from bisect import bisect_right
 from collections.abc import Collection, Iterator
 from enum import StrEnum
+from operator import attrgetter
 from typing import Any
 
 import numpy as np
@@ -159,11 +160,9 @@ def unequal_attributes(a: Model, b: Model) -> Iterator[tuple[str, Any, Any]]:
     NaN equals NaN. Both models must come from the same MuJoCo: an attribute that only the first one has counts as
     different, and is None in the second.
     """
-    yield from _unequal("", a, b)
-    yield from _unequal("opt.", a.opt, b.opt)
-    for group in sorted(_VISUAL):
-        yield from _unequal(f"vis.{group}.", getattr(a.vis, group), getattr(b.vis, group))
-    yield from _unequal("stat.", a.stat, b.stat)
+    for path in ("", "opt", *(f"vis.{group}" for group in sorted(_VISUAL)), "stat"):
+        mine, theirs = (attrgetter(path)(model) if path else model for model in (a, b))
+        yield from _unequal(path and f"{path}.", mine, theirs)
 
 
 def _unequal(prefix: str, mine: Any, theirs: Any) -> Iterator[tuple[str, Any, Any]]:
@@ -171,14 +170,12 @@ def _unequal(prefix: str, mine: Any, theirs: Any) -> Iterator[tuple[str, Any, An
         value = None if name.startswith("_") or name in _OF_THE_PLACE else getattr(mine, name)
         if isinstance(value, int | float | str | bytes | np.ndarray):
             other = getattr(theirs, name, None)
-            if _differ(value, other):
+            if isinstance(value, np.ndarray) and isinstance(other, np.ndarray):
+                differs = value.shape != other.shape or unequal(value, other).any()
+            else:
+                differs = value != other and (value == value or other == other)
+            if differs:
                 yield prefix + name, value, other
-
-
-def _differ(a: Any, b: Any) -> bool:
-    if isinstance(a, np.ndarray) and isinstance(b, np.ndarray):
-        return a.shape != b.shape or bool(unequal(a, b).any())
-    return bool(a != b) and bool(a == a or b == b)
 
 
 def option_differences(alone: Model, composed: Model) -> list[Difference]:
@@ -188,8 +185,7 @@ def option_differences(alone: Model, composed: Model) -> list[Difference]:
     """
     found = _settings("option", alone.opt, composed.opt)
     for group in _VISUAL:
-        kind = f"visual/{group.rstrip('_')}"
-        found += _settings(kind, getattr(alone.vis, group), getattr(composed.vis, group))
+        found += _settings(f"visual/{group.rstrip('_')}", *(getattr(each.vis, group) for each in (alone, composed)))
     return found
 
 
@@ -312,7 +308,7 @@ def _entries(matching: Correspondence, key: int, target: int, moved: Pose | None
             continue
         name = matching.composed.describe("actuator", there)
         for vector in ("ctrl", "act"):
-            mine, theirs = (_entry(alone, vector, key, index=actuator), _entry(composed, vector, target, index=there))
+            mine, theirs = _entry(alone, vector, key, index=actuator), _entry(composed, vector, target, index=there)
             yield f"key_{vector} of `{name}`", mine, theirs, 0.0
     for kind in ("tendon", "flex"):
         for index, there in enumerate(matching.ids[kind]):
@@ -331,8 +327,9 @@ def _of_joints(matching: Correspondence, key: int, target: int, moved: Pose | No
         mine_v, theirs_v = _entry(alone, "qvel", key, index=joint), _entry(composed, "qvel", target, index=there)
         bound = 0.0
         if int(alone.jnt_type[joint]) == FREE and moved is not None:
-            mine_q, mine_v, bound = _moved(mine_q, moved), _turned(mine_v, moved), ROUNDING
-            theirs_q = _aligned(theirs_q, mine_q)
+            # Its linear velocity is in the frame of the world, and its angular velocity in that of the body.
+            mine_v = np.array([*rotate(moved.quat, mine_v[:3].tolist()), *mine_v[3:].tolist()])
+            mine_q, theirs_q, bound = *_moved(mine_q, theirs_q, moved), ROUNDING
         yield f"key_qpos of `{name}`", mine_q, theirs_q, bound
         yield f"key_qvel of `{name}`", mine_v, theirs_v, bound
         yield from _plastic(matching, "joint", key, target=target, index=joint, there=there)
@@ -344,11 +341,9 @@ def _of_mocap_bodies(matching: Correspondence, key: int, target: int, moved: Pos
         if not body or there == ABSENT or alone.body_mocapid[body] < 0 or composed.body_mocapid[there] < 0:
             continue
         name = matching.composed.describe("body", there)
-        mine, theirs = _mocap(alone, key, body), _mocap(composed, target, there)
-        bound = 0.0
+        mine, theirs, bound = _mocap(alone, key, body), _mocap(composed, target, there), 0.0
         if moved is not None:
-            mine, bound = _moved(mine, moved), ROUNDING
-            theirs = _aligned(theirs, mine)
+            mine, theirs, bound = *_moved(mine, theirs, moved), ROUNDING
         yield f"key_mpos of `{name}`", mine[:3], theirs[:3], bound
         yield f"key_mquat of `{name}`", mine[3:], theirs[3:], bound
 
@@ -380,21 +375,13 @@ def _plastic(matching: Correspondence, kind: str, key: int, target: int, index: 
         yield f"key_plastic of `{matching.composed.describe(kind, there)}`", mine, theirs, bound
 
 
-def _moved(state: Array, transform: Pose) -> Array:
+def _moved(state: Array, other: Array, transform: Pose) -> tuple[Array, Array]:
+    """Return a pose that is moved, and the other one with its quaternion in the same hemisphere."""
     x, y, z, w, a, b, c = state.tolist()
     pose = transform @ Pose((x, y, z), (w, a, b, c))
-    return np.array([*pose.pos, *pose.quat])
-
-
-def _turned(velocity: Array, transform: Pose) -> Array:
-    """Rotate a free joint's linear velocity, which is in the world's frame; its angular velocity is in the body's."""
-    return np.array([*rotate(transform.quat, velocity[:3].tolist()), *velocity[3:].tolist()])
-
-
-def _aligned(state: Array, like: Array) -> Array:
-    """Return ``state`` with its quaternion in the same hemisphere as that of ``like``."""
-    quat, other = np.asarray(state[3:], dtype=np.float64), np.asarray(like[3:], dtype=np.float64)
-    return np.concatenate([np.asarray(state[:3]), quat if float(quat @ other) >= 0 else -quat])
+    quat = np.asarray(other[3:], dtype=np.float64)
+    aligned = quat if float(quat @ np.array(pose.quat)) >= 0 else -quat
+    return np.array([*pose.pos, *pose.quat]), np.concatenate([np.asarray(other[:3]), aligned])
 
 
 _MOCAP = {"mpos": 3, "mquat": 4}
@@ -421,13 +408,10 @@ def key_rows(mujoco: Any, whole: Model, asked: dict[str, Any]) -> dict[str, Any]
     if unlike:
         return {"unlike": unlike}
     reference = {
-        "qpos": whole.qpos0.tolist(),
-        "qvel": [0.0] * whole.nv,
-        "act": [0.0] * whole.na,
-        "ctrl": [0.0] * whole.nu,
-        "mpos": [each for at in _mocaps(whole) for each in whole.body_pos[at].tolist()],
-        "mquat": [each for at in _mocaps(whole) for each in whole.body_quat[at].tolist()],
-    }
+        "qpos": whole.qpos0.tolist(), "qvel": [0.0] * whole.nv, "act": [0.0] * whole.na, "ctrl": [0.0] * whole.nu,
+        "mpos": whole.body_pos[_mocaps(whole)].ravel().tolist(),
+        "mquat": whole.body_quat[_mocaps(whole)].ravel().tolist(),
+    }  # fmt: skip
     held = []
     if asked["held"]:
         from mjcompose.mujoco.controls import hold  # few keys hold a pose
@@ -444,25 +428,19 @@ def _described(model: Model) -> dict[str, Any]:
         for at, body in enumerate(model.jnt_bodyid.tolist())
     ]
     actuators = [(name, "", 0) for name in names["actuator"]]
-    mocaps = [(names["body"][at], "", 0) for at in _mocaps(model)]
-    holders = {
-        vector: [[*each, *_ends(span(model, vector, at))] for at, each in enumerate(named)]
-        for named, vectors in ((joints, ("qpos", "qvel")), (actuators, ("act", "ctrl")))
-        for vector in vectors
-    }
+    holders: dict[str, list[list[Any]]] = {}
+    for vector, named in (("qpos", joints), ("qvel", joints), ("act", actuators), ("ctrl", actuators)):
+        rows = [span(model, vector, at) or range(0) for at in range(len(named))]
+        holders[vector] = [[*each, own.start, own.stop] for each, own in zip(named, rows, strict=True)]
+    mocaps = [names["body"][at] for at in _mocaps(model)]
     for vector, width in _MOCAP.items():
-        holders[vector] = [[*each, at * width, (at + 1) * width] for at, each in enumerate(mocaps)]
+        holders[vector] = [[name, "", 0, at * width, (at + 1) * width] for at, name in enumerate(mocaps)]
     keys = [{vector: getattr(model, f"key_{vector}")[at].tolist() for vector in holders} for at in range(model.nkey)]
     return {"holders": holders, "keys": keys}
 
 
-def _ends(rows: range) -> tuple[int, int]:
-    return (rows.start, rows.stop) if rows else (0, 0)
-
-
 def _mocaps(model: Model) -> list[int]:
-    bodies = [at for at in range(model.nbody) if model.body_mocapid[at] >= 0]
-    return sorted(bodies, key=lambda at: int(model.body_mocapid[at]))
+    return [int(at) for at in np.argsort(model.body_mocapid, kind="stable") if model.body_mocapid[at] >= 0]
 
 
 def _unlike(bare: dict[str, Any], whole: dict[str, Any], mark: str) -> str:

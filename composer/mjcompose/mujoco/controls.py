@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from mjcompose.mujoco.addresses import rows_of, span
+from mjcompose.mujoco.addresses import RUNS, rows_of, span
 from mjcompose.mujoco.arrays import ANGLE, JOINT_TYPES, LENGTH
 from mjcompose.mujoco.attributes import Model, names
 from mjcompose.mujoco.references import ON_JOINTS, ON_TENDON
@@ -53,9 +53,7 @@ def servo(model: Model, actuator: int) -> dict[str, float] | None:
         return None
     if bias[1] == -gain and gain:
         return {"kp": gain, "kv": -bias[2]}
-    if bias[1] == 0 and bias[2] == -gain:
-        return {"kv": gain}
-    return None
+    return {"kv": gain} if bias[1] == 0 and bias[2] == -gain else None
 
 
 FORCES = {ANGLE: "N m", LENGTH: "N"}
@@ -93,11 +91,9 @@ def of_transmission(model: Model, row: int) -> str | None:
     scale, *others = model.actuator_gear[rows_of(model, "actuator", "actuator_gear", index=row).start]
     if abs(scale) != 1 or any(others):
         return None
-    if kind == ON_TENDON:
-        return LENGTH
     if kind in ON_JOINTS:
         return JOINT_TYPES[int(model.jnt_type[target])].coordinate
-    return None
+    return LENGTH if kind == ON_TENDON else None
 
 
 def of_control(model: Model, mujoco: Any, row: int) -> str | None:
@@ -108,8 +104,7 @@ def of_control(model: Model, mujoco: Any, row: int) -> str | None:
     dynamics = int(model.actuator_dyntype[row])
     if dynamics == int(mujoco.mjtDyn.mjDYN_MUSCLE):
         return "1"
-    about = of_transmission(model, row)
-    gains = servo(model, row)
+    about, gains = of_transmission(model, row), servo(model, row)
     if about is None or gains is None or dynamics >= int(mujoco.mjtDyn.mjDYN_USER):
         return None
     rate = "/s" if dynamics == int(mujoco.mjtDyn.mjDYN_INTEGRATOR) else ""
@@ -123,11 +118,7 @@ def of_control(model: Model, mujoco: Any, row: int) -> str | None:
 
 
 _MOST = 10**9
-_WARNINGS = (
-    ("mjWARN_BADQPOS", "qpos", "position"),
-    ("mjWARN_BADQVEL", "qvel", "velocity"),
-    ("mjWARN_BADQACC", "qvel", "acceleration"),
-)
+_WARNINGS = (("QPOS", "qpos", "position"), ("QVEL", "qvel", "velocity"), ("QACC", "qvel", "acceleration"))
 
 
 def steps_in(model: Model, seconds: float) -> int:
@@ -140,17 +131,15 @@ class Divergence:
     """Looks at the warnings of a simulation, which MuJoCo counts from its beginning."""
 
     def __init__(self, mujoco: Any, model: Model, data: Any) -> None:
-        self.model = model
-        self._warnings = [data.warning[int(getattr(mujoco.mjtWarning, name))] for name, _, _ in _WARNINGS]
+        self.model, kinds = model, mujoco.mjtWarning
+        self._warnings = {row: data.warning[int(getattr(kinds, f"mjWARN_BAD{row[0]}"))] for row in _WARNINGS}
 
     def __bool__(self) -> bool:
-        return any(each.number for each in self._warnings)
+        return any(each.number for each in self._warnings.values())
 
     def __str__(self) -> str:
         """Say which number became NaN, infinite, or larger than MuJoCo accepts."""
-        number, (_, vector, word) = next(
-            (each.lastinfo, row) for each, row in zip(self._warnings, _WARNINGS, strict=True) if each.number
-        )
+        (_, vector, word), number = next((row, each.lastinfo) for row, each in self._warnings.items() if each.number)
         where = f"number {number} of {vector}"
         for joint, name in enumerate(names(self.model, "joint")):
             if number in span(self.model, vector, joint):
@@ -182,8 +171,7 @@ _SETPOINTS = 7  # its bits of position, velocity and force; a higher bit is a vo
 
 
 def hold(mujoco: Any, model: Any, question: dict[str, Any]) -> dict[str, Any]:
-    """Return the controls and activations that hold the pose of the key `key`; runs under
-    `mjcompose.mujoco.engine.call`.
+    """Return controls and activations that hold the pose of the key `key`; runs under `mjcompose.mujoco.engine.call`.
 
     With `forces`, the actuators balance the forces on the model there. The answer has `ctrl` and `act`, each None
     where nothing holds. `unlike` has the kind of the actuators without such a control, by the address of their control.
@@ -192,8 +180,7 @@ def hold(mujoco: Any, model: Any, question: dict[str, Any]) -> dict[str, Any]:
     """
     data = mujoco.MjData(model)
     mujoco.mj_resetDataKeyframe(model, data, question["key"])
-    data.qvel[:] = 0
-    data.qacc[:] = 0
+    data.qvel[:] = data.qacc[:] = 0
     mujoco.mj_fwdPosition(model, data)
     laws = [_Law(mujoco, model, data, index=index) for index in range(len(model.actuator_gaintype))]
     forces, left = np.zeros(len(laws)), 0.0
@@ -205,7 +192,7 @@ def hold(mujoco: Any, model: Any, question: dict[str, Any]) -> dict[str, Any]:
     for law, force in zip(laws, forces, strict=True):
         law.write(float(force), ctrl, act)
     unlike = {str(law.control): law.kind for law in laws if law.kind and not (question["forces"] and law.gain)}
-    unknown = [law.control for law in laws if law.is_unknown and law.count]
+    unknown = [law.control for law in laws if law.is_unknown and law.controls]
     return {"ctrl": ctrl, "act": act, "unlike": unlike, "unknown": unknown, "left": left}
 
 
@@ -214,12 +201,9 @@ class _Law:
 
     def __init__(self, mujoco: Any, model: Any, data: Any, index: int) -> None:
         gains, biases, dynamics = mujoco.mjtGain, mujoco.mjtBias, mujoco.mjtDyn
-        self.index = index
-        self.control = int(model.actuator_ctrladr[index]) if hasattr(model, "actuator_ctrladr") else index
-        self.count = int(model.actuator_ctrlnum[index]) if hasattr(model, "actuator_ctrlnum") else 1
-        self.state, self.states = int(model.actuator_actadr[index]), int(model.actuator_actnum[index])
-        self.output = int(model.actuator_outadr[index]) if hasattr(model, "actuator_outadr") else index
-        self.length = float(data.actuator_length[self.output])
+        self.index, self.controls, self.states = index, span(model, "ctrl", index), span(model, "act", index)
+        self.control = self.controls.start if self.controls else -1
+        self.length = float(data.actuator_length[RUNS["actuator"]["nout"].rows(model, index).start])
         gain, bias, dynamic = (int(getattr(model, f"actuator_{name}type")[index]) for name in ("gain", "bias", "dyn"))
         gainprm, biasprm = model.actuator_gainprm[index], model.actuator_biasprm[index]
         by_plugin = is_by_plugin(model, index)
@@ -250,26 +234,30 @@ class _Law:
 
     def write(self, force: float, ctrl: list[float | None], act: list[float | None]) -> None:
         if self.spec:
-            at = self.control
-            for bit in range(3):
-                if self.spec >> bit & 1:
-                    ctrl[at] = self.length if 1 << bit == _POSITION else 0.0
-                    at += 1
+            for at, bit in enumerate((each for each in range(3) if self.spec >> each & 1), self.control):
+                ctrl[at] = self.length if 1 << bit == _POSITION else 0.0
             return
         value = (force - self.bias) / self.gain if self.gain else 0.0
         if force:
             value = float(f"{value:.{_DIGITS}g}")
-        for at in range(self.control, self.control + self.count):
+        for at in self.controls:
             ctrl[at] = 0.0 if self.integrates else value
         if self.gain and self.states and (self.integrates or self.filters):
-            act[self.state + self.states - 1] = value
+            act[self.states[-1]] = value
+
+
+def moment_arms(mujoco: Any, model: Model, data: Any) -> np.ndarray:
+    """Return the moment arms of the first output of each actuator (m, or 1), shape (actuators, nv)."""
+    found = np.zeros((len(data.moment_rownnz), model.nv))
+    moments, columns = data.actuator_moment.ravel(), data.moment_colind.ravel()
+    mujoco.mju_sparse2dense(found, moments, data.moment_rownnz, data.moment_rowadr, columns)
+    first = getattr(model, "actuator_outadr", None)
+    return found if first is None else found[first]
 
 
 def _balance(mujoco: Any, model: Any, data: Any, laws: list[_Law], count: int) -> tuple[np.ndarray, float]:
     """Return the actuator forces that balance `qfrc_inverse` on the dofs that they move, and the remaining force."""
-    moments = np.zeros((len(data.moment_rownnz), model.nv))
-    mujoco.mju_sparse2dense(moments, data.actuator_moment, data.moment_rownnz, data.moment_rowadr, data.moment_colind)
-    rows = moments[[law.output for law in laws]]
+    rows = moment_arms(mujoco, model, data)[[law.index for law in laws]]
     moved = np.flatnonzero(np.abs(rows).max(axis=0, initial=0) > 0)
     found = np.zeros(count)
     if not len(moved):

@@ -67,33 +67,23 @@ def convert_urdf(
                 shells=shells, session=own,
             )  # fmt: skip
     argument = {
-        "path": str(path.absolute()),
+        "path": str(path.absolute()), "is_fixed": is_fixed, "text": text, "massless": list(massless),
         "packages": {name: folder.absolute().as_posix() for name, folder in packages.items()},
-        "is_fixed": is_fixed,
-        "text": text,
-        "massless": list(massless),
-        "shells": sorted(shells),
-        "made": {name: file.absolute().as_posix() for name, file in (made or {}).items()},
-    }
+        "shells": sorted(shells), "made": {name: file.absolute().as_posix() for name, file in (made or {}).items()},
+    }  # fmt: skip
     read = call(session, read_meshes, (), argument=argument)
-    if read.ok:
-        _admit(read.value, path, door)
-    converted = call(session, convert, (), argument=argument) if read.ok and not read.value["error"] else read
-    meshes, folder = (read.value["meshes"], read.value["folder"]) if read.ok else ([], "")
+    found = read.value if read.ok else {"meshes": [], "folder": ""}
+    for file in found["meshes"]:  # Refused has the path that MuJoCo uses
+        if not file.startswith(PACKAGE) and file not in found["made"]:
+            name = file.replace("\\", "/").rpartition("/")[2] if found["strippath"] else file
+            door.admit(os.path.join(path.parent.absolute(), found["folder"], name))
+    converted = call(session, convert, (), argument=argument) if read.ok and not found["error"] else read
     error = converted.value["error"] if converted.ok else converted.error
     return Converted(
-        converted.value.get("text") if converted.ok else None, tuple(meshes), folder,
+        converted.value.get("text") if converted.ok else None, tuple(found["meshes"]), found["folder"],
         warnings=tuple(without_folder(text, path.parent) for text in read.warnings),
         error=error and without_folder(error, path.parent), crash=converted.crash,
     )  # fmt: skip
-
-
-def _admit(read: Mapping[str, Any], path: Path, door: Door) -> None:
-    """Check the files that MuJoCo would open. Raises Refused, whose `path` is the path that MuJoCo uses."""
-    for file in read["meshes"]:
-        if not file.startswith(PACKAGE) and file not in read["made"]:
-            name = file.replace("\\", "/").rpartition("/")[2] if read["strippath"] else file
-            door.admit(os.path.join(path.parent.absolute(), read["folder"], name))
 
 
 def read_meshes(mujoco: Any, argument: dict[str, Any]) -> dict[str, Any]:
@@ -101,7 +91,7 @@ def read_meshes(mujoco: Any, argument: dict[str, Any]) -> dict[str, Any]:
     try:
         spec = _read(mujoco, argument)
     except (ValueError, RuntimeError, mujoco.FatalError) as error:
-        return {"error": _message(error), "meshes": [], "folder": "", "strippath": False, "made": []}
+        return {"error": str(error).strip() or type(error).__name__, "meshes": [], "folder": ""}
     return {"error": None, "meshes": [mesh.file for mesh in spec.meshes], "folder": spec.meshdir,
             "strippath": bool(spec.strippath), "made": list(argument["made"].values())}  # fmt: skip
 
@@ -114,11 +104,7 @@ def convert(mujoco: Any, argument: dict[str, Any]) -> dict[str, Any]:
             text = text.replace(f'"{escape(file)}"', f'"{escape(name)}"')
         return {"error": None, "text": text}
     except (ValueError, RuntimeError, mujoco.FatalError) as error:
-        return {"error": _message(error)}
-
-
-def _message(error: Exception) -> str:
-    return str(error).strip() or type(error).__name__
+        return {"error": str(error).strip() or type(error).__name__}
 
 
 def _read(mujoco: Any, argument: dict[str, Any]) -> Any:
@@ -135,16 +121,14 @@ def _read(mujoco: Any, argument: dict[str, Any]) -> Any:
     for mesh in spec.meshes:
         if mesh.file in argument["shells"]:
             mesh.inertia = mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL
-        mesh.file = made.get(mesh.file) or _found(mesh.file, argument["packages"])
+        name, _, inside = mesh.file.removeprefix(PACKAGE).partition("/")
+        is_known = mesh.file.startswith(PACKAGE) and name in argument["packages"]
+        file = f"{argument['packages'][name]}/{inside}" if is_known else mesh.file
+        mesh.file = made.get(mesh.file) or file
     for name in argument["massless"]:
         for geom in spec.body(name).geoms:
             geom.density = 0
     return spec
-
-
-def _found(file: str, packages: Mapping[str, str]) -> str:
-    name, _, inside = file.removeprefix(PACKAGE).partition("/")
-    return f"{packages[name]}/{inside}" if file.startswith(PACKAGE) and name in packages else file
 
 
 def _saved(mujoco: Any, spec: Any, is_fixed: bool) -> str:
@@ -208,21 +192,18 @@ def export_usd(model: Path, out: Path, session: Session) -> Exported:
     A layer with textures is not written. Never raises for contents of the model.
     """
     answer = call(session, export, (), argument={"model": str(model.absolute()), "out": str(out.absolute())})
-    if not answer.ok:
-        return Exported(error=answer.error)
-    return Exported(
-        answer.value["missing"], None, tuple(answer.value["textures"]), warnings=tuple(answer.value["warnings"])
-    )
+    if not answer.ok or "missing" in answer.value:
+        return Exported(answer.value and answer.value["missing"], answer.error)
+    return Exported(textures=tuple(answer.value["textures"]), warnings=tuple(answer.value["warnings"]))
 
 
 def export(mujoco: Any, argument: dict[str, str]) -> dict[str, Any]:
     """Convert the model. Runs in the child."""
-    found: dict[str, Any] = {"missing": None, "textures": [], "warnings": []}
     try:
         converter = import_module("mujoco_usd_converter")
         sdf, packing = import_module("pxr.Sdf"), import_module("pxr.UsdUtils")
     except ImportError as error:
-        return found | {"missing": str(error)}
+        return {"missing": str(error)}
     out = Path(argument["out"])
     with scratch("usd") as folder, _standard_error() as log:
         layer = converter.Converter(layer_structure=False).convert(argument["model"], str(folder)).path
@@ -237,7 +218,7 @@ def export(mujoco: Any, argument: dict[str, str]) -> dict[str, Any]:
         elif not textures:
             settled.Export(str(out))
         warnings = [text for text in _WARNING.findall(log()) if not _OWN_AFFAIRS.search(text)]
-    return found | {"textures": textures if suffix != ".usdz" else [], "warnings": list(dict.fromkeys(warnings))}
+    return {"textures": textures if suffix != ".usdz" else [], "warnings": list(dict.fromkeys(warnings))}
 
 
 _SHARED = "Flattened_Prototype_"

@@ -136,10 +136,7 @@ class Measured:
 
 @dataclass(frozen=True, slots=True)
 class Called:
-    """The result of a function that ran in the child; `value` is JSON data, None unless `ok`.
-
-    `error` and `crash` are as in `Compiled`; an exception of the function is an `error`.
-    """
+    """The result of a function in the child, an exception of which is an `error`; `value` is JSON data, if `ok`."""
 
     ok: bool
     value: Any = None
@@ -194,14 +191,11 @@ class Session:
 
         The arrays' file exists only if the answer says so; it belongs to the session.
         """
-        failure = self._start()
+        answer = self._start()
         arrays_file = (self._folder or Path()) / f"arrays-{self._count}.npz"
         self._count += 1
-        if failure is not None:
-            return failure, arrays_file
-        answer = self._exchange(request.to_json(arrays_file, self.limits.step), self.limits.seconds)
         if answer is None:
-            return self._crashed(), arrays_file
+            answer = self._exchange(request.to_json(arrays_file, self.limits.step), self.limits.seconds)
         if "index" in answer:  # None for the same as before
             self._index = answer["index"] = answer["index"] or self._index
         return answer, arrays_file
@@ -214,8 +208,7 @@ class Session:
         """
         name = f"{function.__module__}:{function.__qualname__}"
         line = json.dumps({"function": name, "models": list(models), "argument": argument}, ensure_ascii=False)
-        answer = self._start() or self._exchange(line, self.limits.seconds)
-        return self._crashed() if answer is None else answer
+        return self._start() or self._exchange(line, self.limits.seconds)
 
     def standing(self, name: str) -> Path:
         """Return the folder for files that `name` identifies by their bytes. Remove the folders of other names.
@@ -302,15 +295,16 @@ class Session:
             return "disable"
         return os.environ.get("MUJOCO_GL") or ("egl" if sys.platform == "linux" else "glfw")
 
-    def _exchange(self, line: str, seconds: float) -> dict[str, Any] | None:
+    def _exchange(self, line: str, seconds: float) -> dict[str, Any]:
         try:
             self._send(line)
         except OSError:
-            return None
+            return self._crashed()
         except BaseException:
             self.close()  # interrupted: the line may or may not be sent
             raise
-        return self._receive(seconds)
+        answer = self._receive(seconds)
+        return self._crashed() if answer is None else answer
 
     def _send(self, line: str) -> None:
         process = self._process
@@ -320,10 +314,7 @@ class Session:
         process.stdin.flush()
 
     def _receive(self, seconds: float) -> dict[str, Any] | None:
-        """Wait for one line; return None if the child ended.
-
-        A child that takes too long is killed, which is the answer.
-        """
+        """Wait for one line; return None if the child ended. One that takes too long is killed, which is the answer."""
         latest = time.monotonic() + seconds
         try:
             received = self._lines.get(timeout=min(seconds, threading.TIMEOUT_MAX))
@@ -352,9 +343,9 @@ class Session:
         words = _last_words(folder / "log")
         if "bad_alloc" in words or "MemoryError" in words:
             return self._out_of_memory(words)
-        if status >= 0:
-            return _failure(f"MuJoCo's process ended with status {status}{_quoted(words)}", f"exit {status}")
         number = -status
+        if number <= 0:
+            return _failure(f"MuJoCo's process ended with status {status}{_quoted(words)}", f"exit {status}")
         if number == getattr(signal, "SIGXCPU", None):
             return _failure("MuJoCo used up its processor time", "timeout")
         if number == getattr(signal, "SIGPROF", None):
@@ -427,9 +418,9 @@ def measure(
 
 def call(session: Session, function: Callable[..., Any], models: Sequence[str], argument: Any) -> Called:
     """Run `function(mujoco, *models, argument)` in the session's child on models kept there by name."""
-    answer = {"value": None, "error": None, "crash": None, "warnings": ()} | session.call(function, models, argument)
-    names = ("ok", "value", "error", "crash")
-    return Called(**{name: answer[name] for name in names}, warnings=_distinct(answer["warnings"]))
+    answer = session.call(function, models, argument)
+    known = {name: answer[name] for name in ("ok", "value", "error", "crash") if name in answer}
+    return Called(**known, warnings=_distinct(answer.get("warnings", ())))
 
 
 def _run(request: Request, limits: Limits | None, session: Session | None) -> Measured:
@@ -442,14 +433,12 @@ def _run(request: Request, limits: Limits | None, session: Session | None) -> Me
 
 
 def _compiled(answer: dict[str, Any], request: Request, version: str | None) -> Compiled:
-    def relative(text: str | None) -> str | None:
-        return None if text is None else without_folder(text, request.folder)
-
-    names = answer.get("names")
+    names, said = answer.get("names"), [answer.get("error"), answer.get("forward")]
+    error, forward = (text and without_folder(text, request.folder) for text in said)
     return Compiled(
-        ok=answer["ok"], error=relative(answer.get("error")), crash=answer.get("crash"),
+        ok=answer["ok"], error=error, crash=answer.get("crash"),
         warnings=_distinct(without_folder(text, request.folder) for text in answer.get("warnings", ())),
-        mujoco_version=version, sizes=answer.get("sizes", {}), forward=relative(answer.get("forward")),
+        mujoco_version=version, sizes=answer.get("sizes", {}), forward=forward,
         index=_index(answer["index"]) if "index" in answer else None,
         names=None if names is None else {kind: tuple(found) for kind, found in names.items()},
     )  # fmt: skip

@@ -7,13 +7,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from functools import cached_property
+from itertools import accumulate
 from typing import Any
 
 import numpy as np
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.mujoco.attributes import Model
-from mjcompose.mujoco.controls import AFFINE, FIXED, NO_BIAS, is_by_plugin
+from mjcompose.mujoco.controls import AFFINE, FIXED, NO_BIAS, is_by_plugin, moment_arms
 from mjcompose.mujoco.references import ON_JOINTS
 
 _GROWS = 1e-3
@@ -39,14 +40,7 @@ class Servos:
 
     @cached_property
     def moment(self) -> np.ndarray:
-        """The moment arms of the first output of each actuator (m, or 1), shape (actuators, nv)."""
-        model, data = self.model, self.data
-        found = np.zeros((len(data.moment_rownnz), model.nv))
-        self.mujoco.mju_sparse2dense(
-            found, data.actuator_moment.ravel(), data.moment_rownnz, data.moment_rowadr, data.moment_colind.ravel()
-        )
-        first = getattr(model, "actuator_outadr", None)
-        return found if first is None else found[first]
+        return moment_arms(self.mujoco, self.model, self.data)
 
     def gains(self, actuator: int) -> tuple[float, float]:
         """Return the stiffness and the damping of an actuator along its length; zeros if they are not constant."""
@@ -87,12 +81,11 @@ class Servos:
         """The trees that an equality constraint couples: their degrees of freedom do not move alone."""
         model, kinds = self.model, self.mujoco.mjtEq
         found: set[int] = set()
-        trees = np.append(model.dof_treeid, -1)
         by_body = {int(kinds.mjEQ_CONNECT), int(kinds.mjEQ_WELD)}
         for number in range(model.neq):
             kind, ids = int(model.eq_type[number]), (int(model.eq_obj1id[number]), int(model.eq_obj2id[number]))
             if kind == int(kinds.mjEQ_JOINT):
-                found |= {int(trees[model.jnt_dofadr[each]]) for each in ids if each >= 0}
+                found |= {int(model.dof_treeid[model.jnt_dofadr[each]]) for each in ids if each >= 0}
             elif kind in by_body and int(model.eq_objtype[number]) == int(self.mujoco.mjtObj.mjOBJ_BODY):
                 found |= {int(model.body_treeid[each]) for each in ids if each >= 0}
             else:
@@ -138,20 +131,15 @@ class Servos:
     def _step(self, dofs: slice, timestep: float) -> Any:
         """Return the matrix that a step multiplies positions and velocities with; None for other integrators."""
         integrators, model = self.mujoco.mjtIntegrator, self.model
-        kind = int(model.opt.integrator)
-        mass, spring = self.inertia[dofs, dofs], self.stiffness[dofs, dofs]
+        kind, mass, spring = int(model.opt.integrator), self.inertia[dofs, dofs], self.stiffness[dofs, dofs]
         passive = np.diag(np.reshape(model.dof_damping, (model.nv, -1))[dofs, 0])
-        damping = passive + self.damping[dofs, dofs]
-        unit = np.eye(len(mass))
+        damping, unit = passive + self.damping[dofs, dofs], np.eye(len(mass))
         if kind == int(integrators.mjINT_RK4):
             change = timestep * np.block([
                 [0 * unit, unit], [-np.linalg.solve(mass, spring), -np.linalg.solve(mass, damping)]
             ])  # fmt: skip
-            result, term = np.eye(2 * len(mass)), np.eye(2 * len(mass))
-            for number in range(1, 5):
-                term = term @ change / number
-                result = result + term
-            return result
+            terms = accumulate(range(1, 5), lambda term, number: term @ change / number, initial=np.eye(2 * len(mass)))
+            return sum(terms)
         if kind == int(integrators.mjINT_EULER):
             off = int(self.mujoco.mjtDisableBit.mjDSBL_EULERDAMP)
             ahead = 0 * passive if model.opt.disableflags & off else passive
@@ -167,7 +155,6 @@ class Servos:
     # Forces
 
     def of_dof(self, dof: int) -> list[int]:
-        """Return the actuators that act on a degree of freedom."""
         return [int(each) for each in np.flatnonzero(self.moment[:, dof])]
 
     def strongest(self, dof: int) -> tuple[float, float] | None:

@@ -5,8 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from mjcompose.mujoco.environments import Other, OtherError, this_python
-from mjcompose.mujoco.moved import TRIALS, Motion, differences
+from mjcompose.mujoco.environments import TRIALS, Motion, Other, OtherError, differences, this_python
 from mjcompose.sources.context import Context
 from mjcompose.tools.migrate.migrate import installed
 from mjcompose.tools.migrate.upgrade import Request, upgrade

@@ -19,7 +19,7 @@ from mjcompose.tree.history import RELEASED, release
 
 if TYPE_CHECKING:
     from mjcompose.build.verify.checks import Checks, NestedRecipe
-    from mjcompose.mujoco.moved import Moved
+    from mjcompose.mujoco.environments import Moved
     from mjcompose.sources.context import Context
 
 _MUJOCO = "mujoco=="
@@ -76,8 +76,16 @@ def run(checks: Checks, check: MovesAlike, recipe: NestedRecipe, context: Contex
 def _in_mujoco(
     checks: Checks, check: MovesAlike, context: Context, offline: bool
 ) -> tuple[list[Fault], dict[str, Any]]:
-    from mjcompose.mujoco.environments import Other, OtherError, make, this_python
-    from mjcompose.mujoco.moved import TRIALS, Motion, UnknownKeyError, differences
+    from mjcompose.mujoco.environments import (
+        TRIALS,
+        Motion,
+        Other,
+        OtherError,
+        UnknownKeyError,
+        differences,
+        make,
+        this_python,
+    )
 
     version = release(check.program.removeprefix(_MUJOCO)) or ""
     asked = {"seconds": check.seconds, "trials": TRIALS, "key": check.key}
@@ -107,7 +115,7 @@ def _in_mujoco(
 
 def _there(checks: Checks, check: MovesAlike) -> tuple[list[Fault], dict[str, Any]]:
     from mjcompose.build.verify.compile import WHOLE
-    from mjcompose.mujoco.moved import Moved
+    from mjcompose.mujoco.environments import Moved
     from mjcompose.targets.read_back import Work, motion_in
 
     if check.signal != "qpos":

@@ -8,8 +8,18 @@ from typing import Any
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.scratch import scratch
-from mjcompose.mujoco.environments import Other, OtherError, make, open_python, this_python
-from mjcompose.mujoco.moved import TRIALS, Motion, Moved, RejectedError, differences
+from mjcompose.mujoco.environments import (
+    TRIALS,
+    Motion,
+    Moved,
+    Other,
+    OtherError,
+    RejectedError,
+    differences,
+    make,
+    open_python,
+    this_python,
+)
 from mjcompose.sources.context import Context
 from mjcompose.tools.migrate.editing import Meaning, Step
 from mjcompose.tools.migrate.migrate import Migrated, found_model, installed, known, lay_out, migrate, read
