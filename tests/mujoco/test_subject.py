@@ -7,8 +7,7 @@ from typing import Any
 import mujoco
 import numpy as np
 import pytest
-from mjcompose.mujoco.pictures import camera
-from mjcompose.mujoco.subject import corners, decorate, explode, points_of
+from mjcompose.mujoco.pictures import camera, corners, decorate, explode, points_of
 
 MODEL = """<mujoco>
   <asset><hfield name="h" nrow="2" ncol="2" size="50 50 5 1" elevation="0 1 1 0"/></asset>

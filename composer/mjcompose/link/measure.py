@@ -38,7 +38,7 @@ from mjcompose.link.linking import Linking, Measure
 from mjcompose.link.numbers import pose_in_world, read_pose
 from mjcompose.mujoco import engine
 from mjcompose.mujoco.arrays import FREE, HINGE
-from mjcompose.mujoco.messages import CRASHES, crash_help, parse, report, translate
+from mjcompose.mujoco.messages import CRASH_HELP, CRASHES, parse, report, translate
 from mjcompose.sources.context import Context
 from mjcompose.tree.classes import childclass_of, walk_bodies, written
 from mjcompose.tree.cost import first_scaled
@@ -108,7 +108,7 @@ def _rejected(compiled: engine.Compiled, unit: Unit, text: bytes, context: Conte
     if compiled.crash is not None:
         code = CRASHES.get(compiled.crash, "mujoco-crash")
         message = f"`{unit.file}` by itself: {compiled.error or compiled.crash}"
-        context.sink.error(code, message, whole, help=crash_help(code))
+        context.sink.error(code, message, whole, help=CRASH_HELP.get(code))
         return
     fault = parse(compiled.error or "")
     element = None if fault.line is None else element_at(unit.root, text, fault.line)

@@ -72,7 +72,7 @@ def convert_urdf(
         "shells": sorted(shells), "made": {name: file.absolute().as_posix() for name, file in (made or {}).items()},
     }  # fmt: skip
     read = call(session, read_meshes, (), argument=argument)
-    found = read.value if read.ok else {"meshes": [], "folder": ""}
+    found: dict[str, Any] = read.value if read.ok else {"meshes": [], "folder": ""}
     for file in found["meshes"]:  # Refused has the path that MuJoCo uses
         if not file.startswith(PACKAGE) and file not in found["made"]:
             name = file.replace("\\", "/").rpartition("/")[2] if found["strippath"] else file

@@ -26,31 +26,23 @@ def png(picture: NDArray[Any]) -> bytes:
     rows[:, 1:] = flat
     rows[1:, 0], rows[1:, 1:] = _UP, flat[1:] - flat[:-1]
     header = struct.pack(">2I5B", width, height, 8, _COLOR_TYPES[channels], 0, 0, 0)
-    return (
-        _SIGNATURE + _chunk(b"IHDR", header) + _chunk(b"IDAT", zlib.compress(rows.tobytes(), 9)) + _chunk(b"IEND", b"")
+    chunks = ((b"IHDR", header), (b"IDAT", zlib.compress(rows.tobytes(), 9)), (b"IEND", b""))
+    packed = (
+        struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data)) for kind, data in chunks
     )
+    return b"".join((_SIGNATURE, *packed))
 
 
-def _chunk(kind: bytes, data: bytes) -> bytes:
-    return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
-
-
-_COLORS = 256
-_BITS = 8
-# Bits of each channel that distinguish colors while the palette is computed.
-_KEPT = 5
+_COLORS, _BITS = 256, 8
+_KEPT = 5  # bits of each channel that distinguish colors while the palette is computed
 
 
 def gif(frames: Sequence[NDArray[Any]], seconds: float) -> bytes:
     """Return an endless GIF of RGB arrays `(height, width, 3)` of one size, each shown for `seconds`."""
     height, width, _ = frames[0].shape
     palette, nearest = _palette(frames)
-    found = [
-        b"GIF89a",
-        struct.pack("<HHBBB", width, height, 0xF7, 0, 0),
-        palette.tobytes(),
-        b"\x21\xff\x0bNETSCAPE2.0\x03\x01\x00\x00\x00",
-    ]
+    head = b"GIF89a" + struct.pack("<HHBBB", width, height, 0xF7, 0, 0)
+    found = [head, palette.tobytes(), b"\x21\xff\x0bNETSCAPE2.0\x03\x01\x00\x00\x00"]
     hundredths = max(2, round(seconds * 100))
     for frame in frames:
         found.append(struct.pack("<BBBBHBB", 0x21, 0xF9, 4, 4, hundredths, 0, 0))
@@ -70,8 +62,7 @@ def _coarse(frame: NDArray[Any]) -> NDArray[Any]:
 def _palette(frames: Sequence[NDArray[Any]]) -> tuple[NDArray[Any], NDArray[Any]]:
     """Return 256 RGB colors by median cut, and the number of the palette color for each coarse color."""
     size = 1 << 3 * _KEPT
-    counts = np.zeros(size, np.int64)
-    sums = np.zeros((size, 3))
+    counts, sums = np.zeros(size, np.int64), np.zeros((size, 3))
     for frame in frames:
         at = _coarse(frame).ravel()
         counts += np.bincount(at, minlength=size)
@@ -92,11 +83,10 @@ def _cut(colors: NDArray[Any], weights: NDArray[Any]) -> list[NDArray[Any]]:
     errors = [_error(colors, weights, boxes[0])]
     while len(boxes) < _COLORS and max(errors) > 0:
         at = int(np.argmax(errors))
-        box = boxes[at]
-        channel = int(np.ptp(colors[box], axis=0).argmax())
+        box, channel = boxes[at], int(np.ptp(colors[boxes[at]], axis=0).argmax())
         box = box[np.argsort(colors[box, channel], kind="stable")]
         half = int(np.searchsorted(np.cumsum(weights[box]), weights[box].sum() / 2)) + 1
-        half = min(max(half, 1), len(box) - 1)
+        half = min(half, len(box) - 1)
         boxes[at], errors[at] = box[:half], _error(colors, weights, box[:half])
         boxes.append(box[half:])
         errors.append(_error(colors, weights, box[half:]))
@@ -114,12 +104,10 @@ def _packed(pixels: bytes) -> bytes:
     """Compress with LZW, with codes of 9 to 12 bits."""
     clear, end = 1 << _BITS, (1 << _BITS) + 1
     known: dict[tuple[int, int], int] = {}
-    found = bytearray()
+    found, prefix = bytearray(), pixels[0]
     held, count, bits, size = clear, _BITS + 1, end + 1, _BITS + 1
-    prefix = pixels[0]
     for pixel in pixels[1:]:
-        code = known.get((prefix, pixel))
-        if code is not None:
+        if (code := known.get((prefix, pixel))) is not None:
             prefix = code
             continue
         held |= prefix << count
@@ -147,9 +135,6 @@ def _packed(pixels: bytes) -> bytes:
     return bytes(found) + held.to_bytes((count + 7) // 8, "little")
 
 
-_QUALITY = "20"
-
-
 class NoEncoder(Exception):
     """PyAV cannot be imported."""
 
@@ -168,7 +153,7 @@ def write_mp4(path: Path, frames: Sequence[NDArray[Any]], rate: int) -> None:
     height, width, _ = frames[0].shape
     height, width = height - height % 2, width - width % 2
     with av.open(str(path), "w", format="mp4", options={"movflags": "faststart"}) as film:
-        track = film.add_stream("libx264", rate=Fraction(rate), options={"crf": _QUALITY})
+        track = film.add_stream("libx264", rate=Fraction(rate), options={"crf": "20"})
         track.width, track.height, track.pix_fmt = width, height, "yuv420p"
         for frame in frames:
             picture = av.VideoFrame.from_ndarray(frame[:height, :width].copy(), format="rgb24")

@@ -8,35 +8,22 @@ that a fixed seed chooses, and at all vertices.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from importlib import metadata
 from typing import Any
 
 import numpy
 
-from mjcompose.mujoco.shapes import (
-    Hull,
-    Mesh,
-    Primitive,
-    Shape,
-    UnusableError,
-    hull_of,
-    in_solid,
-    is_flat,
-    on_surface,
-    read_mesh,
-    rounded,
-    with_faces,
-)
+from mjcompose.mujoco import shapes as geometry
+from mjcompose.mujoco.shapes import Hull, Mesh, Primitive, Shape, UnusableError, hull_of, on_surface, rounded
 
-_POINTS = 4000
-_ROUNDS = 20
+_POINTS, _ROUNDS = 4000, 20
 
 
 def spheres(mesh: Mesh, wanted: Mapping[str, Any]) -> list[Primitive]:
     """Return this number of balls, or fewer if one would be empty: each is the smallest around its nearest surface."""
     from scipy.spatial import cKDTree
-    from trimesh.nsphere import minimum_nsphere
 
     points = numpy.vstack((mesh.vertices, on_surface(mesh.solid, _POINTS, wanted["seed"])))
     centers = _apart(points, wanted["count"])
@@ -44,13 +31,9 @@ def spheres(mesh: Mesh, wanted: Mapping[str, Any]) -> list[Primitive]:
     for _ in range(_ROUNDS):
         nearest = numpy.asarray(cKDTree(centers).query(points)[1])
         centers = numpy.array([points[nearest == each].mean(axis=0) for each in numpy.unique(nearest)])
-    found = []
-    for each in numpy.unique(nearest):
-        own = points[nearest == each]
-        center = numpy.asarray(minimum_nsphere(own)[0]) if len(own) > 4 else own.mean(axis=0)
-        radius = float(numpy.linalg.norm(own - center, axis=1).max())
-        found.append(Primitive("sphere", (radius,), center, turn=numpy.eye(3)))
-    return found
+    own = (points[nearest == each] for each in numpy.unique(nearest))
+    balls = (_ball(each, each.mean(axis=0) if len(each) <= 4 else None) for each in own)
+    return [Primitive("sphere", (radius,), center, turn=numpy.eye(3)) for center, radius in balls]
 
 
 def _apart(points: numpy.ndarray, count: int) -> numpy.ndarray:
@@ -86,12 +69,10 @@ def _fitted(type: str, points: numpy.ndarray) -> Primitive:
     found = []
     for axes in ((1, 2, 0), (2, 0, 1), (0, 1, 2)):
         turned = turn[:, axes]
-        inner = points @ turned
-        center, radius = _ball(inner[:, :2])
-        apart = numpy.linalg.norm(inner[:, :2] - center, axis=1)
-        along = inner[:, 2]
+        flat, along = (points @ turned)[:, :2], (points @ turned)[:, 2]
+        center, radius = _ball(flat)
         if type == "capsule":
-            spare = numpy.sqrt(numpy.maximum(radius**2 - apart**2, 0))
+            spare = numpy.sqrt(numpy.maximum(radius**2 - numpy.linalg.norm(flat - center, axis=1) ** 2, 0))
             bottom, top = (along + spare).min(), (along - spare).max()
             if top < bottom:
                 bottom = top = (bottom + top) / 2
@@ -116,10 +97,11 @@ def _box(points: numpy.ndarray) -> tuple[numpy.ndarray, numpy.ndarray, numpy.nda
     return turn, inner.min(axis=0), inner.max(axis=0)
 
 
-def _ball(points: numpy.ndarray) -> tuple[numpy.ndarray, float]:
+def _ball(points: numpy.ndarray, around: numpy.ndarray | None = None) -> tuple[numpy.ndarray, float]:
+    """Return center and radius of the smallest ball, or of the ball around a point."""
     from trimesh.nsphere import minimum_nsphere
 
-    center: numpy.ndarray = numpy.array(minimum_nsphere(points)[0], numpy.float64)
+    center: numpy.ndarray = numpy.array(minimum_nsphere(points)[0], numpy.float64) if around is None else around
     return center, float(numpy.linalg.norm(points - center, axis=1).max())
 
 
@@ -136,10 +118,8 @@ def decompose(mesh: Mesh, wanted: Mapping[str, Any]) -> list[Hull]:
     )  # fmt: skip
     pieces = []
     for vertices, _ in found:
-        try:
+        with suppress(QhullError):  # a sliver without volume, which touches nothing that its neighbors do not
             pieces.append(hull_of(vertices))
-        except QhullError:
-            continue  # a sliver without volume, which touches nothing that its neighbors do not
     if not pieces:
         raise UnusableError("CoACD finds no piece of it")
     return pieces
@@ -207,17 +187,13 @@ def measured(mesh: Mesh, shapes: Sequence[Shape]) -> dict[str, Any]:
 
 def measure_surfaces(mesh: Mesh, other: Mesh) -> dict[str, Any]:
     """Return the same for a mesh that replaces another: how far each surface is from the other."""
-    sides = []
-    for one, two in ((other, mesh), (mesh, other)):
-        points = numpy.vstack((on_surface(one.solid, _POINTS), _some(one.vertices)))
-        sides.append((float(_to_surface(two, points).max()), len(points)))
+    points = [numpy.vstack((on_surface(each.solid, _POINTS), _some(each.vertices))) for each in (other, mesh)]
+    beyond, short = (float(_to_surface(*each).max()) for each in zip((mesh, other), points, strict=True))
     closed = mesh.is_closed and other.is_closed
     return {
-        **_distances(sides[0][0], sides[1][0]),
-        "uncovered": None,
+        **_distances(beyond, short), "uncovered": None, "samples": sum(map(len, points)),
         "volume": abs(float(other.solid.volume)) / abs(float(mesh.solid.volume)) if closed else None,
-        "samples": sides[0][1] + sides[1][1],
-    }
+    }  # fmt: skip
 
 
 def _distances(beyond: float, short: float) -> dict[str, float]:
@@ -257,9 +233,7 @@ def _beyond(mesh: Mesh, shapes: Sequence[Shape]) -> tuple[float, int]:
             points, behind = points[free], behind[free]
         outer.append(points)
     points = numpy.vstack(outer)
-    if not len(points):
-        return 0.0, 0
-    away = _to_surface(mesh, points)
+    away = _to_surface(mesh, points) if len(points) else numpy.zeros(0)
     order = numpy.argsort(-away, kind="stable")
     for start in range(0, len(order), _AT_ONCE):
         some = order[start : start + _AT_ONCE]
@@ -271,7 +245,7 @@ def _beyond(mesh: Mesh, shapes: Sequence[Shape]) -> tuple[float, int]:
 
 def _with_normals(solid: Any, count: int) -> tuple[numpy.ndarray, numpy.ndarray]:
     """Points on a surface and all its corners, with the directions out of it."""
-    points, faces = with_faces(solid, count)
+    points, faces = geometry.with_faces(solid, count)
     corners = _some(solid.triangles.reshape(-1, 3))
     every = _some(numpy.repeat(numpy.arange(len(solid.faces)), 3))
     return numpy.vstack((points, corners)), solid.face_normals[numpy.concatenate((faces, every))]
@@ -304,7 +278,7 @@ def _volume(shapes: Sequence[Shape]) -> float:
         return shapes[0].volume
     whole = 0.0
     for shape in shapes:
-        points = in_solid(shape, _POINTS)
+        points = geometry.in_solid(shape, _POINTS)
         shared = sum(other.contains(points).astype(float) for other in shapes)
         whole += shape.volume * float((1 / numpy.maximum(shared, 1)).mean()) if len(points) else shape.volume
     return whole
@@ -333,8 +307,8 @@ def make(mujoco: Any, argument: dict[str, Any]) -> dict[str, Any]:
         except metadata.PackageNotFoundError:
             return {"missing": name}
     try:
-        mesh = read_mesh(mujoco, argument["mesh"], argument["most_faces"])
-        if method != "simplify" and is_flat(mesh.vertices):
+        mesh = geometry.read_mesh(mujoco, argument["mesh"], argument["most_faces"])
+        if method != "simplify" and geometry.is_flat(mesh.vertices):
             raise UnusableError("it is flat")
         size = float(f"{mesh.size:.4g}")
         about = {"faces": len(mesh.faces), "closed": mesh.is_closed, "size": size, "mapped": mesh.is_mapped}
@@ -343,20 +317,20 @@ def make(mujoco: Any, argument: dict[str, Any]) -> dict[str, Any]:
         return {"unusable": str(error), "limit": error.limit}
 
 
-def _made(mesh: Any, method: str, wanted: Any) -> dict[str, Any]:
+_METHODS: Mapping[str, Callable[[Mesh, Any], Sequence[Shape]]] = {
+    "hull": lambda mesh, wanted: [hull_of(mesh.vertices, wanted["vertices"])],
+    "fit": lambda mesh, wanted: [fit(mesh, wanted)], "decompose": decompose, "spheres": spheres,
+}  # fmt: skip
+
+
+def _made(mesh: Mesh, method: str, wanted: Any) -> dict[str, Any]:
     if method == "simplify":
         smaller = simplify(mesh, wanted["faces"])
-        found = Hull(smaller.vertices, smaller.faces)
-        return {"shapes": [found.to_data()], "error": _digits(measure_surfaces(mesh, smaller))}
-    if method == "hull":
-        shapes: list[Any] = [hull_of(mesh.vertices, wanted["vertices"])]
-    elif method == "fit":
-        shapes = [fit(mesh, wanted)]
+        shapes: list[Shape] = [Hull(smaller.vertices, smaller.faces)]
+        error = measure_surfaces(mesh, smaller)
     else:
-        shapes = [*(decompose if method == "decompose" else spheres)(mesh, wanted)]
-    return {"shapes": [shape.to_data() for shape in shapes], "error": _digits(measured(mesh, shapes))}
-
-
-def _digits(error: dict[str, Any]) -> dict[str, Any]:
-    """Return four digits, which are the same on other machines."""
-    return {name: float(f"{value:.4g}") if isinstance(value, float) else value for name, value in error.items()}
+        shapes = [*_METHODS[method](mesh, wanted)]
+        error = measured(mesh, shapes)
+    # Four digits are the same on other machines.
+    digits = {name: float(f"{value:.4g}") if isinstance(value, float) else value for name, value in error.items()}
+    return {"shapes": [shape.to_data() for shape in shapes], "error": digits}

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict
+from itertools import chain, pairwise
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 from mjcompose.base.dataclass import dataclass
@@ -144,13 +145,12 @@ def ranged(index: Index, vectors: Mapping[str, Sequence[float]]) -> Iterator[Ran
     """Yield the numbers of a keyframe that have a range; a vector may be empty."""
     qpos, ctrl, act = (vectors[name] for name in ("qpos", "ctrl", "act"))
     for number, joint in enumerate(index.joints if len(qpos) else ()):
-        if not joint.limited:
-            continue
-        values, bounds = qpos[joint.qpos_address : joint.qpos_address + joint.qpos_size], joint.range
-        value = float(values[0])
-        if joint.type == "ball":
-            value, bounds = 2 * math.atan2(math.hypot(*values[1:]), abs(value)), (0.0, joint.range[1])
-        yield Ranged("joint", number, "qpos", value=value, range=bounds, unit=BY_WORD[joint.type].range_unit)
+        if joint.limited:
+            values, bounds = qpos[joint.qpos_address : joint.qpos_address + joint.qpos_size], joint.range
+            value = float(values[0])
+            if joint.type == "ball":
+                value, bounds = 2 * math.atan2(math.hypot(*values[1:]), abs(value)), (0.0, joint.range[1])
+            yield Ranged("joint", number, "qpos", value=value, range=bounds, unit=BY_WORD[joint.type].range_unit)
     for number, actuator in enumerate(index.actuators):
         unit = actuator.unit if actuator.ctrl_size == 1 else None
         controls = ctrl[actuator.ctrl_address : actuator.ctrl_address + actuator.ctrl_size]
@@ -169,7 +169,7 @@ def _frozen(value: Any) -> Any:
 def index(model: Model, mujoco: Any) -> Index:
     """Return the index of a compiled model. Runs in the child process, too, and imports no MuJoCo."""
     bodies = names(model, "body")
-    keys = (Keyframe(name, float(model.key_time[row])) for row, name in enumerate(names(model, "key")))
+    keys = (Keyframe(name, float(time)) for name, time in zip(names(model, "key"), model.key_time, strict=True))
     return Index(
         tuple(_joints(model, bodies)), tuple(_actuators(model, mujoco)), tuple(_sensors(model, mujoco)),
         keyframes=tuple(keys), cameras=tuple(_cameras(model, mujoco, bodies)), bodies=tuple(bodies),
@@ -233,11 +233,10 @@ def _sensors(model: Model, mujoco: Any) -> Iterator[Sensor]:
 
 def _cameras(model: Model, mujoco: Any, bodies: list[str]) -> Iterator[Camera]:
     for row, name in enumerate(names(model, "camera")):
-        width, height = (int(each) for each in model.cam_resolution[row])
+        width, height = map(int, model.cam_resolution[row])
         is_flat = int(model.cam_projection[row]) == int(mujoco.mjtProjection.mjPROJ_ORTHOGRAPHIC)
-        unit = LENGTH if is_flat else "deg"
-        body = bodies[holder(model, "camera", row)]
-        yield Camera(name, body, float(model.cam_fovy[row]), unit=unit, resolution=(width, height))
+        body, fovy = bodies[holder(model, "camera", row)], float(model.cam_fovy[row])
+        yield Camera(name, body, fovy, unit=LENGTH if is_flat else "deg", resolution=(width, height))
 
 
 SIZES = ("nq", "nv", "nu", "na", "nsensordata", "nmocap")
@@ -263,9 +262,7 @@ _BLOCKS: Mapping[str, tuple[str, ...]] = {
     "flexcomp": ("body", "joint", "equality", "flex", "plugin"),
     "replicate": ("body", *ON_BODIES, *_REFERRING, "key"),
 }
-_SECTIONS = (
-    "asset", "deformable", "contact", "equality", "tendon", "actuator", "sensor", "custom", "keyframe",
-)  # fmt: skip
+_SECTIONS = "asset deformable contact equality tendon actuator sensor custom keyframe".split()
 # MuJoCo sorts these by their two references: their kind and attributes.
 _SORTED = {"pair": ("geom", "geom1", "geom2"), "exclude": ("body", "body1", "body2")}
 
@@ -302,31 +299,31 @@ def compiled_order(root: Node) -> Order:
     found: dict[str, list[Node | None]] = {kind: [] for kind in KINDS}
     blocks = {str(block.tag) for block in root.iterdescendants(*_BLOCKS)}
     generated = {kind for block in blocks for kind in _BLOCKS[block]} - {"body", *ON_BODIES}
-    for kind in generated:
-        found[kind].append(None)
+
+    def others(kinds: Iterable[str]) -> None:
+        for kind in kinds:
+            found[kind].append(None)
+
+    others(generated)
     waiting = list(root.iterchildren(WORLD_SECTION))
     while waiting:
         body = waiting.pop()
         if body.tag in _BLOCKS:
-            for kind in _made(body)[1]:
-                found[kind].append(None)
+            others(_made(body)[1])
             continue
         found["body"].append(body)
         inner: list[Node] = []
         for child in through_frames(body):
             if child.tag == "body" or child.tag in _BLOCKS:
                 inner.append(child)
-                for made in _made(child)[0] if child.tag in _BLOCKS else ():
-                    found[made].append(None)
+                others(_made(child)[0] if child.tag in _BLOCKS else ())
             elif child.tag in _STANDING:
                 found[_STANDING[str(child.tag)]].append(child)
         waiting.extend(reversed(inner))
-    for node in _elsewhere(root):
-        written = compiled_kind(node)
-        if written is not None:
+    for node in (*root.iterfind("extension//instance"), *chain(*root.iterchildren(*_SECTIONS))):
+        if isinstance(node.tag, str) and (written := compiled_kind(node)) is not None:
             found[written].append(node)
-    for kind in generated:
-        found[kind].append(None)
+    others(generated)
     return found
 
 
@@ -365,9 +362,7 @@ def _sorted(kind: str, expected: Sequence[Node | None], roster: NameTable) -> It
     for row in range(roster.count(kind)):
         two = frozenset(link.index for link in links(roster.model, kind, row))
         places.setdefault(two, []).append(row)
-    for node in expected:
-        if node is None:
-            continue
+    for node in (each for each in expected if each is not None):
         mine = frozenset(roster.ids[referred].get(str(node.get(attribute)), -1) for attribute in attributes)
         alike = places.get(mine, [])
         found = roster.ids[kind].get(compiled_name(node), alike[0] if alike else None)
@@ -389,13 +384,8 @@ def _start(
 
 
 def _stretches(expected: Sequence[Node | None]) -> list[list[Node]]:
-    stretches: list[list[Node]] = [[]]
-    for node in expected:
-        if node is None:
-            stretches.append([])
-        else:
-            stretches[-1].append(node)
-    return stretches
+    cuts = [-1, *(at for at, node in enumerate(expected) if node is None), len(expected)]
+    return [[node for node in expected[one + 1 : other] if node is not None] for one, other in pairwise(cuts)]
 
 
 def _made(block: Node) -> tuple[set[str], set[str]]:
@@ -415,10 +405,3 @@ def _made(block: Node) -> tuple[set[str], set[str]]:
         elif child.tag in _STANDING:
             here.add(_STANDING[str(child.tag)])
     return here, below
-
-
-def _elsewhere(root: Node) -> Iterator[Node]:
-    for section in root.iterchildren("extension"):
-        yield from section.iterdescendants("instance")
-    for section in root.iterchildren(*_SECTIONS):
-        yield from section.iterchildren("*")

@@ -9,13 +9,14 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
+from collections import Counter
+from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import TypeAlias
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.rotation import IDENTITY_QUAT, ORIGIN, Pose, Quat, Vec3, normalize
-from mjcompose.mujoco.addresses import runs
+from mjcompose.mujoco.addresses import Run, counted, runs
 from mjcompose.mujoco.attributes import HOLDERS, KINDS, ON_BODIES, Model, NameTable, holder
 from mjcompose.mujoco.references import UNORDERED, Link, World, links, row_key
 
@@ -60,12 +61,8 @@ class Difference:
 
 def _number(value: Value) -> str:
     if isinstance(value, tuple):
-        return "[" + ", ".join(_number(item) for item in value) + "]"
-    if isinstance(value, str):
-        return f"`{value}`"
-    if value is None:
-        return "none"
-    return repr(value)
+        return f"[{', '.join(map(_number, value))}]"
+    return f"`{value}`" if isinstance(value, str) else "none" if value is None else repr(value)
 
 
 def distinguishes(link: Link) -> bool:
@@ -91,9 +88,8 @@ def values(model: Model, kind: str, index: int) -> Hashable:
 def shape(model: Model, kind: str, index: int) -> Hashable:
     """Return the traits of an element that rarely change: its type, or a body's joints and the number of its geoms."""
     if kind == "body":
-        first, number = int(model.body_jntadr[index]), int(model.body_jntnum[index])
-        types = tuple(model.jnt_type[first : first + number].tolist()) if number else ()
-        return types, int(model.body_geomnum[index])
+        joints = Run("body_jntadr", counted("body_jntnum")).rows(model, index)
+        return tuple(int(model.jnt_type[each]) for each in joints), int(model.body_geomnum[index])
     types_of = getattr(model, f"{KINDS[kind].arrays}_type", None)
     return None if types_of is None else int(types_of[index])
 
@@ -149,9 +145,7 @@ def pose_of(model: Model, kind: str, index: int) -> Pose:
 
 
 _ASSETS = ("texture", "material", "mesh", "hfield")
-_GLOBAL = (
-    "skin", "flex", "tendon", "equality", "pair", "exclude", "sensor", "actuator", "numeric", "text", "tuple",
-)  # fmt: skip
+_GLOBAL = "skin flex tendon equality pair exclude sensor actuator numeric text tuple".split()
 
 ABSENT = -1
 
@@ -212,10 +206,8 @@ class Correspondence:
 
     def _match_named(self) -> None:
         for kind in KINDS:
-            if kind == "key":
-                continue
             there = self.composed.ids[kind]
-            for index, name in enumerate(self.alone.names[kind]):
+            for index, name in enumerate(self.alone.names[kind] if kind != "key" else ()):
                 target = there.get(self.name(kind, name)) if name else None
                 if target is not None and not (kind == "body" and index == 0):
                     self._take(kind, index, target)
@@ -250,13 +242,10 @@ class Correspondence:
         here, there = _unnamed_by_body(self.alone, "body"), _unnamed_by_body(self.composed, "body")
         for parent in range(self.alone.count("body")):
             children = here.get(parent, [])
-            if found[parent] == ABSENT or not children:
-                continue
-            parents = sorted(self.worlds) if parent == 0 else [found[parent]]
-            taken = self.taken["body"]
-            candidates = [i for p in parents for i in there.get(p, ()) if i not in taken]
-            children, candidates = self._match_by_load(children, candidates)
-            self._assign("body", children, candidates)
+            if found[parent] != ABSENT and children:
+                parents = sorted(self.worlds) if parent == 0 else [found[parent]]
+                candidates = [i for p in parents for i in there.get(p, ()) if i not in self.taken["body"]]
+                self._assign("body", *self._match_by_load(children, candidates))
 
     def _match_by_load(self, mine: list[int], theirs: list[int]) -> tuple[list[int], list[int]]:
         """Match unnamed bodies by the named elements on them; return the others."""
@@ -273,9 +262,8 @@ class Correspondence:
         return left, [j for j in theirs if j not in self.taken["body"]]
 
     def _match_on_bodies(self, kind: str) -> None:
-        here = _unnamed_by_body(self.alone, kind)
         there = _unnamed_by_body(self.composed, kind)
-        for body, children in here.items():
+        for body, children in _unnamed_by_body(self.alone, kind).items():
             target = self.ids["body"][body]
             if target != ABSENT:
                 bodies = sorted(self.worlds) if body == 0 else [target]
@@ -319,25 +307,15 @@ class Correspondence:
                 self._take(kind, i, j)
             return
         alone, composed = self.alone.model, self.composed.model
-        likenesses: tuple[tuple[Callable[[int], Hashable], Callable[[int], Hashable]], ...] = (
-            (
-                lambda i: (values(alone, kind, i), self._translated(kind, i)),
-                lambda j: (values(composed, kind, j), raw(composed, kind, j)),
-            ),
-            (
-                lambda i: (shape(alone, kind, i), self._translated(kind, i)),
-                lambda j: (shape(composed, kind, j), raw(composed, kind, j)),
-            ),
-            (lambda i: shape(alone, kind, i), lambda j: shape(composed, kind, j)),
-            (lambda i: None, lambda j: None),
-        )
-        for number, (of_mine, of_theirs) in enumerate(likenesses):
+        # First by all values and references, then by what rarely changes and references, by that alone, and by nothing.
+        likenesses = ((values, True), (shape, True), (shape, False), (lambda *_: None, False))
+        for likeness, refers in likenesses:
             waiting: dict[Hashable, list[int]] = {}
             for j in theirs:
-                waiting.setdefault(of_theirs(j), []).append(j)
+                waiting.setdefault((likeness(composed, kind, j), refers and raw(composed, kind, j)), []).append(j)
             for i in mine:
-                alike = waiting.get(of_mine(i), [])
-                if alike and number == 0 and all(self._apart(kind, i, j) for j in alike):
+                alike = waiting.get((likeness(alone, kind, i), refers and self._translated(kind, i)), [])
+                if alike and likeness is values and all(self._apart(kind, i, j) for j in alike):
                     continue  # an equal element elsewhere belongs to another part
                 if alike:
                     nearest = min(alike, key=lambda j: self._apart(kind, i, j)) if len(alike) > 1 else alike[0]
@@ -400,16 +378,12 @@ def _missing(matching: Correspondence, kind: str) -> list[Difference]:
 
 
 def _extra(matching: Correspondence, kind: str, others: Iterable[tuple[str, NameTable]]) -> list[Difference]:
-    prefix = matching.prefix
-    theirs = {other + name for other, roster in others for name in roster.names[kind] if name}
+    theirs = {matching.prefix, *(other + name for other, roster in others for name in roster.names[kind] if name)}
+    known = matching.taken[kind] | (matching.worlds if kind == "body" else set())
     return [
         Difference(kind, name, EXTRA, expected=False, actual=True)
         for index, name in enumerate(matching.composed.names[kind])
-        if name.startswith(prefix)
-        and name != prefix
-        and name not in theirs
-        and index not in matching.taken[kind]
-        and not (kind == "body" and index in matching.worlds)
+        if name.startswith(matching.prefix) and name not in theirs and index not in known
     ]
 
 
@@ -434,24 +408,18 @@ def unequal_references(matching: Correspondence) -> Iterator[tuple[str, int, int
 
 def reference_differences(matching: Correspondence) -> list[Difference]:
     """Return changed references; one whose target is missing is not reported again."""
-    return [
-        Difference(
-            kind, matching.composed.describe(kind, target), mine.field, expected=_expected(matching, mine),
-            actual=_shown_references(matching.composed, other),
-        )
-        for kind, _, target, mine, other in unequal_references(matching)
-        if mine is not None and other is not None and (mine.kind != other.kind or matching.targets(mine))
-    ]  # fmt: skip
+    found = []
+    for kind, _, target, mine, other in unequal_references(matching):
+        if mine is not None and other is not None and (mine.kind != other.kind or matching.targets(mine)):
+            alone, composed = _target(matching.alone, mine), _target(matching.composed, other)
+            if alone and matching.alone.names[mine.kind][mine.index] and (mine.kind, mine.index) != ("body", 0):
+                alone = matching.name(mine.kind, alone)
+            name = matching.composed.describe(kind, target)
+            found.append(Difference(kind, name, mine.field, expected=alone, actual=composed))
+    return found
 
 
-def _expected(matching: Correspondence, link: Link) -> Value:
-    name = matching.alone.names[link.kind][link.index] if link.index >= 0 else ""
-    if not name or (link.kind == "body" and link.index == 0):
-        return _shown_references(matching.alone, link)
-    return matching.name(link.kind, name)
-
-
-def _shown_references(roster: NameTable, link: Link) -> Value:
+def _target(roster: NameTable, link: Link) -> str | None:
     return None if link.index < 0 else roster.describe(link.kind, link.index)
 
 
@@ -465,30 +433,23 @@ class Coupling:
     """
 
     def __init__(self, matching: Correspondence, mount: Mount, *, cut: bool = False) -> None:
-        alone, composed = matching.alone.model, matching.composed.model
-        bodies = matching.ids["body"]
+        composed, bodies = matching.composed.model, matching.ids["body"]
         self.in_place = mount.is_in_place and matching.worlds == {0}
         self.moving = bool(composed.body_weldid[matching.mount])
 
         mine = {target: body for body, target in enumerate(bodies) if body and target != ABSENT}
-        geoms: dict[int, int] = {}
-        for target in matching.ids["geom"]:
-            if target != ABSENT:
-                owner = int(composed.geom_bodyid[target])
-                geoms[owner] = geoms.get(owner, 0) + 1
-        number = composed.body_geomnum
-        self.hosts = {body for target, body in mine.items() if int(number[target]) > geoms.get(target, 0)}
+        geoms = Counter(int(composed.geom_bodyid[target]) for target in matching.ids["geom"] if target != ABSENT)
+        self.hosts = {body for target, body in mine.items() if int(composed.body_geomnum[target]) > geoms[target]}
 
-        foreign = [i for i in range(1, len(number)) if i not in mine and i not in matching.worlds]
+        foreign = [i for i in range(1, composed.nbody) if i not in mine and i not in matching.worlds]
         starts = [int(composed.body_parentid[i]) for i in foreign] + [bodies[body] for body in self.hosts]
         self.carriers: set[int] = set()
         for target in starts:
             while target and target in mine and mine[target] not in self.carriers:
                 self.carriers.add(mine[target])
                 target = int(composed.body_parentid[target])
-        roots = alone.body_rootid.tolist()
-        self.trees = set(roots) if self.moving or cut else {roots[body] for body in self.carriers}
-        self._roots = roots
+        self._roots: list[int] = matching.alone.model.body_rootid.tolist()
+        self.trees = {self._roots[body] for body in (range(len(bodies)) if self.moving or cut else self.carriers)}
 
     def acts_on(self, body: int) -> bool:
         """Return whether the kinematic tree of this body of the part is shared."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from dataclasses import replace
 from enum import Enum
 from pathlib import PurePath
@@ -118,28 +118,25 @@ def read_sentence(message: str) -> Sentence:
 CRASHES = {"timeout": "mujoco-timeout", "missing": "mujoco-missing"}
 """The diagnostic codes for a `crash` of `engine.Compiled`; every other crash is `mujoco-crash`."""
 
-_CRASH_HELP = {
+CRASH_HELP = {
     "mujoco-timeout": "give it more time with `--timeout`, or look for huge counts in `replicate` and `flexcomp`",
     "mujoco-missing": "install it: `python -m pip install --upgrade mujoco`; or do without it: `--no-compile`",
     "mujoco-crash": "load each part alone in MuJoCo to find the one at fault",
 }
+"""Advice for the case that MuJoCo gave no verdict."""
 
 _PREFIX = re.compile(r"^(?:(?:XML )?Error: |ParseXML: )+")
 # "Element name 'left/X', id 0, line 38": from the compiler, about an object of the model
-_OBJECT = re.compile(
-    r"\s*^Element name '(?P<name>.*)', id (?P<id>-?\d+)(?:, line (?P<line>-?\d+))?[ \t]*$", re.M | re.S
-)
+_OBJECT = re.compile(r"(?ms)\s*^Element name '(?P<name>.*)', id (?P<id>-?\d+)(?:, line (?P<line>-?\d+))?[ \t]*$")
 # "Element 'geom', line 3, column 7": from the reader, about an element of the file
 _ELEMENT = re.compile(
-    r"\s*^Element '(?P<element>[^'\n]*)', line (?P<line>-?\d+)(?:, column (?P<column>-?\d+))?\s*\Z", re.M
+    r"(?m)\s*^Element '(?P<element>[^'\n]*)', line (?P<line>-?\d+)(?:, column (?P<column>-?\d+))?\s*\Z"
 )
 # precedes that line if a `<flexcomp>` cannot be created: there is no object yet
 _NO_OBJECT = re.compile(r"^Element name '', id -1[ \t]*\n(?=Element ')", re.M)
 # TinyXML's message about a file that is not well-formed
 _XML = re.compile(
-    r"^XML parse error (?P<number>\d+):\s*Error=(?P<error>\w+).*?"
-    r"Line number=(?P<line>\d+)(?::\s*(?P<rest>.*))?\Z",
-    re.S,
+    r"(?s)^XML parse error \d+:\s*Error=(?P<error>\w+).*?Line number=(?P<line>\d+)(?::\s*(?P<rest>.*))?\Z"
 )
 
 
@@ -158,11 +155,6 @@ class Fault:
     name: str | None = None
 
 
-def crash_help(code: str) -> str | None:
-    """Return advice for the case that MuJoCo gave no verdict."""
-    return _CRASH_HELP.get(code)
-
-
 def parse(text: str) -> Fault:
     r"""Split one message of MuJoCo into its parts.
 
@@ -170,9 +162,12 @@ def parse(text: str) -> Fault:
     Fault(message='size 0 must be positive in geom', line=38, column=None, element=None, name='left/pad')
     """
     text = _NO_OBJECT.sub("", text.strip())
-    broken = _XML.match(text)
-    if broken:
-        return _not_well_formed(broken)
+    if broken := _XML.match(text):
+        fault = broken["error"].removeprefix("XML_ERROR_").replace("_", " ").lower()
+        detail = " ".join((broken["rest"] or "").split())
+        element = re.fullmatch(r"XMLElement name=(\S+)", detail)
+        message = f"not well-formed XML: {fault}" + (f": {detail}" if detail and not element else "")
+        return Fault(message, _positive(broken["line"]), element=element[1] if element else None)
     trailer = _OBJECT.search(text) or _ELEMENT.search(text)
     if trailer is None:
         return Fault(_PREFIX.sub("", text).strip())
@@ -184,15 +179,6 @@ def parse(text: str) -> Fault:
         message, line=_positive(fields["line"]), column=_positive(fields.get("column")),
         element=fields.get("element") or None, name=fields.get("name") or None,
     )  # fmt: skip
-
-
-def _not_well_formed(found: re.Match[str]) -> Fault:
-    fault = found["error"].removeprefix("XML_ERROR_").replace("_", " ").lower()
-    rest = " ".join((found["rest"] or "").split())
-    element = re.fullmatch(r"XMLElement name=(\S+)", rest)
-    detail = f": {rest}" if rest and not element else ""
-    message = f"not well-formed XML: {fault}{detail}"
-    return Fault(message, _positive(found["line"]), element=element[1] if element else None)
 
 
 def _positive(number: str | None) -> int | None:
@@ -229,15 +215,13 @@ def of_other_version(
     known = _span(element, name)
     if known is None:
         return None
-    since, until = known
     subject = f"`<{element.tag}>`" if name is None else f"attribute `{name}` of `<{element.tag}>`"
-    return Diagnostic(
-        "unknown-element" if name is None else "unknown-attribute",
-        f"this MuJoCo has no {subject}",
-        notes=_versions(since, until),
-        help=None if file is None or _is_recipe(file) else
-        f"`mjcompose migrate {file} --from {version or until or since} -o NEW` writes the model for this MuJoCo",
-    )  # fmt: skip
+    help = None
+    if file is not None and not _is_recipe(file):
+        reader = version or known[1] or known[0]
+        help = f"`mjcompose migrate {file} --from {reader} -o NEW` writes the model for this MuJoCo"
+    code = "unknown-element" if name is None else "unknown-attribute"
+    return Diagnostic(code, f"this MuJoCo has no {subject}", notes=_versions(*known), help=help)
 
 
 def _span(element: Node, name: str | None) -> HistorySpan | None:
@@ -307,8 +291,7 @@ def unknown_attribute(element: Node, name: str, file: str | None = None, version
     """
     found = of_other_version(element, name, file, version=version)
     if found is None:
-        kind = kind_of(element)
-        known = list(kind.attributes) if kind is not None else []
+        known = list(kind.attributes) if (kind := kind_of(element)) is not None else []
         found = no_attribute(name, f"`<{element.tag}>`", known, otherwise=f"take `{name}` out")
     return Translation(found, name, key=True)
 
@@ -317,11 +300,10 @@ def unknown_element(element: Node, file: str | None = None, version: str | None 
     """Return the translation for an element that MJCF does not have in that place."""
     if (other := of_other_version(element, None, file, version=version)) is not None:
         return Translation(other)
-    parent = element.getparent()
+    parent, tag = element.getparent(), str(element.tag)
     kind = None if parent is None else kind_of(parent)
     known = [] if kind is None else list(kind.children)
     holder = f"`<{parent.tag}>`" if parent is not None else "a model"
-    tag = str(element.tag)
     notes = (exists_note("element", known, tag),) if known else ()
     message, help = f"`<{tag}>` cannot be in {holder}", did_you_mean(tag, known, "<{}>")
     return Translation(Diagnostic("unknown-element", message, notes=notes, help=help))
@@ -335,10 +317,9 @@ def _versions(since: str | None, until: str | None) -> tuple[Note, ...]:
 
 def kind_of(element: Node) -> ElementType | None:
     """Return the element type at the element's place in MJCF, or None if its tag is not allowed there."""
-    tags = [str(each.tag) for each in element.iterancestors()]
     found: ElementType | None = GRAMMAR.root
-    for tag in [*reversed(tags), str(element.tag)][1:]:
-        found = found.children.get(tag) if found is not None else None
+    for node in [element, *element.iterancestors()][-2::-1]:
+        found = found.children.get(str(node.tag)) if found is not None else None
     return found
 
 
@@ -387,7 +368,9 @@ def locate_fault(said: Translation, element: Node, model: Unit) -> FaultLocation
     """Return the place of a fault; a value from the recipe comes first, because its author can change it."""
     span = model.origins.span(element, model.file, said.attribute, key=said.key)
     if said.attribute is None:
-        masses = _masses(element, model) if said.topic is Topic.MASS else ()
+        holders = own(element, "inertial") or own(element, "geom") if said.topic is Topic.MASS else ()
+        places = ((child, name) for child in holders for name in _MASSES[str(child.tag)] if child.get(name) is not None)
+        masses = (model.origins.span(child, model.file, name) for child, name in places)
         written = next((each for each in masses if _is_recipe(each.file)), None)
         return FaultLocation(span) if written is None else FaultLocation(written, (Note("the body is here", span),))
     level = _class_level(said.attribute, element, model)
@@ -407,14 +390,6 @@ def _class_level(attribute: str, element: Node, model: Unit) -> Level | None:
     every = levels(element, kind, known, classes=model.classes)
     nearest = next((level for level in every if level.taken or level.text), None)
     return nearest if nearest is not None and nearest.kind == "class" else None
-
-
-def _masses(element: Node, model: Unit) -> Iterator[Span]:
-    """Yield where the masses of a body are written, in its `<inertial>` or else in its geoms."""
-    for child in own(element, "inertial") or own(element, "geom"):
-        for name in _MASSES[str(child.tag)]:
-            if child.get(name) is not None:
-                yield model.origins.span(child, model.file, name)
 
 
 def report(

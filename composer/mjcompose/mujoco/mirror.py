@@ -27,7 +27,8 @@ def mirrored_keys(mujoco: Any, asked: dict[str, Any]) -> dict[str, Any]:
     faults = []
     for exchange in (str, _exchanged):
         try:
-            return {"keys": _Mirror(mujoco, asked["texts"], axis=asked["axis"], exchange=exchange).keys()}
+            mirror = _Mirror(mujoco, asked["texts"], axis=asked["axis"], exchange=exchange)
+            return {"keys": [mirror.key(number) for number in range(mirror.of.nkey)]}
         except _Unlike as unlike:
             faults.append(unlike.args[0])
     return {"fault": max(faults, key=lambda fault: _STEPS.index(fault["why"]))}
@@ -110,10 +111,7 @@ class _Mirror:
         self.mujoco.mj_kinematics(self.own, data)
         return bool(np.abs(data.xpos - self.start[1][0]).max() > _NEAR)
 
-    def keys(self) -> list[dict[str, list[float]]]:
-        return [self._key(number) for number in range(self.of.nkey)]
-
-    def _key(self, number: int) -> dict[str, list[float]]:
+    def key(self, number: int) -> dict[str, list[float]]:
         """Return a key of the image, after MuJoCo has compared the bodies and the forces."""
         of, own, (before, after) = self.of, self.own, self.data
         self.mujoco.mj_resetDataKeyframe(of, before, number)
@@ -190,9 +188,8 @@ class _Mirror:
     def _product(self, *quats: Any) -> Any:
         found = quats[0]
         for each in quats[1:]:
-            result = np.zeros(4)
-            self.mujoco.mju_mulQuat(result, found, each)
-            found = result
+            one, found = found, np.zeros(4)
+            self.mujoco.mju_mulQuat(found, one, each)
         return found
 
 

@@ -1,9 +1,9 @@
-"""Pictures of compiled models: camera, lights, background, sheets."""
+"""Pictures of compiled models: the subject, the parts moved apart, names, camera, lights, background, sheets."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -11,10 +11,125 @@ from typing import Any
 import numpy as np
 
 from mjcompose.base.dataclass import dataclass
-from mjcompose.mujoco.attributes import names, place
+from mjcompose.mujoco.attributes import holder, names, place
 from mjcompose.mujoco.controls import advance
 from mjcompose.mujoco.film import NoEncoder, encoder, gif, png, write_mp4
-from mjcompose.mujoco.subject import corners, decorate, explode, points_of
+from mjcompose.mujoco.solids import SIGNS, box_corners
+
+Link = tuple[Any, Any]
+_AROUND = 0.1  # how much of the model is around a point
+_APART = 0.5  # how far parts move, as a share of their size
+_INK, _WIDTH = (0.96, 0.6, 0.1, 1.0), 2.0
+_PLACES = {"site": "site_xpos", "body": "xpos", "joint": "xanchor", "geom": "geom_xpos"}
+_SHOWN_GROUPS = 3
+
+
+def corners(mujoco: Any, model: Any, data: Any, some: Sequence[int] | None = None) -> Any:
+    """Return the corners of the boxes around all drawn geoms, or `some`; the ground counts only if all are ground."""
+    drawn = [each for each in range(model.ngeom) if _is_drawn(model, each)] if some is None else some
+    plane, terrain = int(mujoco.mjtGeom.mjGEOM_PLANE), int(mujoco.mjtGeom.mjGEOM_HFIELD)
+    solid = [each for each in drawn if int(model.geom_type[each]) not in (plane, terrain)]
+    found = [np.zeros((0, 3))]
+    for geom in solid or drawn:
+        center, half = model.geom_aabb[geom][:3], model.geom_aabb[geom][3:]
+        if model.geom_type[geom] == plane:
+            half = model.geom_size[geom][:2]  # 0 for infinite, which counts as 1
+            center, half = np.zeros(3), np.array([*np.where(half > 0, half, 1.0), 0.0])
+        found.append(box_corners(data, geom, center=center, half=half))
+    if some is None:
+        found += [data.flexvert_xpos.reshape(-1, 3), data.xpos[model.skin_bonebodyid]]
+    points = np.concatenate(found)
+    return points[np.isfinite(points).all(axis=1)]
+
+
+def _is_drawn(model: Any, geom: int) -> bool:
+    material = int(model.geom_matid[geom])
+    rgba = model.geom_rgba[geom] if material < 0 else model.mat_rgba[material]
+    return int(model.geom_group[geom]) < _SHOWN_GROUPS and float(rgba[3]) > 0
+
+
+def points_of(mujoco: Any, model: Any, data: Any, kind: str, name: str) -> Any:
+    """Return the points around an element, for a camera; for a body also around the bodies on it."""
+    at = names(model, kind).index(name)
+    geoms = [at] if kind == "geom" else []
+    if kind in ("body", "joint"):
+        body = at if kind == "body" else holder(model, kind, at)
+        on_it = [each == body for each in range(model.nbody)]
+        for each in range(1, model.nbody):  # a parent comes first
+            on_it[each] |= on_it[model.body_parentid[each]]
+        geoms = [geom for geom in range(model.ngeom) if on_it[model.geom_bodyid[geom]]]
+    found = corners(mujoco, model, data, some=geoms) if geoms else np.zeros((0, 3))
+    if len(found):
+        return found
+    whole = corners(mujoco, model, data)
+    reach = _AROUND * float(np.ptp(whole, axis=0).max(initial=0) if len(whole) else 1)
+    return getattr(data, _PLACES[kind])[at] + reach * np.array(SIGNS)
+
+
+def explode(mujoco: Any, model: Any, data: Any) -> list[Link]:
+    """Move the drawn parts of a model apart, and return the ends of lines to where they belong.
+
+    A part is the bodies with one prefix, or a body if there are no prefixes. It moves away from the part that it is on.
+    """
+    called = names(model, "body")
+    prefixes = [name.rpartition("/")[0] for name in called]
+    is_whole = not any(prefixes)
+    first = list(range(model.nbody))  # of each body, the first body of its part
+    for body in range(1, model.nbody):
+        parent = int(model.body_parentid[body])
+        if not is_whole and prefixes[body] == prefixes[parent] and parent:
+            first[body] = first[parent]
+    boxes: dict[int, tuple[Any, float]] = {}
+    for part in sorted(set(first)):
+        geoms = [geom for geom in range(model.ngeom) if first[int(model.geom_bodyid[geom])] == part]
+        points = corners(mujoco, model, data, some=geoms) if geoms else data.xpos[part][None]
+        low, high = points.min(axis=0), points.max(axis=0)
+        boxes[part] = (low + high) / 2, float(np.linalg.norm(high - low))
+    middle = np.mean([center for part, (center, _) in boxes.items() if part], axis=0) if len(boxes) > 1 else np.zeros(3)
+    moved, links, before = np.zeros((model.nbody, 3)), [], data.xpos.copy()
+    for body in range(1, model.nbody):
+        parent = int(model.body_parentid[body])
+        moved[body] = moved[parent]
+        if first[body] == body:
+            center, size = boxes[body]
+            away = center - (boxes[first[parent]][0] if first[parent] else middle)
+            away[2] = max(away[2], 0) if not first[parent] else away[2]  # nothing goes below the ground
+            length = float(np.linalg.norm(away))
+            on = max(size, boxes[first[parent]][1] if first[parent] else 0)
+            moved[body] += _APART * on * (away / length if length > 1e-6 else np.array([0, 0, 1.0]))
+            if first[parent]:
+                links.append((before[body] + moved[parent], before[body] + moved[body]))
+    for array, bodies in (
+        ("xpos", np.arange(model.nbody)), ("xipos", np.arange(model.nbody)), ("geom_xpos", model.geom_bodyid),
+        ("site_xpos", model.site_bodyid), ("xanchor", model.jnt_bodyid), ("cam_xpos", model.cam_bodyid),
+    ):  # fmt: skip
+        getattr(data, array)[:] += moved[bodies]
+    if model.nflexvert:
+        data.flexvert_xpos[:] += moved[np.maximum(model.flex_vertbodyid, 0)]
+    return links
+
+
+def decorate(mujoco: Any, model: Any, data: Any, scene: Any, links: Iterable[Link], labels: Iterable[str]) -> None:
+    """Add lines, and the names of elements of some kinds, to a scene."""
+    kinds = mujoco.mjtGeom
+    for start, end in links:
+        if (geom := _new(mujoco, scene, kinds.mjGEOM_LINE)) is not None:
+            mujoco.mjv_connector(geom, kinds.mjGEOM_LINE, _WIDTH, start, end)
+    for kind in labels:
+        for name, there in zip(names(model, kind), getattr(data, _PLACES[kind]), strict=True):
+            if name not in ("", "world") and (geom := _new(mujoco, scene, kinds.mjGEOM_LABEL)) is not None:
+                geom.pos[:], geom.label = there, name
+
+
+def _new(mujoco: Any, scene: Any, kind: Any) -> Any:
+    if scene.ngeom >= scene.maxgeom:
+        return None
+    geom = scene.geoms[scene.ngeom]
+    mujoco.mjv_initGeom(geom, kind, np.zeros(3), np.zeros(3), np.eye(3).ravel(), np.array(_INK, np.float32))
+    geom.category = mujoco.mjtCatBit.mjCAT_DECOR
+    scene.ngeom += 1
+    return geom
+
 
 SKYLESS = (235, 235, 235, 1)
 """The background of a model without a sky. MuJoCo 4.0 leaves it black, which hides dark models."""
@@ -40,7 +155,7 @@ _ROUNDS = 4
 # MuJoCo's default view: straight at one side, and steeply down.
 _UNSAID = (90.0, -45.0)
 _OBLIQUE = (135.0, -22.0)
-_AMBIENT, _DIFFUSE, _SPECULAR = 0.3, 0.6, 0.3
+_HEADLIGHT = {"ambient": 0.3, "diffuse": 0.6, "specular": 0.3}
 
 
 def camera(mujoco: Any, scenes: Sequence[tuple[Any, Any]], aspect: float, subject: Any = None) -> Any:
@@ -59,26 +174,21 @@ def camera(mujoco: Any, scenes: Sequence[tuple[Any, Any]], aspect: float, subjec
     if not len(points):
         return free
     azimuth, elevation = math.radians(free.azimuth), math.radians(free.elevation)
-    forward = np.array(
-        [math.cos(elevation) * math.cos(azimuth), math.cos(elevation) * math.sin(azimuth), math.sin(elevation)]
-    )
-    right = np.array([math.sin(azimuth), -math.cos(azimuth), 0.0])
+    ahead, right = np.array([[math.cos(azimuth), math.sin(azimuth), 0], [math.sin(azimuth), -math.cos(azimuth), 0]])
+    forward = math.cos(elevation) * ahead + np.array([0, 0, math.sin(elevation)])
     axes = np.stack([right, np.cross(right, forward), forward])
     # The `fovy` of an orthographic camera is a length.
     fovy = 45.0 if model.vis.global_.orthographic else float(model.vis.global_.fovy)
     high = math.tan(math.radians(fovy) / 2) / _MARGIN
     slopes = np.array([high * aspect, high])
     at, distance = (points.min(axis=0) + points.max(axis=0)) / 2, 0.0
-    for _ in range(_ROUNDS):
+    for left in reversed(range(_ROUNDS + 1)):
         seen = (points - at) @ axes.T
         distance = float((np.abs(seen[:, :2]) / slopes - seen[:, 2:]).max())
-        # Nearer things look larger: the middle of the picture is not the middle of the box.
-        depth = np.maximum(seen[:, 2:] + distance, 1e-9)
-        shown = seen[:, :2] / depth
-        at = at + ((shown.min(axis=0) + shown.max(axis=0)) / 2 * distance) @ axes[:2]
-    seen = (points - at) @ axes.T
-    free.lookat[:] = at
-    free.distance = max(float((np.abs(seen[:, :2]) / slopes - seen[:, 2:]).max()), 1e-6)
+        if left:  # nearer things look larger: the middle of the picture is not the middle of the box
+            shown = seen[:, :2] / np.maximum(seen[:, 2:] + distance, 1e-9)
+            at = at + ((shown.min(axis=0) + shown.max(axis=0)) / 2 * distance) @ axes[:2]
+    free.lookat[:], free.distance = at, max(distance, 1e-6)
     return free
 
 
@@ -86,30 +196,27 @@ def camera(mujoco: Any, scenes: Sequence[tuple[Any, Any]], aspect: float, subjec
 def prepared(model: Any, distance: float = 0.0) -> Iterator[None]:
     """Make a model visible from that distance for the block, and restore it afterwards."""
     headlight, limits, clip = model.vis.headlight, model.vis.global_, model.vis.map
-    kept = (
-        headlight.active, headlight.ambient.copy(), headlight.diffuse.copy(), headlight.specular.copy(),
-        limits.orthographic, clip.zfar,
-    )  # fmt: skip
+    colors = {name: getattr(headlight, name) for name in _HEADLIGHT}
+    kept = headlight.active, limits.orthographic, clip.zfar
+    kept_colors = {name: color.copy() for name, color in colors.items()}
     if not is_lit(model):
         headlight.active = headlight.active or 1
-        headlight.ambient[:] = np.maximum(headlight.ambient, _AMBIENT)
-        headlight.diffuse[:] = np.maximum(headlight.diffuse, _DIFFUSE)
-        headlight.specular[:] = np.maximum(headlight.specular, _SPECULAR)
+        for name, color in colors.items():
+            color[:] = np.maximum(color, _HEADLIGHT[name])
     limits.orthographic = 0
     clip.zfar = max(clip.zfar, 3 * distance / max(model.stat.extent, 1e-9))
     try:
         yield
     finally:
-        headlight.active, limits.orthographic, clip.zfar = kept[0], kept[4], kept[5]
-        headlight.ambient[:], headlight.diffuse[:], headlight.specular[:] = kept[1:4]
+        headlight.active, limits.orthographic, clip.zfar = kept
+        for name, color in colors.items():
+            color[:] = kept_colors[name]
 
 
 def is_lit(model: Any) -> bool:
     """Return whether a light of the model is on."""
-    return any(
-        model.light_active[each] and (model.light_diffuse[each].any() or model.light_ambient[each].any())
-        for each in range(model.nlight)
-    )
+    shining = model.light_diffuse.any(axis=1) | model.light_ambient.any(axis=1)
+    return bool((model.light_active.astype(bool) & shining).any())
 
 
 def has_sky(mujoco: Any, model: Any) -> bool:
@@ -164,7 +271,8 @@ class Stage:
 
             self._window = GLContext(look.width * _FINER, look.height * _FINER)
             self._window.make_current()
-            self._drawing = mujoco.MjrContext(model, self._font_scale())
+            scale = 50 * min(6, max(2, round(look.width / 480)))
+            self._drawing = mujoco.MjrContext(model, getattr(mujoco.mjtFontScale, f"mjFONTSCALE_{scale}").value)
         except Exception as error:
             raise NoOpenGL(str(error).strip() or type(error).__name__) from error
         mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN.value, self._drawing)
@@ -180,10 +288,6 @@ class Stage:
         quality.shadowsize = min(quality.shadowsize, _SHADOWS_OF_TILES if look.is_tile else _SHADOWS)
         if look.is_tile:
             quality.offsamples = min(quality.offsamples, _SAMPLES_OF_TILES)
-
-    def _font_scale(self) -> int:
-        scale = 50 * min(6, max(2, round(self.look.width / 480)))
-        return int(getattr(self.mujoco.mjtFontScale, f"mjFONTSCALE_{scale}").value)
 
     def whole(self, subject: Any = None) -> Any:
         """Return the camera that shows the whole model, or the points of a subject."""
@@ -248,16 +352,15 @@ class Stage:
 
         It uses depth, because MuJoCo's segmentation leaves out sites and tendons.
         """
-        flags, kinds, look = self._scene.flags, self.mujoco.mjtRndFlag, self.look
-        for costly in (kinds.mjRND_SHADOW, kinds.mjRND_REFLECTION):
-            flags[costly] = 0
+        kinds, look = self.mujoco.mjtRndFlag, self.look
+        costly = [int(kinds.mjRND_SHADOW), int(kinds.mjRND_REFLECTION)]
+        self._scene.flags[costly] = 0
         width, height = look.width * _FINER, look.height * _FINER
         room = self.mujoco.MjrRect(0, 0, width, height)
         self.mujoco.mjr_render(room, self._scene, self._drawing)
         depth = np.empty((height, width), np.float32)
         self.mujoco.mjr_readPixels(None, depth, room, self._drawing)
-        for costly in (kinds.mjRND_SHADOW, kinds.mjRND_REFLECTION):
-            flags[costly] = 1
+        self._scene.flags[costly] = 1
         seen = np.flipud(depth) < 1
         return seen.reshape(look.height, _FINER, look.width, _FINER).mean(axis=(1, 3))
 
@@ -277,15 +380,12 @@ def draw(mujoco: Any, model: Any, asked: Mapping[str, Any]) -> dict[str, Any]:
     ``asked`` has the fields of `mjcompose.tools.view.render.Wish` and ``out``, whose suffix is `.png`,
     `.gif` or `.mp4`. With ``tile``, a NumPy array of the picture with that text below goes to ``out`` instead.
     """
-    for kind in ("key", "camera"):
-        if asked[kind] is not None and asked[kind] not in names(model, kind):
-            return {"unknown": kind, "known": [name for name in names(model, kind) if name]}
-    if (subject := asked["look"]) is not None and subject[1] not in names(model, subject[0]):
-        return {"unknown": subject[0], "known": [name for name in names(model, subject[0]) if name]}
-    out = Path(asked["out"])
+    subject = asked["look"]
+    for kind, name in (("key", asked["key"]), ("camera", asked["camera"]), subject or ("", None)):
+        if name is not None and name not in (known := names(model, kind)):
+            return {"unknown": kind, "known": list(filter(None, known))}
+    out, tile, (width, height) = Path(asked["out"]), asked.get("tile"), asked["size"]
     background = None if asked["background"] is None else tuple(asked["background"])
-    tile = asked.get("tile")
-    width, height = asked["size"]
     look = Look(
         width, height, background, is_tile=tile is not None, explode=asked["explode"], labels=tuple(asked["labels"])
     )
@@ -305,7 +405,7 @@ def draw(mujoco: Any, model: Any, asked: Mapping[str, Any]) -> dict[str, Any]:
         if tile is not None:
             picture = stage.picture(view)[:, :, :3]
             high = round(_STRIP * max(1.0, picture.shape[1] / 480))
-            strip = stage.text(tile, picture.shape[1], high, ink=_INK, paper=_DRAW_PAPER)
+            strip = stage.text(tile, picture.shape[1], high, ink=_CAPTION_INK, paper=_CAPTION_PAPER)
             np.save(out, np.concatenate([picture, strip]))
         elif out.suffix == ".png":
             out.write_bytes(png(stage.picture(view)))
@@ -341,10 +441,7 @@ def _frames(stage: Stage, view: Any, rate: int, turntable: bool, play: float | N
             view.azimuth += 360 / count
 
 
-_STRIP = 20
-_INK, _DRAW_PAPER = (0.92, 0.93, 0.95), (0.13, 0.15, 0.19)
-
-
+_STRIP, _CAPTION_INK, _CAPTION_PAPER = 20, (0.92, 0.93, 0.95), (0.13, 0.15, 0.19)
 WHOLE = "the whole"
 # Renderers differ in the last bits of a color value (0 to 255).
 _SAME = 2
@@ -357,14 +454,14 @@ def pictures(mujoco: Any, a: Any, b: Any, folder: str) -> dict[str, Any]:
     of the whole of both. Both are at their first common keyframe, otherwise at the reference configuration. `no
     OpenGL` says why there are none.
     """
-    key = next(iter(_common(a, b, "key")), None)
-    look = Look()
+    keys, cameras = ([name for name in names(a, kind) if name and name in names(b, kind)] for kind in ("key", "camera"))
+    key, look = next(iter(keys), None), Look()
     try:
         stages = [Stage(mujoco, model, key, look=look) for model in (a, b)]
     except NoOpenGL as error:
         return {"no OpenGL": str(error)}
     free = camera(mujoco, [(stage.model, stage.data) for stage in stages], look.aspect)
-    views: list[tuple[str, Any]] = [(WHOLE, free), *((name, name) for name in _common(a, b, "camera"))]
+    views: list[tuple[str, Any]] = [(WHOLE, free), *zip(cameras, cameras, strict=True)]
     differing = []
     for number, (name, view) in enumerate(views):
         before, after = (stage.picture(view) for stage in stages)
@@ -377,13 +474,7 @@ def pictures(mujoco: Any, a: Any, b: Any, folder: str) -> dict[str, Any]:
     return {"views": differing, "key": key}
 
 
-def _common(a: Any, b: Any, kind: str) -> list[str]:
-    known = set(names(b, kind))
-    return [name for name in names(a, kind) if name and name in known]
-
-
-_GAP = 6
-_SHEET_PAPER = 255
+_GAP, _SHEET_PAPER = 6, 255
 
 
 def sheet(mujoco: Any, asked: Mapping[str, Any]) -> None:

@@ -75,11 +75,8 @@ def unequal(expected: Array, actual: Array, tolerance: float = 0.0) -> NDArray[n
 def same_width(a: Array, b: Array) -> tuple[Array, Array]:
     """Return two tables, shape (n, width), with the narrower one padded with columns of zeros."""
     width = max(a.shape[1], b.shape[1])
-    return _widened(a, width), _widened(b, width)
-
-
-def _widened(array: Array, width: int) -> Array:
-    return np.pad(array, ((0, 0), (0, width - array.shape[1])))
+    one, other = (np.pad(each, ((0, 0), (0, width - each.shape[1]))) for each in (a, b))
+    return one, other
 
 
 class World(StrEnum):
@@ -125,14 +122,13 @@ def _row(array: str, kind: str, world: World = World.WORLD) -> Reader:
     return read
 
 
-def _run(array: str, kind: str, first: str, number: str) -> Reader:
+def _run(array: str, kind: str, rows: str) -> Reader:
     """Return a reader of the ids in several rows; the parts that are pinned to the world may name either world."""
     world = World.EITHER if kind == "body" else World.WORLD
 
     def read(model: Model, index: int) -> Iterator[Link]:
-        start = int(getattr(model, first)[index])
-        targets = getattr(model, array)[start : start + int(getattr(model, number)[index])].tolist()
-        for place, target in enumerate(targets):
+        start, count = (int(getattr(model, f"{rows}{each}")[index]) for each in ("adr", "num"))
+        for place, target in enumerate(getattr(model, array)[start : start + count].tolist()):
             yield Link(f"{array}[{place}]", kind, target, world=world)
 
     return read
@@ -140,8 +136,7 @@ def _run(array: str, kind: str, first: str, number: str) -> Reader:
 
 def _parent(model: Model, index: int) -> Iterator[Link]:
     # MuJoCo 4.0 puts the bodies in which a rod is twisted into the world, wherever its `<flexcomp>` is.
-    world = World.EITHER if twists_a_rod(model, index) else World.MOUNT
-    yield Link("body_parentid", "body", int(model.body_parentid[index]), world=world)
+    return _row("body_parentid", "body", World.EITHER if twists_a_rod(model, index) else World.MOUNT)(model, index)
 
 
 _HFIELD, _MESH, _SDF = 1, 7, 8
@@ -160,8 +155,7 @@ def _textures(model: Model, index: int) -> Iterator[Link]:
 
 
 def _twists(model: Model, index: int) -> Iterator[Link]:
-    rows = bending(model, index)
-    if rows is not None:
+    if (rows := bending(model, index)) is not None:
         for place in twists(rows):
             yield Link(f"flex_bending[{place}]", "joint", int(rows[place]))
 
@@ -197,20 +191,15 @@ def twists_a_rod(model: Model, body: int) -> bool:
     if not model.nflex or model.body_parentid[body] or model.body_jntnum[body] != 1:
         return False
     joint = int(model.body_jntadr[body])
-    for flex in range(model.nflex):
-        rows = bending(model, flex)
-        if rows is not None:
-            seconds = {int(rows[at]) for at in twists(rows)} - {-1}
-            if joint in seconds or joint + 1 in seconds:  # the twist of the first edge is right before
-                return True
-    return False
+    rods = (rows for flex in range(model.nflex) if (rows := bending(model, flex)) is not None)
+    # The twist of the first edge is right before.
+    return any(int(rows[at]) in (joint, joint + 1) for rows in rods for at in twists(rows))
 
 
 def _flex_materials(model: Model, index: int) -> Iterator[Link]:
     """Yield materials: the flex's, and since MuJoCo 4 also its elements'."""
-    if len(model.flex_matid) == model.nflexelem:
-        return _run("flex_matid", "material", first="flex_elemadr", number="flex_elemnum")(model, index)
-    return _row("flex_matid", "material")(model, index)
+    several = len(model.flex_matid) == model.nflexelem
+    return (_run("flex_matid", "material", "flex_elem") if several else _row("flex_matid", "material"))(model, index)
 
 
 WRAP_JOINT, WRAP_SITE = 1, 3
@@ -237,28 +226,29 @@ _CONSTRAINED = {2: "joint", 3: "tendon", 4: "flex", 5: "flex", 6: "flex", 7: "ge
 def _equality(model: Model, index: int) -> Iterator[Link]:
     by_type = _CONSTRAINED.get(int(model.eq_type[index]))
     kind = by_type or OF_OBJECT_TYPE.get(int(model.eq_objtype[index]), "body")
-    yield Link("eq_obj1id", kind, int(model.eq_obj1id[index]))
-    yield Link("eq_obj2id", kind, int(model.eq_obj2id[index]))
+    for array in ("eq_obj1id", "eq_obj2id"):
+        yield from _row(array, kind)(model, index)
+
+
+def _two(kind: str, *ids: int) -> Iterator[Link]:
+    return (Link(f"{kind}{place}", kind, target) for place, target in enumerate(sorted(ids), 1))
 
 
 def _pair(model: Model, index: int) -> Iterator[Link]:
-    geoms = sorted((int(model.pair_geom1[index]), int(model.pair_geom2[index])))
-    for place, geom in enumerate(geoms):
-        yield Link(f"geom{place + 1}", "geom", geom)
+    return _two("geom", int(model.pair_geom1[index]), int(model.pair_geom2[index]))
 
 
 def _exclude(model: Model, index: int) -> Iterator[Link]:
     signature = int(model.exclude_signature[index])
-    for place, body in enumerate(sorted((signature >> 16, signature & 0xFFFF))):
-        yield Link(f"body{place + 1}", "body", body)
+    return _two("body", signature >> 16, signature & 0xFFFF)
 
 
 ON_JOINTS, ON_TENDON = (0, 1), 3
 """Values of `actuator_trntype`: on a joint, in its own frame or in its parent's, and on a tendon."""
 
-_TARGETS = {
-    **dict.fromkeys(ON_JOINTS, ("joint", None)), 2: ("site", "site"), ON_TENDON: ("tendon", None),
-    4: ("site", "site"), 5: ("body", None),
+_TARGETS: dict[int, tuple[str, ...]] = {
+    **dict.fromkeys(ON_JOINTS, ("joint",)), 2: ("site", "site"), ON_TENDON: ("tendon",), 4: ("site", "site"),
+    5: ("body",),
 }  # fmt: skip
 _ROTATION = 6
 """The value of `actuator_trntype` for a ball joint or, with a second id, for a site relative to another."""
@@ -266,19 +256,17 @@ _ROTATION = 6
 
 def _transmission(model: Model, index: int) -> Iterator[Link]:
     transmission = int(model.actuator_trntype[index])
-    targets: tuple[str | None, str | None] = _TARGETS.get(transmission, (None, None))
+    targets = _TARGETS.get(transmission, ())
     if transmission == _ROTATION:
-        targets = ("site", "site") if model.actuator_trnid[index, 1] >= 0 else ("joint", None)
+        targets = ("site", "site") if model.actuator_trnid[index, 1] >= 0 else ("joint",)
     for place, kind in enumerate(targets):
-        if kind is not None:
-            yield Link(f"actuator_trnid[{place}]", kind, int(model.actuator_trnid[index, place]))
+        yield Link(f"actuator_trnid[{place}]", kind, int(model.actuator_trnid[index, place]))
 
 
 def _sensor(model: Model, index: int) -> Iterator[Link]:
     for array, typed in (("sensor_objid", "sensor_objtype"), ("sensor_refid", "sensor_reftype")):
-        kind = OF_OBJECT_TYPE.get(int(getattr(model, typed)[index]))
-        if kind is not None:
-            yield Link(array, kind, int(getattr(model, array)[index]))
+        if (kind := OF_OBJECT_TYPE.get(int(getattr(model, typed)[index]))) is not None:
+            yield from _row(array, kind)(model, index)
 
 
 def _tuple(model: Model, index: int) -> Iterator[Link]:
@@ -295,20 +283,16 @@ _READERS: dict[str, tuple[Reader, ...]] = {
     "geom": (
         _row("geom_bodyid", "body", World.MOUNT), _shape, _row("geom_matid", "material"), _row("geom_plugin", "plugin"),
     ),
-    "site": (
-        _row("site_bodyid", "body", World.MOUNT), _row("site_dataid", "mesh"), _row("site_matid", "material"),
-    ),
+    "site": (_row("site_bodyid", "body", World.MOUNT), _row("site_dataid", "mesh"), _row("site_matid", "material")),
     "camera": (_row("cam_bodyid", "body", World.MOUNT), _row("cam_targetbodyid", "body")),
     "light": (
         _row("light_bodyid", "body", World.MOUNT), _row("light_targetbodyid", "body"), _row("light_texid", "texture"),
     ),
     "material": (_textures,),
-    "skin": (
-        _row("skin_matid", "material"), _run("skin_bonebodyid", "body", first="skin_boneadr", number="skin_bonenum"),
-    ),
+    "skin": (_row("skin_matid", "material"), _run("skin_bonebodyid", "body", "skin_bone")),
     "flex": (
-        _flex_materials, _run("flex_vertbodyid", "body", first="flex_vertadr", number="flex_vertnum"),
-        _run("flex_nodebodyid", "body", first="flex_nodeadr", number="flex_nodenum"), _twists,
+        _flex_materials, _run("flex_vertbodyid", "body", "flex_vert"), _run("flex_nodebodyid", "body", "flex_node"),
+        _twists,
     ),
     "tendon": (_row("tendon_matid", "material"), _row("tendon_actuatorid", "actuator"), _path),
     "equality": (_equality,), "pair": (_pair,), "exclude": (_exclude,), "tuple": (_tuple,),

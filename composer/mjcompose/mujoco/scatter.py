@@ -8,12 +8,16 @@ from __future__ import annotations
 
 import math
 from collections import Counter
+from collections.abc import Iterable
+from functools import partial
+from itertools import chain
 from typing import Any
 
 import numpy as np
 
 from mjcompose.base.draw_stream import bits, fraction
 from mjcompose.base.rotation import IDENTITY_QUAT, Pose, Quat, multiply, normalize
+from mjcompose.mujoco.addresses import RUNS
 from mjcompose.mujoco.attributes import names
 from mjcompose.mujoco.controls import Divergence, steps_in
 
@@ -89,33 +93,27 @@ class _Scattering:
         self.data.qpos[first : first + 7] = [*pose.pos, *pose.quat]
         self.mujoco.mj_kinematics(self.model, self.data)
 
-    def _park(self, bodies: list[int]) -> None:
+    def _park(self, bodies: Iterable[int], qpos: Any = None) -> None:
         for body in bodies:
-            first = self._address(body)
-            self.data.qpos[first : first + 7] = self.model.qpos0[first : first + 7]
+            own = slice(self._address(body), self._address(body) + 7)
+            self.data.qpos[own] = (self.model.qpos0 if qpos is None else qpos)[own]
 
     def run(self, number: int, group: dict[str, Any]) -> dict[str, Any] | None:
         """Give each copy of a group a place. Return the fault if that is impossible."""
         mujoco, model, data, bodies = self.mujoco, self.model, self.data, self.groups[number]
-        wanted = [group["over"]] if group["key"] is None else [group["over"], ("key", group["key"])]
-        for kind, name in wanted:
-            known = names(model, kind)
-            if name not in known:
+        for kind, name in (group["over"], ("key", group["key"])):
+            if name is not None and name not in (known := names(model, kind)):
                 kind = "keyframe" if kind == "key" else kind
-                return {"why": "unknown", "kind": kind, "name": name, "known": [each for each in known if each]}
+                return {"why": "unknown", "kind": kind, "name": name, "known": list(filter(None, known))}
         before = data.qpos.copy()
         mujoco.mj_resetData(model, data)
         if group["key"] is not None:
             mujoco.mj_resetDataKeyframe(model, data, names(model, "key").index(group["key"]))
-        for body in [body for each in self.groups for body in each]:
-            first = self._address(body)
-            data.qpos[first : first + 7] = before[first : first + 7]
+        self._park(chain(*self.groups), before)
         if group["key"] is not None and any(self._moves(*each) for each in (group["over"], group["place"])):
             return {"why": "moves"}
-        types, affinities = (
-            np.bitwise_or.reduce(array[self.geoms[bodies[0]]], initial=0)
-            for array in (model.geom_contype, model.geom_conaffinity)
-        )
+        bits_of = (array[self.geoms[bodies[0]]] for array in (model.geom_contype, model.geom_conaffinity))
+        types, affinities = (np.bitwise_or.reduce(each, initial=0) for each in bits_of)
         if not types & affinities:
             return {"why": "untouchable"}
         mujoco.mj_kinematics(model, data)
@@ -139,7 +137,8 @@ class _Scattering:
         """Return whether a place or a surface is on a body that can move."""
         if kind in ("world", "body") and name in ("", "world"):
             return False
-        return kind == "frame" or bool(self.model.body_weldid[_body_of(self.model, kind, name)])
+        element = getattr(self.model, kind)(name) if kind != "frame" else None
+        return element is None or bool(self.model.body_weldid[element.id if kind == "body" else element.bodyid[0]])
 
     def _fits(self, body: int, trial: int, stream: str, group: dict[str, Any]) -> bool:
         """Put a copy at its next random pose, and return whether it has room there."""
@@ -230,28 +229,22 @@ class _Surface:
 
     def __init__(self, mujoco: Any, model: Any, data: Any, kind: str, name: str) -> None:
         self.mujoco, self.model, self.data, self.kind = mujoco, model, data, kind
-        element = getattr(model, kind)(name)
+        element, there = getattr(model, kind)(name), getattr(data, kind)(name)
         self.index, self.body, self.type = int(element.id), int(element.bodyid[0]), int(element.type[0])
-        self.size = np.array(element.size, float)
-        self.pos, self.mat = (getattr(getattr(data, kind)(name), each).copy() for each in ("xpos", "xmat"))
-        shape = mujoco.mjtGeom
-        self.reader = {int(shape.mjGEOM_MESH): mujoco.mj_rayMesh, int(shape.mjGEOM_HFIELD): mujoco.mj_rayHfield}.get(
-            self.type if kind == "geom" else -1
-        )
-        self.is_finite = self.type != int(shape.mjGEOM_PLANE) or bool((self.size[:2] > 0).all())
-        self.measures = kind == "geom" and self.type != int(shape.mjGEOM_HFIELD)
-        center, half = np.zeros(3), self.size.copy()
-        if self.type == int(shape.mjGEOM_PLANE):
+        self.size, self.pos, self.mat = np.array(element.size, float), there.xpos.copy(), there.xmat.copy()
+        readers = {_MESH: mujoco.mj_rayMesh, _HFIELD: mujoco.mj_rayHfield}
+        self.reader = readers.get(self.type) if kind == "geom" else None
+        self.is_finite = self.type != _PLANE or bool((self.size[:2] > 0).all())
+        self.measures = kind == "geom" and self.type != _HFIELD
+        center, half, radius = np.zeros(3), self.size.copy(), self.size[0]
+        if self.type == _PLANE:
             half[2] = 0.0
         elif self.reader is not None:
             center, half = model.geom_aabb[self.index][:3], model.geom_aabb[self.index][3:]
-        elif self.type != int(shape.mjGEOM_BOX):
-            radius = self.size[0]
-            half = {
-                int(shape.mjGEOM_SPHERE): np.full(3, radius),
-                int(shape.mjGEOM_CAPSULE): np.array([radius, radius, radius + self.size[1]]),
-                int(shape.mjGEOM_CYLINDER): np.array([radius, radius, self.size[1]]),
-            }.get(self.type, half)
+        elif self.type == _SPHERE:
+            half = np.full(3, radius)
+        elif self.type in (_CAPSULE, _CYLINDER):
+            half = np.array([radius, radius, self.size[1] + (radius if self.type == _CAPSULE else 0)])
         matrix = self.mat.reshape(3, 3)
         middle, extent = self.pos + matrix @ center, np.abs(matrix) @ half
         self.low, self.high = ([round(float(each), 6) for each in ends] for ends in (middle - extent, middle + extent))
@@ -273,23 +266,13 @@ class _Surface:
         """Return the distance of geoms to the surface; 0 if MuJoCo cannot measure it."""
         if not self.measures:
             return 0.0
-        distances = [
-            self.mujoco.mj_geomDistance(
-                self.model, self.data, geom1=int(each), geom2=self.index, distmax=1.0, fromto=None
-            )
-            for each in geoms
-        ]
-        return float(max(0.0, min(distances)))
+        to_it = partial(self.mujoco.mj_geomDistance, self.model, self.data, geom2=self.index, distmax=1.0, fromto=None)
+        return float(max(0.0, min(to_it(geom1=int(each)) for each in geoms)))
 
 
 def _are_near(one: Pose, other: Pose) -> bool:
     chord = min(math.dist(one.quat, [sign * each for each in other.quat]) for sign in (1, -1))
     return math.dist(one.pos, other.pos) < _STILL[0] and 2 * chord < _STILL[1]
-
-
-def _body_of(model: Any, kind: str, name: str) -> int:
-    element = getattr(model, kind)(name)
-    return int(element.id if kind == "body" else element.bodyid[0])
 
 
 def _called(model: Any, geom: int) -> str:
@@ -304,11 +287,8 @@ def _support(model: Any, data: Any, geom: int) -> Any:
     local = _DIRECTIONS @ matrix
     sign = np.where(local >= 0, 1.0, -1.0)
     if kind == _MESH:
-        first, count = (
-            int(model.mesh_vertadr[model.geom_dataid[geom]]),
-            int(model.mesh_vertnum[model.geom_dataid[geom]]),
-        )
-        vertices = model.mesh_vert[first : first + count].astype(float)
+        rows = RUNS["mesh"]["nmeshvert"].rows(model, int(model.geom_dataid[geom]))
+        vertices = model.mesh_vert[rows.start : rows.stop].astype(float)
         points = vertices[(vertices @ local.T).argmax(axis=0)]
     elif kind in (_SPHERE, _CAPSULE):
         points = local * size[0]
@@ -323,7 +303,7 @@ def _support(model: Any, data: Any, geom: int) -> Any:
     return pos + points @ matrix.T
 
 
-_SPHERE, _CAPSULE, _ELLIPSOID, _CYLINDER, _MESH = 2, 3, 4, 5, 7
+_PLANE, _HFIELD, _SPHERE, _CAPSULE, _ELLIPSOID, _CYLINDER, _MESH = 0, 1, 2, 3, 4, 5, 7
 """Of `mjtGeom`."""
 
 

@@ -11,9 +11,9 @@ from typing import Any
 
 import numpy as np
 
-from mjcompose.mujoco.attributes import NameTable, names, place
+from mjcompose.mujoco.addresses import RUNS
+from mjcompose.mujoco.attributes import KINDS, NameTable, names, place
 from mjcompose.mujoco.film import png
-from mjcompose.mujoco.mesh_bytes import encoded
 
 _DIGITS = 24
 
@@ -57,47 +57,25 @@ def short(values: Any) -> list[Any]:
 
 
 COLUMNS: dict[str, dict[str, str]] = {
-    "body": {
-        "parent": "body_parentid", "pos": "body_pos", "quat": "body_quat", "mass": "body_mass",
-        "inertia": "body_inertia", "ipos": "body_ipos", "iquat": "body_iquat", "mocap": "body_mocapid",
-    },
-    "joint": {
-        "body": "jnt_bodyid", "type": "jnt_type", "pos": "jnt_pos", "axis": "jnt_axis", "range": "jnt_range",
-        "limited": "jnt_limited", "qpos": "jnt_qposadr", "group": "jnt_group",
-    },
-    "geom": {
-        "body": "geom_bodyid", "type": "geom_type", "pos": "geom_pos", "quat": "geom_quat", "size": "geom_size",
-        "data": "geom_dataid", "material": "geom_matid", "rgba": "geom_rgba", "group": "geom_group",
-        "contype": "geom_contype", "conaffinity": "geom_conaffinity",
-    },
-    "site": {
-        "body": "site_bodyid", "type": "site_type", "pos": "site_pos", "quat": "site_quat", "size": "site_size",
-        "material": "site_matid", "rgba": "site_rgba", "group": "site_group",
-    },
-    "camera": {
-        "body": "cam_bodyid", "mode": "cam_mode", "target": "cam_targetbodyid", "pos": "cam_pos", "quat": "cam_quat",
-        "fovy": "cam_fovy", "pos0": "cam_pos0", "mat0": "cam_mat0", "poscom0": "cam_poscom0",
-    },
-    "light": {
-        "body": "light_bodyid", "type": "light_type", "pos": "light_pos", "dir": "light_dir",
-        "active": "light_active", "shadow": "light_castshadow", "ambient": "light_ambient",
-        "diffuse": "light_diffuse", "specular": "light_specular", "cutoff": "light_cutoff",
-        "exponent": "light_exponent", "attenuation": "light_attenuation",
-    },
-    "material": {
-        "rgba": "mat_rgba", "repeat": "mat_texrepeat", "uniform": "mat_texuniform", "emission": "mat_emission",
-        "specular": "mat_specular", "shininess": "mat_shininess", "reflectance": "mat_reflectance",
-    },
-    "tendon": {
-        "first": "tendon_adr", "count": "tendon_num", "rgba": "tendon_rgba", "material": "tendon_matid",
-        "width": "tendon_width", "group": "tendon_group", "range": "tendon_range", "limited": "tendon_limited",
-    },
-    "actuator": {
-        "transmission": "actuator_trntype", "target": "actuator_trnid", "gear": "actuator_gear",
-    },
-    "sensor": {"first": "sensor_adr", "count": "sensor_dim"},
-    "key": {"time": "key_time", "qpos": "key_qpos", "ctrl": "key_ctrl", "mpos": "key_mpos", "mquat": "key_mquat"},
-}  # fmt: skip
+    kind: {
+        column: f"{KINDS[kind].arrays}_{array or column}"
+        for column, _, array in (each.partition("=") for each in columns.split())
+    }
+    for kind, columns in {
+        "body": "parent=parentid pos quat mass inertia ipos iquat mocap=mocapid",
+        "joint": "body=bodyid type pos axis range limited qpos=qposadr group",
+        "geom": "body=bodyid type pos quat size data=dataid material=matid rgba group contype conaffinity",
+        "site": "body=bodyid type pos quat size material=matid rgba group",
+        "camera": "body=bodyid mode target=targetbodyid pos quat fovy pos0 mat0 poscom0",
+        "light": "body=bodyid type pos dir active shadow=castshadow ambient diffuse specular cutoff exponent"
+        " attenuation",
+        "material": "rgba repeat=texrepeat uniform=texuniform emission specular shininess reflectance",
+        "tendon": "first=adr count=num rgba material=matid width group range limited",
+        "actuator": "transmission=trntype target=trnid gear",
+        "sensor": "first=adr count=dim",
+        "key": "time qpos ctrl mpos mquat",
+    }.items()
+}
 """A kind's names are added as `name`; every column is one flat list."""
 
 
@@ -117,9 +95,102 @@ def columns(model: Any) -> dict[str, dict[str, list[Any]]]:
     return found
 
 
-def meshes(model: Any, blobs: Blobs) -> list[str]:
-    """Return the hash of each mesh's bytes, which `mjcompose.mujoco.mesh_bytes` describes."""
-    return [_mesh(model, number, blobs) for number in range(model.nmesh)]
+MAPPED, UNSMOOTH, PLANES = 1, 2, 8
+_BITS, _BITS_OF_LARGE, _LARGE = 14, 16, 2.0  # bits of a vertex, bits in a large mesh, its least size in meters
+_FLAT_ANGLE, _FLAT_SHARE = 2.5, 0.95
+
+
+def encoded(corners: Any, normals: Any, faces: Any, of_normals: Any, flat: Any, of_flat: Any) -> bytes:
+    """Return the surface of a mesh in few bytes that compress well. `flat` are its texture coordinates, or None.
+
+    The bytes are a head of three uint32 (vertices, triangles, flags), six float32 (the least vertex and the step of
+    each axis) and, if `MAPPED`, two float32 of texture coordinates for each vertex. Then come differences in byte
+    planes, which means the lowest byte of all numbers, then the next byte:
+
+    - vertices: for each axis the zigzag differences to the vertex before, in two planes
+    - normals, unless `UNSMOOTH`: the differences of their two bytes (`octahedral`), in one plane each
+    - triangles: three numbers each, in as many planes as the flags say above `PLANES`: the differences of the first
+      vertex to the triangle before, and of the second vertex to the first, and the zigzag difference of the third to
+      the second
+
+    Vertices are in Morton order, and triangles in the order of their first vertex, which is their least.
+    """
+    low, extent = corners.min(axis=0), float(np.ptp(corners, axis=0).max())
+    step = extent / ((1 << (_BITS if extent <= _LARGE else _BITS_OF_LARGE)) - 1) or 1.0
+    whole = np.rint((corners - low) / step).astype(np.uint64)
+    is_flat, folded = _is_flat(corners, normals, faces, of_normals=of_normals), octahedral(normals)
+    place = _morton(whole)
+    key = place[faces.ravel()]
+    if not is_flat:
+        bytes_of = folded.astype(np.uint8).astype(np.uint64)
+        key = key << np.uint64(16) | (bytes_of[:, 0] << np.uint64(8) | bytes_of[:, 1])[of_normals.ravel()]
+    if flat is not None:
+        ranks = np.unique(key, return_inverse=True)[1].ravel().astype(np.uint64)
+        key = ranks * np.uint64(len(flat)) + of_flat.ravel().astype(np.uint64)
+    _, first, index = np.unique(key, return_index=True, return_inverse=True)
+    corner = faces.ravel()[first]
+    triangles = _ordered(index.reshape(-1, 3), place[corner])
+    differences = np.diff(whole[corner].astype(np.uint16), axis=0, prepend=np.uint16(0)).view(np.int16)
+    found = [_planes(each, 2) for each in _zigzag(differences).view(np.uint16).T]
+    if not is_flat:
+        found += [np.diff(each, prepend=np.int8(0)).tobytes() for each in folded[of_normals.ravel()[first]].T]
+    numbers = np.diff(triangles, axis=1, prepend=0)
+    numbers[:, 0] = np.diff(triangles[:, 0], prepend=0)
+    numbers[:, 2] = _zigzag(numbers[:, 2])
+    count = max(1, (int(numbers.max(initial=0)).bit_length() + 7) // 8)
+    flags = MAPPED * (flat is not None) | UNSMOOTH * is_flat | count << PLANES
+    head = np.array([len(first), len(triangles), flags], np.uint32).tobytes()
+    head += np.array([*low, step, step, step], np.float32).tobytes()
+    if flat is not None:
+        head += flat[of_flat.ravel()[first]].astype(np.float32).tobytes()
+    return b"".join([head, *found, _planes(numbers.ravel(), count)])
+
+
+def _is_flat(corners: Any, normals: Any, faces: Any, of_normals: Any) -> bool:
+    """Return whether nearly all of a surface has the normals of its triangles, which needs no bytes."""
+    ends = corners[faces].astype(float)
+    across = np.cross(ends[:, 1] - ends[:, 0], ends[:, 2] - ends[:, 0])
+    area = np.linalg.norm(across, axis=1)
+    least = np.einsum("tkj,tj->tk", normals[of_normals], across).min(axis=1)
+    near = least >= np.cos(np.radians(_FLAT_ANGLE)) * area
+    return bool(area[near].sum() >= _FLAT_SHARE * area.sum())
+
+
+def octahedral(directions: Any) -> Any:
+    """Return unit vectors in two bytes each, by folding the sphere into a square."""
+    length = np.abs(directions).sum(axis=1, keepdims=True)
+    flat = directions[:, :2] / np.maximum(length, 1e-12)
+    turned = (1 - np.abs(flat[:, ::-1])) * np.where(flat >= 0, 1, -1)
+    folded = np.where(directions[:, 2:] < 0, turned, flat)
+    return np.rint(np.clip(folded, -1, 1) * 127).astype(np.int8)
+
+
+def _morton(whole: Any) -> Any:
+    """Return for each row of three numbers below 2¹⁶ one number with their bits in turns: near places are near."""
+    spread = whole.astype(np.uint64)
+    for shift, mask in (
+        (32, 0xFFFF00000000FFFF), (16, 0xFF0000FF0000FF), (8, 0xF00F00F00F00F00F), (4, 0xC30C30C30C30C3),
+        (2, 0x249249249249249),
+    ):  # fmt: skip
+        spread = (spread | spread << np.uint64(shift)) & np.uint64(mask)
+    return spread[:, 0] | spread[:, 1] << np.uint64(1) | spread[:, 2] << np.uint64(2)
+
+
+def _ordered(triangles: Any, place: Any) -> Any:
+    """Return triangles with their least vertex first, in its order, without those whose corners are in one place."""
+    at = place[triangles]
+    kept = triangles[(at[:, 0] != at[:, 1]) & (at[:, 1] != at[:, 2]) & (at[:, 0] != at[:, 2])].astype(np.int64)
+    turned = np.take_along_axis(kept, (kept.argmin(axis=1)[:, None] + np.arange(3)) % 3, axis=1)
+    return turned[np.lexsort(turned.T[::-1])]
+
+
+def _zigzag(values: Any) -> Any:
+    """Return small positive numbers for small differences of either sign."""
+    return values << 1 ^ values >> (8 * values.itemsize - 1)
+
+
+def _planes(values: Any, count: int) -> bytes:
+    return b"".join((values >> (8 * each) & 255).astype(np.uint8).tobytes() for each in range(count))
 
 
 def _rows(number: int, values: Any, first: Any, count: Any) -> Any:
@@ -128,6 +199,7 @@ def _rows(number: int, values: Any, first: Any, count: Any) -> Any:
 
 
 def _mesh(model: Any, number: int, blobs: Blobs) -> str:
+    """Return the hash of the bytes of a mesh, which `encoded` describes."""
     rows = partial(_rows, number)
     corners = rows(model.mesh_vert, model.mesh_vertadr, model.mesh_vertnum)
     normals = rows(model.mesh_normal, model.mesh_normaladr, model.mesh_normalnum)
@@ -159,23 +231,21 @@ def _encoded_heights(heights: Any) -> bytes:
     return packed(np.rint(np.clip(heights, 0, 1) * 65535).astype(np.uint16))
 
 
-FLAT, CUBE, SKY = 0, 1, 2
-_KINDS = {FLAT: "2d", CUBE: "cube", SKY: "skybox"}
-# mjTEXROLE_RGB and mjTEXROLE_RGBA.
-_COLOR_ROLES = (1, 8)
+_KINDS = ("2d", "cube", "skybox")
+_COLOR_ROLES = (1, 8)  # mjTEXROLE_RGB and mjTEXROLE_RGBA
 
 
 def textures(model: Any, blobs: Blobs) -> list[dict[str, Any]]:
     """Return each texture; the faces of a cube are below each other: right, left, up, down, front, back."""
     found = []
+    run = RUNS["texture"]["ntexdata"]
     for number in range(model.ntex):
-        width, height = int(model.tex_width[number]), int(model.tex_height[number])
-        channels, first = int(model.tex_nchannel[number]), int(model.tex_adr[number])
-        pixels = model.tex_data[first : first + width * height * channels].reshape(height, width, channels)
-        shown = pixels if channels in (3, 4) else np.repeat(pixels[:, :, :1], 3, axis=2)
+        rows, shape = run.rows(model, number), run.shape and run.shape(model, number)
+        pixels = model.tex_data[rows.start : rows.stop].reshape(shape)
+        shown = pixels if pixels.shape[2] in (3, 4) else np.repeat(pixels[:, :, :1], 3, axis=2)
         found.append({
             "blob": blobs.put("texture 1", [pixels], partial(png, shown)), "kind": _KINDS[int(model.tex_type[number])],
-            "width": width, "height": height,
+            "width": pixels.shape[1], "height": pixels.shape[0],
         })  # fmt: skip
     return found
 
@@ -186,12 +256,8 @@ def of_materials(model: Any) -> list[int]:
     return [next((int(row[role]) for role in _COLOR_ROLES if row[role] >= 0), -1) for row in roles]
 
 
-def skins(model: Any, blobs: Blobs) -> list[dict[str, Any]]:
-    """Return each skin: its bones, and bytes with vertices, triangles, and for each bone its vertices and weights."""
-    return [_skin(model, number, blobs) for number in range(model.nskin)]
-
-
 def _skin(model: Any, number: int, blobs: Blobs) -> dict[str, Any]:
+    """Return a skin: its bones, and bytes with vertices, triangles, and for each bone its vertices and weights."""
     rows = partial(_rows, number)
     corners = rows(model.skin_vert, model.skin_vertadr, model.skin_vertnum)
     faces = rows(model.skin_face, model.skin_faceadr, model.skin_facenum)
@@ -219,19 +285,13 @@ def _skin(model: Any, number: int, blobs: Blobs) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def flexes(model: Any, data: Any, blobs: Blobs) -> list[dict[str, Any]]:
-    """Return each flex at rest: its vertices in the frames of their bodies, and the drawn parts.
+def _flex(model: Any, data: Any, number: int, blobs: Blobs) -> dict[str, Any]:
+    """Return a flex at rest: its vertices in the frames of their bodies, and the drawn parts.
 
     `shell` are triangles: the elements of a two-dimensional flex, the surface of a three-dimensional one. A
-    one-dimensional flex has only `edges`. `nodes` are the bodies of a flex that MuJoCo interpolates; it is drawn at
-    rest.
+    one-dimensional flex has only `edges`. A flex that MuJoCo interpolates is drawn at rest.
     """
-    return [_flex(model, data, number, blobs=blobs) for number in range(model.nflex)]
-
-
-def _flex(model: Any, data: Any, number: int, blobs: Blobs) -> dict[str, Any]:
-    rows = partial(_rows, number)
-    dimensions = int(model.flex_dim[number])
+    rows, dimensions = partial(_rows, number), int(model.flex_dim[number])
     world = rows(data.flexvert_xpos.reshape(-1, 3), model.flex_vertadr, model.flex_vertnum)
     bodies = rows(model.flex_vertbodyid, model.flex_vertadr, model.flex_vertnum)
     moved = {int(each) for each in bodies if each >= 0}
@@ -241,16 +301,12 @@ def _flex(model: Any, data: Any, number: int, blobs: Blobs) -> dict[str, Any]:
     turned = data.xmat[bodies].reshape(-1, 3, 3)
     local = np.einsum("nji,nj->ni", turned, world - data.xpos[bodies])
     edges = rows(model.flex_edge, model.flex_edgeadr, model.flex_edgenum)
-    elements = model.flex_elem[int(model.flex_elemdataadr[number]) :][
-        : int(model.flex_elemnum[number]) * (dimensions + 1)
-    ]
+    shell = np.zeros(0)
     if dimensions == 3:
-        shell = model.flex_shell[int(model.flex_shelldataadr[number]) :][: int(model.flex_shellnum[number]) * 3]
-    else:
-        shell = elements if dimensions == 2 else np.zeros(0)
-    arrays = [
-        local.astype(np.float32), bodies.astype(np.uint32), np.asarray(shell).astype(np.uint32), edges.astype(np.uint32)
-    ]  # fmt: skip
+        shell = rows(model.flex_shell, model.flex_shelldataadr, 3 * model.flex_shellnum)
+    elif dimensions == 2:
+        shell = rows(model.flex_elem, model.flex_elemdataadr, 3 * model.flex_elemnum)
+    arrays = [local.astype(np.float32), *(each.astype(np.uint32) for each in (bodies, shell, edges))]
     return {
         "blob": blobs.put("flex 1", arrays, lambda: packed(*arrays)), "count": len(world), "dimensions": dimensions,
         "triangles": len(arrays[2]) // 3, "edges": len(edges), "radius": float(model.flex_radius[number]),
@@ -261,15 +317,12 @@ def _flex(model: Any, data: Any, number: int, blobs: Blobs) -> dict[str, Any]:
 
 def wraps(model: Any) -> dict[str, list[Any]]:
     """Return the path of spatial tendons: sites, geoms, pulleys and joints, and their parameters."""
-    return {
-        "type": short(model.wrap_type), "object": short(model.wrap_objid),
-        "parameter": [float(each) for each in model.wrap_prm],
-    }  # fmt: skip
+    parameters = [float(each) for each in model.wrap_prm]
+    return {"type": short(model.wrap_type), "object": short(model.wrap_objid), "parameter": parameters}
 
 
 _MOST_CONTACTS = 500
-# The value of `wrap_obj` for a pulley, which cuts a tendon's path.
-_PULLEY = -2
+_PULLEY = -2  # the value of `wrap_obj` for a pulley, which cuts a tendon's path
 
 
 def poses(mujoco: Any, model: Any, data: Any) -> Iterator[dict[str, Any]]:
@@ -291,24 +344,17 @@ def seen(mujoco: Any, model: Any, data: Any) -> dict[str, Any]:
 
     A contact has its two geoms (-1 for a flex), its position, its normal, and the force on the second geom.
     """
-    return {
-        "contacts": [_contact(mujoco, model, data, number=each) for each in range(min(int(data.ncon), _MOST_CONTACTS))],
-        "tendons": _ways(data), "sensors": _rounded(data.sensordata),
-    }  # fmt: skip
-
-
-def _contact(mujoco: Any, model: Any, data: Any, number: int) -> list[Any]:
-    contact, force = data.contact[number], np.zeros(6)
-    mujoco.mj_contactForce(model, data, number, force)
-    along = force[:3] @ contact.frame.reshape(3, 3)
-    return [*(int(geom) for geom in contact.geom), *short(contact.pos), *short(contact.frame[:3]), *_rounded(along)]
+    contacts = []
+    for number in range(min(int(data.ncon), _MOST_CONTACTS)):
+        contact, force = data.contact[number], np.zeros(6)
+        mujoco.mj_contactForce(model, data, number, force)
+        along, geoms = force[:3] @ contact.frame.reshape(3, 3), map(int, contact.geom)
+        contacts.append([*geoms, *short(contact.pos), *short(contact.frame[:3]), *_rounded(along)])
+    return {"contacts": contacts, "tendons": _ways(data), "sensors": _rounded(data.sensordata)}
 
 
 def _rounded(values: Any) -> list[float]:
     return [float(f"{each:.5g}") for each in np.nan_to_num(values).tolist()]
-
-
-_PULL = ("at", "to")
 
 
 def pull(mujoco: Any, model: Any, data: Any, asked: Mapping[str, Any]) -> None:
@@ -316,7 +362,7 @@ def pull(mujoco: Any, model: Any, data: Any, asked: Mapping[str, Any]) -> None:
 
     Both suit the body's weight and the model's `visual/map` stiffness. Any other request does nothing.
     """
-    body, points = asked.get("body", 0), [asked.get(name) for name in _PULL]
+    body, points = asked.get("body", 0), [asked.get(name) for name in ("at", "to")]
     if not 0 < body < model.nbody or not all(point is not None and len(point) == 3 for point in points):
         return
     mujoco.mj_fwdPosition(model, data)
@@ -370,17 +416,15 @@ def describe(mujoco: Any, model: Any, asked: Mapping[str, Any]) -> dict[str, Any
     found: dict[str, Any] = {"format": FORMAT, **columns(model)}
     found["material"]["texture"] = of_materials(model)
     found["sensor"]["kind"] = [mujoco.mjtSensor(int(kind)).name[7:].lower() for kind in model.sensor_type]
-    found["mesh"] = meshes(model, blobs)
+    found["mesh"] = [_mesh(model, number, blobs) for number in range(model.nmesh)]
     found["meshes"] = [name.rpartition("/")[2] for name in names(model, "mesh")]
     found["hfield"] = height_fields(model, blobs)
     found["texture"] = textures(model, blobs)
-    found["skin"] = skins(model, blobs)
-    found["flex"] = flexes(model, data, blobs)
+    found["skin"] = [_skin(model, number, blobs) for number in range(model.nskin)]
+    found["flex"] = [_flex(model, data, number, blobs=blobs) for number in range(model.nflex)]
     found["wrap"] = wraps(model)
     found["poses"] = list(poses(mujoco, model, data))
-    found["qpos0"] = short(model.qpos0)
-    found["timestep"] = float(model.opt.timestep)
-    found["look"] = _look(model)
+    found |= {"qpos0": short(model.qpos0), "timestep": float(model.opt.timestep), "look": _look(model)}
     text = json.dumps(found, ensure_ascii=False, separators=(",", ":"), allow_nan=False)
     (folder / FILE).write_text(text, encoding="utf-8")
     return {"blobs": list(blobs.used)}

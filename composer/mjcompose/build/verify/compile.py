@@ -69,7 +69,7 @@ def compile_and_report(
         fault = verified.error
         message = _with_sources(fault.message, model, context)
         if verified.crash:
-            context.sink.error(verified.code, message, at, help=messages.crash_help(verified.code))
+            context.sink.error(verified.code, message, at, help=messages.CRASH_HELP.get(verified.code))
         else:
             element = _element(fault, bundle, model)
             messages.report(messages.translate(message, element), element, model, context=context, at=at)

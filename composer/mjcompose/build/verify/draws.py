@@ -24,7 +24,7 @@ from mjcompose.mujoco import engine
 from mjcompose.mujoco.addresses import rows_of
 from mjcompose.mujoco.attributes import ON_BODIES, TAGS, Model, array_of, attributes
 from mjcompose.mujoco.controls import GAINS
-from mjcompose.mujoco.messages import CRASHES, crash_help
+from mjcompose.mujoco.messages import CRASH_HELP, CRASHES
 from mjcompose.mujoco.references import unequal
 from mjcompose.mujoco.varying import Numbers, Recorder, arrays, flat, put, stored
 from mjcompose.sources.context import Context
@@ -111,7 +111,7 @@ class DrawTable:
         code = CRASHES.get(answer.crash or "", "mujoco-crash")
         span = locate(self.plan.document, ("randomize", "samples"))
         message = f"the table of draws: {answer.error or answer.crash}"
-        self.context.sink.error(code, message, span, help=crash_help(code))
+        self.context.sink.error(code, message, span, help=CRASH_HELP.get(code))
 
 
 def _bounds(each: ElementDraws, component: int) -> tuple[float | None, float | None]:
