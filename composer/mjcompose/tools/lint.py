@@ -9,8 +9,9 @@ from contextlib import ExitStack
 from dataclasses import replace
 from itertools import islice
 from pathlib import Path
-from typing import TYPE_CHECKING
 from xml.sax.saxutils import escape
+
+from lxml.etree import _Element as Node
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Cause, Diagnostic, Fix, Severity, Span
@@ -26,9 +27,6 @@ from mjcompose.tools.diff.sides import Kind, load, read_operand
 from mjcompose.tree.parse import all_admitted, parse_file
 from mjcompose.tree.unit import Unit, element_at, line_of
 from mjcompose.tree.xml_text import Stretch, write
-
-if TYPE_CHECKING:
-    from lxml.etree import _Element as Node
 
 SUFFIXES = (*MODEL_FILES, ".zip", ".mjz")
 _KEPT = "lint"

@@ -8,7 +8,9 @@ import re
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+from lxml.etree import _Element as Node
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.files import STDIN
@@ -38,9 +40,6 @@ from mjcompose.tree.names import WORLD
 from mjcompose.tree.parse import parse_text
 from mjcompose.tree.select import kind_of
 from mjcompose.tree.unit import Unit
-
-if TYPE_CHECKING:
-    from lxml.etree import _Element as Node
 
 
 @dataclass(frozen=True, slots=True)

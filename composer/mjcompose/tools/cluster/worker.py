@@ -23,7 +23,7 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.files import read_regular
@@ -36,15 +36,12 @@ from mjcompose.build.bundle.remote import check_writable
 from mjcompose.build.bundle.staging import staged_file
 from mjcompose.build.cache.cache import Record, from_json, to_json
 from mjcompose.build.cache.cache_key import Files, FileState, file_state
-from mjcompose.build.cache.cell_run import CellResult
+from mjcompose.build.cache.cell_run import CellMaker, CellResult
 from mjcompose.language.expand import Cell
 from mjcompose.sources import blobs
 from mjcompose.sources.kinds import KINDS
 from mjcompose.sources.store import Store
 from mjcompose.tools.cluster.uploads import Layout, lay_out, loaded, rooted, without_root
-
-if TYPE_CHECKING:
-    from mjcompose.build.cache.cell_run import CellMaker
 
 _FOLDER = ".mjcompose-cluster"
 _LARGEST = 64 << 20

@@ -5,10 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from functools import cached_property
 from itertools import chain, zip_longest
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TypeAlias
+
+from lxml.etree import _Element as Node
 
 from mjcompose.base.diagnostic import Span
 from mjcompose.build.plan.steps import AddElement
+from mjcompose.link.linking import Part
 from mjcompose.link.unit_keys import VECTORS
 from mjcompose.mujoco.arrays import about
 from mjcompose.text.node import Mapping as Located
@@ -21,11 +24,6 @@ from mjcompose.tools.explain.query import name_of, same_value
 from mjcompose.tools.explain.trace import Life
 from mjcompose.tree.classes import class_in_force
 from mjcompose.tree.select import kind_of
-
-if TYPE_CHECKING:
-    from lxml.etree import _Element as Node
-
-    from mjcompose.link.linking import Part
 
 
 class Places:

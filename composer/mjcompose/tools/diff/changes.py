@@ -5,11 +5,14 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Iterator, Mapping
 from itertools import takewhile, zip_longest
-from typing import TYPE_CHECKING, Literal, TypeAlias
+from typing import Literal, TypeAlias
+
+from lxml.etree import _Element as Node
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Span
 from mjcompose.link.inertia import has_mass
+from mjcompose.link.linking import Part
 from mjcompose.mujoco.arrays import about
 from mjcompose.mujoco.attributes import KINDS
 from mjcompose.tools.explain import query
@@ -17,11 +20,6 @@ from mjcompose.tools.explain.explain import Traced
 from mjcompose.tree.classes import levels, value
 from mjcompose.tree.select import kind_of
 from mjcompose.tree.select import query as paths_of
-
-if TYPE_CHECKING:
-    from lxml.etree import _Element as Node
-
-    from mjcompose.link.linking import Part
 
 Value: TypeAlias = bool | int | float | str | tuple["Value", ...] | None
 

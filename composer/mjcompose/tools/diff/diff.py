@@ -8,7 +8,6 @@ from collections.abc import Callable, Collection, Iterable
 from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from mjcompose.base.files import RECIPES
 from mjcompose.base.scratch import scratch
@@ -16,6 +15,7 @@ from mjcompose.build.bundle.bundle import OutputError
 from mjcompose.build.bundle.staging import staged_file
 from mjcompose.build.plan.read import Given
 from mjcompose.mujoco import engine
+from mjcompose.mujoco.engine import Session
 from mjcompose.mujoco.pictures import pictures
 from mjcompose.sources.context import Context
 from mjcompose.tools.diff.cause import Causes
@@ -23,9 +23,6 @@ from mjcompose.tools.diff.changes import Cause, Change, Contrast, Diff, Group, V
 from mjcompose.tools.diff.models import contrast, contrast_of
 from mjcompose.tools.diff.recipe_lines import block, different, excerpt, is_yaml
 from mjcompose.tools.diff.sides import Kind, Side, load, read_operand
-
-if TYPE_CHECKING:
-    from mjcompose.mujoco.engine import Session
 
 _HELP = "without a display set `MUJOCO_GL=egl` or `MUJOCO_GL=osmesa`, and install EGL or OSMesa"
 

@@ -11,20 +11,17 @@ from functools import cached_property
 from itertools import takewhile
 from pathlib import Path
 from textwrap import dedent
-from typing import TYPE_CHECKING
 
 from mjcompose.base.diagnostic import Span
 from mjcompose.base.files import RECIPES
 from mjcompose.build.plan.plan import AttachPart, Plan
+from mjcompose.link.linking import Part
+from mjcompose.sources.context import ReadRecipe
 from mjcompose.text.evaluate import Template
 from mjcompose.text.expression import ExpressionError
 from mjcompose.text.node import Mapping, Node, Scalar, find, is_template, walk
 from mjcompose.tools.diff.changes import Cause
 from mjcompose.tools.diff.sides import Side
-
-if TYPE_CHECKING:
-    from mjcompose.link.linking import Part
-    from mjcompose.sources.context import ReadRecipe
 
 _SHOWN = 6
 

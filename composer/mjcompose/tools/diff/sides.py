@@ -12,7 +12,6 @@ from contextlib import ExitStack, suppress
 from dataclasses import field, replace
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from mjcompose.base.access import NOTHING
 from mjcompose.base.dataclass import dataclass
@@ -27,6 +26,7 @@ from mjcompose.build.bundle.read import ReadError, read
 from mjcompose.build.cache.builder import source_files
 from mjcompose.build.cache.cells import cells_of, check_axes_are_free, select_cell
 from mjcompose.build.compose.compose import ComposeOptions, Composer
+from mjcompose.build.compose.load import Library
 from mjcompose.build.plan.describe import acknowledge
 from mjcompose.build.plan.matrix import check_sample, read_matrix
 from mjcompose.build.plan.plan import Excluded, Plan
@@ -36,6 +36,7 @@ from mjcompose.build.verify.compile import OutsideFilesError, compile_and_report
 from mjcompose.language.expand import Cell
 from mjcompose.link.measure import measure_with
 from mjcompose.mujoco import engine
+from mjcompose.mujoco.engine import Session
 from mjcompose.mujoco.messages import CRASHES, Fault, parse
 from mjcompose.sources.context import Context
 from mjcompose.sources.fetching import Fetching, quiet
@@ -49,10 +50,6 @@ from mjcompose.tree.cost import CODE as TOO_MUCH
 from mjcompose.tree.files import file_attributes, join, written_path
 from mjcompose.tree.parse import all_admitted, parse_file, parse_text
 from mjcompose.tree.unit import Unit
-
-if TYPE_CHECKING:
-    from mjcompose.build.compose.load import Library
-    from mjcompose.mujoco.engine import Session
 
 _LINKS = 5000
 """The most entries that are linked, the nearest first."""

@@ -7,7 +7,8 @@ from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+
+from lxml.etree import _Element as Node
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Note, Span
@@ -47,9 +48,6 @@ from mjcompose.tree.parse import parse_file
 from mjcompose.tree.pattern import BadPattern
 from mjcompose.tree.select import kind_of
 from mjcompose.tree.unit import Unit
-
-if TYPE_CHECKING:
-    from lxml.etree import _Element as Node
 
 _URDF = "computed by MuJoCo from the URDF"
 _WORKED_OUT = "computed by the edit"

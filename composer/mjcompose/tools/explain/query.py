@@ -9,7 +9,8 @@ from dataclasses import replace
 from functools import cache
 from itertools import takewhile
 from pathlib import Path
-from typing import TYPE_CHECKING
+
+from lxml.etree import _Element as Node
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Note, Span
@@ -23,9 +24,6 @@ from mjcompose.tree.grammar import GRAMMAR, ElementType
 from mjcompose.tree.names import WORLD
 from mjcompose.tree.pattern import EVERYTHING, fitter, is_pattern
 from mjcompose.tree.select import kind_of, naming_attribute, query, tags_of
-
-if TYPE_CHECKING:
-    from lxml.etree import _Element as Node
 
 
 class RecipeLines:

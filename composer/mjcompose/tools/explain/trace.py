@@ -8,7 +8,9 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import field, replace
 from types import FunctionType
-from typing import TYPE_CHECKING, Literal, NamedTuple
+from typing import Literal, NamedTuple
+
+from lxml.etree import _Element as Node
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Span
@@ -19,9 +21,6 @@ from mjcompose.link.linking import Linking, Part
 from mjcompose.link.unit_keys import VECTORS as VECTORS
 from mjcompose.tree.unit import KeySource, Number, Origins, Place, Unit, line_of
 from mjcompose.tree.xml_text import as_it_is
-
-if TYPE_CHECKING:
-    from lxml.etree import _Element as Node
 
 Owner = str | Span | Place
 Function = Callable[..., object]

@@ -9,7 +9,8 @@ from __future__ import annotations
 import inspect
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
-from typing import TYPE_CHECKING
+
+from lxml.etree import _Element as Node
 
 from mjcompose.base.diagnostic import Span
 from mjcompose.build.bundle.collect import collect
@@ -43,11 +44,7 @@ from mjcompose.tree.classes import MAIN, ORIENTATIONS, Classes, childclass_of, c
 from mjcompose.tree.files import Settings, read_settings
 from mjcompose.tree.grammar import GRAMMAR, ElementType
 from mjcompose.tree.select import kind_of
-
-if TYPE_CHECKING:
-    from lxml.etree import _Element as Node
-
-    from mjcompose.tree.unit import Unit
+from mjcompose.tree.unit import Unit
 
 _NOBODY = {"reference": "the reference configuration", "zero": "0, because no key sets it", "unknown": "not known"}
 

@@ -6,7 +6,8 @@ from collections import Counter, defaultdict
 from collections.abc import Callable, Iterator
 from itertools import takewhile
 from pathlib import Path, PurePosixPath
-from typing import TYPE_CHECKING
+
+from lxml.etree import _Element as Node
 
 from mjcompose.base.rotation import Pose
 from mjcompose.mujoco.arrays import ANGULAR, unit
@@ -42,9 +43,6 @@ from mjcompose.tree.files import NAMED_AFTER_FILE
 from mjcompose.tree.grammar import GRAMMAR, Attribute
 from mjcompose.tree.select import numbered, parent_of
 from mjcompose.tree.unit import Unit
-
-if TYPE_CHECKING:
-    from lxml.etree import _Element as Node
 
 _SEVERAL = 2  # if as many elements change alike, their class changed
 _ASSETS = frozenset(("material", *NAMED_AFTER_FILE))

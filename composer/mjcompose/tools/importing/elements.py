@@ -11,7 +11,9 @@ from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import field
 from pathlib import PurePosixPath
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+from lxml.etree import _Element as Node
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.rotation import Pose, quat_from_zaxis
@@ -30,9 +32,6 @@ from mjcompose.tree.grammar import GRAMMAR, Attribute, ElementType, to_text
 from mjcompose.tree.select import kind_of
 from mjcompose.tree.select import query as paths_of
 from mjcompose.tree.unit import Unit
-
-if TYPE_CHECKING:
-    from lxml.etree import _Element as Node
 
 
 def flow(values: dict[str, str]) -> str:

@@ -8,8 +8,9 @@ from collections.abc import Callable
 from dataclasses import field, replace
 from itertools import count
 from pathlib import Path
-from typing import TYPE_CHECKING
 from xml.sax.saxutils import quoteattr
+
+from lxml.etree import _Element as Node
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Severity, Span
@@ -51,9 +52,6 @@ from mjcompose.tree.unit import Unit
 from mjcompose.urdf.actuators import CODE as UNREAD
 from mjcompose.urdf.inertia import CODE as INERTIA
 from mjcompose.urdf.read import UrdfReader
-
-if TYPE_CHECKING:
-    from lxml.etree import _Element as Node
 
 _CLOSE = 1e-9  # meters, and quaternion components
 

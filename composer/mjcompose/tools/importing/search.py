@@ -9,7 +9,9 @@ from dataclasses import field
 from importlib import metadata
 from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
+
+from lxml.etree import _Element as Node
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.files import Refused, read_regular
@@ -20,9 +22,6 @@ from mjcompose.sources.lock import resolve
 from mjcompose.sources.reference import SourceError
 from mjcompose.tree.parse import parse_file
 from mjcompose.tree.unit import Unit
-
-if TYPE_CHECKING:
-    from lxml.etree import _Element as Node
 
 T = TypeVar("T")
 

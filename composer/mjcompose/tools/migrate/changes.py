@@ -7,15 +7,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from functools import partial
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TypeAlias
+
+from lxml.etree import _Element as Node
 
 from mjcompose.tools.migrate import rules
 from mjcompose.tools.migrate.editing import Act, Change, Editing, called
 from mjcompose.tree.grammar import version_key
 from mjcompose.tree.values import parse_real
-
-if TYPE_CHECKING:
-    from lxml.etree import _Element as Node
 
 Acts: TypeAlias = tuple[Act, Act]
 Matches: TypeAlias = "Callable[[Editing, Node], bool]"

@@ -2,22 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from functools import partial
-from typing import TYPE_CHECKING
+
+from lxml.etree import _Element as Node
 
 from mjcompose.tools.migrate.editing import Editing, called, later
-from mjcompose.tree.classes import childclass_of, default_tag
+from mjcompose.tree.classes import DefaultClass, childclass_of, default_tag
 from mjcompose.tree.files import stem
 from mjcompose.tree.grammar import number_text
 from mjcompose.tree.history import place
 from mjcompose.tree.values import parse_int, parse_real
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from lxml.etree import _Element as Node
-
-    from mjcompose.tree.classes import DefaultClass
 
 _GEOMS = ("body/geom", "default/geom")
 _HAVE_BOTH = (*_GEOMS, "contact/pair", "default/pair", "body/flexcomp/contact", "deformable/flex/contact")

@@ -11,13 +11,14 @@ from dataclasses import field
 from importlib import import_module
 from pathlib import Path
 from threading import Event, Lock, RLock, Thread
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.files import Mark, mark_of, read_regular
 from mjcompose.base.limits import in_force
 from mjcompose.mujoco import engine
 from mjcompose.mujoco.controls import advance as simulate
+from mjcompose.mujoco.engine import Session
 from mjcompose.mujoco.scene import look, pull, seen
 from mjcompose.sources.context import Context
 from mjcompose.text.node import texts
@@ -25,9 +26,6 @@ from mjcompose.tools.diff.sides import Operand, Side, load, read_operand
 from mjcompose.tools.view.page import Asked, choices, described
 from mjcompose.tools.view.render import check_given
 from mjcompose.tools.view.targets import Targets, movable
-
-if TYPE_CHECKING:
-    from mjcompose.mujoco.engine import Session
 
 POLL_SECONDS = 0.15
 _SETTLE_SECONDS = 0.02

@@ -13,7 +13,7 @@ from collections.abc import Mapping as AbcMapping
 from dataclasses import field, replace
 from itertools import islice
 from pathlib import Path, PurePath
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from mjcompose.base import __version__
 from mjcompose.base.dataclass import dataclass
@@ -26,6 +26,7 @@ from mjcompose.build.bundle.staging import staged_file, write_files
 from mjcompose.build.cache.cells import cells_of
 from mjcompose.build.plan.read import read_recipe
 from mjcompose.mujoco import engine
+from mjcompose.mujoco.engine import Session
 from mjcompose.mujoco.playable import strip
 from mjcompose.mujoco.scene import FILE, describe
 from mjcompose.sources.context import Context
@@ -35,9 +36,6 @@ from mjcompose.tools.diff.sides import Kind, Operand, Side, split
 from mjcompose.tools.diff.text import render
 from mjcompose.tools.explain import query
 from mjcompose.tools.explain.explain import Traced
-
-if TYPE_CHECKING:
-    from mjcompose.mujoco.engine import Session
 
 CELL = "cell"
 _MOST_CELLS = 200

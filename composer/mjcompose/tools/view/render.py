@@ -9,7 +9,7 @@ from dataclasses import asdict, replace
 from enum import StrEnum
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Diagnostic
@@ -26,12 +26,10 @@ from mjcompose.build.compose.load import Library
 from mjcompose.build.plan.read import Given
 from mjcompose.language.expand import Cell
 from mjcompose.mujoco import engine
+from mjcompose.mujoco.engine import Session
 from mjcompose.mujoco.pictures import draw, sheet
 from mjcompose.sources.context import Context
 from mjcompose.tools.diff.sides import Kind, Operand, load_cell
-
-if TYPE_CHECKING:
-    from mjcompose.mujoco.engine import Session
 
 
 def check_given(operand: Operand, given: Given) -> bool:

@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+from lxml.etree import _Element as Node
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Path as Steps
@@ -15,6 +17,7 @@ from mjcompose.base.rotation import Pose
 from mjcompose.build.plan.plan import Plan
 from mjcompose.build.plan.steps import AddElement
 from mjcompose.link.bodies import effective_pose
+from mjcompose.link.linking import Part
 from mjcompose.link.numbers import pose_in_world, read_pose
 from mjcompose.text.node import Mapping as Located
 from mjcompose.text.node import find, walk
@@ -22,11 +25,6 @@ from mjcompose.tools.diff.sides import Side
 from mjcompose.tools.view.page import nodes_of
 from mjcompose.tree.classes import through_frames
 from mjcompose.tree.files import read_settings
-
-if TYPE_CHECKING:
-    from lxml.etree import _Element as Node
-
-    from mjcompose.link.linking import Part
 
 KINDS = ("body", "geom", "site", "camera")
 
