@@ -86,7 +86,7 @@ def _mujoco() -> Iterator[Finding]:
 
 
 def _plugin() -> Finding:
-    from mjcompose.tools.open.shim import PluginError, library_in, mujoco_folder
+    from mjcompose.tools.open.decoder import PluginError, library_in, mujoco_folder
 
     what = "plugin"
     try:

@@ -241,18 +241,18 @@ def install(options: PluginOptions, run: Run) -> Answer:
 
     It needs a C compiler and MuJoCo 4.0. It runs the mjcompose of this Python; MJCOMPOSE_PYTHON names another.
     """
-    from mjcompose.tools.open import shim
+    from mjcompose.tools.open import decoder
 
-    place = _done(run, lambda: shim.install(shim.mujoco_folder(options.mujoco)))
+    place = _done(run, lambda: decoder.install(decoder.mujoco_folder(options.mujoco)))
     return Answer(f"installed {place}", {"installed": str(place)}, is_outcome=True)
 
 
 @command(PluginOptions, within=plugin)
 def remove(options: PluginOptions, run: Run) -> Answer:
     """Remove the plugin from MuJoCo's plugin folder."""
-    from mjcompose.tools.open import shim
+    from mjcompose.tools.open import decoder
 
-    place = _done(run, lambda: shim.remove(shim.mujoco_folder(options.mujoco)))
+    place = _done(run, lambda: decoder.remove(decoder.mujoco_folder(options.mujoco)))
     removed = None if place is None else str(place)
     return Answer(f"removed {removed}" if removed else "the plugin is not installed", {"removed": removed},
                   is_outcome=True)  # fmt: skip

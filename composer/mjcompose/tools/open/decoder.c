@@ -61,7 +61,7 @@ static int can_decode(const mjResource* resource) {
 static mjSpec* decode(mjResource* resource, const mjVFS* vfs, char* error, int size) {
   const char* chosen = getenv("MJCOMPOSE_PYTHON");
   const char* python = chosen && *chosen ? chosen : MJCOMPOSE_PYTHON;
-  char* arguments[] = {(char*)python, "-m", "mjcompose.tools.open", resource->name, NULL};
+  char* arguments[] = {(char*)python, "-m", "mjcompose.tools.open.recipe", resource->name, NULL};
   int ends[2], status = 0;
   pid_t child;
   if (pipe2(ends, O_CLOEXEC)) {

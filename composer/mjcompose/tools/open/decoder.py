@@ -1,5 +1,7 @@
 """MuJoCo opens recipes: decoders and providers that MuJoCo 4 calls, in this process.
 
+The decoder is also a library in MuJoCo's plugin folder, for programs without Python and for `import mujoco` alone.
+
 MuJoCo calls these functions from C++, which no exception may reach: a ctypes callback that raises returns an
 uninitialized pointer, and the process crashes. An interrupt can arrive at any instruction of Python, so `_Safe` lets
 the handler of SIGINT raise only in code below its `try`.
@@ -11,11 +13,14 @@ import contextlib
 import ctypes
 import glob
 import os
+import shutil
 import signal
+import subprocess
 import sys
 import threading
 import time
 from collections.abc import Callable
+from importlib.util import find_spec
 from pathlib import Path
 from types import FrameType
 from typing import Any
@@ -23,11 +28,13 @@ from typing import Any
 from mjcompose.base.diagnostic import Diagnostic, DiagnosticError
 from mjcompose.base.files import read_regular
 from mjcompose.base.report import MjcomposeError, render
+from mjcompose.base.scratch import scratch
+from mjcompose.build.bundle.bundle import unwritable_error
+from mjcompose.build.bundle.staging import staged_file
 from mjcompose.sources import packages
 from mjcompose.sources.lock import resolve
 from mjcompose.sources.reference import SourceError
 from mjcompose.tools.open.recipe import text_of
-from mjcompose.tools.open.shim import library_in
 
 OLDEST = (4, 0)
 """The first MuJoCo whose decoders have these arguments."""
@@ -303,3 +310,74 @@ def _folder(scheme: str, owner: str) -> Path:
     source = resolve(f"{scheme}:{owner}", relative_to=Path.cwd(), environment=dict(os.environ))
     assert source.origin is not None, "a robot of Menagerie has one"
     return source.origin.root
+
+
+SOURCE = Path(__file__).with_name("decoder.c")
+NAME = "libmjcompose_decoder.so"
+
+
+class PluginError(DiagnosticError):
+    """The library cannot be compiled or installed."""
+
+
+def mujoco_folder(named: Path | None = None) -> Path:
+    """Return the folder of a MuJoCo: the named folder, or the folder of the `mujoco` package. Raises PluginError."""
+    if named is None:
+        spec = find_spec("mujoco")
+        if spec is None or not spec.submodule_search_locations:
+            raise PluginError("mujoco-missing", "the package `mujoco` is not installed", "use `--mujoco`")
+        named = Path(spec.submodule_search_locations[0])
+    if not os.path.isfile(named / "include" / "mujoco" / "mjplugin.h"):
+        raise PluginError(
+            "mujoco-missing", f"`{named}` has no `include/mujoco/mjplugin.h`",
+            "name the folder of a MuJoCo release, or of the package `mujoco`",
+        )  # fmt: skip
+    return named
+
+
+def library_in(folder: Path) -> Path:
+    """Return the place of the library for a MuJoCo: `plugin` in the package, `bin/mujoco_plugin` in a release."""
+    release = folder / "bin" / "mujoco_plugin"
+    return (release if os.path.isdir(release) else folder / "plugin") / NAME
+
+
+def install(folder: Path) -> Path:
+    """Compile the decoder for the MuJoCo in a folder and put it in its place. Raises PluginError and OutputError."""
+    if sys.platform != "linux":
+        raise PluginError(
+            "not-supported", "the plugin for programs without Python exists for Linux only",
+            "in Python, use `mjcompose.mujoco_plugin.register()`",
+        )  # fmt: skip
+    header = read_regular(folder / "include" / "mujoco" / "mujoco.h").decode(errors="replace")
+    version = next((line.split()[-1] for line in header.splitlines() if "#define mjVERSION_HEADER" in line), "0")
+    if int(version) < 4_000_000:
+        raise PluginError("not-supported", f"the MuJoCo in `{folder}` is older than 4.0, the first that opens recipes",
+                          "install `mujoco>=4`, or build a bundle with `mjcompose build`")  # fmt: skip
+    compiler = shutil.which(os.environ.get("CC", "cc"))
+    if compiler is None:
+        raise PluginError("not-installed", "there is no C compiler", "install one, such as `gcc`, or set `CC`")
+    place = library_in(folder)
+    with scratch("plugin") as build:
+        made = build / NAME
+        python = sys.executable.replace("\\", "\\\\").replace('"', '\\"')
+        words = [compiler, "-O2", "-shared", "-fPIC", f"-I{folder / 'include'}", f'-DMJCOMPOSE_PYTHON="{python}"',
+                 str(SOURCE), "-o", str(made), "-ldl"]  # fmt: skip
+        done = subprocess.run(words, capture_output=True, text=True, check=False)
+        if done.returncode:
+            lines = done.stderr.strip().splitlines() or ["no reason given"]
+            raise PluginError("not-supported", f"`{compiler}` cannot compile the plugin: {lines[0]}")
+        with staged_file(place) as stage:  # raises OutputError
+            stage.write_bytes(read_regular(made))
+    return place
+
+
+def remove(folder: Path) -> Path | None:
+    """Remove the library from the MuJoCo in a folder; return its place, or None if it is not there."""
+    place = library_in(folder)
+    try:
+        place.unlink()
+    except FileNotFoundError:
+        return None
+    except OSError as error:
+        raise unwritable_error(place, error) from None
+    return place

@@ -1,11 +1,17 @@
-"""A recipe as a model in this process: built without files, except generated assets in the cache."""
+"""A recipe as a model in this process: built without files, except generated assets in the cache.
+
+`python -m mjcompose.tools.open.recipe RECIPE` prints the MJCF for MuJoCo's decoder in C, or the reason why there is
+none; the exit code says which.
+"""
 
 from __future__ import annotations
 
 import json
 import os
+import sys
 import time
 from collections.abc import Mapping
+from itertools import chain
 from os import PathLike
 from pathlib import Path
 from threading import RLock
@@ -108,7 +114,7 @@ def text_of(
     The text of an unchanged recipe is remembered. Threads may call it at the same time.
     """
     path = os.path.abspath(recipe)
-    written = _as_json(values or {})
+    written = as_json(values or {})
     places = [os.environ.get(name) for kind in KINDS for name in kind.variables]
     key = json.dumps([path, written, cell, sample, verified, places])
     opened = _opened.get(key)
@@ -132,19 +138,17 @@ def files_of(recipe: str | PathLike[str]) -> tuple[str, ...]:
     It has no files before `mjcompose.spec`, `mjcompose.model` or MuJoCo has built it.
     """
     path = os.path.abspath(recipe)
-    known = [opened.marks for key, opened in list(_opened.items()) if json.loads(key)[0] == path]
-    return tuple(dict.fromkeys(file for marks in known for file in marks))
+    known = (opened.marks for key, opened in list(_opened.items()) if json.loads(key)[0] == path)
+    return tuple(dict.fromkeys(chain.from_iterable(known)))
 
 
 def _open(recipe: Path, written: Mapping[str, str], cell: str | None, *, sample: int, verified: bool) -> _Opened:
     started = time.time_ns()
     context = Context(fetching=Fetching())
-    given = _nodes(written, context)
+    given = nodes_of(written, context)
     request = request_for(recipe, given, cell, sample=sample, verified=verified, context=context)
-    built = None
-    if request is not None:
-        with Session() as session:
-            built = build(request, context, session=session)
+    with Session() as session:
+        built = None if request is None else build(request, context, session=session)
     if built is None:
         raise BuildError(context.sink.diagnostics)
     inputs = Inputs()
@@ -199,9 +203,8 @@ def _text(built: Built, context: Context) -> tuple[str, list[str]]:
     for use in built.composed.files:
         if use in inner:
             continue
-        if use.content is None:
-            path = os.path.abspath(context.folder / use.source)
-        else:
+        path = os.path.abspath(context.folder / use.source)
+        if use.content is not None:
             path = str(folder / f"{blobs.digest(use.content)}{os.path.splitext(use.path)[1]}")
             generated.append(path)
             if not os.path.exists(path):
@@ -225,7 +228,9 @@ def _write_models(root: Any, uses: list[FileUse], folder: Path) -> list[str]:
     return [str(place / path) for path in contents]
 
 
-def _as_json(values: Mapping[str, Any]) -> dict[str, str]:
+def as_json(values: Mapping[str, Any]) -> dict[str, str]:
+    """Return values of Python as text that `nodes_of` reads. Raises TypeError."""
+
     def plain(value: Any) -> Any:
         if hasattr(value, "tolist"):  # of numpy
             return value.tolist()
@@ -234,11 +239,19 @@ def _as_json(values: Mapping[str, Any]) -> dict[str, str]:
     return {name: json.dumps(value, default=plain, ensure_ascii=False) for name, value in sorted(values.items())}
 
 
-def nodes_of(values: Mapping[str, Any], context: Context) -> Given:
-    """Return values of Python as values of parameters and variants. Raises TypeError."""
-    return _nodes(_as_json(values), context)
-
-
-def _nodes(written: Mapping[str, str], context: Context) -> Given:
+def nodes_of(written: Mapping[str, str], context: Context) -> Given:
     nodes = {name: load(text, f"{name}=", context.sink) for name, text in written.items()}
     return {name: node for name, node in nodes.items() if node is not None}
+
+
+def main(recipe: str) -> int:
+    try:
+        text, code = text_of(recipe), 0
+    except MjcomposeError as error:
+        text, code = str(error), 1
+    sys.stdout.buffer.write(text.encode(errors="replace"))
+    return code
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1]))

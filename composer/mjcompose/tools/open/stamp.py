@@ -21,7 +21,7 @@ from mjcompose.build.bundle.manifest import Manifest, from_json
 from mjcompose.build.bundle.read import ReadError, read
 from mjcompose.build.stages import Request, build
 from mjcompose.sources.context import Context
-from mjcompose.tools.open.recipe import nodes_of
+from mjcompose.tools.open.recipe import as_json, nodes_of
 
 
 class Stamp(BaseModel):
@@ -98,14 +98,12 @@ def read_stamp(file: Path) -> Stamp:
 def rebuild(record: Stamp, recipe: Path, context: Context) -> Bundle | None:
     """Build the model of a stamp again. None after an error, even if only its bytes would differ."""
     sink = context.sink
-    given = nodes_of({**record.params, **record.variants}, context)
+    given = nodes_of(as_json({**record.params, **record.variants}), context)
     request = Request(recipe, given, name=record.cell, sample=record.sample, verified=record.mujoco is not None)
     options = {name: getattr(record, name) for name in ("target", "deduplicated", "pictured", "worlds")}
     built = None if sink.has_errors else build(replace(request, **options), context)
-    if built is None:
-        return None
-    if built.bundle.sha256 == record.bundle:
-        return built.bundle
+    if built is None or built.bundle.sha256 == record.bundle:
+        return None if built is None else built.bundle
     now = _stamp(built.bundle, from_json(built.bundle.files[MANIFEST]))
     notes = tuple(map(Note, _differences(record, now))) or (Note("nothing of the stamp explains it"),)
     message = f"`{record.name}` has other bytes than its stamp records"

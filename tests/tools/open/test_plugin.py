@@ -11,7 +11,7 @@ from pathlib import Path
 
 import mujoco
 import pytest
-from mjcompose.tools.open import shim
+from mjcompose.tools.open import decoder
 
 pytestmark = [
     pytest.mark.slow,
@@ -33,7 +33,7 @@ def release(tmp_path: Path) -> Path:
 
 
 def test_the_program_of_the_page_opens_a_recipe(release: Path, tmp_path: Path) -> None:
-    place = shim.install(shim.mujoco_folder(release))
+    place = decoder.install(decoder.mujoco_folder(release))
     assert place.parent.name == "mujoco_plugin"
     [program_text] = re.findall(r"^```cpp\n(.*?)^```", PAGE.read_text("utf-8"), re.MULTILINE | re.DOTALL)
     (tmp_path / "main.cpp").write_text(program_text)
@@ -56,7 +56,7 @@ def test_the_program_of_the_page_opens_a_recipe(release: Path, tmp_path: Path) -
             [program, tmp_path / "cell.yaml", place.parent], capture_output=True, text=True, check=False
         )
         assert done.returncode == code and shown in done.stdout
-    assert shim.remove(release) == place and not place.exists() and shim.remove(release) is None
+    assert decoder.remove(release) == place and not place.exists() and decoder.remove(release) is None
 
 
 def test_import_mujoco_alone_opens_a_recipe(tmp_path: Path) -> None:
@@ -68,7 +68,7 @@ def test_import_mujoco_alone_opens_a_recipe(tmp_path: Path) -> None:
             shutil.copytree(each, copy / "plugin")
         else:
             (copy / each.name).symlink_to(each)
-    shim.install(shim.mujoco_folder(copy))
+    decoder.install(decoder.mujoco_folder(copy))
     (tmp_path / "base.xml").write_text("<mujoco><worldbody><body name='b'/></worldbody></mujoco>")
     (tmp_path / "cell.yaml").write_text("recipe: 1\nbase: ./base.xml\n")
     program = "import mujoco; print(mujoco.__file__, mujoco.MjSpec.from_file('cell.yaml').body('b').name)"
@@ -80,5 +80,5 @@ def test_import_mujoco_alone_opens_a_recipe(tmp_path: Path) -> None:
 
 
 def test_a_folder_without_mujoco_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(shim.PluginError, match=r"mjplugin\.h"):
-        shim.mujoco_folder(tmp_path)
+    with pytest.raises(decoder.PluginError, match=r"mjplugin\.h"):
+        decoder.mujoco_folder(tmp_path)
