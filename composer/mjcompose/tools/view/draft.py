@@ -1,31 +1,27 @@
-"""The text of a recipe that a page changes: only the characters of the new values, and nothing else."""
+"""The text of a recipe that a page changes: only the characters of the new values, and nothing else.
+
+The offset of a part or an element is written in whichever form of orientation is there.
+"""
 
 from __future__ import annotations
 
+import math
 from dataclasses import field
 from pathlib import Path
 from typing import Any, TypeAlias
 
+from mjcompose.base import rotation
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Path as Steps
+from mjcompose.base.rotation import IDENTITY_QUAT, Pose, Quat
 from mjcompose.base.sink import Sink
+from mjcompose.build.plan.steps import AngleSettings
+from mjcompose.language.placing import ORIENTATIONS
+from mjcompose.text import node as yaml_tree
+from mjcompose.text.expression import UNITS, Angle
 from mjcompose.text.faults import quoted, word
 from mjcompose.text.load import load
-from mjcompose.text.node import (
-    Change,
-    Mapping,
-    Node,
-    Scalar,
-    Sequence,
-    added_key,
-    changed,
-    find,
-    is_template,
-    lines_of,
-    resolve,
-    to_python,
-    with_item,
-)
+from mjcompose.text.node import Change, Mapping, Node, Scalar, Sequence, find, is_template, lines_of, to_python
 
 Written: TypeAlias = "str | dict[str, Written]"
 """The text of a value in YAML, or a mapping of them by the plain text of their keys."""
@@ -51,7 +47,7 @@ def value_of(text: str) -> Any:
 def name_text(name: str) -> str:
     """Return a name as YAML that means the same name again."""
     text = word(name)
-    text = text if isinstance(resolve(text), str) else quoted(name)
+    text = text if isinstance(yaml_tree.resolve(text), str) else quoted(name)
     if not name.isprintable() or not name or is_template(name) or value_of(text) != name:
         raise Refused("this name has characters that a recipe cannot have")
     return text
@@ -90,19 +86,20 @@ class Draft:
     def set(self, path: Steps, value: Any, *changes: Change) -> None:
         """Note the changes by which the value at a path becomes another."""
         self.changes += changes
-        holder = self.wanted
-        for step in path[:-1]:
-            holder = holder.setdefault(step, {}) if isinstance(step, str) else holder[step]
-        holder[path[-1]] = value
+        self._holder(path)[path[-1]] = value
 
     def rename(self, path: Steps, name: str) -> None:
         """Note another name for a key."""
-        holder, node = self.wanted, find(self.tree, path[:-1])
+        holder, node = self._holder(path), find(self.tree, path[:-1])
         assert isinstance(node, Mapping)
-        for step in path[:-1]:
-            holder = holder[step]
         holder[name] = holder.pop(path[-1])
         self.changes.append(Change(node.entries[str(path[-1])][0].span, name))
+
+    def _holder(self, path: Steps) -> Any:
+        holder = self.wanted
+        for step in path[:-1]:
+            holder = holder.setdefault(step, {}) if isinstance(step, str) else holder[step]
+        return holder
 
     def write(self, path: Steps, value: Written) -> None:
         """Write a value, with the keys that are missing on the way. A mapping is written only where nothing is."""
@@ -120,11 +117,11 @@ class Draft:
         for step in reversed(path[found + 1 :]):
             value = {str(step): value}
         text = f"{name_text(str(path[found]))}:{_rendered(value, None if is_flow else indent + 2)}"
-        self.changes.append(added_key(holder, lines, self.file, text=text, top=found == 0))
+        self.changes.append(yaml_tree.added_key(holder, lines, self.file, text=text, top=found == 0))
 
     def append(self, key: str, value: str) -> None:
         """Append an item to a list at the top of the recipe."""
-        change = with_item(self.tree, lines_of(self.text), self.file, key=key, value=value)
+        change = yaml_tree.with_item(self.tree, lines_of(self.text), self.file, key=key, value=value)
         if change is None:
             raise Refused(f"`{key}` of `{self.file}` is not a list")
         self.wanted.setdefault(key, []).append(value_of(value))
@@ -132,30 +129,29 @@ class Draft:
 
     def numbers(self, path: Steps, texts: list[str]) -> None:
         """Write a list of numbers; those that stay keep their text."""
-        node = find(self.tree, path)
+        node, whole = find(self.tree, path), f"[{', '.join(texts)}]"
         if node is None:
-            self.write(path, f"[{', '.join(texts)}]")
+            self.write(path, whole)
             return
-        if not isinstance(node, Sequence) or not all(isinstance(each, Scalar) for each in node.items):
+        items = [each for each in node.items if isinstance(each, Scalar)] if isinstance(node, Sequence) else []
+        if not isinstance(node, Sequence) or len(items) < len(node.items):
             raise Refused(f"`{path[-1]}` is not a list of numbers")
-        changes, values = list[Change](), list[Any]()
-        if len(node.items) == len(texts):
-            for item, text in zip(node.items, texts, strict=True):
-                assert isinstance(item, Scalar)
-                value = value_of(text)
-                values.append(item.value if _is_same(item.value, value) else value)
-                changes += [] if _is_same(item.value, value) else [Change(item.span, text)]
-        else:
-            line = lines_of(self.text)[node.span.line - 1]
-            if line[node.span.column - 1] != "[" or node.items[-1].span.end_line != node.span.line:
-                raise Refused(f"`{path[-1]}` is written over several lines: write `[{', '.join(texts)}]` yourself")
-            values, changes = [value_of(each) for each in texts], [Change(node.span, f"[{', '.join(texts)}]")]
+        values, changes = list(map(value_of, texts)), [Change(node.span, whole)]
+        if len(items) == len(texts):
+            kept = {at for at, item in enumerate(items) if _is_same(item.value, values[at])}
+            values = [item.value if at in kept else values[at] for at, item in enumerate(items)]
+            changes = [Change(item.span, texts[at]) for at, item in enumerate(items) if at not in kept]
+        elif (
+            lines_of(self.text)[node.span.line - 1][node.span.column - 1] != "["
+            or items[-1].span.end_line != node.span.line
+        ):
+            raise Refused(f"`{path[-1]}` is written over several lines: write `{whole}` yourself")
         self.set(path, values, *changes)
 
     def result(self) -> bytes:
         """Return the new text. Refuses a text with another meaning."""
         end = "\r\n" if "\r\n" in self.text else "\n"
-        text = changed(self.text, [Change(each.span, each.text.replace("\n", end)) for each in self.changes])
+        text = yaml_tree.changed(self.text, [Change(each.span, each.text.replace("\n", end)) for each in self.changes])
         tree: Node | None = load(text, self.file, sink := Sink())
         if sink.has_errors or tree is None or to_python(tree) != self.wanted:
             raise Refused(f"`{self.file}` cannot be changed here without changing something else: write it yourself")
@@ -181,3 +177,127 @@ def _is_same(before: Any, after: Any) -> bool:
     if isinstance(before, str) or isinstance(after, str) or isinstance(before, bool) or before is None:
         return bool(before == after)
     return bool(abs(before - after) < 5e-7)
+
+
+Floats: TypeAlias = "list[float] | tuple[float, ...]"
+_POS, _AXIS, _DEGREES, _RADIANS = 5, 6, 3, 6
+"""The digits of numbers: 0.01 mm and 0.001 degrees."""
+_TURN = 2e-4
+"""Rotations that differ by fewer radians count as equal."""
+
+
+class Offset:
+    """`pos` and an orientation in the mapping at a path of a recipe."""
+
+    def __init__(self, draft: Draft, holder: Steps, settings: AngleSettings) -> None:
+        self.draft, self.holder, self.settings = draft, holder, settings
+        found = find(draft.tree, holder)
+        assert isinstance(found, Mapping)
+        self.mapping = found
+        self.form = next((each for each in ORIENTATIONS if each in found.entries), None)
+
+    @property
+    def computed(self) -> list[tuple[str, str]]:
+        """The keys that have an expression, each with it."""
+        keys = [key for key in ("pos", self.form) if key is not None and key in self.mapping.entries]
+        return [
+            (key, node.text)
+            for key in keys
+            for _, _, node in yaml_tree.walk(self.mapping.entries[key][1])
+            if isinstance(node, Scalar) and is_template(node.text)
+        ]
+
+    @property
+    def pose(self) -> Pose:
+        x, y, z = self._read("pos") or (0.0, 0.0, 0.0)
+        return Pose((x, y, z), IDENTITY_QUAT if self.form is None else self._quat(self.form, self._read(self.form)))
+
+    def move(self, pose: Pose, *, anew: bool = False) -> list[str]:
+        """Write another pose and return its words; `anew` forgets which of several equal angles were written."""
+        before, written = self.pose, list[str]()
+        texts = [short(each, _POS) for each in pose.pos]
+        if texts != [short(each, _POS) for each in before.pos]:
+            self.draft.numbers((*self.holder, "pos"), texts)
+            written.append(f"pos: [{', '.join(texts)}]")
+        if _turn(before.quat, pose.quat) > _TURN / 10:
+            form = self.form or "euler"
+            old = self._read(form) if self.form and not anew else []
+            texts = self._texts(form, pose.quat, old)
+            if not texts:
+                form, texts = "quat", self._texts("quat", pose.quat, [])
+            self.draft.numbers((*self.holder, self.form or form), texts)
+            if self.form not in (None, form):
+                self.draft.rename((*self.holder, str(self.form)), form)
+                self.draft.notes.append(f"`{self.form}` cannot say this rotation: it is a `quat` now")
+            written.append(f"{form}: [{', '.join(texts)}]")
+        return written
+
+    def _read(self, key: str) -> list[float]:
+        """Return the numbers of a key, angles in radians."""
+        node = find(self.mapping, (key,))
+        if node is None:
+            return []
+        values = [each.value for each in node.items if isinstance(each, Scalar)] if isinstance(node, Sequence) else []
+        if not isinstance(node, Sequence) or len(values) < len(node.items):
+            raise Refused(f"`{key}` is not a list of numbers")
+        if len(values) != {"quat": 4, "axisangle": 4, "xyaxes": 6}.get(key, 3):
+            raise Refused(f"`{key}` does not have the right number of numbers")
+        return self._radians(key, values)
+
+    def _radians(self, key: str, values: list[Any]) -> list[float]:
+        found = list[float]()
+        for at, value in enumerate(values):
+            angle = Angle.read(value) if isinstance(value, str) else None
+            if angle is None and (isinstance(value, bool) or not isinstance(value, int | float)):
+                raise Refused(f"`{key}` has `{value}`, which is not a number")
+            number = float(value) if angle is None else angle.radians
+            bare = angle is None and self.settings.angle == "degree" and _is_angle(key, at)
+            found.append(math.radians(number) if bare else number)
+        return found
+
+    def _quat(self, form: str, values: Floats) -> Quat:
+        if form == "euler":
+            return rotation.quat_from_euler(values, self.settings.eulerseq)
+        if form == "axisangle":
+            return rotation.quat_from_axisangle(values[:3], values[3])
+        alone = {"quat": rotation.normalize, "xyaxes": rotation.quat_from_xyaxes, "zaxis": rotation.quat_from_zaxis}
+        return alone[form](values)
+
+    def _texts(self, form: str, quat: Quat, old: list[float]) -> list[str]:
+        """Return the numbers of a rotation in a form; none if the form cannot say it."""
+        values: Floats
+        if form == "quat":
+            sign = -1 if sum(a * b for a, b in zip(quat, old or quat, strict=True)) < 0 else 1
+            values = [sign * each for each in quat]
+        elif form == "euler":
+            values = rotation.euler_of(quat, self.settings.eulerseq, old or (0.0, 0.0, 0.0)) or ()
+        elif form == "axisangle":
+            axis, angle = rotation.axisangle_of(quat, old[:3] or (0.0, 0.0, 1.0))
+            same = old and math.dist(axis, rotation.unit(old[:3])) < 1e-6
+            values = (*(old[:3] if same else axis), angle)
+        else:
+            axes = ((1, 0, 0), (0, 1, 0)) if form == "xyaxes" else ((0, 0, 1),)
+            values = [each for axis in axes for each in rotation.rotate(quat, axis)]
+        texts = [self._angle(form, at, each) if _is_angle(form, at) else short(each, _AXIS)
+                 for at, each in enumerate(values)]  # fmt: skip
+        said = self._radians(form, [value_of(each) for each in texts]) if texts else []
+        return texts if said and _turn(self._quat(form, said), quat) < _TURN else []
+
+    def _angle(self, form: str, at: int, value: float) -> str:
+        """Return an angle in the unit of its present text, or in the unit of the recipe."""
+        node = find(self.mapping, (form, at))
+        written = node.text[-3:] if isinstance(node, Scalar) and node.text[-3:] in UNITS else None
+        bare = {"degree": "deg", "radian": "rad"}.get(self.settings.angle or "")
+        is_in_radians = (written or bare) == "rad"
+        text = short(value, _RADIANS) if is_in_radians else short(math.degrees(value), _DEGREES)
+        return text if (written is None and bare) or (text == "0" and written is None) else f"{text}{written or 'deg'}"
+
+
+def _is_angle(key: str, at: int) -> bool:
+    return key == "euler" or (key == "axisangle" and at == 3)
+
+
+def _turn(a: Quat, b: Quat) -> float:
+    """Return the angle between two rotations, at least 120 degrees for larger ones."""
+    sign = math.copysign(1, sum(x * y for x, y in zip(a, b, strict=True)))
+    return 4 * math.asin(min(0.5, math.dist([sign * each for each in a], b) / 2))

@@ -32,8 +32,7 @@ from mjcompose.text.load import load
 from mjcompose.text.node import Change, Mapping, Scalar, find, is_template, to_python, walk
 from mjcompose.text.node import Sequence as List
 from mjcompose.tools.view.builder import Shown, Workshop
-from mjcompose.tools.view.draft import Draft, Refused, Written, name_text, short
-from mjcompose.tools.view.offset import Offset
+from mjcompose.tools.view.draft import Draft, Offset, Refused, Written, name_text, short
 from mjcompose.tools.view.targets import Target
 from mjcompose.tree.pattern import is_pattern
 
