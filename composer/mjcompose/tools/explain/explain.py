@@ -26,19 +26,8 @@ from mjcompose.link.measure import measure_with
 from mjcompose.link.source_check import check_source
 from mjcompose.link.unit_keys import VECTORS
 from mjcompose.sources.context import Context
-from mjcompose.tools.explain import query, trace_words
-from mjcompose.tools.explain.explanation import (
-    AttributeExplained,
-    Changed,
-    ClassStep,
-    ElementExplained,
-    Explained,
-    Given,
-    LevelExplained,
-    Listed,
-    Reason,
-    RowExplained,
-)
+from mjcompose.tools.explain import explanation, query, trace_words
+from mjcompose.tools.explain.explanation import AttributeExplained, Changed, ElementExplained, Explained, Reason
 from mjcompose.tools.explain.query import MIRRORED, RecipeLines, no_attribute, not_found, same_words
 from mjcompose.tools.explain.trace import TAG, Change, Life, Move, NumberOrigin, Trace, key_origins, rows
 from mjcompose.tree.classes import MAIN, ORIENTATIONS, Classes, class_in_force, given, levels, value
@@ -106,13 +95,13 @@ class Traced:
             in_force = self._in_force(node)
             for name in (each.name for each in class_chain(node, self.classes)):
                 declared, unset = self.declared.get(name), Reason("the top class, which sets nothing")
-                steps.append(ClassStep(name, unset if declared is None else self._first_written(declared)))
+                steps.append(explanation.ClassStep(name, unset if declared is None else self._first_written(declared)))
             for attribute, level in given(node, kind, self.classes):
                 span = self.written_at(level.writer, attribute.name)
-                values.append(Given(attribute.name, str(level.text), str(level.name), span=span))
+                values.append(explanation.Given(attribute.name, str(level.text), str(level.name), span=span))
         children = node.iterchildren("*") if node.tag == "default" else ()
         sets = [
-            Listed(f"{child.tag!s} {name!s}", str(text), Reason("", self.written_at(child, str(name))))
+            explanation.Listed(f"{child.tag!s} {name!s}", str(text), Reason("", self.written_at(child, str(name))))
             for child in children if child.tag != "default" for name, text in child.items()
         ]  # fmt: skip
         holders = (self.labels[each] for each in node.iterancestors() if each.tag == "worldbody" or query.name_of(each))
@@ -138,7 +127,7 @@ class Traced:
             changes: tuple[Changed, ...] = ()
             if step.writer is not None and (step.text is not None or step.kind == "element"):
                 changes = tuple(self.changes(self.watch.life(step.writer), name))
-            explained.append(LevelExplained(
+            explained.append(explanation.LevelExplained(
                 step.kind, words, step.text, wins=bool(step.taken), span=origin.span, changes=changes,
                 words=origin.words,
                 part_of_it=" ".join(numbers[step.taken.start : step.taken.stop]) if is_part else None,
@@ -169,7 +158,7 @@ class Traced:
             about=None, rows=(), notes=() if said is not None else (f"MuJoCo computes `{name}` from these",),
         )  # fmt: skip
 
-    def _listed(self, node: Node, attribute: str | None) -> Listed:
+    def _listed(self, node: Node, attribute: str | None) -> explanation.Listed:
         text, life = None, self.watch.life(node)
         written = list(self.written(life))
         reason = Reason(written[0].words, next((each.span for each in written if each.span), None))
@@ -183,9 +172,9 @@ class Traced:
             words = {"element": "written on it", "mujoco": "MuJoCo's default"}.get(winner.kind, f"class {winner.name}")
             origin = self._level_origin(winner.kind, winner.name, winner.writer, attribute=attribute)
             reason = Reason("computed" if origin.words else words, origin.span)
-        return Listed(self.labels[node], text, reason)
+        return explanation.Listed(self.labels[node], text, reason)
 
-    def key_rows(self, key: Node, vector: str) -> Iterator[tuple[Node, RowExplained]]:
+    def key_rows(self, key: Node, vector: str) -> Iterator[tuple[Node, explanation.RowExplained]]:
         """Yield the numbers of a key by their joint, actuator or mocap body, and by their origin."""
         for holder, numbers, origin in rows(self.model, key, vector, trace=self.watch):
             reason = self._row_reason(key, origin)

@@ -12,31 +12,8 @@ from lxml.etree import _Element as Node
 from mjcompose.base.rotation import Pose
 from mjcompose.mujoco.arrays import ANGULAR, unit
 from mjcompose.text.faults import quoted, word
-from mjcompose.tools.importing.elements import (
-    CLASSES,
-    POSE,
-    REMOVED,
-    Changed,
-    Entry,
-    Item,
-    Likeness,
-    Names,
-    Pair,
-    assets_of,
-    at_the_same_place,
-    differing,
-    effective,
-    flow,
-    items,
-    named,
-    nested,
-    numbers,
-    places,
-    plain,
-    pose_in,
-    selector_of,
-    written_value,
-)
+from mjcompose.tools.importing import elements
+from mjcompose.tools.importing.elements import Changed, Entry, Item, Names, Pair
 from mjcompose.tools.importing.search import Instance, paired, parent_body
 from mjcompose.tree.classes import MAIN, childclass_of, default_tag
 from mjcompose.tree.files import NAMED_AFTER_FILE
@@ -56,13 +33,13 @@ class Comparison:
 
     def __init__(
         self, merged: Unit, parts: list[Unit], references: list[str], found: list[Instance], separator: str,
-        relative: Callable[[Path], str], likeness: Callable[[Instance, Names], Likeness],
+        relative: Callable[[Path], str], likeness: Callable[[Instance, Names], elements.Likeness],
     ) -> None:  # fmt: skip
         self.merged, self.parts, self.references, self.found = merged, parts, references, found
         self.relative = relative
         self.alike: dict[str, tuple[object, ...]] = {}
         self.separator = separator
-        self.there = named(merged)
+        self.there = elements.named(merged)
         self.names: dict[tuple[str, str], str] = {}
         """Names of the merged model to names in the recipe, before it renames anything."""
         self.covered: set[Node] = {each.body for each in found}
@@ -70,9 +47,9 @@ class Comparison:
         self.pairs: list[Pair] = []
         self.labels: set[str] = set()
         self.found_changes: list[Changed] = []
-        self.places = {unit: places(unit) for unit in (merged, *parts)}
+        self.places = {unit: elements.places(unit) for unit in (merged, *parts)}
         self.counts = {unit: Counter(kind for kind, _ in found.values()) for unit, found in self.places.items()}
-        self.likeness: dict[int, Likeness] = {}
+        self.likeness: dict[int, elements.Likeness] = {}
         self.new_names: dict[tuple[int, str, str], str] = {}
         """New names of a part's elements in the merged model, by instance, namespace and name."""
         for each in found:
@@ -90,10 +67,12 @@ class Comparison:
         """Find renamed elements: the only new one with that tag in its body, or one with the same references."""
         part = self.parts[each.part]
         known = {
-            (namespace, one.prefix + name) for one in self.found for namespace, name in named(self.parts[one.part])
+            (namespace, one.prefix + name)
+            for one in self.found
+            for namespace, name in elements.named(self.parts[one.part])
         }
         new = [item for key, item in self.there.items() if key not in known]
-        for (namespace, name), item in named(part).items():
+        for (namespace, name), item in elements.named(part).items():
             if (namespace, each.prefix + name) in self.there:
                 continue
             alike = [other for other in new if other.namespace == namespace and self.renamed(item, other, each)]
@@ -116,8 +95,8 @@ class Comparison:
         for (part, namespace, name), new in self.new_names.items():
             if part == id(each):
                 found[namespace][name] = new
-        assets = assets_of(self.merged)
-        for tag, name in assets_of(self.parts[each.part]):
+        assets = elements.assets_of(self.merged)
+        for tag, name in elements.assets_of(self.parts[each.part]):
             if (tag, each.prefix + name) not in assets and (tag, name) in assets:
                 found[tag][name] = name
         return dict(found)
@@ -137,35 +116,35 @@ class Comparison:
         return found
 
     def edit(self, verbs: dict[str, str], rank: int = 0) -> None:
-        self.entries.append(Entry("edit", flow(verbs), rank=rank))
+        self.entries.append(Entry("edit", elements.flow(verbs), rank=rank))
 
     def pose(self, body: Node, unit: Unit) -> Pose:
         """Return the pose of a body in the body around it, including its frames."""
-        pose = pose_in(body, unit.settings)
+        pose = elements.pose_in(body, unit.settings)
         for frame in takewhile(lambda above: above.tag == "frame", body.iterancestors()):
-            pose = pose_in(frame, unit.settings) @ pose
+            pose = elements.pose_in(frame, unit.settings) @ pose
         return pose
 
     def compare(self, each: Instance) -> None:
         """Write the edits that turn the part into its state in the merged model."""
         part = self.parts[each.part]
         gone: set[Node] = set()
-        for (namespace, name), item in named(part).items():
+        for (namespace, name), item in elements.named(part).items():
             there = self.there.get((namespace, self.theirs(each, namespace, name)))
-            select = selector_of(namespace, item.kind.tag, each.out + name)
+            select = elements.selector_of(namespace, item.kind.tag, each.out + name)
             if there is None or (there.kind.tag != item.kind.tag and not self.same(item.node, there.node, each)):
                 if gone.isdisjoint(item.node.iterancestors()):  # others are removed together with their parent
                     gone.add(item.node)
-                    self.edit({"select": select, "remove": "true"}, REMOVED + (item.section == "worldbody"))
+                    self.edit({"select": select, "remove": "true"}, elements.REMOVED + (item.section == "worldbody"))
                 continue
             self.covered.add(there.node)
             moved = self.moved(item, there, each)
             changes = self.changes(item, there, each)
             if moved or item.node is each.root:  # the attachment determines its pose
-                changes = {k: v for k, v in changes.items() if (each.is_base and not moved) or k not in POSE}
+                changes = {k: v for k, v in changes.items() if (each.is_base and not moved) or k not in elements.POSE}
             self.pairs.append(Pair(select, item, each, changes=changes, moved=moved))
             if item.kind.tag == "body":
-                self.unnamed(item.node, there.node, selector_of("body", "body", each.out + name), each=each)
+                self.unnamed(item.node, there.node, elements.selector_of("body", "body", each.out + name), each=each)
 
     def changes(self, before: Item, after: Item, each: Instance) -> dict[str, str | None]:
         """Return the values that differ between an element of the part and the merged model.
@@ -176,12 +155,14 @@ class Comparison:
             return {}
         part = self.parts[each.part]
         degrees = self.merged.settings.angle == "degree"
-        one = plain(effective(before, part), before.kind.tag, part.settings, degrees=degrees)
-        other = plain(effective(after, self.merged), after.kind.tag, self.merged.settings, degrees=degrees)
-        if POSE & (one.keys() | other.keys()) and at_the_same_place(
+        one = elements.plain(elements.effective(before, part), before.kind.tag, part.settings, degrees=degrees)
+        other = elements.plain(
+            elements.effective(after, self.merged), after.kind.tag, self.merged.settings, degrees=degrees
+        )
+        if elements.POSE & (one.keys() | other.keys()) and elements.at_the_same_place(
             one, part.settings, other, others=self.merged.settings
         ):
-            for name in (*POSE, "size"):
+            for name in (*elements.POSE, "size"):
                 one.pop(name, None)
                 other.pop(name, None)
         for name, attribute in before.kind.attributes.items():
@@ -197,11 +178,11 @@ class Comparison:
                 is_equal = theirs in (ours, each.prefix + ours) or bool(own and own == self.alike.get(there or ""))
             if is_equal:
                 del one[name], other[name]
-        return differing(one, other, before.kind, prefix=each.prefix)
+        return elements.differing(one, other, before.kind, prefix=each.prefix)
 
     def same(self, before: Node, after: Node, each: Instance) -> bool:
         """Return whether MuJoCo compiles the two to the same."""
-        part, likeness = self.parts[each.part], self.likeness.get(id(each), Likeness())
+        part, likeness = self.parts[each.part], self.likeness.get(id(each), elements.Likeness())
         of_body = before.tag == after.tag == "inertial"
         here, there = (parent_body(node) if of_body else node for node in (before, after))
         if here is None or there is None:
@@ -230,20 +211,20 @@ class Comparison:
             pair = pairs[0]
             attribute = pair.item.kind.attributes[name]
             called = owner if pair.each.is_base else pair.each.out + (owner if owner != MAIN else "")
-            text = written_value(attribute, self.name(attribute, value))
+            text = elements.written_value(attribute, self.name(attribute, value))
             settled.setdefault(called, {}).setdefault(tag, {})[name] = text
             change = Changed("default class", called, f"{tag} {name}", *self.ends(pair, name, value), count=len(pairs))
             self.found_changes.append(change)
             for each in pairs:
                 del each.changes[name]
         for owner, tags in settled.items():
-            self.edit({"select": f"{{default: {word(owner)}}}", "set": nested(dict(tags))}, CLASSES)
+            self.edit({"select": f"{{default: {word(owner)}}}", "set": elements.nested(dict(tags))}, elements.CLASSES)
         for pair in self.pairs:
             self.change(pair)
 
     def ends(self, pair: Pair, name: str, after: str | None) -> tuple[str | None, str | None, str]:
         """Return an attribute's value in the part, its new value, and its unit."""
-        return effective(pair.item, self.parts[pair.each.part]).get(name), after, self.unit(pair, name)
+        return elements.effective(pair.item, self.parts[pair.each.part]).get(name), after, self.unit(pair, name)
 
     def owner(self, pair: Pair, name: str) -> str | None:
         """Return the class that sets an element's value, or None if the element itself or nothing sets it."""
@@ -259,7 +240,7 @@ class Comparison:
         attributes = pair.item.kind.attributes
         removed = {name: "null" for name, value in pair.changes.items() if value is None}
         written = removed | {
-            k: written_value(attributes[k], self.name(attributes[k], v))
+            k: elements.written_value(attributes[k], self.name(attributes[k], v))
             for k, v in pair.changes.items()
             if v is not None
         }
@@ -270,8 +251,8 @@ class Comparison:
                     Changed(pair.item.kind.tag, self.called(pair), name, before=before, after=after, unit=unit)
                 )
         if pair.changes or pair.moved:
-            verbs = {"select": pair.select} | ({"set": flow(written)} if written else {})
-            self.edit(verbs | ({"move": flow(pair.moved)} if pair.moved else {}))
+            verbs = {"select": pair.select} | ({"set": elements.flow(written)} if written else {})
+            self.edit(verbs | ({"move": elements.flow(pair.moved)} if pair.moved else {}))
 
     def called(self, pair: Pair) -> str:
         item = pair.item
@@ -290,7 +271,7 @@ class Comparison:
         kind, attribute = pair.item.kind, pair.item.kind.attributes[name]
         form = ""
         if kind.tag == "joint" and pair.item.section == "worldbody":
-            form = effective(pair.item, self.parts[pair.each.part]).get("type", "hinge")
+            form = elements.effective(pair.item, self.parts[pair.each.part]).get("type", "hinge")
         if attribute.angle is not None and form in ("", *ANGULAR):
             angle = "deg" if self.merged.settings.angle == "degree" else "rad"
             return angle if attribute.angle == "joint" or form else ""
@@ -300,29 +281,29 @@ class Comparison:
 
     def compare_assets(self, each: Instance) -> None:
         """Write the edits of the part's own assets; their files remain the part's."""
-        part, assets = self.parts[each.part], assets_of(self.merged)
-        for (tag, name), node in assets_of(part).items():
+        part, assets = self.parts[each.part], elements.assets_of(self.merged)
+        for (tag, name), node in elements.assets_of(part).items():
             there = assets.get((tag, each.prefix + name), assets.get((tag, name)))
             if there is not None:
-                kind, select = GRAMMAR.element(tag), selector_of(tag, tag, each.out + name)
+                kind, select = GRAMMAR.element(tag), elements.selector_of(tag, tag, each.out + name)
                 item, other = (Item(one, kind, "asset", namespace=tag) for one in (node, there))
                 self.pairs.append(Pair(select, item, each, changes=self.changes(item, other, each), moved={}))
 
     def compare_sections(self, each: Instance) -> None:
         """Compare unnamed elements of sections, paired by their references."""
         there: dict[tuple[object, ...], Item] = {}
-        for item in items(self.merged):
+        for item in elements.items(self.merged):
             if not item.name and item.section != "worldbody":
                 there.setdefault(self.meant(item, None), item)
-        for item in items(self.parts[each.part]):
+        for item in elements.items(self.parts[each.part]):
             if item.name or item.section == "worldbody":
                 continue
             meant = self.meant(item, each)
             references = {k: word(each.out + v) for k, a, v in self.written(item) if a.is_reference}
-            select = flow({f"{item.section}/{item.kind.tag}": '"**"', "where": flow(references)})
+            select = elements.flow({f"{item.section}/{item.kind.tag}": '"**"', "where": elements.flow(references)})
             found = there.pop(meant, None)
             if found is None or (found.kind != item.kind and not self.same(item.node, found.node, each)):
-                self.edit({"select": select, "remove": "true"}, REMOVED)
+                self.edit({"select": select, "remove": "true"}, elements.REMOVED)
             else:
                 self.covered.add(found.node)
                 self.pairs.append(Pair(select, item, each, changes=self.changes(item, found, each), moved={}))
@@ -336,7 +317,7 @@ class Comparison:
             self.unnamed(here, there, _IN_WORLD, each=each)
             return []
         return [*self.beside(here, each)] + [
-            flow({tag: '"**"', "parent": _IN_WORLD, "where": quoted("${name == ''}")})
+            elements.flow({tag: '"**"', "parent": _IN_WORLD, "where": quoted("${name == ''}")})
             for tag in _IN_BODIES
             if _without_name(here, tag)
         ]
@@ -379,7 +360,7 @@ class Comparison:
             return {}
         pose = self.pose(there.node, self.merged)
         to = {"to": word(self.names.get(("body", name), name))}
-        return to | {"pos": numbers(pose.pos), "quat": numbers(pose.quat)}
+        return to | {"pos": elements.numbers(pose.pos), "quat": elements.numbers(pose.quat)}
 
     def unnamed(self, before: Node, after: Node, parent: str, each: Instance) -> None:
         """Compare unnamed elements, paired by their order; `parent` is the selector of their parent."""
@@ -392,7 +373,7 @@ class Comparison:
             for a, b in paired(one, other, lambda a, b: not self.changes(a, b, each)):
                 select = _numbered(a.node, parent)
                 if b is None:
-                    self.edit({"select": select, "remove": "true"}, REMOVED - one.index(a))
+                    self.edit({"select": select, "remove": "true"}, elements.REMOVED - one.index(a))
                 else:
                     self.covered.add(b.node)
                     self.pairs.append(Pair(select, a, each, changes=self.changes(a, b, each), moved={}))
@@ -417,7 +398,7 @@ def _numbered(node: Node, parent: str) -> str:
     assert around is not None
     number = numbered(around, tag)[node]
     where = {} if tag == "inertial" else {"where": quoted(f"${{index == {number}}}")}
-    return flow({tag: '"**"', "parent": parent, **where})
+    return elements.flow({tag: '"**"', "parent": parent, **where})
 
 
 def _without_name(body: Node, tag: str) -> list[Node]:

@@ -23,27 +23,9 @@ from mjcompose.sources.lock import resolve
 from mjcompose.sources.reference import SourceError
 from mjcompose.sources.ros import UrdfChoices
 from mjcompose.text.faults import quoted, word
+from mjcompose.tools.importing import elements
 from mjcompose.tools.importing.compare import Comparison
-from mjcompose.tools.importing.elements import (
-    REMOVED,
-    RENAMED,
-    Changed,
-    Entry,
-    Likeness,
-    Names,
-    assets_of,
-    default_text,
-    effective,
-    flow,
-    items,
-    named,
-    nested,
-    numbers,
-    pose_in,
-    selector_of,
-    settings_of,
-    written_value,
-)
+from mjcompose.tools.importing.elements import Changed, Entry, Likeness, Names
 from mjcompose.tools.importing.search import Instance, find, name_in_recipe, parent_body, separator_of
 from mjcompose.tree.classes import childclass_of
 from mjcompose.tree.grammar import GRAMMAR
@@ -118,17 +100,17 @@ class _Proposer(Comparison):
     def match_names(self) -> None:
         """Map each name of a part in the merged model to its name in the composition."""
         for each in self.found:
-            for namespace, name in named(self.parts[each.part]):
+            for namespace, name in elements.named(self.parts[each.part]):
                 there_named = self.theirs(each, namespace, name)
                 if (namespace, there_named) in self.there:
                     self.names[namespace, there_named] = each.out + name
 
     def match_assets(self) -> None:
         """Map assets of the merged model to assets of parts; the others become entries of the recipe."""
-        assets = assets_of(self.merged)
+        assets = elements.assets_of(self.merged)
         for each in sorted(self.found, key=lambda each: not each.is_base):
             unit = self.parts[each.part]
-            for (tag, name), node in assets_of(unit).items():
+            for (tag, name), node in elements.assets_of(unit).items():
                 self.alike[each.out + name] = (tag, *sorted(self.values(node, unit).items()))
                 for there in (each.prefix + name, name):
                     if (tag, there) in assets:
@@ -138,17 +120,17 @@ class _Proposer(Comparison):
             if (tag, name) not in self.names:
                 self.names[tag, name] = name
                 values = self.values(node, self.merged)
-                shown = {k: written_value(GRAMMAR.element(tag).attributes[k], v) for k, v in values.items()}
-                nested = "it has elements of its own" if len(node) else None
+                shown = {k: elements.written_value(GRAMMAR.element(tag).attributes[k], v) for k, v in values.items()}
+                note = "it has elements of its own" if len(node) else None
                 if not name:
                     shown = {"name": quoted(""), **shown}
                     name = self.label(f"asset/{tag}", shown.get("type", tag).strip('"'))
-                self.entries.append(Entry("asset", f"{word(name)}: {flow(shown)}", nested, group=tag))
+                self.entries.append(Entry("asset", f"{word(name)}: {elements.flow(shown)}", note, group=tag))
 
     def remove_keys(self) -> None:
         keys = [{str(key.get("name")) for key in unit.root.iter("key")} for unit in (self.merged, *self.parts)]
         for name in dict.fromkeys(name for each in self.found for name in sorted(keys[each.part + 1] - keys[0])):
-            self.edit({"select": f"{{key: {word(name)}}}", "remove": "true"}, REMOVED)
+            self.edit({"select": f"{{key: {word(name)}}}", "remove": "true"}, elements.REMOVED)
 
     def head(self) -> list[str]:
         model = self.merged.model
@@ -165,8 +147,8 @@ class _Proposer(Comparison):
         order = list(dict.fromkeys(namespace for namespace, _, _ in changed))
         for namespace, name, new in sorted(changed, key=lambda change: order.index(change[0])):
             if (namespace, name) in self.there:
-                select = selector_of(namespace, self.there[namespace, name].kind.tag, new)
-                self.edit({"select": select, "rename": word(name)}, RENAMED)
+                select = elements.selector_of(namespace, self.there[namespace, name].kind.tag, new)
+                self.edit({"select": select, "rename": word(name)}, elements.RENAMED)
             else:  # the name of an asset does not matter
                 kept[namespace][name] = new
         return dict(kept)
@@ -175,7 +157,7 @@ class _Proposer(Comparison):
         """Return an unused key for an unnamed element of a section."""
         kind = section.partition("/")[2] or section
         taken = {name for (namespace, name) in self.there if namespace == kind}
-        taken |= {name for (tag, name) in assets_of(self.merged) if tag == kind}
+        taken |= {name for (tag, name) in elements.assets_of(self.merged) if tag == kind}
         keys = (word if number == 1 and section.startswith("asset/") else f"{word}_{number}" for number in count(1))
         key = next(key for key in keys if key not in taken | self.labels)
         self.labels.add(key)
@@ -192,7 +174,7 @@ class _Proposer(Comparison):
             name = self.names.get(("body", str(parent.get("name"))))
             if name is None:
                 note = f"no part has the body `{parent.get('name')}` that it is attached to"
-                self.entries.append(Entry("attach", f"{each.key}: {flow(values)}", note))
+                self.entries.append(Entry("attach", f"{each.key}: {elements.flow(values)}", note))
                 return
             site = self.site(parent, pose)
             values |= {"site": word(site)} if site is not None else {"body": word(name)}
@@ -201,23 +183,25 @@ class _Proposer(Comparison):
             w, x, y, z = pose.quat
             pose = Pose(pose.pos, (-w, -x, -y, -z))
         if any(abs(value) > _CLOSE for value in pose.pos):
-            values["pos"] = numbers(pose.pos)
+            values["pos"] = elements.numbers(pose.pos)
         if any(abs(a - b) > _CLOSE for a, b in zip(pose.quat, IDENTITY_QUAT, strict=True)):
-            values["quat"] = numbers(pose.quat)
+            values["quat"] = elements.numbers(pose.quat)
         if dropped:
             values["drop"] = f"[{', '.join(dropped)}]"
-        self.entries.append(Entry("attach", f"{word(each.key)}: {flow(values)}"))
+        self.entries.append(Entry("attach", f"{word(each.key)}: {elements.flow(values)}"))
 
     def site(self, parent: Node, pose: Pose) -> str | None:
         """Return a part's site in this body with that pose."""
         for each in self.found:
             part = self.parts[each.part]
             name = str(parent.get("name")).removeprefix(each.prefix)
-            body = named(part).get(("body", name))
+            body = elements.named(part).get(("body", name))
             for site in body.node.iterchildren("site") if body is not None else ():
                 if not site.get("name"):
                     continue
-                own = pose_in(effective(named(part)["site", str(site.get("name"))], part), part.settings)
+                own = elements.pose_in(
+                    elements.effective(elements.named(part)["site", str(site.get("name"))], part), part.settings
+                )
                 near = zip((*own.pos, *own.quat), (*pose.pos, *pose.quat), strict=True)
                 if all(abs(a - b) < 1e-5 for a, b in near):
                     return f"{each.out}{site.get('name')}"
@@ -232,40 +216,44 @@ class _Proposer(Comparison):
         )
         attributes = GRAMMAR.section("compiler").attributes
         values = {
-            name: written_value(attributes[name], ours[name])
+            name: elements.written_value(attributes[name], ours[name])
             for name in sorted(SETTABLE & attributes.keys() & ours.keys())
-            if ours[name] != theirs.get(name, default_text(attributes[name]))
+            if ours[name] != theirs.get(name, elements.default_text(attributes[name]))
         }
         if values:
-            self.entries.append(Entry("compiler", flow(values)))
+            self.entries.append(Entry("compiler", elements.flow(values)))
 
     def settings(self) -> None:
         """Write settings of the whole model that differ from the base or from another part."""
-        wanted = settings_of(self.merged)
-        base = next((settings_of(self.parts[each.part]) for each in self.found if each.is_base), {})
-        others = [settings_of(self.parts[each.part]) for each in self.found if not each.is_base]
+        wanted = elements.settings_of(self.merged)
+        base = next((elements.settings_of(self.parts[each.part]) for each in self.found if each.is_base), {})
+        others = [elements.settings_of(self.parts[each.part]) for each in self.found if not each.is_base]
         settled: dict[str, dict[str, object]] = {}
         for path in dict.fromkeys([*wanted, *base, *(path for other in others for path in other)]):
             section, *inner, name = path
             attribute = GRAMMAR.element("/".join([section, *inner])).attributes.get(name)
             if attribute is None or path == ("size", "nkey"):
                 continue  # MuJoCo writes the number of keys, and adds empty ones
-            value = wanted.get(path, default_text(attribute))
+            value = wanted.get(path, elements.default_text(attribute))
             said = {each.get(path, value) for each in others}
-            if value is not None and (base.get(path, default_text(attribute)) != value or (said and said != {value})):
+            if value is not None and (
+                base.get(path, elements.default_text(attribute)) != value or (said and said != {value})
+            ):
                 into = settled.setdefault(section, {})
                 for tag in inner:
                     into = into.setdefault(tag, {})  # type: ignore[assignment]
-                into[name] = written_value(attribute, value)
+                into[name] = elements.written_value(attribute, value)
         for section, values in settled.items():
-            self.entries.append(Entry(section, nested(values)))
+            self.entries.append(Entry(section, elements.nested(values)))
 
     def left_over(self) -> None:
         """Write the elements of the merged model that no part has."""
         brought = {
-            (namespace, each.out + name) for each in self.found for namespace, name in named(self.parts[each.part])
+            (namespace, each.out + name)
+            for each in self.found
+            for namespace, name in elements.named(self.parts[each.part])
         }
-        for item in items(self.merged):
+        for item in elements.items(self.merged):
             node = item.node
             if node in self.covered or (item.kind.tag == "frame" and self.is_empty(node)):
                 continue
@@ -278,14 +266,14 @@ class _Proposer(Comparison):
                 note = None if name else "it is in a body without a name"
                 self.entries.append(Entry("add", f"{{to: {word(name or '?')}, xml: {quoted(text)}}}", note))
             elif item.section == "contact":
-                values = flow({k: word(self.name(a, v)) for k, a, v in self.written(item)})
+                values = elements.flow({k: word(self.name(a, v)) for k, a, v in self.written(item)})
                 self.entries.append(Entry("contact", values, group=item.kind.tag))
             elif item.name:
                 key = item.name
                 if (item.namespace, key) in brought:  # the name is taken until the part's element is removed
                     key = self.label(item.section, f"{key}_new")
-                    select = selector_of(item.namespace, item.kind.tag, key)
-                    self.edit({"select": select, "rename": word(item.name)}, RENAMED)
+                    select = elements.selector_of(item.namespace, item.kind.tag, key)
+                    self.edit({"select": select, "rename": word(item.name)}, elements.RENAMED)
                 self.entries.append(Entry(item.section, f"{word(key)}: {{xml: {quoted(self.fragment(node, key))}}}"))
             else:
                 key = self.label(item.section, item.kind.tag)
