@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import replace
 
 from mjcompose.base.codes import CODES
-from mjcompose.base.diagnostic import Cause, CellName, Diagnostic, Fix, Note, Severity, Span
+from mjcompose.base.diagnostic import Cause, CellName, Diagnostic, DiagnosticError, Fix, Note, Severity, Span
 from mjcompose.base.files import MJCF_FILES, URDF_FILES
 from mjcompose.base.limits import advice, in_force
 
@@ -27,7 +27,7 @@ class Sink:
     """Collects diagnostics in the order they are found; equal diagnostics are kept once.
 
     A code that is not in `CODES` is a bug of the caller and raises `KeyError`. Exceeding the limit `faults` raises
-    `TooManyFaults`.
+    `TooManyFaults`. A block `with sink:` ends at a `DiagnosticError`, whose diagnostic is added.
     """
 
     def __init__(self) -> None:
@@ -97,6 +97,14 @@ class Sink:
                 message = f"there are more than {most} errors; mjcompose stopped looking for others"
                 self._found[Diagnostic("limit-exceeded", message, None, help=advice("faults"))] = {}
                 raise TooManyFaults(self)
+
+    def __enter__(self) -> Sink:
+        return self
+
+    def __exit__(self, kind: object, error: BaseException | None, trace: object) -> bool:
+        if isinstance(error, DiagnosticError):
+            self.add(error.diagnostic)
+        return isinstance(error, DiagnosticError)
 
     def drop(self, diagnostic: Diagnostic) -> None:
         """Forget a warning or a note, with all findings of the same cause, because the user has acknowledged it."""

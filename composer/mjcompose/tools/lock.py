@@ -12,7 +12,6 @@ from mjcompose.base.diagnostic import Note, Severity
 from mjcompose.base.files import read_regular
 from mjcompose.base.sink import Sink
 from mjcompose.base.suggest import did_you_mean, exists_note
-from mjcompose.build.bundle.bundle import OutputError
 from mjcompose.build.bundle.staging import staged_file
 from mjcompose.build.cache.cells import cells_of, choices_of
 from mjcompose.build.compose.interface import interface_changes, locked_interface
@@ -38,7 +37,7 @@ def write_lock(
     given: Given | None = None,
     *,
     interface: bool = False,
-) -> tuple[str, list[str]] | None:  # fmt: skip
+) -> tuple[str, list[str]] | None:
     """Write the lock; return its place and its new entries, or None after errors, which are reported.
 
     `names` are the sources to upgrade: none for None, all for `()`, and with them or with `interface` the interface.
@@ -86,11 +85,9 @@ def write_lock(
     if not _wrote_shapes(how.lock_file, shapes, before, context=context):
         return None
     if not os.path.isfile(how.lock_file) or read_regular(how.lock_file) != text:
-        try:
-            with staged_file(how.lock_file, rewrites=True) as stage:
-                stage.write_bytes(text)
-        except OutputError as error:
-            context.sink.add(error.diagnostic)
+        with context.sink, staged_file(how.lock_file, rewrites=True) as stage:
+            stage.write_bytes(text)
+        if context.sink.errors:
             return None
         if before is None:
             changes = changes or ["no sources to pin"]
@@ -116,12 +113,10 @@ def _wrote_shapes(lock_file: Path, shapes: dict[str, bytes], before: Lock | None
         return True
     from mjcompose.build.compose.preview import write_beside
 
-    try:
+    with context.sink:
         write_beside(shapes_folder(lock_file), shapes)
-    except OutputError as error:
-        context.sink.add(error.diagnostic)
-        return False
-    return True
+        return True
+    return False
 
 
 def _plans_of_cells(recipe: Path, context: Context, given: Given) -> Iterator[Plan]:
@@ -158,12 +153,9 @@ def _wanted(names: tuple[str, ...], lock: Lock | None, context: Context) -> froz
     found: set[str] = set()
     for name in names:
         if name not in known:
-            context.sink.error(
-                "unknown-name",
-                f"the lock has no source `{name}`",
-                notes=[exists_note("source", known, name)],
-                help=did_you_mean(name, known) or "run `mjcompose lock` for a new part",
-            )
+            help = did_you_mean(name, known) or "run `mjcompose lock` for a new part"
+            notes = [exists_note("source", known, name)]
+            context.sink.error("unknown-name", f"the lock has no source `{name}`", notes=notes, help=help)
         found |= known.get(name, set())
     return frozenset(found)
 
@@ -173,12 +165,10 @@ def _report_disputes(disputes: Disputed, how: Fetching, context: Context) -> Non
     assert how.lock_file is not None
     shown = context.shown(how.lock_file)
     for id, pins in disputes.items():
-        context.sink.error(
-            "lock-invalid",
-            f"the two sides of the merge in `{shown}` pin `{id}` differently",
-            notes=[Note(f"{side}: {pin}") for side, pin in zip(("ours", "theirs"), pins, strict=True)],
-            help=f"run `mjcompose lock {how.recipe} --upgrade-source {id}`, or choose one side of the merge",
-        )
+        message = f"the two sides of the merge in `{shown}` pin `{id}` differently"
+        notes = [Note(f"{side}: {pin}") for side, pin in zip(("ours", "theirs"), pins, strict=True)]
+        help = f"run `mjcompose lock {how.recipe} --upgrade-source {id}`, or choose one side of the merge"
+        context.sink.error("lock-invalid", message, notes=notes, help=help)
 
 
 def _report_changes(before: Lock, after: Lock, fresh: frozenset[str], recipe: Path, context: Context) -> None:

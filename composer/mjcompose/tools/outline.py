@@ -18,7 +18,7 @@ from mjcompose.base.report import Paint, counted
 from mjcompose.base.rotation import Pose
 from mjcompose.build.bundle.bundle import MANIFEST
 from mjcompose.build.bundle.manifest import from_json
-from mjcompose.build.bundle.read import ReadError, read
+from mjcompose.build.bundle.read import read
 from mjcompose.build.compose.compose import ComposeOptions, Composer
 from mjcompose.build.compose.load import Loader
 from mjcompose.build.plan.matrix import check_sample
@@ -33,7 +33,6 @@ from mjcompose.link.numbers import read_pose
 from mjcompose.mujoco.arrays import BY_WORD
 from mjcompose.sources.context import Context
 from mjcompose.sources.lock import resolve
-from mjcompose.sources.reference import SourceError
 from mjcompose.text.faults import quoted, word
 from mjcompose.tree.classes import text_in_effect
 from mjcompose.tree.names import WORLD
@@ -314,12 +313,12 @@ def outline(text: str, context: Context, given: Given | None = None, sample: int
         return _of_bundle(path, text, context)
     # An existing file is a path, whatever colons it has.
     reference = text if not os.path.exists(path) or path.is_absolute() else os.path.join(".", text)
-    try:
+    source = None
+    with context.sink:
         source = resolve(
             reference, relative_to=context.folder, environment=context.environment, fetching=context.fetching
         )
-    except SourceError as error:
-        context.sink.add(error.diagnostic)
+    if source is None:
         return None
     if source.format == "recipe":
         return _of_recipe(source.path, text, context, given=given, sample=sample)
@@ -362,12 +361,10 @@ def _part_of(model: Unit, parts: dict[Node, str], separator: str) -> PartOf:
 
 
 def _of_bundle(path: Path, text: str, context: Context) -> Outline | None:
-    try:
+    unit = None
+    with context.sink:
         bundle = read(path, shown=text)
-    except ReadError as error:
-        context.sink.add(error.diagnostic)
-        return None
-    unit = parse_text(bundle.files[bundle.model], context.sink, file=bundle.model, directory=path, label=path.stem)
+        unit = parse_text(bundle.files[bundle.model], context.sink, file=bundle.model, directory=path, label=path.stem)
     if unit is None:
         return None
     manifest = None

@@ -11,7 +11,6 @@ from pathlib import Path
 
 from mjcompose.base.files import RECIPES
 from mjcompose.base.scratch import scratch
-from mjcompose.build.bundle.bundle import OutputError
 from mjcompose.build.bundle.staging import staged_file
 from mjcompose.build.plan.read import Given
 from mjcompose.mujoco import engine
@@ -40,7 +39,7 @@ def render_views(folder: Path, kept: tuple[str, str], context: Context, session:
             return ()
         views: list[View] = []
         used: set[str] = set()
-        try:
+        with context.sink:
             for number, each in enumerate(answer.value["views"]):
                 first = re.sub(r"[^\w.-]+", "_", each["name"]).lstrip(".") or "camera"
                 stems = (first if count == 1 else f"{first}_{count}" for count in itertools.count(1))
@@ -51,10 +50,8 @@ def render_views(folder: Path, kept: tuple[str, str], context: Context, session:
                     with staged_file(context.folder / place, "--renders") as stage:
                         stage.write_bytes(Path(made, f"{number}-{side}.png").read_bytes())
                 views.append(View(each["name"], str(places[0]), str(places[1]), differs=each["differs"]))
-        except OutputError as error:
-            context.sink.add(error.diagnostic)
-            return ()
-        return tuple(views)
+            return tuple(views)
+        return ()
 
 
 def grouped(changes: Iterable[Change], causes: Causes, a: Side, b: Side) -> list[Group]:

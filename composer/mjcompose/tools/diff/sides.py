@@ -187,10 +187,9 @@ def read_operand(text: str, context: Context, opened: ExitStack) -> Operand | No
     path, revision, files, own = context.folder / text, None, None, replace(context, sink=Sink())
     if not os.path.exists(path) and (parts := split(text)) is not None:
         revision = parts[0]
-        try:
+        with context.sink:
             path, files, own = _of_revision(revision, parts[1], own, opened=opened)
-        except RevisionError as error:
-            context.sink.add(error.diagnostic)
+        if files is None:
             return None
     if not os.path.exists(path):
         where = "" if revision is None else f" in revision `{revision}`"
@@ -399,12 +398,9 @@ def _bundle(operand: Operand, kept: str, session: Session) -> Side | None:
     try:
         bundle = read(operand.path, shown=shown)
         verified = verify(bundle, session=session, keep=kept, stranger=shown)
-    except OutsideFilesError as error:
-        for each in error.found:
+    except (OutsideFilesError, ReadError, OutputError) as error:
+        for each in error.found if isinstance(error, OutsideFilesError) else [error.diagnostic]:
             context.sink.add(each)
-        return None
-    except (ReadError, OutputError) as error:
-        context.sink.add(error.diagnostic)
         return None
     if verified.error is not None and not verified.compiled.ok:
         _refused(verified.error, verified.crash, f"{shown}/{bundle.model}", context=context)

@@ -22,7 +22,6 @@ from mjcompose.mujoco.environments import Compiled, Other, OtherError, make, ope
 from mjcompose.mujoco.messages import parse
 from mjcompose.sources.context import Context
 from mjcompose.sources.lock import resolve
-from mjcompose.sources.reference import SourceError
 from mjcompose.tools.migrate.changes import ORDERED, between
 from mjcompose.tools.migrate.compare import Outcome, compare
 from mjcompose.tools.migrate.editing import Editing, Markup, MarkupError, Meaning, Pieces, Source, Step, later
@@ -428,11 +427,9 @@ def found_model(model: str, context: Context) -> Path | None:
     path, folder = context.folder / model, context.folder
     if os.path.exists(path):
         return path
-    try:
+    with context.sink:
         return resolve(model, relative_to=folder, environment=context.environment, fetching=context.fetching).path
-    except SourceError as error:
-        context.sink.add(error.diagnostic)
-        return None
+    return None
 
 
 def _judge(result: Result, context: Context) -> None:

@@ -21,7 +21,7 @@ from mjcompose.base.diagnostic import Span
 from mjcompose.base.scratch import scratch
 from mjcompose.base.sink import Sink
 from mjcompose.base.suggest import unknown_name
-from mjcompose.build.bundle.bundle import Bundle, OutputError
+from mjcompose.build.bundle.bundle import Bundle
 from mjcompose.build.bundle.staging import staged_file, write_files
 from mjcompose.build.cache.cells import cells_of
 from mjcompose.build.plan.read import read_recipe
@@ -31,7 +31,7 @@ from mjcompose.mujoco.playable import strip
 from mjcompose.mujoco.scene import FILE, describe
 from mjcompose.sources.context import Context
 from mjcompose.text.node import Mapping, Node, Scalar, find
-from mjcompose.tools.diff.changes import Change, Diff, End, Group
+from mjcompose.tools.diff.changes import Change, Diff, End
 from mjcompose.tools.diff.sides import Kind, Operand, Side, split
 from mjcompose.tools.diff.text import render
 from mjcompose.tools.explain import query
@@ -67,12 +67,10 @@ def choices(operand: Operand, asked: Asked) -> list[dict[str, Any]]:
         return []
     menus: list[dict[str, Any]] = []
     variants = find(document, ("variants",))
-    if isinstance(variants, Mapping) and asked.pick is None:
-        for axis, (_, values) in variants.entries.items():
-            if isinstance(values, Mapping):
-                node, names = asked.given.get(axis), list(values.entries)
-                value = node.text if isinstance(node, Scalar) else None
-                menus.append({"name": axis, "label": f"variant {axis}", "values": names, "value": value})
+    axes = variants.entries.items() if isinstance(variants, Mapping) and asked.pick is None else ()
+    for axis, values in ((axis, values) for axis, (_, values) in axes if isinstance(values, Mapping)):
+        value = node.text if isinstance(node := asked.given.get(axis), Scalar) else None
+        menus.append({"name": axis, "label": f"variant {axis}", "values": list(values.entries), "value": value})
     has_cells = not {"matrix", "randomize"}.isdisjoint(document.entries)
     if cells := cells_of(operand.path, context, dict(asked.given)) if has_cells else []:
         names = [_NONE, *(cell.name for cell in cells[:_MOST_CELLS])]
@@ -103,12 +101,14 @@ class Names:
 
     def diff(self, found: Diff) -> Diff:
         """Return a comparison whose text has short names."""
-        groups = []
-        for each in found.groups:
-            cause = each.cause
-            if cause is not None:
-                cause = replace(cause, before=self.span(cause.before), after=self.span(cause.after))
-            groups.append(Group(cause, each.changes))
+        groups = [
+            replace(
+                each, cause=replace(each.cause, before=self.span(each.cause.before), after=self.span(each.cause.after))
+            )
+            if each.cause is not None
+            else each
+            for each in found.groups
+        ]
         return replace(found, a=self._end(found.a), b=self._end(found.b), groups=tuple(groups))
 
     def _end(self, end: End) -> End:
@@ -150,8 +150,11 @@ class Origins:
     def data(self, names: AbcMapping[str, Sequence[str]], excluded: Sequence[tuple[str, str]]) -> dict[str, Any]:
         """Return for each kind the place, part, words and changes of each element, and rows for `excluded` pairs."""
         traced = self.side.traced
-        kinds = [kind for kind in KINDS if kind in names] if traced is not None else []
-        of = {kind: self._of_kind(kind, names[kind], traced) for kind in kinds if traced is not None}
+        of: dict[str, list[Any]] = {}
+        if traced is not None:
+            for kind in filter(names.__contains__, KINDS):
+                nodes = nodes_of(kind, names[kind], traced)
+                of[kind] = [None if node is None else self._element(node, traced) for node in nodes]
         exclude = self._of_excludes(excluded)  # before `files`, which lists its files too
         return {"files": list(self._files), "parts": self._part_places, "of": of, "exclude": exclude}
 
@@ -168,10 +171,6 @@ class Origins:
                 place, _, words, _ = self._element(found[pair], traced)
             rows.append([place, words, why.get(pair)])
         return rows
-
-    def _of_kind(self, kind: str, names: Sequence[str], traced: Traced) -> list[Any]:
-        nodes = nodes_of(kind, names, traced)
-        return [None if node is None else self._element(node, traced) for node in nodes]
 
     def _element(self, node: Any, traced: Traced) -> list[Any]:
         life = traced.watch.life(node)
@@ -275,13 +274,11 @@ def write_comparison(a: Side, b: Side, found: Diff, out: Path, context: Context,
 
 
 def _wrote(content: bytes, out: Path, context: Context, inputs: Sequence[Path]) -> bool:
-    try:
+    with context.sink:
         with staged_file(context.folder / out, "--html", inputs=inputs) as stage:
             stage.write_bytes(content)
-    except OutputError as error:
-        context.sink.add(error.diagnostic)
-        return False
-    return True
+        return True
+    return False
 
 
 def difference(found: Diff) -> dict[str, Any]:
@@ -296,12 +293,11 @@ def difference(found: Diff) -> dict[str, Any]:
 
 
 def _elements(changes: list[Change], what: str, side: int) -> list[str]:
-    found: dict[str, None] = {}
-    for each in changes:
-        is_move = each.kind == "body" and each.field in _PLACES
-        if what == ("moved" if is_move else each.what) and each.index[side] != _ABSENT:
-            found[f"{each.kind} {each.index[side]}"] = None
-    return list(found)
+    found = (
+        f"{each.kind} {each.index[side]}" for each in changes if each.index[side] != _ABSENT
+        and what == ("moved" if each.kind == "body" and each.field in _PLACES else each.what)
+    )  # fmt: skip
+    return list(dict.fromkeys(found))
 
 
 BUILT = Path(__file__).with_name("built")
@@ -383,10 +379,7 @@ def write_page(side: Side, out: Path, key: str | None, context: Context, session
     made = described(side, session, key_named=key)
     if made is None or not made.has_key(key, context.sink):
         return None
-    played = None
-    if side.bundle is not None:
-        played = _played(side.bundle, session)
-    text = alone(made, played=played).encode()
+    text = alone(made, played=None if side.bundle is None else _played(side.bundle, session)).encode()
     return len(text) if _wrote(text, out, context, inputs=side.inputs) else None
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import asdict, replace
 from enum import StrEnum
 from functools import partial
@@ -138,11 +138,20 @@ def size_of(text: str) -> tuple[int, int] | None:
     return (width, height) if min(width, height) >= 16 and max(width, height) <= MOST_PIXELS else None
 
 
+NEEDS_OPENGL = "without a display set `MUJOCO_GL=egl` or `MUJOCO_GL=osmesa`, and install EGL or OSMesa"
+
+
 class _NotDrawn(Exception):
     """Nothing is written, which was reported; an older picture stays."""
 
 
-HELP = "without a display set `MUJOCO_GL=egl` or `MUJOCO_GL=osmesa`, and install EGL or OSMesa"
+_FAULTS = {
+    "no OpenGL": ("no-rendering", "no picture can be made without OpenGL", NEEDS_OPENGL),
+    "no encoder": ("no-video", "no MP4 can be written without PyAV",
+                   'install it with `pip install "mjcompose[video]"`, or write a `.gif`'),
+    "stopped": ("unstable", "the film ends early",
+                "give `--play` fewer seconds; a smaller `timestep` in `<option>` often helps"),
+}  # fmt: skip
 
 
 def render(
@@ -150,7 +159,7 @@ def render(
     option: str = "-o",
 ) -> bool:  # fmt: skip
     """Write a picture or film of a kept model, not over the files that were `read`; return False after an error."""
-    try:
+    with suppress(_NotDrawn), context.sink:
         suffix = format_of(out, wish)
         with staged_file(context.folder / out, option, inputs=read) as stage:
             picture = stage.with_name(stage.name + suffix)
@@ -160,12 +169,8 @@ def render(
                 picture.replace(stage)
             finally:
                 picture.unlink(missing_ok=True)
-    except OutputError as error:
-        context.sink.add(error.diagnostic)
-        return False
-    except _NotDrawn:
-        return False
-    return True
+        return True
+    return False
 
 
 def drawn(kept: str, asked: dict[str, Any], context: Context, session: Session) -> bool:
@@ -174,19 +179,11 @@ def drawn(kept: str, asked: dict[str, Any], context: Context, session: Session) 
     if not answer.ok:
         context.sink.error("no-rendering", f"no picture could be made: {answer.error or answer.crash}")
         return False
-    said: dict[str, Any] = answer.value
-    no_opengl = session.no_opengl or said.get("no OpenGL")
-    if no_opengl is not None:
-        context.sink.error("no-rendering", f"no picture can be made without OpenGL: {no_opengl}", help=HELP)
-        return False
-    if "no encoder" in said:
-        help = 'install it with `pip install "mjcompose[video]"`, or write a `.gif`'
-        context.sink.error("no-video", f"no MP4 can be written without PyAV: {said['no encoder']}", help=help)
-        return False
-    if "stopped" in said:
-        help = "give `--play` fewer seconds; a smaller `timestep` in `<option>` often helps"
-        context.sink.error("unstable", f"the film ends early: {said['stopped']}", help=help)
-        return False
+    said: dict[str, Any] = {"no OpenGL": session.no_opengl} if session.no_opengl else answer.value
+    for fault, (code, message, help) in _FAULTS.items():
+        if fault in said:
+            context.sink.error(code, f"{message}: {said[fault]}", help=help)
+            return False
     if "unknown" in said:
         kind = said["unknown"]
         word, name, written = "keyframe" if kind == "key" else kind, str(asked.get(kind)), f"--{kind} {{}}"
@@ -272,10 +269,8 @@ def render_sheet(
 
 
 def _put(tiles: list[str], out: Path, operand: Operand, session: engine.Session, read: set[Path]) -> bool:
-    try:
+    with operand.context.sink:
         with staged_file(operand.context.folder / out, "-o", inputs=read) as stage:
             engine.call(session, sheet, (), argument={"tiles": tiles, "out": str(stage)})
-    except OutputError as error:
-        operand.context.sink.add(error.diagnostic)
-        return False
-    return True
+        return True
+    return False
