@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import field
 from html import unescape
@@ -25,18 +24,12 @@ from mjcompose.tree.grammar import exists_in, version_key
 from mjcompose.tree.history import RELEASED, place, spans
 from mjcompose.tree.parse import parse_file
 from mjcompose.tree.unit import Unit, line_of
+from mjcompose.tree.xml_pieces import Piece as Tag
+from mjcompose.tree.xml_pieces import pieces
 
 
 def later(version: str, than: str) -> bool:
     return version_key(version) > version_key(than)
-
-
-_PIECE = re.compile(
-    r"<!--.*?-->|<!\[CDATA\[.*?\]\]>|<\?.*?\?>|<!DOCTYPE[^>\[]*(?:\[.*?\])?\s*>"
-    r"|<(?P<close>/)?(?P<tag>[^\s<>/!?=]+)(?P<inside>(?:[^<>\"']|\"[^\"]*\"|'[^']*')*)>",
-    re.DOTALL,
-)
-_ATTRIBUTE = re.compile(r"""(\s*)([^\s=<>/"']+)\s*=\s*("[^"]*"|'[^']*')""")
 
 
 class MarkupError(Exception):
@@ -45,16 +38,11 @@ class MarkupError(Exception):
 
 @dataclass(slots=True)
 class _Written:
-    """An element in its text: its start tag, its end, and its attributes."""
+    """An element in its text: its start tag, where its end tag begins (0: it has none), and where it ends."""
 
-    tag: str
-    start: int
-    inside: int
-    open_end: int
-    end: int = 0
+    head: Tag
     close: int = 0
-    values: dict[str, str] = field(default_factory=dict)
-    stretches: dict[str, tuple[int, int, int, int, int]] = field(default_factory=dict)
+    end: int = 0
 
 
 @dataclass(slots=True)
@@ -62,36 +50,26 @@ class Markup:
     """The text of one file and its elements, in the order in which they begin."""
 
     text: str
-    elements: list[_Written]
+    elements: list[_Written] = field(default_factory=list)
 
     @classmethod
     def read(cls, text: str) -> Markup:
         """Raises MarkupError if tags do not close each other."""
-        found: list[_Written] = []
-        open_: list[_Written] = []
-        for piece in _PIECE.finditer(text):
-            tag = piece["tag"]
-            if tag is None:
-                continue
-            if piece["close"]:
-                if not open_ or open_[-1].tag != tag:
-                    raise MarkupError(tag)
-                element = open_.pop()
-                element.close, element.end = piece.start(), piece.end()
-                continue
-            element = _Written(tag, piece.start(), piece.start("inside"), open_end=piece.end())
-            for each in _ATTRIBUTE.finditer(text, piece.start("inside"), piece.end("inside")):
-                value = each[3]
-                element.values[each[2]] = unescape(value[1:-1])
-                element.stretches[each[2]] = (each.start(), *each.span(2), each.start(3), each.end())
-            found.append(element)
-            if piece["inside"].rstrip().endswith("/"):
-                element.end = piece.end()
-            else:
-                open_.append(element)
-        if open_:
-            raise MarkupError(open_[-1].tag)
-        return cls(text, found)
+        found, open_ = cls(text), list[_Written]()
+        for piece in pieces(text):
+            if piece.kind == "start":
+                element = _Written(piece, end=piece.end)
+                found.elements.append(element)
+                if not piece.closed:
+                    open_.append(element)
+            elif piece.kind == "end":
+                element = open_.pop() if open_ else _Written(piece)
+                if element.head.tag != piece.tag or element.head is piece:
+                    raise MarkupError(piece.tag)
+                element.close, element.end = piece.start, piece.end
+        if open_ or not all(each.head.complete for each in found.elements):
+            raise MarkupError("")
+        return found
 
 
 @dataclass(slots=True)
@@ -110,8 +88,8 @@ class Source:
         text = self.markup.text
         place = {node: each for node, each in zip(self.nodes, self.markup.elements, strict=True) if node is not None}
         for node, written in place.items():
-            edits.extend(_changes(node, written, renamed.get(node, {})))
-            edits.extend(_additions(node, written, place, text=text))
+            edits += _changes(node, written.head, written.close, renamed.get(node, {}), text=text)
+            edits += _additions(node, written, place, text=text)
         result, done = [], 0
         for start, end, new in sorted(edits, key=lambda edit: edit[:2]):
             if start < done:
@@ -121,33 +99,30 @@ class Source:
         return "".join((*result, text[done:]))
 
 
-def _changes(node: Node, written: _Written, renamed: Mapping[str, str]) -> Iterator[tuple[int, int, str]]:
-    now = {str(name): str(value) for name, value in node.items()}
-    tag = str(node.tag)
-    if tag != written.tag:
-        yield written.start + 1, written.start + 1 + len(written.tag), tag
-        if written.close:
-            yield written.close + 2, written.close + 2 + len(written.tag), tag
-    kept = set()
+def _changes(
+    node: Node, head: Tag, close: int, renamed: Mapping[str, str], text: str
+) -> Iterator[tuple[int, int, str]]:
+    tag, now = str(node.tag), {str(name): str(value) for name, value in node.items()}
+    if tag != head.tag:
+        for at in (head.start + 1, close + 2) if close else (head.start + 1,):
+            yield at, at + len(head.tag), tag
+    known, kept = {each.name: each for each in head.attributes}, set()
     for name, value in now.items():
         before = renamed.get(name, name)
-        if before in written.values and (before == name or name not in written.values):
+        if before in known and (before == name or name not in known):
             kept.add(before)
-            _, key, key_end, at, end = written.stretches[before]
+            each = known[before]
             if before != name:
-                yield key, key_end, name
-            if value != written.values[before]:
-                yield at, end, quoteattr(value)
-    for name, (start, _, _, _, end) in written.stretches.items():
+                yield each.at, each.at + len(before), name
+            if value != unescape(each.value or ""):
+                yield each.start - 1, each.end + 1, quoteattr(value)
+    for name, each in known.items():
         if name not in kept and name not in now:
-            yield start, end, ""
-    new = "".join(
-        f" {name}={quoteattr(value)}"
-        for name, value in now.items()
-        if name not in written.values and renamed.get(name, name) not in kept
-    )
+            yield head.start + len(text[head.start : each.at].rstrip()), each.end + 1, ""
+    new = "".join(f" {name}={quoteattr(value)}" for name, value in now.items()
+                  if name not in known and renamed.get(name, name) not in kept)  # fmt: skip
     if new:
-        last = max((stretch[4] for stretch in written.stretches.values()), default=written.start + 1 + len(written.tag))
+        last = max((each.end + 1 for each in head.attributes), default=head.start + 1 + len(tag))
         yield last, last, new
 
 
@@ -158,46 +133,42 @@ def _additions(
     fresh = [child for child in node.iterchildren("*") if child not in place and is_made(child)]
     if not fresh:
         return
-    indent = _indent(text, written.start)
+    indent = _indent(text, written.head.start)
     texts: dict[int, str] = {}
-    known = [
-        place[child].start for child in node.iterchildren("*") if child in place and _inside(place[child], written)
-    ]
+    known = [place[child].head.start for child in node.iterchildren("*")
+             if child in place and _inside(place[child], written)]  # fmt: skip
     step = "\t" if "\n\t" in text else "  "
     inner = _indent(text, known[0]) if known and _begins_line(text, known[0]) else indent + step
     for child in fresh:
-        following = next((place[each].start for each in child.itersiblings("*") if each in place
+        following = next((place[each].head.start for each in child.itersiblings("*") if each in place
                           and _inside(place[each], written)), None)  # fmt: skip
         markup = _markup(child, inner, step)
-        if following is not None:
-            texts[following] = texts.get(following, "") + f"{markup}\n{inner}"
-        else:
-            texts[-1] = texts.get(-1, "") + f"\n{inner}{markup}"
+        at, added = (-1, f"\n{inner}{markup}") if following is None else (following, f"{markup}\n{inner}")
+        texts[at] = texts.get(at, "") + added
     for at, added in texts.items():
         if at >= 0:
             yield at, at, added
         elif not written.close:
-            slash = text.rindex("/", written.start, written.open_end)
-            start = slash - (len(text[:slash]) - len(text[:slash].rstrip()))
+            start = len(text[: text.rindex("/", written.head.start, written.end)].rstrip())
             yield start, written.end, f">{added}\n{indent}</{node.tag!s}>"
         else:
             before = text[: written.close].rstrip(" \t\r\n")
-            at = max(len(before), written.open_end)
+            at = max(len(before), written.head.end)
             ends_line = "\n" in text[at : written.close]
             yield at, at, added if ends_line else f"{added}\n{indent}"
 
 
 def _inside(child: _Written, parent: _Written) -> bool:
-    return parent.start < child.start and child.end <= parent.end
+    return parent.head.start < child.head.start and child.end <= parent.end
 
 
 def _markup(node: Node, indent: str, step: str) -> str:
-    start = "".join([f"<{node.tag!s}", *(f" {name!s}={quoteattr(str(value))}" for name, value in node.items())])
+    start = f"<{node.tag!s}" + "".join(f" {name!s}={quoteattr(str(value))}" for name, value in node.items())
     children = list(node.iterchildren("*"))
     if not children:
         return f"{start}/>"
     inner = "".join(f"\n{indent}{step}{_markup(each, indent + step, step)}" for each in children)
-    return f"{start}>{inner}\n{indent}</" + str(node.tag) + ">"
+    return f"{start}>{inner}\n{indent}</{node.tag!s}>"
 
 
 def _indent(text: str, at: int) -> str:

@@ -246,10 +246,10 @@ def _matched(markup: Markup, nodes: list[Node], is_included: bool) -> list[Node 
     waiting = iter(nodes)
     matched: list[Node | None] = []
     for index, element in enumerate(markup.elements):
-        has_none = element.tag == "include" or (is_included and not index)
+        has_none = element.head.tag == "include" or (is_included and not index)
         node = None if has_none else next(waiting, None)
-        if not has_none and (node is None or node.tag != element.tag):
-            raise MarkupError(element.tag)
+        if not has_none and (node is None or node.tag != element.head.tag):
+            raise MarkupError(element.head.tag)
         matched.append(node)
     if next(waiting, None) is not None:
         raise MarkupError("")
