@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections import Counter
+import re
 from collections.abc import Mapping
 from dataclasses import field
 from typing import Any
@@ -33,6 +33,8 @@ _STATISTICS = ("stat.center", "stat.extent", "stat.meansize")
 _LOOSE = 2e4
 _SHOWN = 6
 _PREFIXES = {kind.arrays: word for word, kind in KINDS.items()} | {"dof": "dof"}
+_NOT_COMPARED = re.compile("n[^_]*|nnames_map|(name|flg)_.*")
+"""Numbers of rows, flags of the compiler, and addresses of names."""
 _ALIASES = {
     "opt.mpr_iterations": "opt.ccd_iterations", "opt.mpr_tolerance": "opt.ccd_tolerance",
     "cam_orthographic": "cam_projection", "tex_rgb": "tex_data",
@@ -83,11 +85,7 @@ def compare(before: Compiled, after: Compiled) -> Outcome:
     _settle_marks(one, two)
     pairs = _pairs(one, two, outcome)
     for array in sorted(one.arrays.keys() | two.arrays.keys()):
-        # Not numbers of rows, flags of the compiler, or addresses of names.
-        is_count = (
-            array.startswith(("name_", "flg_")) or array == "nnames_map" or (array[0] == "n" and "_" not in array)
-        )
-        if not about(array).version and not is_count:
+        if not about(array).version and not _NOT_COMPARED.fullmatch(array):
             _compare(array, one, two, pairs=pairs, outcome=outcome)
     flags = [_flags(side) for side in (one, two)]
     for flag in sorted(flags[0].keys() | flags[1].keys()):
@@ -215,15 +213,13 @@ def _settle_surfaces(one: _Side, two: _Side, outcome: Outcome) -> None:
     kept: list[Array] = []
     for mesh, (start, other) in enumerate(zip(starts, others, strict=True)):
         a, b = x[start : start + counts[mesh]], y[other : other + lengths[mesh]]
-        if mesh not in used and a.shape == b.shape:
-            b = a  # no geom shows it, and versions place such a mesh differently
-        elif a.shape != b.shape or not _close(a, b, one.scale[start : start + counts[mesh]]).all():
-            if _same_surface(a, b):
+        # Versions place a mesh that no geom shows differently.
+        is_same = mesh not in used and a.shape == b.shape
+        if not is_same and (a.shape != b.shape or not _close(a, b, one.scale[start : start + counts[mesh]]).all()):
+            if is_same := _same_surface(a, b):
                 outcome.recut.append(_called("mesh", mesh, one))
-                b = a
-            elif _look_alike(a, b, mesh, one=one, two=two):
-                b = a
-        kept.append(b)
+            is_same = is_same or _look_alike(a, b, mesh, one=one, two=two)
+        kept.append(a if is_same else b)
     if kept:
         two.arrays["mesh_face"] = np.concatenate(kept)
 
@@ -295,26 +291,19 @@ def _pairs(one: _Side, two: _Side, outcome: Outcome) -> dict[str, Array]:
         if list(names) == other:
             continue
         keys, others = _keys(list(names)), _keys(other)
-        lost = [key for key in keys if key not in others]
-        new = [key for key in others if key not in keys]
-        for several, words in ((lost, ("present", "missing")), (new, ("missing", "present"))):
-            if several:
+        for here, there, words in ((keys, others, ("present", "missing")), (others, keys, ("missing", "present"))):
+            if several := [key for key in here if key not in there]:
                 name = several[0][0]
                 element = f"a {kind} without a name" if name is None else f"{kind} `{name}`"
                 outcome.differences.append(Difference(f"{kind} names", element, *words, len(several)))
-        if not lost and not new:
+        if sorted(keys, key=str) == sorted(others, key=str):
             found[kind] = np.array([others.index(each) for each in keys])
     return found
 
 
 def _keys(names: list[str | None]) -> list[tuple[str | None, int]]:
     """Return names with the number of earlier elements of that name: several may have none."""
-    seen = Counter[str | None]()
-    keys = []
-    for name in names:
-        keys.append((name, seen[name]))
-        seen[name] += 1
-    return keys
+    return [(name, names[:at].count(name)) for at, name in enumerate(names)]
 
 
 def _compare(array: str, one: _Side, two: _Side, pairs: Mapping[str, Array], outcome: Outcome) -> None:

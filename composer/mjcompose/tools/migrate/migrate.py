@@ -5,10 +5,11 @@ from __future__ import annotations
 import os
 import shutil
 from collections import defaultdict
-from collections.abc import Callable, Collection, Iterator, Mapping
-from contextlib import ExitStack
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import field
 from importlib.metadata import PackageNotFoundError, version
+from itertools import chain
 from pathlib import Path
 
 from lxml.etree import _Element as Node
@@ -33,10 +34,9 @@ from mjcompose.tree.unit import Unit
 
 
 def _own() -> str | None:
-    try:
+    with suppress(PackageNotFoundError):
         return version("mujoco")
-    except PackageNotFoundError:
-        return None
+    return None
 
 
 def installed() -> str:
@@ -78,12 +78,10 @@ def written_for(unit: Unit, after: str, others: Collection[str], context: Contex
         readers = f"all versions since {first} read it"
     else:
         readers = f"the versions from {first} to {last} read it"
-    context.sink.error(
-        "migrate-version",
-        f"`{unit.file}` does not say which MuJoCo it is written for: {readers}",
-        help=f"add `--from`, as in `--from {last if last and last != after else '3.3'}`;"
-        " look in its README or at the date of its last change",
-    )
+    example = last if last and last != after else "3.3"
+    help = f"add `--from`, as in `--from {example}`; look in its README or at the date of its last change"
+    message = f"`{unit.file}` does not say which MuJoCo it is written for: {readers}"
+    context.sink.error("migrate-version", message, help=help)
     return None
 
 
@@ -162,23 +160,19 @@ def migrate(
 
 def _carried_out(whole: list[Editing], adopt: Collection[str]) -> list[str]:
     """Change all models, one change after the other; return the changes that the user adopts."""
-    adopted = []
-    for change, act in between(whole[0].before, whole[0].after):
-        if act is None:
-            continue
+    acts = [(change, act) for change, act in between(whole[0].before, whole[0].after) if act is not None]
+    for change, act in acts:
         if change.name in adopt:
-            adopted.append(change.name)
             continue
         for editing in whole:
-            editing.change = change
-            editing.whole = whole
+            editing.change, editing.whole = change, whole
             editing.unit.forget_classes()
         for editing in whole:
             act(editing)
     for editing in whole:
         editing.change = None
         _leave_out(editing)
-    return adopted
+    return [change.name for change, _ in acts if change.name in adopt]
 
 
 def _leave_out(editing: Editing) -> None:
@@ -243,17 +237,12 @@ def _sources(unit: Unit, context: Context) -> dict[Path, tuple[Source, bytes]]:
 
 def _matched(markup: Markup, nodes: list[Node], is_included: bool) -> list[Node | None]:
     """Return the node of each element of a text; `<include>` and the root of an included file have none."""
-    waiting = iter(nodes)
-    matched: list[Node | None] = []
-    for index, element in enumerate(markup.elements):
-        has_none = element.head.tag == "include" or (is_included and not index)
-        node = None if has_none else next(waiting, None)
-        if not has_none and (node is None or node.tag != element.head.tag):
-            raise MarkupError(element.head.tag)
-        matched.append(node)
-    if next(waiting, None) is not None:
-        raise MarkupError("")
-    return matched
+    tags = [each.head.tag for each in markup.elements]
+    with_node = [at for at, tag in enumerate(tags) if tag != "include" and not (is_included and not at)]
+    if [tags[at] for at in with_node] != [node.tag for node in nodes]:
+        raise MarkupError("the elements")
+    matched = dict(zip(with_node, nodes, strict=True))
+    return [matched.get(at) for at in range(len(tags))]
 
 
 def _cannot_edit(path: Path, context: Context) -> None:
@@ -393,34 +382,43 @@ def run(wish: Wish, context: Context, progress: Callable[[str], None]) -> Result
     after = installed() if wish.after is None else known(wish.after, "--mujoco", context)
     before = None if wish.before is None else known(wish.before, "--from", context)
     try:
-        others = {other.version: other for other in (open_python(context.folder / each) for each in wish.pythons)}
+        others = opened(wish.pythons, context)
         if context.sink.has_errors or after is None:
             return None
         before = before or written_for(unit, after, others, context=context)
         if before is None:
             return None
-        others.setdefault(installed(), Other(this_python(), installed()))
-        for version in (before, after) if wish.proves else ():
-            if version not in others:
-                others[version] = make(version, context.environment, progress)
-    except (OtherError, OSError) as error:
-        context.sink.error("migrate-python", str(error), help=getattr(error, "help", None))
-        return None
-    with ExitStack() as opened:
-        prover = Prover(opened.enter_context(scratch("migrate")), others, progress)
-        try:
+        install((before, after) if wish.proves else (), others, context, progress=progress)
+        with scratch("migrate") as folder:
+            prover = Prover(folder, others, progress)
             values = measured(prover.original(before, path)) if before != after else {}
             migrated = migrate(unit, before, after, context=context, adopt=wish.adopt, values=values)
             if migrated is None:
                 return None
             proof = prover.prove(migrated, path) if before != after else Proof()
-        except OtherError as error:
-            context.sink.error("migrate-python", str(error), help=error.help)
-            return None
-        missing = tuple(each for each in (before, after) if each not in others)
-        result = Result(path, migrated, proof, missing=missing)
-        _judge(result, context)
+            missing = tuple(each for each in (before, after) if each not in others)
+            result = Result(path, migrated, proof, missing=missing)
+            _judge(result, context)
+    except (OtherError, OSError) as error:
+        context.sink.error("migrate-python", str(error), help=getattr(error, "help", None))
+        return None
     return None if context.sink.has_errors else result
+
+
+def opened(pythons: Iterable[Path], context: Context) -> dict[str, Other]:
+    """Return the MuJoCos of Pythons that the user names, by version. Raises OtherError, and OSError."""
+    return {each.version: each for each in (open_python(context.folder / path) for path in pythons)}
+
+
+def install(
+    versions: Iterable[str], others: dict[str, Other], context: Context, progress: Callable[[str], None]
+) -> None:
+    """Add the MuJoCo of this Python to `others`, and those of versions, installed if needed. Raises OtherError."""
+    others.setdefault(installed(), Other(this_python(), installed()))
+    offline = context.fetching is not None and context.fetching.offline
+    for each in versions:
+        if each not in others:
+            others[each] = make(each, context.environment, progress, offline=offline)
 
 
 def found_model(model: str, context: Context) -> Path | None:
@@ -439,13 +437,10 @@ def _judge(result: Result, context: Context) -> None:
             fault = parse(compiled.error)
             line = "" if fault.line is None else f" (line {fault.line})"
             name = f" (`{fault.name}`)" if fault.name else ""
-            fault_words = f"{' '.join(fault.message.split())}{name}{line}"
+            said = f"{' '.join(fault.message.split())}{name}{line}"
+            message = f"MuJoCo {compiled.version} rejects `{context.shown(result.model)}` {whose}: {said}"
             other = f"it is not written for {migrated.before}: name another version with `--from`"
-            context.sink.error(
-                "mujoco-rejects",
-                f"MuJoCo {compiled.version} rejects `{context.shown(result.model)}` {whose}: {fault_words}",
-                help=other if compiled is proof.before else None,
-            )
+            context.sink.error("mujoco-rejects", message, help=other if compiled is proof.before else None)
     outcome = proof.outcome
     settled = frozenset() if outcome is None else outcome.settled
     for meaning in migrated.meanings:
@@ -454,8 +449,8 @@ def _judge(result: Result, context: Context) -> None:
             context.sink.warning("migrate-changed", meaning.message, meaning.span, help=meaning.help, cause=cause)
     if outcome is None:
         return
-    known_arrays = {array for each in migrated.meanings for array in each.arrays}
-    known_arrays |= {array for each in ORDERED if each.name in migrated.adopted for array in each.arrays}
+    adopted = [each.arrays for each in ORDERED if each.name in migrated.adopted]
+    known_arrays = set(chain(*adopted, *(each.arrays for each in migrated.meanings)))
     if any(each.array in known_arrays for each in outcome.differences):
         known_arrays |= _FOLLOW
     for each in outcome.differences:

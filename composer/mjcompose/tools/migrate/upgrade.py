@@ -8,21 +8,20 @@ from typing import Any
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.scratch import scratch
-from mjcompose.mujoco.environments import (
-    TRIALS,
-    Motion,
-    Moved,
-    Other,
-    OtherError,
-    RejectedError,
-    differences,
-    make,
-    open_python,
-    this_python,
-)
+from mjcompose.mujoco.environments import TRIALS, Motion, Moved, Other, OtherError, RejectedError, differences
 from mjcompose.sources.context import Context
 from mjcompose.tools.migrate.editing import Meaning, Step
-from mjcompose.tools.migrate.migrate import Migrated, found_model, installed, known, lay_out, migrate, read
+from mjcompose.tools.migrate.migrate import (
+    Migrated,
+    found_model,
+    install,
+    installed,
+    known,
+    lay_out,
+    migrate,
+    opened,
+    read,
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,13 +53,16 @@ class Caused:
         """Return it for JSON."""
         moved = self.moved
         facts = {name: getattr(moved, name) for name in ("kind", "name", "amount", "unit", "trial", "time")}
-        causes = [{"change": each.change, "at": _at(each), "edit": each.words} for each in self.steps]
-        suspects = [{"change": each.change, "at": _at(each), "message": each.message} for each in self.suspects]
-        return {**facts, "causes": causes, "suspects": suspects}
+        causes = [{**_row(each), "edit": each.words} for each in self.steps]
+        return {
+            **facts,
+            "causes": causes,
+            "suspects": [{**_row(each), "message": each.message} for each in self.suspects],
+        }
 
 
-def _at(each: Step | Meaning) -> str | None:
-    return None if each.span is None else str(each.span)
+def _row(each: Step | Meaning) -> dict[str, str | None]:
+    return {"change": each.change, "at": None if each.span is None else str(each.span)}
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,12 +84,8 @@ def upgrade(request: Request, context: Context, progress: Callable[[str], None])
     if model is None or before is None or after is None:
         return None
     try:
-        others = {each.version: each for each in (open_python(context.folder / path) for path in request.pythons)}
-        others.setdefault(installed(), Other(this_python(), installed()))
-        offline = context.fetching is not None and context.fetching.offline
-        for version in (before, after):
-            if version not in others:
-                others[version] = make(version, context.environment, progress, offline=offline)
+        others = opened(request.pythons, context)
+        install((before, after), others, context, progress=progress)
         with scratch("upgrade") as folder:
             trials = _Trials(request, model, folder, context=context, others=others, progress=progress)
             one, other = trials.motion(model, before), trials.motion(model, after)
@@ -99,8 +97,9 @@ def upgrade(request: Request, context: Context, progress: Callable[[str], None])
             help = f"write the model for it first: `mjcompose migrate {request.model} --from {before} --mujoco {after}`"
         context.sink.error("migrate-python", str(error), help=help)
         return None
-    diverged = [each for each in one.answer["trials"] if each in (*one.answer["diverged"], *other.answer["diverged"])]
-    return Upgrade(before, after, tuple(one.answer["trials"]), moved=causes, diverged=tuple(diverged))
+    names = tuple(one.answer["trials"])
+    diverged = (each for each in names if each in (*one.answer["diverged"], *other.answer["diverged"]))
+    return Upgrade(before, after, names, moved=causes, diverged=tuple(diverged))
 
 
 class _Trials:
@@ -129,8 +128,7 @@ class _Trials:
         for name in names:
             migrated = self._migrated(before, after, tuple(each for each in names if each != name))
             if migrated is not None:
-                folder = self.folder / f"model{self.count}"
-                folder.mkdir()
+                (folder := self.folder / f"model{self.count}").mkdir()
                 motion = self.motion(lay_out(migrated, folder, link=True)[self.model], after)
                 found = differences(start, motion, signal="qpos", tolerance=self.request.tolerance)
                 left[name] = {(each.name, each.unit): each.amount for each in found}
