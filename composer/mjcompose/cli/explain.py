@@ -244,7 +244,7 @@ def diff(options: DiffOptions, run: Run) -> Answer:
     levels: list[Breaking | None] = []
 
     def show(first: Side, second: Side, compared: Diff) -> None:
-        from mjcompose.tools.diff.breaking import breaking
+        from mjcompose.tools.diff.diff import breaking
         from mjcompose.tools.view.page import write_comparison
 
         if options.breaking:

@@ -8,9 +8,8 @@ from pathlib import Path
 import pytest
 from mjcompose.mujoco.engine import Session
 from mjcompose.sources.context import Context
-from mjcompose.tools.diff.breaking import breaking
 from mjcompose.tools.diff.changes import Breaking
-from mjcompose.tools.diff.diff import diff
+from mjcompose.tools.diff.diff import breaking, diff
 from mjcompose.tools.diff.text import breaking_as_data, render_breaking
 
 MODEL = """\

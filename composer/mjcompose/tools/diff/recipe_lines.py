@@ -102,16 +102,13 @@ class Recipes:
                 for name, (_, node) in given.entries.items():
                     self._given[name].append(node.span)
 
-    def attachment(self, part: Part) -> Mapping | None:
-        """Return the entry of the recipe that attaches a part."""
-        return self.same(self, part)
-
-    def same(self, other: Recipes, part: Part) -> Mapping | None:
-        """Return the entry of this side at the path where the other side attaches a part."""
-        if part.span is None or part.span not in other.attached:
+    def attachment(self, part: Part | None, there: Recipes | None = None) -> Mapping | None:
+        """Return the entry that attaches a part; for a part of another side, the entry at the same path here."""
+        there = there or self
+        if part is None or part.span is None or part.span not in there.attached:
             return None
-        plan, step = other.attached[part.span]
-        number = next(number for number, each in enumerate(other.plans) if each is plan)
+        plan, step = there.attached[part.span]
+        number = next(number for number, each in enumerate(there.plans) if each is plan)
         found = find(self.plans[number].document, step.at) if number < len(self.plans) else None
         return found if isinstance(found, Mapping) else None
 
