@@ -219,7 +219,7 @@ def schema(options: SchemaOptions, run: Run) -> Answer:
     elif options.what == "reference":
         from mjcompose.language.reference_page import page as text
     else:
-        from mjcompose.build.plan.extensions import load_all
+        from mjcompose.build.plan.read import load_all
         from mjcompose.language.schema import text
 
         for error in load_all():

@@ -11,7 +11,8 @@ with it.
 from __future__ import annotations
 
 import copy
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import field, replace
 from itertools import accumulate
 
@@ -455,3 +456,18 @@ def report_not_laid_out(linking: Linking, unit: Unit, unknown: Unknown) -> None:
     message = f"keyframes of a model with this `<{unknown.element.tag}>` cannot be laid out: only MuJoCo knows its size"
     help = f"omit the keys: `drop: [key]`{more}"
     linking.sink.error("not-supported", message, linking.span(unit, unknown.element), help=help)
+
+
+@contextmanager
+def without_keys(root: Node) -> Iterator[None]:
+    """Take the keys out of a tree for the block."""
+    # MuJoCo 4.0 refuses numbers that are too many for the model as it is: "keyframe 0: invalid ctrl size, expected
+    # length 0".
+    sections = [(root.index(section), section) for section in root.iterchildren("keyframe")]
+    for _, section in sections:
+        root.remove(section)
+    try:
+        yield
+    finally:
+        for at, section in sections:
+            root.insert(at, section)

@@ -1,7 +1,7 @@
 """Single files of the store, leases on its entries, and the MuJoCos of other versions.
 
     asked/, built/, raw/, packed/     entries of the build cache (`composer/mjcompose/build/cache/cache.py`)
-    shapes/                           results for meshes (`composer/mjcompose/build/compose/shape_store.py`)
+    shapes/                           results for meshes (`composer/mjcompose/build/compose/mesh_jobs.py`)
     writing/                          files being written; they move to their place in one step
     leases/                           one file for each process, which keeps it locked and lists the entries in use
     mujoco/VERSION/                   an environment, complete if it has the file `.ready`, with its size

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 from click.testing import CliRunner
-from mjcompose.build.compose.shape_store import parse_shapes, shapes_key
+from mjcompose.build.compose.mesh_jobs import parse_shapes, shapes_key
 from mjcompose.build.stages import Request, build
 from mjcompose.cli.main import main
 from mjcompose.sources.blobs import digest

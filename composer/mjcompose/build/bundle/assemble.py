@@ -17,8 +17,8 @@ from mjcompose.base.files import Refused, real_path
 from mjcompose.build.bundle import manifest as entries
 from mjcompose.build.bundle.bundle import MODEL, Bundle, BundleError, Licenses, license_files, picture_of
 from mjcompose.build.bundle.collect import collect
-from mjcompose.build.plan.extensions import packages_of
 from mjcompose.build.plan.plan import Drawn, GeneratedShapes, PartRecord, Plan, Tables
+from mjcompose.build.plan.read import packages_of
 from mjcompose.link.files import Merged
 from mjcompose.link.linking import FileUse
 from mjcompose.sources.blobs import remembered_sha256

@@ -15,10 +15,9 @@ from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Diagnostic, Span
 from mjcompose.base.extensions import LOADED
 from mjcompose.build.cache.cache import Record
-from mjcompose.build.compose.shape_store import shapes_beside
-from mjcompose.build.plan.extensions import packages_of
+from mjcompose.build.compose.mesh_jobs import shapes_beside
 from mjcompose.build.plan.plan import Plan
-from mjcompose.build.plan.read import files_of_recipe, files_of_source
+from mjcompose.build.plan.read import files_of_recipe, files_of_source, packages_of
 from mjcompose.build.stages import Built
 from mjcompose.sources.context import Context
 from mjcompose.sources.license import LEVELS, license_folders

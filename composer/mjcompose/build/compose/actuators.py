@@ -17,9 +17,9 @@ from lxml.etree import _Element as Node
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.sink import Sink
-from mjcompose.build.compose.keys import without_keys
 from mjcompose.link import numbers
 from mjcompose.link.linking import Linking, Measure
+from mjcompose.link.unit_keys import without_keys
 from mjcompose.tree.classes import text_in_effect
 from mjcompose.tree.grammar import GRAMMAR, Attribute
 from mjcompose.tree.select import kind_of

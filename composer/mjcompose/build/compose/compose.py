@@ -38,12 +38,10 @@ from mjcompose.build.compose.checks import (
 from mjcompose.build.compose.collisions import set_collisions
 from mjcompose.build.compose.editing import EditCost
 from mjcompose.build.compose.elements import ElementBuilder, append_element, set_default, set_singleton, settle_joints
-from mjcompose.build.compose.inner import InnerModels
 from mjcompose.build.compose.interface import order_elements
-from mjcompose.build.compose.keyframe import write_keyframes
-from mjcompose.build.compose.keys import hold_poses
-from mjcompose.build.compose.load import Key, Library, Loader, PartRequest, part_requests, source_key
-from mjcompose.build.compose.mirror import mirror_keys, mirror_places
+from mjcompose.build.compose.keyframe import hold_poses, write_keyframes
+from mjcompose.build.compose.load import InnerModels, Key, Library, Loader, PartRequest, part_requests, source_key
+from mjcompose.build.compose.placing import mirror_keys, mirror_places, scattered
 from mjcompose.build.plan.plan import (
     BASE,
     Drawn,
@@ -55,7 +53,7 @@ from mjcompose.build.plan.plan import (
     Tables,
     part_name,
 )
-from mjcompose.build.plan.step_table import STEPS
+from mjcompose.build.plan.planner import STEPS
 from mjcompose.build.plan.steps import AddElement, AppendElement, SetDefault, SetSingleton, Step
 from mjcompose.link.agreement import SINGLETONS, common_settings, of_base, requested_settings, set_value
 from mjcompose.link.files import add_file
@@ -233,8 +231,6 @@ class Composer:
 
     def _composed(self, plan: Plan, is_fixed: bool) -> Composed | None:
         if any(step.waits for step in plan.parts):
-            from mjcompose.build.compose.scatter import scattered  # few recipes need it
-
             found = scattered(
                 plan, lambda each: self._preview(each, is_fixed), context=self.context, session=self.loader.session
             )

@@ -1,28 +1,39 @@
-"""Steps: a source becomes a unit, or one body of it."""
+"""Steps: a source becomes a unit, or one body of it. MJCF that attaches recipes gets their models in memory."""
 
 from __future__ import annotations
 
+import os
 from collections import Counter
-from collections.abc import Callable, Iterator
-from dataclasses import field
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import field, replace
 from pathlib import Path as PathlibPath
 from typing import TYPE_CHECKING
 
+from lxml.etree import _Element as Node
+
+from mjcompose.base.access import held
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Note, Path, Span
+from mjcompose.base.files import Refused
+from mjcompose.base.limits import advice, in_force
 from mjcompose.base.sink import Sink
+from mjcompose.build.bundle.collect import collect
 from mjcompose.build.plan.plan import BASE, Plan, Tables, is_fixed_in_world, part_name
 from mjcompose.language.edit import Drop, Edit
 from mjcompose.language.placing import Mirror
-from mjcompose.link.linking import Measure
+from mjcompose.link.files import ASSETS, path_in_assets
+from mjcompose.link.linking import FileUse, Measure
 from mjcompose.link.measure import folder_of
+from mjcompose.link.settings import FOLDERS
 from mjcompose.link.source_check import check_source
 from mjcompose.mujoco import engine
 from mjcompose.mujoco.messages import parse, report, translate
 from mjcompose.sources.context import Context
 from mjcompose.sources.reference import Source
 from mjcompose.sources.ros import UrdfChoices
-from mjcompose.text.node import Mapping, locate
+from mjcompose.text.node import Mapping as Located
+from mjcompose.text.node import locate
+from mjcompose.tree.files import file_attributes, join, written_path
 from mjcompose.tree.merged_settings import KeyPolicy
 from mjcompose.tree.parse import all_admitted, parse_file
 from mjcompose.tree.unit import Unit, Watch, element_at, nobody
@@ -30,7 +41,9 @@ from mjcompose.tree.xml_text import write
 
 if TYPE_CHECKING:
     from mjcompose.link.subtree import Subtree
+    from mjcompose.mujoco.convert import Converted
     from mjcompose.mujoco.engine import Session
+    from mjcompose.urdf.robot import Robot
 
 FINISHED = "finished"
 
@@ -109,9 +122,7 @@ class Loader:
 
     def _read(self, model: Source, span: Span | None, is_fixed: bool) -> Unit | None:
         if model.format == "urdf":
-            from mjcompose.build.compose.urdf import urdf_unit  # few recipes need it
-
-            return urdf_unit(model, self.context, self.session, span=span, is_fixed=is_fixed)
+            return _urdf_unit(model, self.context, self.session, span=span, is_fixed=is_fixed)
         sink, shown = self.context.sink, self.context.shown
         unit = parse_file(model.path, sink, file=shown(model.path), span=span, door=model.door)
         if unit is None or (self.embed is not None and not self.embed(unit)) or not all_admitted(unit, sink, shown):
@@ -119,6 +130,53 @@ class Loader:
         if self.checks and not check_source(unit, sink):
             return None
         return unit
+
+
+def _urdf_unit(
+    source: Source, context: Context, session: Session | None, span: Span | None, is_fixed: bool
+) -> Unit | None:
+    """Return the unit of a URDF file or xacro template, or None after a reported error.
+
+    `span` is the place in the recipe that refers to it. If the robot `is_fixed` in the world, its root link is merged
+    with the world, as MuJoCo does for a URDF alone.
+    """
+    from mjcompose.urdf.read import UrdfReader  # few recipes need it
+
+    own = _RecipeContext(context, span)
+    return UrdfReader(
+        source, context.sink, session, shown=context.shown, asked=span, is_fixed_in_world=is_fixed,
+        missing=own.report_missing, relative=own.relative,
+    ).unit()  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class _RecipeContext:
+    """The place where the recipe refers to a URDF, for paths and for reports of missing files."""
+
+    context: Context
+    span: Span | None
+
+    def relative(self, folder: PathlibPath) -> str:
+        """Return the path of a folder as the recipe writes it."""
+        recipe = self.context.folder / (self.span.file if self.span else "")
+        return PathlibPath(os.path.relpath(folder, recipe.parent)).as_posix()
+
+    def report_missing(self, robot: Robot, converted: Converted) -> None:
+        from mjcompose.mujoco.convert import PACKAGE
+        from mjcompose.urdf.robot import mesh_of
+
+        uses = []
+        for file in converted.meshes:
+            if not file.startswith(PACKAGE) and file not in robot.made and not os.path.isfile(file):
+                found = held(join(str(robot.path.parent), join(converted.folder, file)))
+                element = mesh_of(robot.root, file)
+                uses.append(FileUse(element, "filename", file, source=found, content=None, shared=False))
+        sink = Sink()
+        collect(robot.unit, uses, sink, shown=self.context.shown)
+        from_recipe = () if self.span is None else (Note("the recipe names it here", self.span),)
+        for each in sink.diagnostics:
+            help = each.help or "put the file there, or correct `filename`"
+            self.context.sink.add(replace(each, notes=(*each.notes, *from_recipe), help=help))
 
 
 def source_key(model: Source, is_fixed: bool) -> Key:
@@ -150,7 +208,7 @@ class PartRequest:
         """Whether it drops more than its keys, which stay in the unit for keyframes that the recipe writes."""
         return not all(each.leaves_keys for each in self.drop)
 
-    def check_dropped_keys(self, unit: Unit, document: Mapping, sink: Sink) -> bool:
+    def check_dropped_keys(self, unit: Unit, document: Located, sink: Sink) -> bool:
         """Report a `drop` of keys that the unit does not have. Return whether there is no fault."""
         needless = [each for each in self.drop if each.leaves_keys and not each.optional]
         if not needless or any(True for _ in unit.root.iterfind("keyframe/key")) or _may_have_keys(unit):
@@ -197,3 +255,88 @@ def part_requests(plan: Plan, is_fixed: bool) -> Iterator[PartRequest]:
             span=locate(document, (*step.at, "subtree")), is_fixed_in_world=is_fixed and is_fixed_in_world(part),
             drop=part.drop, edit=part.edit, attaches_recipes=bool(step.inner), mirror=part.mirror,
         )  # fmt: skip
+
+
+@dataclass(slots=True)
+class InnerModels:
+    """Puts the models that a unit attaches into its contents, next to their files, as compositions have them.
+
+    `plans` has the plans of recipes by their real paths; `compose` returns the model of a plan, or None after errors.
+    """
+
+    plans: Mapping[str, Plan]
+    compose: Callable[[Plan], Unit | None]
+    sink: Sink
+    shown: Callable[[PathlibPath], str]
+    count: int = 0
+
+    def embed(self, unit: Unit, above: tuple[str, ...] = ()) -> bool:
+        """Put all models that a unit attaches into its contents. Return whether there were no errors."""
+        before, contents = self.sink.error_count, dict(unit.contents)
+        for element in unit.root.iterfind("asset/model"):
+            file = str(element.get("file") or "")
+            if file and file not in unit.contents:
+                sub = self._model(unit, element, join(str(unit.directory), file), above=above)
+                if sub is not None:
+                    self._put(unit, element, sub, contents=contents)
+        unit.contents = contents
+        return self.sink.error_count == before
+
+    def _model(self, unit: Unit, element: Node, path: str, above: tuple[str, ...]) -> Unit | None:
+        span, limits, shown = unit.origins.span(element, unit.file, "file"), in_force(), self.shown(PathlibPath(path))
+        self.count += 1
+        if (plan := self.plans.get(os.path.realpath(path))) is not None:
+            return self.compose(plan)
+        if path in above:
+            message = f"the model `{shown}` contains itself"
+            self.sink.error("source-cycle", message, span, help="remove this `<model>`, or name another file")
+        elif len(above) >= limits.nesting:
+            message = f"models attach models more than {limits.nesting} levels deep"
+            self.sink.error("limit-exceeded", message, span, help=advice("nesting"))
+        elif self.count > limits.submodels:
+            message = f"there are more than {limits.submodels} models that models attach"
+            if self.count == limits.submodels + 1:
+                self.sink.error("limit-exceeded", message, span, help=advice("submodels"))
+        else:
+            sub = parse_file(
+                PathlibPath(path), self.sink, file=self.shown(PathlibPath(path)), span=span, door=unit.door
+            )
+            return sub if sub is not None and self.embed(sub, (*above, path)) else None
+        return None
+
+    def _put(self, unit: Unit, element: Node, sub: Unit, contents: dict[str, bytes | PathlibPath]) -> None:
+        """Put a model and its files into the contents of the unit that attaches it."""
+        label, number = sub.label, 1
+        while f"{ASSETS}/{unit.label}/models/{label}.xml" in contents:
+            number += 1
+            label = f"{sub.label}-{number}"
+        folder = f"{ASSETS}/{unit.label}/models/{label}"
+        taken: dict[str, bytes | PathlibPath] = {}
+        for inner in sub.root.iterfind("asset/model"):  # they and their files are in memory already
+            file = str(inner.get("file") or "")
+            start = file.removesuffix(".xml") + "/"
+            taken.update({path: data for path, data in sub.contents.items() if path == file or path.startswith(start)})
+            inner.set("file", f"{label}/{file}")
+        for each, attribute, name in list(file_attributes(sub.root)):
+            written = written_path(sub.settings, each, name)
+            source = sub.contents.get(written)
+            try:
+                source = PathlibPath(sub.door.admit(join(str(sub.directory), written))) if source is None else source
+            except Refused as refused:
+                refused.report(self.sink, sub.origins.span(each, sub.file, attribute), shown=self.shown)
+                continue
+            below = path = path_in_assets(sub.settings, written)
+            number = 1
+            while taken.setdefault(path, source) != source:
+                number += 1
+                path = f"{number}/{below}"
+            each.set(attribute, f"{label}/{path}")
+        for compiler in sub.root.iterchildren("compiler"):
+            for name in (*FOLDERS, "strippath"):
+                compiler.attrib.pop(name, "")
+        contents.update({f"{folder}/{path}": data for path, data in taken.items()})
+        contents[f"{folder}.xml"] = write(sub.root)
+        if not element.get("name"):  # MuJoCo reads it from the file
+            element.set("name", sub.model)
+        element.set("file", f"{folder}.xml")
+        unit.origins.texts.update(sub.origins.texts)

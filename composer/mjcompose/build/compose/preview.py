@@ -13,7 +13,7 @@ from mjcompose.build.bundle.staging import staged_file
 from mjcompose.build.compose.actuators import models_in
 from mjcompose.build.compose.compose import Composed, Composer, adopted_settings
 from mjcompose.build.compose.load import Library
-from mjcompose.build.compose.shape_store import shapes_beside
+from mjcompose.build.compose.mesh_jobs import shapes_beside
 from mjcompose.build.plan.describe import acknowledge
 from mjcompose.build.plan.plan import EditOutcome, Gains, Plan, PlanPreview
 from mjcompose.link.linking import Measure

@@ -15,11 +15,10 @@ from mjcompose.base.diagnostic import Note
 from mjcompose.base.distribution import CHOICE
 from mjcompose.base.draw_stream import bits
 from mjcompose.build.compose.editing import Count, Editing, cost_of_draws, select_counted
-from mjcompose.build.compose.keys import report_only_zeros, zero_attributes
 from mjcompose.build.compose.values import Masses, UnusableValue, Values
 from mjcompose.build.plan.plan import BASE, Drawn, ElementDraws
 from mjcompose.build.plan.steps import AngleSettings, DrawValues
-from mjcompose.build.verbs.values import OPERATIONS, Change
+from mjcompose.build.verbs.values import OPERATIONS, Change, report_only_zeros, zero_attributes
 from mjcompose.language.assign import MASS
 from mjcompose.language.value import attribute_and_index, must_not_be_negative
 from mjcompose.text.expression import Angle, Value

@@ -12,7 +12,11 @@ from mjcompose.base.diagnostic import Fault, Note, Path
 from mjcompose.base.sink import Sink
 from mjcompose.base.suggest import did_you_mean, exists_note
 from mjcompose.link import numbers
+from mjcompose.link.inertia import MEASURED, has_mass, write_inertias
 from mjcompose.link.key_layout import joint_type
+from mjcompose.link.linking import Linking
+from mjcompose.link.measure import Unmeasurable, compile_unaligned
+from mjcompose.link.unit_keys import without_keys
 from mjcompose.text.evaluate import Template
 from mjcompose.text.expression import ExpressionError, UnknownName, Value
 from mjcompose.text.node import Scalar, find, is_template, locate
@@ -231,10 +235,6 @@ class Masses:
     @cached_property
     def _survey(self) -> tuple[Survey | None, str]:
         """Return MuJoCo's results for the model, or None and the reason why it gives no masses."""
-        from mjcompose.build.compose.keys import without_keys
-        from mjcompose.link.linking import Linking
-        from mjcompose.link.measure import Unmeasurable, compile_unaligned
-
         editing = self.editing
         unit = editing.linking.flat()
         aside = Sink()
@@ -249,10 +249,6 @@ class Masses:
 
     def settle(self, *rules: str) -> None:
         """Write out the results of compiler rules before a body is changed. Without `rules`, all rules for bodies."""
-        from mjcompose.build.compose.keys import without_keys
-        from mjcompose.link.inertia import MEASURED, write_inertias
-        from mjcompose.link.linking import Linking
-
         editing = self.editing
         unit = editing.linking.flat()
         if all(getattr(unit.settings, name) == getattr(_DEFAULT, name) for name in rules or MEASURED):
@@ -266,8 +262,6 @@ class Masses:
 
     def _inertial(self, body: Node) -> Node | None:
         """Return the effective `<inertial>` of a body, or None."""
-        from mjcompose.link.inertia import has_mass
-
         inertials = own(body, "inertial")
         # With `inertiafromgeom="true"` an `<inertial>` holds only on bodies whose geoms have no mass: this weighs 2 kg.
         #   <body><inertial mass="9" pos="0 0 0" diaginertia="1 1 1"/><geom size="1" mass="2"/></body>
@@ -277,8 +271,6 @@ class Masses:
         return inertials[-1] if inertials and not has_own else None
 
     def _scale(self, body: Node, factor: float, at: Path) -> None:
-        from mjcompose.link.inertia import has_mass
-
         editing = self.editing
         inertial = self._inertial(body)
         if inertial is not None:

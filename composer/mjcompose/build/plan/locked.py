@@ -12,10 +12,9 @@ from mjcompose.base import __version__, files
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Note, Span
 from mjcompose.base.sink import Sink
-from mjcompose.build.plan.extensions import packages_of
 from mjcompose.build.plan.parts import is_one_choice
 from mjcompose.build.plan.plan import PlacedModel, Plan
-from mjcompose.build.plan.read import EXTENDS, files_of_recipe, files_of_source, read_recipe
+from mjcompose.build.plan.read import EXTENDS, files_of_recipe, files_of_source, packages_of, read_recipe
 from mjcompose.sources.blobs import differences
 from mjcompose.sources.context import Context
 from mjcompose.sources.fetching import Fetching

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import os
 from collections.abc import Iterator
 from collections.abc import Mapping as Map
@@ -13,6 +14,7 @@ from mjcompose.base.access import Door
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Note, Span
 from mjcompose.base.diagnostic import Path as KeyPath
+from mjcompose.base.extensions import check_rows
 from mjcompose.base.files import own_name
 from mjcompose.base.limits import advice, in_force
 from mjcompose.build.plan.locked import use_lock
@@ -20,12 +22,20 @@ from mjcompose.build.plan.matrix import draw_parameters, read_matrix
 from mjcompose.build.plan.parts import check_part_names, check_pieces, copies, inner_recipes, without_rings
 from mjcompose.build.plan.plan import BASE, AttachPart, Drawn, Plan
 from mjcompose.build.plan.read import Given, ValidRecipe, files_of_recipe, folder_of, validated_recipe
-from mjcompose.build.plan.step_table import steps_of
 from mjcompose.build.plan.steps import (
+    AddElement,
     AngleContext,
     AngleSettings,
+    AppendElement,
+    DrawValues,
+    EditElements,
+    OrderElements,
+    SetCollisions,
+    SetDefault,
     SetSingleton,
+    Step,
     StepInput,
+    WriteKeyframe,
     angle_context_of,
     check_bare_angles,
 )
@@ -33,7 +43,7 @@ from mjcompose.language.attach import Attachment
 from mjcompose.language.check import checks_of
 from mjcompose.language.expand import Concrete
 from mjcompose.language.placing import with_inherited
-from mjcompose.language.recipe import Recipe
+from mjcompose.language.recipe import SETTLED, Recipe
 from mjcompose.language.validate import validate_what_remains
 from mjcompose.sources import ros
 from mjcompose.sources.context import Context, as_text
@@ -44,6 +54,30 @@ from mjcompose.text.node import Mapping, find, locate
 
 if TYPE_CHECKING:
     from mjcompose.language.randomize import Randomize
+
+STEPS: tuple[type[Step], ...] = (
+    AddElement,
+    SetSingleton,
+    SetDefault,
+    AppendElement,
+    EditElements,
+    DrawValues,
+    WriteKeyframe,
+    SetCollisions,
+    OrderElements,
+)
+"""All types of steps in the order in which they are carried out: settings, classes, and the steps that may use them."""
+# Keys that the planner reads itself: settings of the whole recipe, its sources and its checks.
+_PLANNED = "recipe name description angle eulerseq separator conflict allow base attach check datasheets".split()
+
+for _each in STEPS:
+    if inspect.isabstract(_each):
+        raise TypeError(f"the step {_each.__name__} lacks {', '.join(sorted(_each.__abstractmethods__))}")
+check_rows(
+    f"the keys of a recipe that {__name__} plans",
+    [*_PLANNED, *(section for each in STEPS for section in each.sections)],
+    [key for key in Recipe.model_fields if key not in SETTLED],
+)
 
 Outer = tuple[tuple[Path, "Span | None"], ...]
 """The recipe files around a nested one, outermost first, each with the place that names it."""
@@ -176,7 +210,8 @@ class _Planner:
             return None
         if base is not None and base.attachment.is_placed:
             members, base = (base, *members), None
-        steps = tuple(steps_of(StepInput(recipe, document, loaded.randomize, sample=loaded.sample, worlds=self.worlds)))
+        given = StepInput(recipe, document, loaded.randomize, sample=loaded.sample, worlds=self.worlds)
+        steps = tuple(step for each in STEPS for step in each.of(given))
         plan = Plan(
             loaded.name, recipe.description, loaded.path,
             file=self.context.shown(loaded.path), document=document, separator=recipe.separator,

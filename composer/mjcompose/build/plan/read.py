@@ -14,11 +14,13 @@ from collections.abc import Callable, Iterator
 from collections.abc import Mapping as AbcMapping
 from dataclasses import replace
 from pathlib import Path
-from typing import NamedTuple, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
+from mjcompose.base import extensions
 from mjcompose.base.access import Door
+from mjcompose.base.diagnostic import DiagnosticError, Span
 from mjcompose.base.diagnostic import Path as Place
-from mjcompose.base.diagnostic import Span
+from mjcompose.base.extensions import Table
 from mjcompose.base.files import (
     MJCF_FILES,
     RECIPES,
@@ -34,6 +36,9 @@ from mjcompose.base.sink import Sink
 from mjcompose.base.suggest import exists_note
 from mjcompose.build.plan.plan import Plan
 from mjcompose.build.plan.steps import SETTINGS, AddElement, AppendElement
+from mjcompose.language.check import KINDS, SEVERITY
+from mjcompose.language.datasheets import SHEETS, library
+from mjcompose.language.edit import VERBS, Edit
 from mjcompose.language.expand import Concrete, expand
 from mjcompose.language.recipe import Recipe
 from mjcompose.language.validate import validate_what_remains
@@ -41,8 +46,9 @@ from mjcompose.language.value import Element
 from mjcompose.sources import ros
 from mjcompose.sources.context import Context, ReadRecipe
 from mjcompose.sources.fetching import Fetching, model_files, nearest
+from mjcompose.sources.kinds import EXTENDED
 from mjcompose.sources.lock import resolve as resolve_sources
-from mjcompose.sources.reference import Source, SourceError, Trust
+from mjcompose.sources.reference import Origin, Source, SourceError, Trust
 from mjcompose.text.load import load, refuse_size
 from mjcompose.text.merge import merge
 from mjcompose.text.node import (
@@ -51,6 +57,7 @@ from mjcompose.text.node import (
     Scalar,
     Sequence,
     check_characters,
+    find,
     is_template,
     locate,
     resolve,
@@ -230,9 +237,7 @@ def _read(
     if node is not None and text is not None and b"\\" in text:  # without escapes YAML has none of them either
         check_characters(node, context.sink)
     if isinstance(node, Mapping) and text is not None and (b"check" in text or b"edit" in text):
-        from mjcompose.build.plan.extensions import load_named_extensions
-
-        load_named_extensions(node, context.fetching.around(path) if context.fetching else None, context.sink)
+        _load_extensions(node, context.fetching.around(path) if context.fetching else None, context.sink)
     if node is None or context.sink.error_count > before:
         return None
     if not isinstance(node, Mapping):
@@ -452,3 +457,65 @@ def _of_urdf(source: Source) -> Iterator[Path]:
             name = name.removeprefix("file://")
             yield source.path.parent / name
             yield source.path.parent / Path(name).name
+
+
+_TABLES: dict[str, Table[Any]] = {"checks": KINDS, "verbs": VERBS, "datasheets": SHEETS}
+_OURS = {"checks": {*KINDS.own, SEVERITY, "when"}, "verbs": {*Edit.key_names()}}
+
+
+def _load_extensions(node: Mapping, origin: Origin | None, sink: Sink) -> None:
+    """Load the extensions for the words of one file. If it was fetched with `origin`, they are errors.
+
+    Words that no installed package knows are left to the validation.
+    """
+    for group, word, span in _foreign(node):
+        try:
+            if origin is not None and origin.is_fetched:
+                if extensions.is_registered(group, word):
+                    raise extensions.refuse(group, word, origin.id)
+            elif word not in (table := _TABLES[group]) and extensions.is_registered(group, word):
+                table[word]
+        except DiagnosticError as error:
+            sink.add(error.at(span))
+
+
+def load_all() -> list[DiagnosticError]:
+    """Load the extensions of all installed packages, for editors; return the failures."""
+    return [error for table in [*_TABLES.values(), EXTENDED] for error in table.load_all()]
+
+
+def packages_of(plan: Plan) -> dict[str, str]:
+    """Return the packages whose code the recipes of a plan name, with their versions."""
+    if not extensions.LOADED:
+        return {}
+    words = [(group, word) for each in plan.plans() for group, word, _ in _foreign(each.document)]
+    words += [("sources", source.kind.name) for source in plan.sources()]
+    words += [("sources", source.origin.kind.name) for source in plan.sources() if source.origin is not None]
+    return extensions.versions(words)
+
+
+def _foreign(node: Node) -> Iterator[tuple[str, str, Span]]:
+    """Yield each word that may be one of another package, with its group and its place."""
+    waiting: list[Node] = [node]
+    while waiting:
+        each = waiting.pop()
+        if isinstance(each, Sequence):
+            waiting += each.items
+        if not isinstance(each, Mapping):
+            continue
+        for name, (_, value) in each.entries.items():
+            if name == "check" and isinstance(value, Mapping):
+                for _, check in value.entries.values():
+                    yield from _foreign_words("checks", check)
+            elif name == "edit" and isinstance(value, Sequence):
+                for entry in value.items:
+                    yield from _foreign_words("verbs", entry)
+                    sheet = find(entry, ("datasheet", "model"))
+                    if isinstance(sheet, Scalar) and sheet.text not in library():
+                        yield "datasheets", sheet.text, sheet.span
+            waiting.append(value)
+
+
+def _foreign_words(group: str, node: Node) -> Iterator[tuple[str, str, Span]]:
+    if isinstance(node, Mapping):
+        yield from ((group, word, key.span) for word, (key, _) in node.entries.items() if word not in _OURS[group])

@@ -98,7 +98,7 @@ class StepInput:
 
 
 class Step(ABC):
-    """An entry that a recipe writes. A type of step is a frozen dataclass with a `span`, and a row in `step_table.py`.
+    """An entry that a recipe writes. A type of step is a frozen dataclass with a `span`, and a row of `planner.STEPS`.
 
     `sections` are the top-level keys of a recipe that steps of this type carry out. Steps that have `waits` are carried
     out when all of the others have been.

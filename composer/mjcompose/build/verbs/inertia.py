@@ -15,7 +15,9 @@ from mjcompose.language.edit import For, Verb, listed
 from mjcompose.language.forms.scalars import Positive, Unit, Whole
 from mjcompose.link import numbers
 from mjcompose.link.inertia import MEASURED
-from mjcompose.link.measure import BODIES
+from mjcompose.link.linking import Linking
+from mjcompose.link.measure import BODIES, Unmeasurable, compile_unaligned
+from mjcompose.link.unit_keys import without_keys
 from mjcompose.tree.classes import own, walk_bodies
 from mjcompose.tree.edit import replace
 
@@ -115,10 +117,6 @@ def _measured(
     editing: Editing, wanted: Mapping[Node, Collection[Node]], density: float, at: Path
 ) -> tuple[Survey, Mapping[Node, Node]]:
     """Return the measurements in a copy of the model in which the bodies have only these geoms, at that density."""
-    from mjcompose.build.compose.keys import without_keys
-    from mjcompose.link.linking import Linking
-    from mjcompose.link.measure import Unmeasurable, compile_unaligned
-
     unit = editing.linking.flat()
     aside = Sink()
     with without_keys(unit.root):

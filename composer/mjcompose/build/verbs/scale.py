@@ -24,8 +24,7 @@ class Scale(Verb):
     """attributes and their factors"""
 
     def carry_out(self, entry: Entry, at: Path) -> None:
-        from mjcompose.build.compose.keys import report_only_zeros, zero_attributes
-        from mjcompose.build.verbs.values import SCALE, change_all
+        from mjcompose.build.verbs.values import SCALE, change_all, report_only_zeros, zero_attributes
 
         zeros = zero_attributes(entry.editing, entry.found, self.written)
         change_all(entry, SCALE, self.written, at=at)

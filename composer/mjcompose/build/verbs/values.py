@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import field
 from operator import add, mul
 from typing import TYPE_CHECKING, Any
@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from lxml.etree import _Element as Node
 
 from mjcompose.base.dataclass import dataclass
-from mjcompose.base.diagnostic import Fault, Path
+from mjcompose.base.diagnostic import Fault, Note, Path
 from mjcompose.build.compose.checks import check_class_angles, refer_to_top_class
 from mjcompose.build.compose.editing import Editing, is_angular, take_files
 from mjcompose.build.compose.elements import settle_joints, update_node
@@ -325,3 +325,26 @@ class Change:
             message = f"`{MASS}` expects a number, got `{given}`"
             report_unusable(self.editing, node, Fault("wrong-type", message, at))
         self.masses.change(node, self.operation.verb, float(given), now=now, at=at)
+
+
+def zero_attributes(editing: Editing, nodes: Sequence[Node], keys: Iterable[str]) -> list[str]:
+    """Return the attributes, or single numbers of them (`friction[0]`), that are zero on every element."""
+    return [key for key in keys if nodes and all(_is_zero(editing, node, key) for node in nodes)]
+
+
+def report_only_zeros(editing: Editing, nodes: Sequence[Node], key: str, at: Path, help: str) -> None:
+    """Warn about a factor for a value that is zero on every element."""
+    whose = editing.called(nodes[0]) if len(nodes) == 1 else f"each of the {len(nodes)} selected elements"
+    message = f"`{key}` of {whose} is 0, and a factor does not change it"
+    notes = [Note(f"{editing.called(nodes[0])} is written here", editing.span_of(nodes[0]))]
+    editing.sink.warning("scale-of-zero", message, editing.span(at), notes=notes, help=help)
+
+
+def _is_zero(editing: Editing, node: Node, key: str) -> bool:
+    name, subscript = attribute_and_index(key)
+    attribute = kind_of(node).attributes.get(name)
+    if attribute is None or not attribute.is_number:
+        return False
+    values = numbers.read(editing.effective(node, name) or "")
+    values = values if subscript is None else values[subscript : subscript + 1]
+    return bool(values) and not any(values)

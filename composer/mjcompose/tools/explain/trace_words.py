@@ -16,7 +16,7 @@ from mjcompose.base.diagnostic import Span
 from mjcompose.build.bundle.collect import collect
 from mjcompose.build.compose.checks import check_names
 from mjcompose.build.compose.elements import settle_joints
-from mjcompose.build.compose.keys import hold_poses
+from mjcompose.build.compose.keyframe import hold_poses
 from mjcompose.build.plan.plan import DropElements, Plan
 from mjcompose.build.plan.steps import DrawValues, EditElements, Step
 from mjcompose.language.assign import MASS

@@ -1,26 +1,109 @@
-"""Step: find a place for each copy that a recipe scatters, on a model in which these copies are free bodies."""
+"""Steps: a part gets a place that follows from others: its mirror image has one, or it is a scattered copy.
+
+MuJoCo finds a place for each copy on a model in which these copies are free bodies. A part that mirrors another one may
+have its keyframes, too.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Set
+from collections.abc import Callable, Mapping, Sequence, Set
 from contextlib import ExitStack
 from dataclasses import replace
 from itertools import groupby
 from typing import TYPE_CHECKING, Any
 
-from mjcompose.base.diagnostic import Note
+from lxml import etree
+
+from mjcompose.base.diagnostic import Note, Path
 from mjcompose.base.rotation import Pose
 from mjcompose.base.suggest import unknown_name
 from mjcompose.build.compose.load import FINISHED, keep_finished
-from mjcompose.build.plan.plan import AttachPart, Plan
+from mjcompose.build.plan.plan import AttachPart, Plan, part_name
 from mjcompose.build.plan.steps import DrawValues, EditElements, SetCollisions, Step, WriteKeyframe
+from mjcompose.link.linking import Part
+from mjcompose.link.numbers import text
+from mjcompose.link.unit_keys import VECTORS, KeyNotes, bare_model, keys_of, remove_keys
 from mjcompose.mujoco import engine
 from mjcompose.sources.context import Context
 from mjcompose.text.node import locate
 from mjcompose.tree.grammar import number_text
+from mjcompose.tree.unit import Unit
 
 if TYPE_CHECKING:
     from mjcompose.build.compose.compose import Composed
+
+
+def mirror_places(plan: Plan, parts: Sequence[Part]) -> None:
+    """Let parts have the place of the part that they mirror, unless they have their own."""
+    by_name = {part_name(step, plan.separator): part for step, part in zip(plan.parts, parts, strict=True)}
+    for step, part in zip(plan.parts, parts, strict=True):
+        mirror = step.attachment.mirror
+        if mirror is None or (other := by_name.get(mirror.of)) is None:
+            continue
+        part.mirrors, part.across = other, mirror.axes
+        written = dict.fromkeys(("pos", "quat"), locate(plan.document, (*step.at, "mirror"), key=True))
+        place = part.place if step.attachment.place[1] else other.place
+        part.place = replace(place, offset={}, written=written, computed="mirror")
+
+
+def mirror_keys(
+    plan: Plan, units: Sequence[Unit | None], context: Context, session: engine.Session | None, notes: KeyNotes
+) -> None:
+    """Give parts the keyframes of the part that they mirror. Report parts that are no mirror images."""
+    by_name = {part_name(step, plan.separator): unit for step, unit in zip(plan.parts, units, strict=True)}
+    for step, unit in zip(plan.parts, units, strict=True):
+        mirror = step.attachment.mirror
+        other = by_name.get(mirror.of) if mirror is not None and mirror.keys else None
+        if mirror is None or other is None or unit is None:
+            continue
+        models = [bare_model(each) for each in (other, unit)]
+        at = (*step.at, "mirror", "keys")
+        if None in models:
+            message = f"the keyframes of `{mirror.of}` cannot be mirrored: MuJoCo attaches a model in it"
+            context.sink.error("not-supported", message, locate(plan.document, at), help="remove `keys: true`")
+            continue
+        from mjcompose.mujoco.mirror import mirrored_keys  # imports numpy
+
+        with ExitStack() as stack:
+            asked = {"texts": [each.text for each in models if each], "axis": mirror.axes[1]}
+            answer = engine.call(session or stack.enter_context(engine.Session()), mirrored_keys, [], argument=asked)
+        if not answer.ok or "fault" in answer.value:
+            fault = answer.value["fault"] if answer.ok else {"why": "crash", "error": answer.error}
+            keys = [str(key.get("name") or "") for key in keys_of(other)]
+            _report_mirror(plan, step, fault, keys=keys, context=context, at=at)
+            continue
+        span = locate(plan.document, at, key=True)
+        remove_keys(unit)
+        unit.part_keys = {}
+        section = unit.section("keyframe")
+        for key, rows in zip(keys_of(other), answer.value["keys"], strict=True):
+            kept = {name: str(key.get(name)) for name in ("name", "time") if key.get(name)}
+            kept |= {vector: text(rows[vector]) for vector in VECTORS if key.get(vector)}
+            unit.origins.own(etree.SubElement(section, "key", kept), span)
+        notes.note_source(unit)
+
+
+def _report_mirror(
+    plan: Plan, step: AttachPart, fault: Mapping[str, Any], keys: Sequence[str], context: Context, at: Path
+) -> None:
+    assert step.attachment.mirror is not None
+    of, own, why = step.attachment.mirror.of, part_name(step, plan.separator), fault["why"]
+    key, name = fault.get("key"), fault.get("name")
+    where = "the reference configuration" if key is None else f"the keyframe `{keys[key]}`"
+    has, lacks = (own, of) if fault.get("mine") else (of, own)
+    what = {
+        "names": f"`{has}` has the {fault.get('kind')} `{name}`, and `{lacks}` has no counterpart of that name",
+        "body": f"in {where}, the body `{name}` is {1000 * fault.get('distance', 0):.3g} mm from its mirror image",
+        "axis": f"the axis of the joint `{name}` is not reflected",
+        "range": f"the range of the joint `{name}` is not reflected",
+        "equality": f"in {where}, an equality constraint is not met",
+        "force": f"in {where}, the actuators do not push the joint `{name}` like its mirror image",
+        "crash": f"MuJoCo fails: {fault.get('error')}",
+    }[why]
+    message = f"`{own}` is not a mirror image of `{of}`: {what}"
+    help = "remove `keys: true`, and write the keyframes of this part yourself"
+    context.sink.error("mirror", message, locate(plan.document, at), help=help, subjects=(own,))
+
 
 _APART = 100.0
 """Meters between the copies before they have a place."""
@@ -59,7 +142,7 @@ def scattered(
         context.sink.error("mujoco-crash", f"MuJoCo fails on the copies: {answer.error}", groups[0][0].span)
         return None
     if "fault" in answer.value:
-        _report(plan, groups[answer.value["fault"]["group"]], answer.value["fault"], context=context)
+        _report_scatter(plan, groups[answer.value["fault"]["group"]], answer.value["fault"], context=context)
         return None
     moved: dict[str, Pose] = {}
     for group, poses, began in zip(groups, answer.value["poses"], answer.value["began"], strict=True):
@@ -96,7 +179,7 @@ def _pose(numbers: list[list[float]]) -> Pose:
     return Pose((x, y, z), (a, b, c, d))
 
 
-def _report(plan: Plan, group: list[AttachPart], fault: dict[str, Any], context: Context) -> None:
+def _report_scatter(plan: Plan, group: list[AttachPart], fault: dict[str, Any], context: Context) -> None:
     scatter = group[0].attachment.scatter
     assert scatter is not None
     at, why = (*group[0].at, "replicate", 0, "scatter"), fault["why"]
