@@ -55,8 +55,6 @@ _SHOWN_SPEED = 2
 def check(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
     """Return one finding for each thing of which there is more than allowed."""
     keys = keys_named(scope, asked["key"])
-    if isinstance(keys, Fault):
-        return [keys]
     faces = scope.model.mesh_facenum
     counted: Mapping[str, Callable[[], tuple[int, str]]] = {
         "geoms": lambda: (len(list(scope.own("geom"))), ""),

@@ -9,7 +9,7 @@ from functools import cache, cached_property
 from typing import Any
 
 from mjcompose.base.dataclass import dataclass
-from mjcompose.base.diagnostic import Fault, Note
+from mjcompose.base.diagnostic import Fault, Note, Path
 from mjcompose.base.extensions import Table
 from mjcompose.base.suggest import did_you_mean, exists_note, unknown_name
 from mjcompose.language.check import MODULES
@@ -42,6 +42,14 @@ def beside(value: float, *bounds: float, digits: int = 4) -> str:
         if all(float(text) != bound for bound in bounds if bound != value):
             return text
     return repr(value)
+
+
+class CheckEnds(Exception):
+    """Raised with the finding that ends a check."""
+
+    def __init__(self, fault: Fault) -> None:
+        super().__init__(fault.message)
+        self.fault = fault
 
 
 def unknown(kind: str, name: str, known: Iterable[str], *at: str | int) -> Fault:
@@ -130,15 +138,14 @@ class Scope:
         found = [self.roster.names[kind][index] for index in self.own(kind)]
         return [name.removeprefix(self.before(kind)) for name in found if name]
 
-    def find(self, kind: str, name: str, *at: str | int) -> int | Fault:
-        """Return the id of the element of that name, or a finding that there is none.
-
-        Every recipe may name the world.
-        """
+    def find(self, kind: str, name: str, *at: str | int) -> int:
+        """Return the id of the element of that name; every recipe may name the world. Raises CheckEnds."""
         if kind == "body" and name == "world":
             return 0
         index = self.roster.ids[kind].get(self.prefix + name)
-        return unknown(kind, name, self.names(kind), *at) if index is None else index
+        if index is None:
+            raise CheckEnds(unknown(kind, name, self.names(kind), *at))
+        return index
 
     def matching(self, kind: str, glob: str) -> list[int]:
         """Return the ids of the recipe's elements that a glob or regular expression matches.
@@ -159,18 +166,22 @@ class Scope:
         """
         return frozenset(filter(fitter(glob, lambda: names, self.separator), names))
 
-    def at_key(self, key: str | None) -> Any | Fault:
-        """Return an mjData at a keyframe or the reference configuration. The caller still calls `mj_forward`."""
+    def at_key(self, key: str | None, *at: str | int) -> Any:
+        """Return an mjData at a keyframe or the reference configuration. The caller still calls `mj_forward`.
+
+        Raises CheckEnds if there is no such keyframe. `at` is the place of its name, by default `key`.
+        """
+        at = at or ("key",)
         data = self.mujoco.MjData(self.model)
         if key is None:
             return data
         if self.keys is None:
             message = f"the keyframe `{key}` does not exist: this recipe drops its keyframes"
             notes = (Note("the recipe around it leaves them out: `drop: [key]`"),)
-            return Fault("unknown-name", message, ("key",), notes=notes)
+            raise CheckEnds(Fault("unknown-name", message, at, notes=notes))
         index = self.roster.ids["key"].get(self.keys + key)
         if index is None:
-            return unknown("keyframe", key, self.names("key"), "key")
+            raise CheckEnds(unknown("keyframe", key, self.names("key"), *at))
         self.mujoco.mj_resetDataKeyframe(self.model, data, index)
         return data
 
@@ -188,54 +199,54 @@ class Scope:
         return frozenset(self.own("joint"))
 
 
-def keys_named(scope: Scope, globs: Sequence[str]) -> list[str] | Fault:
-    """Return the names of the keyframes that the globs match, as in the recipe; all of them without globs."""
+def keys_named(scope: Scope, globs: Sequence[str]) -> list[str]:
+    """Return the names of the keyframes that the globs match, as in the recipe; all of them without globs.
+
+    Raises CheckEnds.
+    """
     known = [] if scope.keys is None else scope.names("key")
     if not globs:
         return known
-    if scope.keys is None and isinstance(fault := scope.at_key(globs[0]), Fault):
-        return fault
+    if scope.keys is None:
+        scope.at_key(globs[0])
     found: list[str] = []
     for at, glob in enumerate(globs):
         fitting = scope.fitting(glob, known)
         if not fitting:
-            notes = (exists_note("keyframe", known, glob),)
             place = ("key", at) if len(globs) > 1 else ("key",)
-            help = did_you_mean(glob, known)
-            return Fault("unknown-name", f"`{glob}` names no keyframe", place, notes=notes, help=help)
+            raise names_nothing(f"`{glob}` names no keyframe", glob, "keyframe", known=known, at=place)
         found += [name for name in known if name in fitting and name not in found]
     return found
 
 
-def poses(scope: Scope, globs: Sequence[str]) -> list[tuple[str, Any]] | Fault:
-    """Return where a message is about, and an mjData, of each keyframe that the globs match.
-
-    Without globs it is the reference configuration. The caller still calls `mj_forward`.
-    """
-    if not globs:
-        return [("", scope.at_key(None))]
-    names = keys_named(scope, globs)
-    return names if isinstance(names, Fault) else [(f" in `{name}`", data) for name, data in at_keys(scope, names)]
-
-
-def at_keys(scope: Scope, names: Sequence[str]) -> Iterator[tuple[str, Any]]:
+def at_keys(scope: Scope, names: Iterable[str]) -> Iterator[tuple[str, Any]]:
     """Yield an mjData at each keyframe. The caller still calls `mj_forward`."""
-    for name in names:
-        data = scope.at_key(name)
-        if not isinstance(data, Fault):
-            yield name, data
+    return ((name, scope.at_key(name)) for name in names)
 
 
-def unmet(scope: Scope, kinds: Sequence[str], globs: Sequence[str], *at: str | int) -> Fault | None:
-    """Return a finding for the first glob that matches nothing of these kinds."""
-    known = [name for kind in kinds for name in scope.names(kind)]
+def check_globs(scope: Scope, kinds: Sequence[str], globs: Sequence[str], at: Path) -> None:
+    """Raise CheckEnds for the first glob that matches nothing of these kinds."""
     for index, glob in enumerate(globs):
         if not any(scope.matching(kind, glob) for kind in kinds):
-            notes = (exists_note("name", sorted(known), glob),)
+            known = sorted(name for kind in kinds for name in scope.names(kind))
             place = (*at, index) if len(globs) > 1 else at
-            message, help = f"`{glob}` names no {' and no '.join(kinds)}", did_you_mean(glob, known)
-            return Fault("unknown-name", message, place, notes=notes, help=help)
-    return None
+            message = f"`{glob}` names no {' and no '.join(kinds)}"
+            raise names_nothing(message, glob, "name", known=known, at=place)
+
+
+def names_nothing(message: str, glob: str, what: str, known: Sequence[str], at: Path) -> CheckEnds:
+    """Return the end of a check because a glob matches none of the known names of a kind, `what`."""
+    notes, help = (exists_note(what, known, glob),), did_you_mean(glob, known)
+    return CheckEnds(Fault("unknown-name", message, at, notes=notes, help=help))
+
+
+def with_rest(lines: Sequence[str], shown: int = 8, what: str = "more") -> list[str]:
+    """Return the first lines, and how many more there are.
+
+    >>> with_rest(["a", "b", "c"], 2)
+    ['a', 'b', 'and 1 more']
+    """
+    return [*lines[:shown], *([f"and {len(lines) - shown} {what}"] if len(lines) > shown else [])]
 
 
 SUBTREE_MASS = "subtree_mass"
@@ -341,19 +352,8 @@ class Quantity:
         return str(Quantity(value / self.per_unit, self.unit, self.per_unit))
 
 
-def pair_of(
-    scope: Scope, tag: str, index: int, asked: Mapping[str, Any], numbers: Sequence[Number]
-) -> tuple[Any, list[Quantity]] | Fault:
-    """Return the numbers that an element has, as a flat array, and those that are written."""
-    actual = values_of(scope, tag, index, asked)
-    if isinstance(actual, Fault):
-        return actual
-    quantities = quantities_of(scope, tag, index, asked, numbers)
-    return quantities if isinstance(quantities, Fault) else (actual, quantities)
-
-
-def values_of(scope: Scope, tag: str, index: int, asked: Mapping[str, Any]) -> Any | Fault:
-    """Return the numbers of an attribute as a flat array, or the number at its `index`."""
+def values_of(scope: Scope, tag: str, index: int, asked: Mapping[str, Any]) -> Any:
+    """Return the numbers of an attribute as a flat array, or the number at its `index`. Raises CheckEnds."""
     import numpy as np
 
     from mjcompose.mujoco.addresses import rows_of
@@ -362,21 +362,21 @@ def values_of(scope: Scope, tag: str, index: int, asked: Mapping[str, Any]) -> A
     name = "body_subtreemass" if attr == SUBTREE_MASS else array_of(tag, attr)
     array = getattr(scope.model, name, None)
     if array is None:
-        return Fault("unknown-attribute", f"this MuJoCo has no `{attr}` of a {tag}", ("attr",))
+        raise CheckEnds(Fault("unknown-attribute", f"this MuJoCo has no `{attr}` of a {tag}", ("attr",)))
     row = rows_of(scope.model, tag, name, index=index).start  # a joint has one value; for an actuator the first counts
     numbers = np.atleast_1d(array[row]).ravel()
     if asked["index"] is None:
         return numbers
     if asked["index"] >= numbers.size:
         message = f"`{attr}` of {scope.called(tag, index)} has {numbers.size} numbers"
-        return Fault("wrong-length", message, ("attr",), notes=(Note(f"the first is `{attr}[0]`"),))
+        raise CheckEnds(Fault("wrong-length", message, ("attr",), notes=(Note(f"the first is `{attr}[0]`"),)))
     return numbers[asked["index"]][None]
 
 
 def quantities_of(
     scope: Scope, tag: str, index: int, asked: Mapping[str, Any], numbers: Sequence[Number]
-) -> list[Quantity] | Fault:
-    """Return the expected numbers in the unit of the compiled model."""
+) -> list[Quantity]:
+    """Return the expected numbers in the unit of the compiled model. Raises CheckEnds."""
     attr = asked["attr"]
     joint = JOINT_TYPES[int(scope.model.jnt_type[index])].word if tag == "joint" else ""
     angular = attr in ANGLES.get(joint, ())
@@ -387,7 +387,7 @@ def quantities_of(
             if unit is None:
                 help = f"write `{number:.9g}deg` or `{number:.9g}rad`, or `angle: degree` at the top of the recipe"
                 message = f"`{attr}` of {joint} {scope.called(tag, index)} is an angle, and `{number:.9g}` has no unit"
-                return Fault("bare-angle", message, help=help)
+                raise CheckEnds(Fault("bare-angle", message, help=help))
         quantities.append(quantity(number, unit, unit_of(tag, attr)))
     return quantities
 
@@ -441,4 +441,6 @@ def ask(mujoco: Any, model: Model, question: dict[str, Any]) -> dict[str, Any]:
         found = CHECKS[question["kind"]](scope, question["asked"])
     except BadPattern as bad:
         found = [Fault("selector", bad.message, help=bad.help)]
+    except CheckEnds as end:
+        found = [end.fault]
     return {"findings": list(map(to_json, found)), "values": scope.values}

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Annotated, Any, ClassVar
 
 from pydantic import Field
 
 from mjcompose.base.diagnostic import Fault
-from mjcompose.build.checks.check import SOLVED, Scope, beside, failed, poses, unmet
+from mjcompose.build.checks.check import SOLVED, Scope, at_keys, beside, check_globs, failed, keys_named, with_rest
 from mjcompose.language.check import Check
 from mjcompose.language.forms.scalars import LENGTHS, Expects, Items, Name, Scaled
 
@@ -52,7 +52,6 @@ class Clearance(Check):
 KIND = Clearance
 
 _NAMED = ("geom", "body", "flex")
-_SHOWN = 8
 _SLACK = 1e-9
 
 Side = tuple[str, int]
@@ -64,16 +63,14 @@ def check(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
     """Report the pairs that are nearer to each other than the check allows, the nearest first."""
     for index, pair in enumerate(asked["excepted"]):
         for side, glob in enumerate(pair):
-            if (nothing := unmet(scope, _NAMED, [glob], "except", index, side)) is not None:
-                return [nothing]
+            check_globs(scope, _NAMED, [glob], at=("except", index, side))
     sides = []
     for index, globs in enumerate(asked["between"] or ()):
-        if (nothing := unmet(scope, _NAMED[:2], globs, "between", index)) is not None:
-            return [nothing]
+        check_globs(scope, _NAMED[:2], globs, at=("between", index))
         sides.append(_geoms(scope, globs))
-    places = poses(scope, asked["key"])
-    if isinstance(places, Fault):
-        return [places]
+    places: Iterable[tuple[str, Any]] = [("", scope.at_key(None))]
+    if asked["key"]:
+        places = ((f" in `{name}`", data) for name, data in at_keys(scope, keys_named(scope, asked["key"])))
     known = {name for kind in _NAMED for name in scope.names(kind)}
     excepted = [[scope.fitting(glob, known) for glob in pair] for pair in asked["excepted"]]
     least: float = asked["min"]
@@ -84,7 +81,8 @@ def check(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
         for pair, distance in apart:
             if distance >= least and nearest is not None and distance >= nearest:
                 continue
-            if any(_is_excepted(scope, pair, one, other) for one, other in excepted):
+            these, those = (_names(scope, side) for side in pair)
+            if any((these & a and those & b) or (these & b and those & a) for a, b in excepted):
                 continue
             nearest = distance if nearest is None else min(nearest, distance)
             if distance < least:
@@ -94,10 +92,11 @@ def check(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
     if not near:
         return []
     ranked = sorted(near.items(), key=lambda item: item[1])
-    lines = [_line(scope, pair, where, distance, least) for (where, pair), distance in ranked[:_SHOWN]]
-    more = [*lines[1:], *([f"and {len(ranked) - _SHOWN} more pairs"] if len(ranked) > _SHOWN else [])]
+    first, *more = with_rest(
+        [_line(scope, pair, where, each, least) for (where, pair), each in ranked], what="more pairs"
+    )
     expected = f"at least {least:g} m" if least >= 0 else f"at most {-least:g} m inside"
-    return [failed(lines[0], expected, _measure(ranked[0][1], least), "min", more=more)]
+    return [failed(first, expected, _measure(ranked[0][1], least), "min", more=more)]
 
 
 def _measure(distance: float, least: float) -> str:
@@ -167,11 +166,6 @@ def _apart(scope: Scope, data: Any, sides: Sequence[Sequence[int]], least: float
             limit = max(least, 0.0) + _SLACK
             distance = float(mujoco.mj_geomDistance(model, data, one, other, limit, None))
             yield (("geom", one), ("geom", other)), distance
-
-
-def _is_excepted(scope: Scope, pair: Pair, one: frozenset[str], other: frozenset[str]) -> bool:
-    first, second = (_names(scope, side) for side in pair)
-    return bool((first & one and second & other) or (first & other and second & one))
 
 
 def _names(scope: Scope, side: Side) -> set[str]:

@@ -17,6 +17,7 @@ from mjcompose.base.suggest import advised, closest, exists_note
 from mjcompose.build.checks.check import (
     ROUNDING,
     SUBTREE_MASS,
+    CheckEnds,
     Number,
     Scope,
     equal,
@@ -24,11 +25,13 @@ from mjcompose.build.checks.check import (
     keywords,
     like,
     naming,
-    pair_of,
     plain,
+    quantities_of,
     quantity,
     unit_of,
     unknown,
+    values_of,
+    with_rest,
     words_of,
 )
 from mjcompose.language.check import Check, CheckPart
@@ -311,25 +314,13 @@ def check(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
     select = asked["select"]
     if select is None:
         return _of_the_model(scope, asked)
-    elements = _elements(scope, select, asked["angle"])
-    if isinstance(elements, Fault):
-        return [elements]
-    scope.found(f"{select['tag']} {select['glob']}", len(elements))
-    wrong = _miscounted(scope, asked, elements)
-    return wrong + _differing(scope, asked, elements) if asked["attr"] else wrong
-
-
-def _elements(scope: Scope, select: dict[str, Any], angle: str | None) -> list[int] | Fault:
-    """Return the elements that a selector matches, or a finding if its values cannot be looked up."""
     tag, glob = select["tag"], select["glob"]
     named = [0] if (tag, glob) == ("body", "world") else scope.matching(tag, glob)
-    elements = []
-    for index in named:
-        fits = _is_there(scope, index, select) and _fits(scope, index, select, angle)
-        if isinstance(fits, Fault):
-            return fits
-        elements += [index] if fits else []
-    return elements
+    is_there = (index for index in named if _is_there(scope, index, select))
+    elements = [index for index in is_there if _fits(scope, index, select, angle=asked["angle"])]
+    scope.found(f"{tag} {glob}", len(elements))
+    wrong = _miscounted(scope, asked, elements)
+    return wrong + _differing(scope, asked, elements) if asked["attr"] else wrong
 
 
 def _miscounted(scope: Scope, asked: dict[str, Any], elements: list[int]) -> list[Fault]:
@@ -376,8 +367,8 @@ def _bodies_around(scope: Scope, kind: str, index: int) -> Iterator[int]:
     yield 0
 
 
-def _fits(scope: Scope, index: int, select: dict[str, Any], angle: str | None) -> bool | Fault:
-    """Return whether an element has the values in `where`, or a finding if they cannot be looked up."""
+def _fits(scope: Scope, index: int, select: dict[str, Any], angle: str | None) -> bool:
+    """Return whether an element has the values in `where`. Raises CheckEnds if they cannot be looked up."""
     tag = select["tag"]
     for each in select["where"]:
         if each["word"] is not None:
@@ -385,10 +376,14 @@ def _fits(scope: Scope, index: int, select: dict[str, Any], angle: str | None) -
             if not scope.fitting(each["word"], words):
                 return False
             continue
-        pair = pair_of(scope, tag, index, {**each, "angle": angle}, each["value"])
-        if isinstance(pair, Fault):
-            return False if pair.code == "wrong-length" else replace(pair, at=("select", WHERE, each["key"]))
-        actual, expected = pair
+        try:
+            actual = values_of(scope, tag, index, asked=each)
+            written = {**each, "angle": angle}
+            expected = quantities_of(scope, tag, index, asked=written, numbers=each["value"])
+        except CheckEnds as end:
+            if end.fault.code == "wrong-length":
+                return False
+            raise CheckEnds(replace(end.fault, at=("select", WHERE, each["key"]))) from None
         if len(expected) != actual.size or not equal(actual, expected, None):
             return False
     return True
@@ -400,10 +395,11 @@ def _differing(scope: Scope, asked: dict[str, Any], elements: list[int]) -> list
     expected = ""
     key = "range" if asked["equals"] is None else "equals"
     for index in elements:
-        pair = pair_of(scope, tag, index, asked, asked[key])
-        if isinstance(pair, Fault):
-            return [replace(pair, at=pair.at or (key,))]
-        actual, quantities = pair
+        try:
+            actual = values_of(scope, tag, index, asked=asked)
+            quantities = quantities_of(scope, tag, index, asked=asked, numbers=asked[key])
+        except CheckEnds as end:
+            return [replace(end.fault, at=end.fault.at or (key,))]
         scope.values[scope.written(tag, index)] = plain(actual)
         if key == "equals" and len(quantities) != actual.size:
             name = asked["select"]["glob"]
@@ -427,15 +423,15 @@ def _differing(scope: Scope, asked: dict[str, Any], elements: list[int]) -> list
         return []
     name, have = wrong[0]
     attr = asked["attr"] + ("" if asked["index"] is None else f"[{asked['index']}]")
-    more = [f"{other}: {value}" for other, value in wrong[1:_SHOWN]]
-    more += [f"and {len(wrong) - _SHOWN} more"] if len(wrong) > _SHOWN else []
+    _, *more = with_rest([f"{other}: {value}" for other, value in wrong], _SHOWN)
     return [failed(f"`{attr}` of {name} is {have}, not {expected}", expected, have, key, more=more)]
 
 
 def _of_the_model(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
     """Report a number of the model that is not the expected one. Merged keyframes belong to no single recipe."""
     attr, key = asked["attr"], "range" if asked["equals"] is None else "equals"
-    actual = _mass(scope) if attr == MASS else _size(scope, attr)
+    masses = (float(scope.model.body_mass[index]) for index in scope.own("body"))
+    actual = sum(masses, 0.0) if attr == MASS else _size(scope, attr)
     if actual is None:
         return []
     scope.found(attr, actual)
@@ -454,10 +450,6 @@ def _of_the_model(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
     owner = "the model" if scope.whole else "this recipe's model"
     have = f"{actual:.9g}{unit}"
     return [failed(f"`{attr}` of {owner} is {have}, not {expected}", expected, have, key)]
-
-
-def _mass(scope: Scope) -> float:
-    return float(sum(scope.model.body_mass[index] for index in scope.own("body")))
 
 
 def _size(scope: Scope, size: str) -> int | None:

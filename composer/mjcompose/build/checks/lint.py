@@ -3,16 +3,24 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, TypeAlias
 
 from pydantic import Discriminator, Field, Tag
 
-from mjcompose.base.diagnostic import Fault, Path
+from mjcompose.base.diagnostic import Fault
 from mjcompose.base.extensions import Table
-from mjcompose.base.suggest import did_you_mean, exists_note
-from mjcompose.build.checks.check import Scope, at_keys, failed, keys_named, unmet
+from mjcompose.build.checks.check import (
+    CheckEnds,
+    Scope,
+    at_keys,
+    check_globs,
+    failed,
+    keys_named,
+    names_nothing,
+    with_rest,
+)
 from mjcompose.build.lint.rule import FAMILIES, Subject, rules, subject_of
 from mjcompose.build.lint.rule import Rule as LinterRule
 from mjcompose.language.check import Check, CheckPart
@@ -30,9 +38,8 @@ from mjcompose.language.forms.scalars import (
     Scaled,
     Unit,
 )
+from mjcompose.mujoco.arrays import HINGE, SLIDE
 from mjcompose.mujoco.solids import Shapes, faults
-
-SHOWN = 8
 
 
 class Rule(CheckPart):
@@ -53,18 +60,18 @@ class Rule(CheckPart):
         """Return the findings for the settings."""
 
 
-def chosen(scope: Scope, kind: str, settings: Mapping[str, Any]) -> list[int] | Fault | None:
-    """Return the elements that the setting of their kind names, or None if it is not written."""
+def chosen(scope: Scope, kind: str, settings: Mapping[str, Any], usual: Iterable[int]) -> list[int]:
+    """Return the elements that the setting of their kind names, by default the usual ones, without excepted ones."""
     globs: Sequence[str] = settings[kind]
-    if (nothing := unmet(scope, (kind,), globs, kind)) is not None:
-        return nothing
-    return list(dict.fromkeys(each for glob in globs for each in scope.matching(kind, glob))) if globs else None
+    check_globs(scope, (kind,), globs, at=(kind,))
+    named = dict.fromkeys(each for glob in globs for each in scope.matching(kind, glob)) if globs else usual
+    ignored = excepted(scope, (kind,), settings)
+    return [each for each in named if (kind, each) not in ignored]
 
 
-def excepted(scope: Scope, kinds: Sequence[str], settings: Mapping[str, Any]) -> set[tuple[str, int]] | Fault:
-    """Return the elements that `except` names, by kind and id, or a finding that a glob names nothing."""
-    if (nothing := unmet(scope, kinds, settings["except"], "except")) is not None:
-        return nothing
+def excepted(scope: Scope, kinds: Sequence[str], settings: Mapping[str, Any]) -> set[tuple[str, int]]:
+    """Return the elements that `except` names, by kind and id."""
+    check_globs(scope, kinds, settings["except"], at=("except",))
     return {(kind, each) for glob in settings["except"] for kind in kinds for each in scope.matching(kind, glob)}
 
 
@@ -72,8 +79,8 @@ def listed(lines: Sequence[str], expected: str, actual: str, *at: str | int, hel
     """Return one finding for lines, the first of them as its message; nothing without lines."""
     if not lines:
         return []
-    more = [*lines[1:SHOWN], *([f"and {len(lines) - SHOWN} more"] if len(lines) > SHOWN else [])]
-    return [failed(lines[0], expected, actual, *at, more=more, help=help)]
+    first, *more = with_rest(lines)
+    return [failed(first, expected, actual, *at, more=more, help=help)]
 
 
 class InertiaImplausible(Rule):
@@ -94,25 +101,17 @@ class InertiaImplausible(Rule):
 
     @staticmethod
     def check(scope: Scope, settings: Mapping[str, Any]) -> list[Fault]:
-        bodies = chosen(scope, "body", settings)
-        if isinstance(bodies, Fault):
-            return [bodies]
-        ignored = excepted(scope, ("body",), settings)
-        if isinstance(ignored, Fault):
-            return [ignored]
         shapes = Shapes(scope.mujoco, scope.model)
-        count, wrong = 0, []
-        for body in list(scope.own("body")) if bodies is None else bodies:
-            if body == 0 or ("body", body) in ignored or scope.model.body_mass[body] <= 0:
-                continue
-            if not shapes.of(body):
-                continue
-            count += 1
-            name = scope.called("body", body)
-            wrong += [f"{name}: {each}" for each in _faults(scope, shapes, body, settings=settings)]
-        scope.found("bodies", count)
+        named = chosen(scope, "body", settings, usual=scope.own("body"))
+        bodies = [each for each in named if each and scope.model.body_mass[each] > 0 and shapes.of(each)]
+        wrong = [
+            f"{scope.called('body', body)}: {each}"
+            for body in bodies
+            for each in _faults(scope, shapes, body, settings=settings)
+        ]
+        scope.found("bodies", len(bodies))
         scope.found("implausible", len(wrong))
-        actual = f"{len(wrong)} fault{'s' * (len(wrong) > 1)} in {count} bodies"
+        actual = f"{len(wrong)} fault{'s' * (len(wrong) > 1)} in {len(bodies)} bodies"
         return listed(wrong, "masses and inertias that the geoms could have", actual)
 
 
@@ -140,16 +139,8 @@ class JointUnactuated(Rule):
     @staticmethod
     def check(scope: Scope, settings: Mapping[str, Any]) -> list[Fault]:
         mujoco, model = scope.mujoco, scope.model
-        joints = chosen(scope, "joint", settings)
-        if isinstance(joints, Fault):
-            return [joints]
-        if joints is None:
-            single = (int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE))
-            joints = [joint for joint in scope.own("joint") if int(model.jnt_type[joint]) in single]
-        ignored = excepted(scope, ("joint",), settings)
-        if isinstance(ignored, Fault):
-            return [ignored]
-        joints = [joint for joint in joints if ("joint", joint) not in ignored]
+        single = (joint for joint in scope.own("joint") if int(model.jnt_type[joint]) in (HINGE, SLIDE))
+        joints = chosen(scope, "joint", settings, usual=single)
         moved = _moved(mujoco, model)
         without = [joint for joint in joints if joint not in moved]
         scope.found("joints", len(joints))
@@ -165,11 +156,8 @@ def _moved(mujoco: Any, model: Any) -> set[int]:
     mujoco.mj_fwdPosition(model, data)
     dofs = set(np.asarray(data.moment_colind[: int(np.sum(data.moment_rownnz))]).tolist())
     moved = {int(model.dof_jntid[dof]) for dof in dofs}
-    coupled = [
-        (int(model.eq_obj1id[each]), int(model.eq_obj2id[each]))
-        for each in range(model.neq)
-        if int(model.eq_type[each]) == int(mujoco.mjtEq.mjEQ_JOINT) and int(model.eq_obj2id[each]) >= 0
-    ]
+    is_joint = (model.eq_type == int(mujoco.mjtEq.mjEQ_JOINT)) & (model.eq_obj2id >= 0)
+    coupled = list(zip(model.eq_obj1id[is_joint].tolist(), model.eq_obj2id[is_joint].tolist(), strict=True))
     for _ in coupled:
         for one, other in coupled:
             if one in moved or other in moved:
@@ -194,11 +182,7 @@ class KeyOutOfRange(Rule):
         from mjcompose.mujoco.index import index, ranged
 
         keys, margin = keys_named(scope, settings["key"]), settings["margin"]
-        if isinstance(keys, Fault):
-            return [keys]
         ignored = excepted(scope, KeyOutOfRange.kinds, settings)
-        if isinstance(ignored, Fault):
-            return [ignored]
         outside: list[str] = []
         count = 0
         compiled = index(scope.model, scope.mujoco)
@@ -257,16 +241,13 @@ class ShapeOffMesh(Rule):
         made = [each for each in settings["shapes"] if each["mesh"].startswith(scope.prefix)]
         pairs = [(each["mesh"].removeprefix(scope.prefix), each) for each in made]
         names = [name for name, _ in pairs]
-        for key in ("mesh", "except"):
+        fitting: dict[str, set[str]] = {"mesh": set(), "except": set()}
+        for key, found in fitting.items():
             for at, glob in enumerate(settings[key]):
-                if not scope.fitting(glob, names):
-                    message = f"nothing was made of a mesh `{glob}`"
-                    notes = (exists_note("mesh", sorted(set(names)), glob),)
-                    help = did_you_mean(glob, names)
-                    return [Fault("unknown-name", message, (key, at), notes=notes, help=help)]
-        fitting = {
-            key: {name for glob in settings[key] for name in scope.fitting(glob, names)} for key in ("mesh", "except")
-        }
+                if not (fits := scope.fitting(glob, names)):
+                    message, known = f"nothing was made of a mesh `{glob}`", sorted(set(names))
+                    raise names_nothing(message, glob, "mesh", known=known, at=(key, at))
+                found |= fits
         meant = [each for each in pairs if each[0] in (fitting["mesh"] or names) and each[0] not in fitting["except"]]
         if not meant:
             return [failed("no `collision` or `simplify` made anything of a mesh", "at least one mesh", "none")]
@@ -293,7 +274,7 @@ def _volumes(meant: list[tuple[str, dict[str, Any]]], low: float, high: float) -
     open_ones = [name for name, each in meant if each["volume"] is None]
     if open_ones:
         message = f"the mesh `{open_ones[0]}` is open: it has no volume to compare with"
-        more = [f"so is `{name}`" for name in open_ones[1:SHOWN]]
+        more = [f"so is `{name}`" for name in open_ones[1:8]]
         help = "close the meshes, or name the others by `mesh`"
         return [failed(message, expected, "unknown", "volume", more=more, help=help)]
     wrong = [(each["volume"], name) for name, each in meant if not low <= each["volume"] <= high]
@@ -333,10 +314,6 @@ else:
     _WithoutSettings = Literal[(*(word for word, rule in RULES.items() if not rule.limits), *FAMILIES, *_PLAIN)]
     """The rules that run if they are selected in a list, and the families: other rules need limits."""
 _Shape = Discriminator(lambda value: "<mapping>" if isinstance(value, dict | CheckPart) else "<list>")
-
-
-def _codes(word: str) -> list[str]:
-    return [code for code, each in _PLAIN.items() if each.family == word] if word in FAMILIES else [word]
 
 
 class SelectedRules(CheckPart):
@@ -396,7 +373,8 @@ class Lint(Check):
             return dict(self.select.words)
         usual = [word for word, each in _PLAIN.items() if each.usual]
         words = self.select or [*(word for word, rule in RULES.items() if not rule.limits), *usual]
-        codes = dict.fromkeys(code for word in words for code in _codes(word))
+        families = {word: [code for code, each in _PLAIN.items() if each.family == word] for word in FAMILIES}
+        codes = dict.fromkeys(code for word in words for code in families.get(word, (word,)))
         return {code: RULES[code]() if code in RULES else None for code in codes}
 
     def contradictions(self, context: Settings) -> Iterator[Fault]:
@@ -434,9 +412,13 @@ def check(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
     for word, settings in asked["rules"].items():
         values = dict(scope.values)
         told = {**settings, "shapes": asked["shapes"]}
-        found = RULES[word].check(scope, told) if word in RULES else _plain(word, subject, scope)
+        try:
+            found = RULES[word].check(scope, told) if word in RULES else _plain(word, subject, scope)
+        except CheckEnds as end:
+            found = [end.fault]
         for finding in found:
-            each = replace(finding, at=_place(word, finding.at))
+            key, *below = finding.at if finding.at[:1] == ("except",) else ("select", *finding.at)
+            each = replace(finding, at=(key, word, *below))
             if each.code == "check-failed":
                 accepts = f"{{{word}: [NAME]}}" if word in RULES else f"[{word}]"
                 help = each.help or f"fix it, or write `except: {accepts}` to accept it"
@@ -458,7 +440,3 @@ def _plain(code: str, subject: Subject, scope: Scope) -> list[Fault]:
             lines.append(finding.message)
     scope.found("findings", len(lines))
     return listed(lines, "no findings", str(len(lines)))
-
-
-def _place(rule: str, at: Path) -> Path:
-    return ("except", rule, *at[1:]) if at[:1] == ("except",) else ("select", rule, *at)

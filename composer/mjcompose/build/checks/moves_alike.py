@@ -10,7 +10,7 @@ from pydantic import Field
 
 from mjcompose.base.diagnostic import Fault
 from mjcompose.base.scratch import scratch
-from mjcompose.build.checks.check import SOLVED, failed
+from mjcompose.build.checks.check import SOLVED, failed, with_rest
 from mjcompose.language.check import Check
 from mjcompose.language.forms.model import IT
 from mjcompose.language.forms.scalars import Checked, Name, Positive, Unit
@@ -23,7 +23,6 @@ if TYPE_CHECKING:
     from mjcompose.sources.context import Context
 
 _MUJOCO = "mujoco=="
-_SHOWN = 8
 
 
 def _program_fault(text: str) -> Fault | None:
@@ -139,9 +138,7 @@ def _there(checks: Checks, check: MovesAlike) -> tuple[list[Fault], dict[str, An
 
 
 def _apart(check: MovesAlike, program: str, moved: Sequence[Moved]) -> Fault:
-    more = [each.words for each in moved[1:_SHOWN]]
-    more += [f"and {len(moved) - _SHOWN} more"] if len(moved) > _SHOWN else []
-    message = f"the model moves in another way in {program}: {moved[0].words}"
-    unit = moved[0].unit
+    first, *more = with_rest([each.words for each in moved])
+    message, unit = f"the model moves in another way in {program}: {first}", moved[0].unit
     found = failed(message, f"at most {check.tol:g} {unit}", f"{moved[0].amount:.4g} {unit}", more=more)
     return replace(found, at=("tol",))

@@ -36,30 +36,20 @@ def check(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
     """Report that no joint positions were found, with the nearest point."""
     from mjcompose.build.checks.inverse_kinematics import STARTS, Solver
 
-    site = scope.find("site", asked["site"], "site")
-    if isinstance(site, Fault):
-        return [site]
-    data = scope.at_key(asked["key"])
-    if isinstance(data, Fault):
-        return [data]
+    site, data = scope.find("site", asked["site"], "site"), scope.at_key(asked["key"])
     scope.mujoco.mj_kinematics(scope.model, data)
     target = _in_the_world(scope, data, asked["target"], frame=asked["frame"])
     solver = Solver(scope.mujoco, scope.model, data, site=site, target=target, tolerance=asked["tolerance"])
-    if not len(solver.chain):
-        distance = solver.distance
-        scope.found("distance", distance, SOLVED)
-        if distance <= asked["tolerance"]:
-            return []
-        more = ["no joint moves it; free joints stay where they are"]
-    else:
-        distance = solver.solve()
-        scope.found("distance", distance, SOLVED)
-        if distance <= asked["tolerance"]:
-            return []
-        more = [f"{STARTS} starts were tried"]
-        if solver.at_limits:
-            names = ", ".join(scope.written("joint", joint) for joint in solver.at_limits)
-            more.append(f"at the nearest pose, joints are at their limits: {names}")
+    distance = solver.solve() if len(solver.chain) else solver.distance
+    scope.found("distance", distance, SOLVED)
+    if distance <= asked["tolerance"]:
+        return []
+    more = [
+        f"{STARTS} starts were tried" if len(solver.chain) else "no joint moves it; free joints stay where they are"
+    ]
+    if solver.at_limits:
+        names = ", ".join(scope.written("joint", joint) for joint in solver.at_limits)
+        more.append(f"at the nearest pose, joints are at their limits: {names}")
     point = ", ".join(f"{each:g}" for each in asked["target"])
     nearest = beside(distance, asked["tolerance"])
     message = f"site `{asked['site']}` comes no nearer to [{point}] than {nearest} m"

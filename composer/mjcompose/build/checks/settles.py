@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Annotated, Any, ClassVar
 
 from pydantic import Field
@@ -54,8 +53,6 @@ def check(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
 
     mujoco, model = scope.mujoco, scope.model
     data = scope.at_key(asked["key"])
-    if isinstance(data, Fault):
-        return [data]
     diverged = Divergence(mujoco, model, data)
     limit, seconds = asked["max_speed"], asked["seconds"]
     if not model.opt.timestep > 0:
@@ -90,9 +87,7 @@ def _near(scope: Scope, data: Any, asked: dict[str, Any]) -> list[Fault]:
 
     near = asked["near"]
     key = near["key"] or asked["key"]
-    there = scope.at_key(key)
-    if isinstance(there, Fault):
-        return [replace(there, at=("near", "key"))]
+    there = scope.at_key(key, "near", "key")
     mujoco, model = scope.mujoco, scope.model
     apart = np.zeros(model.nv)
     mujoco.mj_differentiatePos(model, apart, 1.0, there.qpos, data.qpos)
