@@ -22,28 +22,25 @@ from contextlib import ExitStack
 from dataclasses import field, replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import log
 from mjcompose.build.bundle.assemble import ManifestInput, add_manifest, assemble, renamed_in
-from mjcompose.build.bundle.bundle import Bundle
+from mjcompose.build.bundle.bundle import Bundle, Outcome
 from mjcompose.build.compose.compose import Composed, ComposeOptions, Composer
+from mjcompose.build.compose.interface import check_index, check_locked_interface
 from mjcompose.build.compose.load import Library
 from mjcompose.build.plan.describe import acknowledge
 from mjcompose.build.plan.locked import check_lock, plan_with_intact_store
 from mjcompose.build.plan.plan import Plan
 from mjcompose.build.plan.planner import plan_what_remains
 from mjcompose.build.plan.read import Given
+from mjcompose.link.files import Merged
 from mjcompose.link.measure import measure_with
 from mjcompose.mujoco import engine
+from mjcompose.mujoco.engine import Compiled, Limits, Session
 from mjcompose.sources.context import Context
 from mjcompose.text.node import locate
-
-if TYPE_CHECKING:
-    from mjcompose.build.bundle.bundle import Outcome
-    from mjcompose.link.files import Merged
-    from mjcompose.mujoco.engine import Compiled, Limits, Session
 
 OnBundle = Callable[[Bundle], None]
 
@@ -194,7 +191,6 @@ class Build:
     def _verify(self, draft: _Draft) -> Compiled | None:
         """Return MuJoCo's verdict, after running the recipe's checks."""
         # A build without verification does not need these.
-        from mjcompose.build.compose.interface import check_index, check_locked_interface
         from mjcompose.build.verify.checks import Checks, checks_in
         from mjcompose.build.verify.compile import WHOLE, compile_and_report
         from mjcompose.build.verify.kept_keys import check_kept_keys, check_key_ranges, check_stiffness

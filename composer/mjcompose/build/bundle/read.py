@@ -27,7 +27,7 @@ from mjcompose.base.files import MJCF_FILES, open_regular, read_regular
 from mjcompose.base.limits import in_force
 from mjcompose.base.sink import Sink
 from mjcompose.build.bundle.bundle import MANIFEST, MODEL, Bundle, BundleError, check_paths, raise_error
-from mjcompose.tree.parse import all_admitted, parse_file
+from mjcompose.tree.parse import all_admitted, parse_file, parse_text
 
 ZIP_FAULTS: tuple[type[Exception], ...] = (
     zipfile.BadZipFile,
@@ -121,8 +121,6 @@ def read(
 
 def _check_size(bundle: Bundle, path: Path, shown: str) -> None:
     """Raise ReadError for a model that is too large once it is expanded."""
-    from mjcompose.tree.parse import parse_text  # few models of bundles expand
-
     found = Sink()
     text = bundle.files[bundle.model]
     parse_text(text, found, file=bundle.model, directory=path, label=path.stem, contents=bundle.files)

@@ -13,21 +13,20 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Severity, log
 from mjcompose.base.files import STDIN
-from mjcompose.build.cache.cache import LOST, Facts, KeptFile, KeptRecipe, Record
+from mjcompose.build.bundle.bundle import MANIFEST, Bundle, LicenseRow, Location, Outcome, license_rows
+from mjcompose.build.cache.cache import LOST, Answer, Cache, Facts, KeptFile, KeptRecipe, Record
 from mjcompose.build.cache.cache_key import BuildOptions, CacheKey, now
 from mjcompose.sources.blobs import key_of
+from mjcompose.sources.context import Context
 
 if TYPE_CHECKING:
-    from mjcompose.build.bundle.bundle import Bundle, LicenseRow, Location, Outcome
     from mjcompose.build.bundle.write import BackgroundPacker, Packed
-    from mjcompose.build.cache.cache import Answer, Cache
     from mjcompose.build.cache.inputs import Inputs
     from mjcompose.build.compose.load import Library
     from mjcompose.build.plan.plan import Plan
     from mjcompose.build.stages import Built
     from mjcompose.link.linking import FileUse
     from mjcompose.mujoco.engine import Session
-    from mjcompose.sources.context import Context
     from mjcompose.text.node import Node
     from mjcompose.tree.unit import Unit
 
@@ -231,8 +230,6 @@ class Maker:
         built = build.run()
         if built is None:
             return None
-        from mjcompose.build.bundle.bundle import license_rows
-
         made = result_of_build(built, license_rows(plan, context), why, key=key)
         names = self._names()
         made = replace(made, inputs=(*names.recipes(plan), *names.others(built, context)))
@@ -297,8 +294,6 @@ class Maker:
         if self.form == "archive":
             packed = load_files(record, partial(load_packed, cache=self.cache))
             return None if packed is None else replace(made, packed=packed)
-        from mjcompose.build.bundle.bundle import Bundle
-
         files = load_files(record, self.cache.raw)
         return None if files is None else replace(made, bundle=Bundle(files, record.model))
 
@@ -337,7 +332,6 @@ class Maker:
 
     def _of_recipes(self, record: Record, states: Mapping[str, str]) -> Record | None:
         """Return the record of the same model from recipes with other bytes, whose hashes are in its manifest."""
-        from mjcompose.build.bundle.bundle import MANIFEST, Bundle
         from mjcompose.build.bundle.manifest import with_read
 
         assert self.cache is not None
@@ -359,7 +353,6 @@ class Maker:
     ) -> None:  # fmt: skip
         """Store a model that was built now, unless one of its inputs has changed meanwhile."""
         from mjcompose.build.bundle.assemble import portable
-        from mjcompose.build.bundle.bundle import MANIFEST
         from mjcompose.build.cache.inputs import hash_of_positions, may_move, mentions_positions
 
         cache, built, key = self.cache, result.built, result.key

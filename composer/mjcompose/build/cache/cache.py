@@ -23,7 +23,8 @@ from typing import TYPE_CHECKING, Any
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Diagnostic, Fix, Note, Severity, Span
 from mjcompose.base.files import read_regular
-from mjcompose.build.bundle.bundle import LicenseRow, Outcome, is_address
+from mjcompose.base.sink import Sink
+from mjcompose.build.bundle.bundle import LicenseRow, Location, Outcome, is_address
 from mjcompose.build.cache.cache_key import CacheKey, Files, FileState, differences, file_state, stamp_of
 from mjcompose.sources import blobs
 from mjcompose.sources.blobs import key_of
@@ -32,8 +33,6 @@ from mjcompose.text.expression import Value
 from mjcompose.tree.merged_settings import Adopted, known
 
 if TYPE_CHECKING:
-    from mjcompose.base.sink import Sink
-    from mjcompose.build.bundle.bundle import Location
     from mjcompose.build.bundle.write import Packed
 
 

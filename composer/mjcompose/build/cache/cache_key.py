@@ -29,11 +29,11 @@ from mjcompose.sources import blobs
 from mjcompose.sources.blobs import key_of
 from mjcompose.sources.kinds import KINDS
 from mjcompose.sources.license import license_names
+from mjcompose.sources.reference import Source
 from mjcompose.targets.names import CONSUMERS
 
 if TYPE_CHECKING:
     from mjcompose.build.plan.plan import Plan
-    from mjcompose.sources.reference import Source
     from mjcompose.text.node import Node
 
 _PACKAGE = os.path.dirname(os.path.dirname(os.path.dirname(os.path.realpath(__file__))))
@@ -268,8 +268,6 @@ def plan_content(plan: Plan) -> list[object]:
 
 
 def _source(model: Plan | Source | None) -> object:
-    from mjcompose.sources.reference import Source
-
     if not isinstance(model, Source):
         return model is None
     licenses, packages = [map(str, model.licenses), ((name, str(path)) for name, path in model.packages)]

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import asdict, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Protocol
+from typing import Protocol
 
 from mjcompose.base import files
 from mjcompose.base.dataclass import dataclass
@@ -31,9 +31,7 @@ from mjcompose.mujoco.engine import Session
 from mjcompose.sources.context import Context
 from mjcompose.sources.fetching import quiet
 from mjcompose.sources.store import Store
-
-if TYPE_CHECKING:
-    from mjcompose.text.node import Node
+from mjcompose.text.node import Node
 
 Finish = Callable[[BuildResult, Maker, Context, Session], "BuildResult | None"]
 """Processes each model that is made, for example by writing it; returns None after a failure, which it reports."""

@@ -48,6 +48,7 @@ from mjcompose.build.plan.plan import (
     EditOutcome,
     ElementDraws,
     Excluded,
+    GeneratedShapes,
     PartRecord,
     Plan,
     Tables,
@@ -64,7 +65,9 @@ from mjcompose.link.measure import measure_with
 from mjcompose.link.replicates import spare_added
 from mjcompose.link.source_check import INVALID_SOURCE, check_source, repair
 from mjcompose.link.submodels import add_named_file, attached_size
+from mjcompose.link.subtree import Subtree
 from mjcompose.link.unit_keys import KeyNotes, remove_keys
+from mjcompose.mujoco.engine import Session
 from mjcompose.sources.context import Context
 from mjcompose.sources.reference import Source
 from mjcompose.text.node import locate
@@ -77,9 +80,6 @@ from mjcompose.tree.unit import Unit, Watch, nobody
 if TYPE_CHECKING:
     from mjcompose.build.compose.edits import ModelEdits
     from mjcompose.build.compose.mesh_jobs import MeshWorkshop
-    from mjcompose.build.plan.plan import GeneratedShapes
-    from mjcompose.link.subtree import Subtree
-    from mjcompose.mujoco.engine import Session
 
 Result = TypeVar("Result")
 # Other additions would change the mass that `settotalmass` of the base gives each body: MuJoCo scales the whole model

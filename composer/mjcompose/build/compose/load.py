@@ -27,6 +27,7 @@ from mjcompose.link.measure import folder_of
 from mjcompose.link.settings import FOLDERS
 from mjcompose.link.source_check import check_source
 from mjcompose.mujoco import engine
+from mjcompose.mujoco.engine import Session
 from mjcompose.mujoco.messages import parse, report, translate
 from mjcompose.sources.context import Context
 from mjcompose.sources.reference import Source
@@ -42,7 +43,6 @@ from mjcompose.tree.xml_text import write
 if TYPE_CHECKING:
     from mjcompose.link.subtree import Subtree
     from mjcompose.mujoco.convert import Converted
-    from mjcompose.mujoco.engine import Session
     from mjcompose.urdf.robot import Robot
 
 FINISHED = "finished"

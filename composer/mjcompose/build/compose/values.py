@@ -7,6 +7,8 @@ from collections.abc import Iterable, Mapping
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NoReturn
 
+from lxml.etree import _Element as Node
+
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Fault, Note, Path
 from mjcompose.base.sink import Sink
@@ -15,7 +17,7 @@ from mjcompose.link import numbers
 from mjcompose.link.inertia import MEASURED, has_mass, write_inertias
 from mjcompose.link.key_layout import joint_type
 from mjcompose.link.linking import Linking
-from mjcompose.link.measure import Unmeasurable, compile_unaligned
+from mjcompose.link.measure import Survey, Unmeasurable, compile_unaligned
 from mjcompose.link.unit_keys import without_keys
 from mjcompose.text.evaluate import Template
 from mjcompose.text.expression import ExpressionError, UnknownName, Value
@@ -27,10 +29,7 @@ from mjcompose.tree.select import kind_of, name_of, parent_of
 from mjcompose.tree.values import parse_real
 
 if TYPE_CHECKING:
-    from lxml.etree import _Element as Node
-
     from mjcompose.build.compose.editing import Editing
-    from mjcompose.link.measure import Survey
 
 
 def report_unusable(editing: Editing, node: Node, fault: Fault, it: str | None = None) -> NoReturn:

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator
+from typing import Any
+
+from lxml.etree import _Element as Node
 
 from mjcompose.build.lint.rule import Edit, Finding, Found, Subject, rule
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from lxml.etree import _Element as Node
+from mjcompose.tree.classes import class_in_force
 
 _DEEP, _RESTING = 2e-3, 5e-3
 _FINE = 1000
@@ -91,8 +90,6 @@ def plane_hidden(subject: Subject) -> Found:
 
 def _name(geom: Node) -> str:
     """Return the class and the name of a geom, in lower case."""
-    from mjcompose.tree.classes import class_in_force
-
     return f"{class_in_force(geom).name or ''} {geom.get('name') or ''}".lower()
 
 

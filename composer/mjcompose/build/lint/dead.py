@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from lxml.etree import _Element as Node
 
 from mjcompose.build.lint.rule import Edit, Finding, Found, Subject, rule
 from mjcompose.tree.names import GENERATORS, own_name
-
-if TYPE_CHECKING:
-    from lxml.etree import _Element as Node
 
 _REMOVE = Edit(removes=True)
 

@@ -6,7 +6,8 @@ import hashlib
 import os
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING
+
+from lxml.etree import _Element as Node
 
 from mjcompose.base.files import Refused, read_regular
 from mjcompose.build.lint.rule import Finding, Found, Subject, rule
@@ -14,11 +15,7 @@ from mjcompose.sources import license
 from mjcompose.tree.cost import pixels
 from mjcompose.tree.files import file_attributes, is_absolute, join, written_path
 from mjcompose.tree.mesh_cost import file_points
-
-if TYPE_CHECKING:
-    from lxml.etree import _Element as Node
-
-    from mjcompose.tree.unit import Unit
+from mjcompose.tree.unit import Unit
 
 _LARGE_TEXTURE = 4096 * 4096
 _FINE_MESH = 200_000

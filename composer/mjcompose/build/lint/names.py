@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
+
+from lxml.etree import _Element as Node
 
 from mjcompose.build.lint.rule import Edit, Finding, Found, Subject, rule
 from mjcompose.tree.names import own_references
-
-if TYPE_CHECKING:
-    from lxml.etree import _Element as Node
 
 _ASSET = {"robot-asset": "OpenUSD and URDF identify each joint, link and sensor by a unique name"}
 _CHARACTERS = re.compile(r"[\w./:+\-]+")

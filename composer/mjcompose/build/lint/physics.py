@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 from mjcompose.build.lint.rule import Finding, Found, Subject, rule
+from mjcompose.tree.classes import class_in_force
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
     from mjcompose.mujoco.servos import Servos
 
 _HEAVIEST, _DENSE = 22_590.0, 100_000.0
@@ -128,8 +128,6 @@ def inertia_balanced(subject: Subject) -> Found:
 @rule("free-joint-damped")
 def free_joint_damped(subject: Subject) -> Found:
     """A free joint with the damping, armature, friction or stiffness of hinges."""
-    from mjcompose.tree.classes import class_in_force
-
     free, others = [], set()
     for joint in subject.each("joint"):
         own = subject.classes.get(class_in_force(joint).name)

@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import copy
+from collections.abc import Callable
 from typing import TYPE_CHECKING
+
+from lxml.etree import _Element as Node
 
 from mjcompose.base.report import counted
 from mjcompose.build.lint.rule import Finding, Found, Subject, rule
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from lxml.etree import _Element as Node
-
     from mjcompose.targets.target import Refusal
 
 _PROGRAMS = {

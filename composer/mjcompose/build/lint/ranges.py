@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from lxml.etree import _Element as Node
 
 from mjcompose.build.lint.rule import Edit, Finding, Found, Subject, rule
-
-if TYPE_CHECKING:
-    from lxml.etree import _Element as Node
 
 _LIMITS = {
     "joint": (("range", "limited"), ("actuatorfrcrange", "actuatorfrclimited")),

@@ -12,6 +12,8 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from functools import cache, cached_property
 from typing import TYPE_CHECKING, Any
 
+from lxml.etree import _Element as Node
+
 from mjcompose.base.codes import CODES, RULES
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.suggest import did_you_mean
@@ -20,8 +22,6 @@ from mjcompose.tree.names import NameIndex
 from mjcompose.tree.select import kind_of
 
 if TYPE_CHECKING:
-    from lxml.etree import _Element as Node
-
     from mjcompose.mujoco.attributes import NameTable
     from mjcompose.mujoco.servos import Servos
     from mjcompose.mujoco.solids import Shapes

@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
+
+from lxml.etree import _Element as Node
 
 from mjcompose.build.lint.rule import Finding, Found, Subject, rule
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from lxml.etree import _Element as Node
 
 _TURN = 2 * math.pi
 _ROUND = tuple(math.pi * each for each in (1 / 6, 1 / 4, 1 / 3, 1 / 2, 2 / 3, 3 / 4, 1, 3 / 2, 2))

@@ -1,22 +1,18 @@
-"""Verb `collision`: replace meshes in collisions by convex shapes that are made of them.
-
-Few recipes need it, so the module that does the work is imported here only when it runs.
-"""
+"""Verb `collision`: replace meshes in collisions by convex shapes that are made of them."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import BeforeValidator, Field
 
 from mjcompose.base.diagnostic import Path
+from mjcompose.build.compose.shapes import make_collision_geoms
+from mjcompose.build.plan.plan import in_words
+from mjcompose.build.verbs.values import Entry
 from mjcompose.language.edit import For, Verb
 from mjcompose.language.forms.model import Model, OneOf
 from mjcompose.language.forms.scalars import whole
-
-if TYPE_CHECKING:
-    from mjcompose.build.verbs.values import Entry
-
 
 _METHODS = ("hull", "fit", "decompose", "spheres")
 _Vertices = Annotated[int, Field(ge=4, le=10_000), BeforeValidator(whole)]
@@ -92,14 +88,10 @@ class Collision(Verb):
 
     def carry_out(self, entry: Entry, at: Path) -> None:
         # All values that the entry writes are checked before.
-        from mjcompose.build.compose.shapes import make_collision_geoms
-
         entry.check()
         entry.records += make_collision_geoms(entry.editing, entry.workshop, entry.found, how=self, at=at)
 
     def words(self) -> str:
-        from mjcompose.build.plan.plan import in_words
-
         return f"collide with {in_words(self.method, self.wanted)}"
 
 

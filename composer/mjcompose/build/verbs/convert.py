@@ -7,13 +7,18 @@ activation. It computes the attributes of the new kind from these.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+from typing import Annotated, Any, ClassVar
 
+from lxml.etree import _Element as Node
 from pydantic import Field
 
 from mjcompose.base.diagnostic import Fault, Note, Path
 from mjcompose.base.suggest import closest, exists_note, renaming
+from mjcompose.build.compose.actuators import INPUTS, PLUGIN, ActuatorModel, actuator_models
+from mjcompose.build.compose.editing import Editing
+from mjcompose.build.compose.elements import pose_number
 from mjcompose.build.compose.values import UnusableValue, Values, report_unusable
+from mjcompose.build.verbs.values import Entry
 from mjcompose.language.assign import Checker
 from mjcompose.language.edit import For, Verb, listed
 from mjcompose.language.element_schema import attribute_schema
@@ -23,17 +28,10 @@ from mjcompose.language.select import unknown_attribute
 from mjcompose.language.value import kind_of, read_value
 from mjcompose.link import numbers
 from mjcompose.link.key_layout import element_of
+from mjcompose.link.keyframes import part_keys
 from mjcompose.tree.classes import levels
 from mjcompose.tree.grammar import GRAMMAR, Attribute, to_text
 from mjcompose.tree.unit import texts
-
-if TYPE_CHECKING:
-    from lxml.etree import _Element as Node
-
-    from mjcompose.build.compose.actuators import ActuatorModel
-    from mjcompose.build.compose.editing import Editing
-    from mjcompose.build.verbs.values import Entry
-
 
 _PARAMETERS = ("gainprm", "biasprm", "dynprm")
 # The meaning of an actuator's control, in words. An integrator turns a rate into the quantity that the gain is for.
@@ -139,8 +137,6 @@ class Convert(Verb):
         return f"convert to {self.to}{listed({name: each for name, each in self.written.items() if name != _TO})}"
 
     def carry_out(self, entry: Entry, at: Path) -> None:
-        from mjcompose.build.compose.actuators import actuator_models
-
         editing, found = entry.editing, entry.found
         to, written = self.to, self.written
         models = actuator_models(editing.linking, editing.sink, found)
@@ -228,8 +224,6 @@ def _geared(value: Any, gear: float, power: int) -> Any:
 
 
 def _text(attribute: Attribute, value: Any, gear: float, power: int) -> str:
-    from mjcompose.build.compose.elements import pose_number
-
     if attribute.is_number:
         found = [pose_number(each) for each in (value if isinstance(value, tuple) else (value,))]
         return numbers.text(_geared(tuple(found), gear, power) if power and gear != 1 else found)
@@ -291,8 +285,6 @@ def _lost_attributes(to: str, model: ActuatorModel, wrong: list[str]) -> Iterato
 
 def _rewrite(editing: Editing, node: Node, to: str, written: Mapping[str, str], wrong: list[str]) -> None:
     """Make the actuator one of the new kind with these attributes, without those that it cannot have."""
-    from mjcompose.build.compose.actuators import PLUGIN
-
     editing.forget(node)
     instance = node.get("instance")
     for name in {*wrong, *_replaced(written)}:
@@ -316,8 +308,6 @@ def _drop_instance(root: Node, name: str) -> None:
 
 def _lost_in_keys(editing: Editing, node: Node) -> Iterator[str]:
     """Yield in words the keyframe values of a control or activation whose meaning changes."""
-    from mjcompose.link.keyframes import part_keys
-
     found = [key for part in part_keys(editing.linking).values() for key in part.keys]
     for vector in ("ctrl", "act"):
         names = {
@@ -363,8 +353,6 @@ def _written_for(
     editing: Editing, node: Node, to: str, model: ActuatorModel, given: Mapping[str, str], at: Path
 ) -> tuple[dict[str, str], list[str]]:
     """Return the attributes that give the new kind the same model, and its losses in words."""
-    from mjcompose.build.compose.actuators import PLUGIN
-
     if to == "general":
         return _general(editing, model), [_gain_and_bias(model)] if model.gain == PLUGIN else []
     lost = _lost_with(to, model)
@@ -455,8 +443,6 @@ def _in_classes(editing: Editing) -> bool:
 
 def _general(editing: Editing, model: ActuatorModel) -> dict[str, str]:
     """Return all attributes of the model, with all numbers if classes may set some, else without trailing zeros."""
-    from mjcompose.build.compose.actuators import PLUGIN
-
     whole = _in_classes(editing)
     laws = ("fixed", "none") if model.gain == PLUGIN else (model.gain, model.bias)
     made = {"gaintype": laws[0], "biastype": laws[1], "dyntype": model.dynamics}
@@ -526,8 +512,6 @@ def _unlimited(editing: Editing, node: Node, to: str, limited: str | None) -> di
 
 
 def _control_of(to: str, model: ActuatorModel, written: Mapping[str, str]) -> str:
-    from mjcompose.build.compose.actuators import INPUTS
-
     if to == "general":
         return model.control
     if to == "pid":
@@ -541,8 +525,6 @@ def _in_words(control: str, otherwise: str) -> str:
 
 def _gain_and_bias(model: ActuatorModel) -> str:
     """Return the gains in words."""
-    from mjcompose.build.compose.actuators import PLUGIN
-
     if model.gain == PLUGIN:
         return "its plugin, which computes the force"
     if model.form == "position" or model.gain == "pid":

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, NoReturn
+from typing import Annotated, Any, ClassVar, Literal, NoReturn
 
+from lxml.etree import _Element as Node
 from pydantic import Field
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Fault, Path
 from mjcompose.base.suggest import did_you_mean, exists_note
+from mjcompose.build.compose.editing import Editing
 from mjcompose.build.compose.values import UnusableValue, report_unusable
+from mjcompose.build.verbs.values import SET, Change, Entry
 from mjcompose.language.assign import Changed
 from mjcompose.language.datasheets import SHEETS, Sheet, library
 from mjcompose.language.edit import For, Verb, listed
@@ -19,13 +22,6 @@ from mjcompose.language.forms.scalars import Name, NotNegative, Positive, Unit
 from mjcompose.link import numbers
 from mjcompose.link.key_layout import joint_type
 from mjcompose.tree.edit import assign
-
-if TYPE_CHECKING:
-    from lxml.etree import _Element as Node
-
-    from mjcompose.build.compose.editing import Editing
-    from mjcompose.build.verbs.values import Entry
-
 
 _SERVOS, _PLAIN = ("position", "velocity"), ("motor",)
 
@@ -63,8 +59,6 @@ class Datasheet(Verb):
     """its peak or its rated torque"""
 
     def carry_out(self, entry: Entry, at: Path) -> None:
-        from mjcompose.build.verbs.values import SET, Change
-
         editing = entry.editing
         sheet = _sheet(editing, self.model, (*at, "model"))
         effort = sheet.effort

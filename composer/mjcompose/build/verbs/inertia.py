@@ -3,31 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
-from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
+from typing import Annotated, ClassVar, Literal
 
+from lxml.etree import _Element as Node
 from pydantic import Field
 
 from mjcompose.base.diagnostic import Fault, Path
 from mjcompose.base.sink import Sink
+from mjcompose.build.compose.editing import Editing
 from mjcompose.build.compose.values import UnusableValue, report_unusable
+from mjcompose.build.verbs.values import Entry
 from mjcompose.language.assign import Changed
 from mjcompose.language.edit import For, Verb, listed
 from mjcompose.language.forms.scalars import Positive, Unit, Whole
 from mjcompose.link import numbers
 from mjcompose.link.inertia import MEASURED
 from mjcompose.link.linking import Linking
-from mjcompose.link.measure import BODIES, Unmeasurable, compile_unaligned
+from mjcompose.link.measure import BODIES, Survey, Unmeasurable, compile_unaligned
 from mjcompose.link.unit_keys import without_keys
 from mjcompose.tree.classes import own, walk_bodies
 from mjcompose.tree.edit import replace
-
-if TYPE_CHECKING:
-    from lxml.etree import _Element as Node
-
-    from mjcompose.build.compose.editing import Editing
-    from mjcompose.build.verbs.values import Entry
-    from mjcompose.link.measure import Survey
-
 
 _RULES = (*MEASURED, "inertiafromgeom", "inertiagrouprange")
 _ROWS = dict(zip(BODIES, (1, 3, 4, 3), strict=True))

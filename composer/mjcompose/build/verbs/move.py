@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+from typing import Annotated, Any, ClassVar
 
+from lxml.etree import _Element as Node
 from pydantic import Field
 
 from mjcompose.base.diagnostic import Fault, Note, Path
+from mjcompose.build.compose.editing import Editing
 from mjcompose.build.compose.values import UnusableValue, Values, report_unusable
+from mjcompose.build.verbs.values import SET, Change, Entry
 from mjcompose.language.edit import For, Verb, listed
 from mjcompose.language.forms.context import Settings
 from mjcompose.language.forms.model import Exclusive
@@ -22,13 +25,6 @@ from mjcompose.tree.edit import assign, unresolved
 from mjcompose.tree.grammar import GRAMMAR
 from mjcompose.tree.names import WORLD
 from mjcompose.tree.select import kind_of
-
-if TYPE_CHECKING:
-    from lxml.etree import _Element as Node
-
-    from mjcompose.build.compose.editing import Editing
-    from mjcompose.build.verbs.values import Entry
-
 
 _IN_THE_TREE = {child.path for top in ("body", "worldbody") for child in GRAMMAR.element(top).children.values()}
 
@@ -70,8 +66,6 @@ class Move(Verb):
 
     def carry_out(self, entry: Entry, at: Path) -> None:
         # Each element moves first: its pose is relative to the new parent.
-        from mjcompose.build.verbs.values import SET, Change
-
         for index, node in enumerate(entry.found):
             _move(entry.editing, node, index, to=self.to, at=at)
             if self.pose:

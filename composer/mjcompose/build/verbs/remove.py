@@ -2,22 +2,20 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, ClassVar, Literal
+from typing import ClassVar, Literal
 
+from lxml.etree import _Element as Node
 from pydantic import Field
 
 from mjcompose.base.diagnostic import Note, Path
+from mjcompose.build.compose.editing import Editing
+from mjcompose.build.verbs.values import Entry
 from mjcompose.language.edit import Verb
 from mjcompose.language.forms.model import WHOLE
-
-if TYPE_CHECKING:
-    from lxml.etree import _Element as Node
-
-    from mjcompose.build.compose.editing import Editing
-    from mjcompose.build.verbs.values import Entry
-    from mjcompose.link.subtree import DroppedElement
-    from mjcompose.tree.edit import Removal
-
+from mjcompose.link.subtree import DroppedElement
+from mjcompose.tree.edit import Removal, is_section, whole
+from mjcompose.tree.names import declaration, is_list, word
+from mjcompose.tree.select import kind_of, naming_attribute, section_of
 
 _SHOWN = 20
 
@@ -40,8 +38,6 @@ class Remove(Verb):
 
 def remove(editing: Editing, nodes: list[Node], *, cascade: bool, at: Path) -> list[DroppedElement]:
     """Remove nodes, and return all that was removed. Without `cascade`, a reference is an error, and all stay."""
-    from mjcompose.tree.edit import Removal
-
     removal = Removal.of((editing, node) for node in nodes)
     if not cascade and removal.references:
         _still_needed(removal, editing, at)
@@ -59,9 +55,6 @@ def remove(editing: Editing, nodes: list[Node], *, cascade: bool, at: Path) -> l
 
 
 def _take_out(editing: Editing, node: Node) -> None:
-    from mjcompose.tree.edit import is_section
-    from mjcompose.tree.select import section_of
-
     for each in node.iter("*"):
         if not is_section(each) and each is not editing.root:
             editing.forget(each)
@@ -78,11 +71,6 @@ def _take_out(editing: Editing, node: Node) -> None:
 
 def _named(node: Node) -> list[DroppedElement]:
     """Return the removed elements, for lists: each element in the body tree, elsewhere the element as a whole."""
-    from mjcompose.link.subtree import DroppedElement
-    from mjcompose.tree.edit import is_section
-    from mjcompose.tree.names import declaration
-    from mjcompose.tree.select import kind_of, naming_attribute, section_of
-
     section = section_of(node)
     inside = node.iter("*") if section in ("worldbody", "default") else [node]
     found = []
@@ -99,18 +87,12 @@ def _named(node: Node) -> list[DroppedElement]:
 
 def listed_kind(node: Node, section: str) -> str:
     """Return the name of an element's kind in lists of elements."""
-    from mjcompose.tree.names import word
-
     if section in ("tendon", "equality", "actuator", "sensor"):
         return section
     return "joint" if node.tag == "freejoint" else word(str(node.tag))
 
 
 def _still_needed(removal: Removal[Editing], editing: Editing, at: Path) -> None:
-    from mjcompose.tree.edit import whole
-    from mjcompose.tree.names import is_list, word
-    from mjcompose.tree.select import section_of
-
     notes = []
     seen: set[Node] = set()
     for _, node, attribute, namespace, name in removal.references:

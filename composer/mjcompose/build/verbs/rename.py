@@ -4,28 +4,26 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path as PathlibPath
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
+from lxml.etree import _Element as Node
 from pydantic import Field
 
 from mjcompose.base.diagnostic import Note, Path
+from mjcompose.build.compose.editing import Editing
+from mjcompose.build.compose.values import UnusableValue, Values
+from mjcompose.build.verbs.values import Entry
 from mjcompose.language.edit import Verb
 from mjcompose.language.forms.model import WHOLE
 from mjcompose.language.forms.scalars import Name
 from mjcompose.text.node import locate
-
-if TYPE_CHECKING:
-    from lxml.etree import _Element as Node
-
-    from mjcompose.build.compose.editing import Editing
-    from mjcompose.build.verbs.values import Entry
-    from mjcompose.tree.edit import Renaming
+from mjcompose.tree.edit import BadBone, NewName, Renaming, is_rod, renamed_skin, skins, twisted_by, unlistable_message
+from mjcompose.tree.names import MAY_REPEAT, WORLD, own_name
+from mjcompose.tree.select import kind_of, naming_attribute
 
 
 def rename_in_skins(editing: Editing, names: Mapping[str, str], at: Path) -> None:
     """Rewrite every skin file in which one of these bodies is a bone."""
-    from mjcompose.tree.edit import BadBone, renamed_skin, skins
-
     unit, files = editing.linking.base, editing.linking.files
     for skin in skins(unit.root):
         use = next((each for each in files if each.element is skin.element), None)
@@ -54,11 +52,6 @@ class Rename(Verb):
 
     def carry_out(self, entry: Entry, at: Path) -> None:
         # All names are decided before the first is written, so two can change places.
-        from mjcompose.build.compose.values import UnusableValue
-        from mjcompose.tree.edit import unlistable_message
-        from mjcompose.tree.names import own_name
-        from mjcompose.tree.select import kind_of, naming_attribute
-
         entry.check()  # messages name the elements as they are written
         editing = entry.editing
         new: dict[Node, str] = {}
@@ -98,10 +91,6 @@ class Rename(Verb):
 
 
 def _new_name(editing: Editing, node: Node, index: int, written: str, at: Path) -> str:
-    from mjcompose.build.compose.values import UnusableValue, Values
-    from mjcompose.tree.names import WORLD, own_name
-    from mjcompose.tree.select import kind_of, naming_attribute
-
     values = Values(editing, node, index, at=at)
     naming = naming_attribute(kind_of(node))
     span = locate(editing.making.document, at)
@@ -127,8 +116,6 @@ def _new_name(editing: Editing, node: Node, index: int, written: str, at: Path) 
 
 def _take_twists_along(editing: Editing, new: dict[Node, str]) -> None:
     """Rename the joints in which a rod is twisted with it: they belong to it by their names."""
-    from mjcompose.tree.edit import is_rod, twisted_by
-
     for rod, name in list(new.items()):
         old = str(rod.get("name") or "")
         for joint, node in editing.names.declared.get("joint", {}).items() if old and is_rod(rod) else ():
@@ -138,9 +125,6 @@ def _take_twists_along(editing: Editing, new: dict[Node, str]) -> None:
 
 def _check_twists(editing: Editing, new: dict[Node, str], at: Path) -> None:
     """Report joints that would not belong to their rod any more."""
-    from mjcompose.build.compose.values import UnusableValue
-    from mjcompose.tree.edit import is_rod, twisted_by
-
     for node, name in new.items():
         rod = twisted_by(str(node.get("name") or "")) if node.tag == "joint" else ""
         flex = editing.find_node("flex", rod) if rod else None
@@ -157,10 +141,6 @@ def _check_twists(editing: Editing, new: dict[Node, str], at: Path) -> None:
 
 def _check(editing: Editing, new: dict[Node, str], at: Path) -> None:
     """Report a new name that is already used, unless that name is given up in the same step."""
-    from mjcompose.build.compose.values import UnusableValue
-    from mjcompose.tree.names import MAY_REPEAT
-    from mjcompose.tree.select import kind_of, naming_attribute
-
     taken: dict[tuple[str, str], Node] = {}
     for node, name in new.items():
         naming = naming_attribute(kind_of(node))
@@ -186,9 +166,6 @@ def _check(editing: Editing, new: dict[Node, str], at: Path) -> None:
 
 def _advice(editing: Editing, node: Node, other: Node, at: Path) -> str:
     """Return advice on how to distinguish two elements that would get the same name."""
-    from mjcompose.build.compose.values import Values
-    from mjcompose.tree.select import kind_of
-
     one, two = (Values(editing, each, 0, at=at) for each in (node, other))
     differ = [name for name in ("name", "parent") if one.scope[name] != two.scope[name]]
     differ += [
@@ -201,10 +178,6 @@ def _advice(editing: Editing, node: Node, other: Node, at: Path) -> str:
 
 
 def _renaming(editing: Editing, new: dict[Node, str]) -> Renaming[Editing]:
-    from mjcompose.tree.edit import NewName, Renaming
-    from mjcompose.tree.names import own_name
-    from mjcompose.tree.select import kind_of, naming_attribute
-
     names = []
     for node, name in new.items():
         naming = naming_attribute(kind_of(node))

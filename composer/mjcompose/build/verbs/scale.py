@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+from typing import Annotated, Any, ClassVar
 
 from pydantic import Field
 
 from mjcompose.base.diagnostic import Path
+from mjcompose.build.verbs.values import SCALE, Entry, change_all, report_only_zeros, zero_attributes
 from mjcompose.language.assign import Changed, Values, changes_of, flat
 from mjcompose.language.edit import Verb
 from mjcompose.language.forms.model import WHOLE
-
-if TYPE_CHECKING:
-    from mjcompose.build.verbs.values import Entry
 
 
 class Scale(Verb):
@@ -24,8 +22,6 @@ class Scale(Verb):
     """attributes and their factors"""
 
     def carry_out(self, entry: Entry, at: Path) -> None:
-        from mjcompose.build.verbs.values import SCALE, change_all, report_only_zeros, zero_attributes
-
         zeros = zero_attributes(entry.editing, entry.found, self.written)
         change_all(entry, SCALE, self.written, at=at)
         for key in zeros:

@@ -7,22 +7,22 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+from typing import Annotated, Any, ClassVar
 
+from lxml.etree import _Element as Node
 from pydantic import Field
 
 from mjcompose.base.diagnostic import Fault, Path
+from mjcompose.build.compose.editing import Editing
+from mjcompose.build.compose.values import UnusableValue, report_unusable
+from mjcompose.build.verbs.values import SET, Entry, change_all
 from mjcompose.language.assign import Changed, Values, changes_of, flat
 from mjcompose.language.edit import Verb
 from mjcompose.language.forms.model import WHOLE
 from mjcompose.language.fragment import report_clashing, report_missing
-
-if TYPE_CHECKING:
-    from lxml.etree import _Element as Node
-
-    from mjcompose.build.compose.editing import Editing
-    from mjcompose.build.verbs.values import Entry
-
+from mjcompose.tree.classes import chain
+from mjcompose.tree.edit import assign
+from mjcompose.tree.select import kind_of
 
 # An actuator must have one of these: else MuJoCo 4.0 says "missing transmission target for actuator".
 _MOVED = ("joint", "jointinparent", "tendon", "site", "body", "cranksite")
@@ -37,8 +37,6 @@ class Set(Verb):
     """attributes and their new values"""
 
     def carry_out(self, entry: Entry, at: Path) -> None:
-        from mjcompose.build.verbs.values import SET, change_all
-
         going, values = _parted(self.written)
         if going:
             _take_out(entry, going, at)
@@ -84,10 +82,6 @@ def _take_out(entry: Entry, going: Mapping[str, Any], at: Path) -> None:
 
 def _remove(editing: Editing, found: list[Node], going: Mapping[str, Any], at: Path) -> None:
     """Remove attributes. Report one that no selected element writes."""
-    from mjcompose.build.compose.values import UnusableValue
-    from mjcompose.tree.edit import assign
-    from mjcompose.tree.select import kind_of
-
     for name, inner in going.items():
         path = (*at, name)
         if isinstance(inner, Mapping):
@@ -108,8 +102,6 @@ def _remove(editing: Editing, found: list[Node], going: Mapping[str, Any], at: P
 
 def _missing_attributes(editing: Editing, node: Node) -> list[Fault]:
     """Return a fault for each required attribute that an element lacks."""
-    from mjcompose.tree.select import kind_of
-
     kind = kind_of(node)
     present = [str(name) for name in node.keys()]  # noqa: SIM118 (an element is not a mapping)
     if kind.takes_class:
@@ -126,8 +118,6 @@ def _report_newly_missing(
     editing: Editing, before: Mapping[Node, list[Fault]], names: tuple[str, ...], at: Path
 ) -> None:
     """Report the first element that lacks something now that it did not lack `before`."""
-    from mjcompose.build.compose.values import report_unusable
-
     for node, lacked in before.items():
         for fault in _missing_attributes(editing, node):
             if fault in lacked:
@@ -138,8 +128,6 @@ def _report_newly_missing(
 
 
 def _by_class(editing: Editing, node: Node, name: str) -> bool:
-    from mjcompose.tree.classes import chain
-
     return any(step.lookup(str(node.tag), name) for step in chain(node, editing.classes))
 
 

@@ -1,17 +1,17 @@
-"""Verb `simplify`. Few recipes need it, so the module that does the work is imported here only when it runs."""
+"""Verb `simplify`: give meshes fewer faces."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, ClassVar
+from typing import Annotated, ClassVar
 
 from pydantic import BeforeValidator, Field
 
 from mjcompose.base.diagnostic import Path
+from mjcompose.build.compose.shapes import simplify_meshes
+from mjcompose.build.plan.plan import in_words
+from mjcompose.build.verbs.values import Entry
 from mjcompose.language.edit import For, Verb
 from mjcompose.language.forms.scalars import whole
-
-if TYPE_CHECKING:
-    from mjcompose.build.verbs.values import Entry
 
 
 class Simplify(Verb):
@@ -26,14 +26,10 @@ class Simplify(Verb):
 
     def carry_out(self, entry: Entry, at: Path) -> None:
         # All values that the entry writes are checked before.
-        from mjcompose.build.compose.shapes import simplify_meshes
-
         entry.check()
         entry.records += simplify_meshes(entry.editing, entry.workshop, entry.found, faces=self.faces, at=at)
 
     def words(self) -> str:
-        from mjcompose.build.plan.plan import in_words
-
         return in_words("simplify", {"faces": self.faces})
 
 

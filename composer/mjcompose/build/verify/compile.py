@@ -9,7 +9,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from posixpath import basename
-from typing import TYPE_CHECKING
+
+from lxml.etree import _Element as Node
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Cause, Diagnostic, Span
@@ -18,17 +19,13 @@ from mjcompose.build.bundle.bundle import MANIFEST, Bundle, OutputError, unwrita
 from mjcompose.build.bundle.read import files_outside
 from mjcompose.build.bundle.staging import write_files
 from mjcompose.mujoco import engine, messages
+from mjcompose.mujoco.engine import Compiled, Session
 from mjcompose.sources.context import Context
 from mjcompose.tree.classes import ORIENTATIONS
 from mjcompose.tree.files import NAMED_AFTER_FILE
 from mjcompose.tree.grammar import GRAMMAR, version_key
 from mjcompose.tree.unit import Unit, element_at
 from mjcompose.tree.xml_faults import ignored, is_unread_alone, unread
-
-if TYPE_CHECKING:
-    from lxml.etree import _Element as Node
-
-    from mjcompose.mujoco.engine import Compiled, Session
 
 _MOVING = frozenset({"pos", *ORIENTATIONS})
 

@@ -10,7 +10,9 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import chain
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
+
+from lxml.etree import _Element as Node
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Note, Span
@@ -18,7 +20,7 @@ from mjcompose.base.rotation import Pose, normalize, rotate
 from mjcompose.base.sink import Sink
 from mjcompose.build.plan.plan import Plan
 from mjcompose.build.verify.compile import WHOLE
-from mjcompose.language.keyframe import CTRL, HOLD
+from mjcompose.language.keyframe import CTRL, HOLD, Keyframe
 from mjcompose.link.linking import WrittenKey
 from mjcompose.link.unit_keys import MARK, VECTORS, BareModel, KeyNotes, Within, bare_model, keys_of
 from mjcompose.mujoco import engine
@@ -29,12 +31,6 @@ from mjcompose.text.node import locate
 from mjcompose.tree.classes import text_in_effect
 from mjcompose.tree.select import kind_of
 from mjcompose.tree.unit import Unit
-
-if TYPE_CHECKING:
-    from lxml.etree import _Element as Node
-
-    from mjcompose.language.keyframe import Keyframe
-
 
 _CLOSE = 1e-9
 _KINDS = {"qpos": "joint", "qvel": "joint", "act": "actuator", "ctrl": "actuator", "mpos": "body", "mquat": "body"}

@@ -7,7 +7,6 @@ import os
 from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from mjcompose.base.access import Door, folder_of_recipe, own_door
 from mjcompose.base.dataclass import dataclass
@@ -22,14 +21,12 @@ from mjcompose.build.plan.plan import PartRecord
 from mjcompose.build.plan.planner import make_plan
 from mjcompose.build.verify.compile import WHOLE, OutsideFilesError, verify
 from mjcompose.build.verify.parts import PartComparer, PartComparison, change_sentence, difference_notes
+from mjcompose.mujoco.engine import Compiled, Session
 from mjcompose.sources.context import Context
 from mjcompose.sources.kinds import PATH, kind_called
 from mjcompose.sources.lock import resolve
 from mjcompose.sources.reference import Source, SourceError
 from mjcompose.tree.parse import all_admitted, parse_file
-
-if TYPE_CHECKING:
-    from mjcompose.mujoco.engine import Compiled, Session
 
 
 class InputFinder:
