@@ -35,18 +35,6 @@ attach:
 
 option: {cone: elliptic, impratio: 10}
 """
-LINK_WITH_MASS = """<link name="{}">
-  <inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>
-  <visual><geometry><sphere radius="0.1"/></geometry></visual>
-</link>"""
-FIXED = '<joint name="tool" type="fixed"><parent link="base"/><child link="tool0"/></joint>'
-URDFS = {
-    "arm_description/urdf/arm.urdf": (
-        f'<robot name="arm">{LINK_WITH_MASS.format("base")}<link name="tool0"/>{FIXED}</robot>'
-    ),
-    "tools/gripper.urdf": f'<robot name="gripper">{LINK_WITH_MASS.format("palm")}</robot>',
-}
-"""Models that recipes of the guides name and that no package has."""
 GUIDES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
 
 
@@ -91,13 +79,7 @@ def test_a_recipe_builds_without_a_word(
 ) -> None:
     if "franka" in text and not os.environ.get("MJCOMPOSE_CORPUS"):
         pytest.skip("MJCOMPOSE_CORPUS names no corpus")
-    if "urdf" in text and not hasattr(mujoco.MjSpec, "fuse_static"):
-        pytest.skip("this MuJoCo fuses links without a trace")
     (tmp_path / "models").symlink_to(ROOT / "recipes" / "models")
-    for path, urdf in URDFS.items():
-        (tmp_path / path).parent.mkdir(parents=True, exist_ok=True)
-        (tmp_path / path).write_text(urdf, encoding="utf-8")
-    (tmp_path / "tools" / "tool_meshes").mkdir()
     (tmp_path / "r.yaml").write_text(text, encoding="utf-8")
     told = context(tmp_path, menagerie_root)
     assert build(Request(tmp_path / "r.yaml"), told) is not None
