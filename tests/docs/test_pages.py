@@ -16,8 +16,8 @@ from PIL import Image
 
 ROOT = Path(__file__).resolve().parents[2]
 HOW_TO = (
-    "combine", "urdf", "split", "keyframes", "actuators", "force_torque", "unstable", "train", "worlds", "randomize",
-    "scatter", "open_in_mujoco", "simulators", "teams", "from_robosuite", "lint", "interface",
+    "combine", "urdf", "split", "keyframes", "actuators", "unstable", "train", "worlds", "randomize",
+    "open_in_mujoco", "simulators", "teams", "from_robosuite", "lint", "interface",
 )  # fmt: skip
 PAGES = [
     *sorted((ROOT / "docs" / "tutorials").glob("*.md")),
