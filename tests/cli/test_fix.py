@@ -99,7 +99,7 @@ def test_what_cannot_be_written_is_told(broken: Path, monkeypatch: pytest.Monkey
 
 def test_the_guide_shows_what_is_printed(folder: Path) -> None:
     root = Path(__file__).resolve().parents[2]
-    text = (root / "docs" / "how-to" / "fix_and_format.md").read_text("utf-8")
+    text = (root / "docs" / "how-to" / "lint.md").read_text("utf-8")
     shown = text.partition("$ mjcompose fix arm.yaml\n")[2].partition("```")[0]
     before = [line[1:] for line in shown.splitlines()[3:-1] if line[0] in " -"]
     shutil.copytree(root / "recipes" / "models", folder / "models", dirs_exist_ok=True)
