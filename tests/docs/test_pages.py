@@ -16,7 +16,7 @@ from PIL import Image
 
 ROOT = Path(__file__).resolve().parents[2]
 HOW_TO = (
-    "combine", "urdf", "split", "keyframes", "actuators", "unstable", "train", "randomize",
+    "combine", "urdf", "split", "keyframes", "actuators", "troubleshooting", "train", "randomize",
     "open_in_mujoco", "simulators", "teams", "from_robosuite", "lint", "interface",
 )  # fmt: skip
 PAGES = [
