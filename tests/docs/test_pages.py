@@ -22,9 +22,8 @@ HOW_TO = (
 PAGES = [
     *sorted((ROOT / "docs" / "tutorials").glob("*.md")),
     *(ROOT / "docs" / "how-to" / f"{name}.md" for name in HOW_TO),
-    *(ROOT / "docs" / "explanation" / f"{name}.md" for name in
-      ("composition", "verification", "reproducibility")),
-]  # fmt: skip
+    *(ROOT / "docs" / "explanation" / f"{name}.md" for name in ("composition", "verification")),
+]
 DIFFERENT = 1.0
 """How much a picture may differ from that of the page, on average, of 255: drivers draw edges and shadows in their own ways."""
 
