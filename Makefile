@@ -59,7 +59,7 @@ test-worlds: $(STAMP)
 	  touch build/$$name/.ready; } || exit 1; done
 	@build/simulators/bin/pip install --quiet --no-deps robosuite
 	@build/simulators/bin/python -m pytest tests/tools/worlds
-	@build/simulators/bin/python -m pytest tests/docs/test_pages.py -k "train or robosuite or open_in_mujoco"
+	@build/simulators/bin/python -m pytest tests/docs/test_pages.py -k "train or mjspec or open_in_mujoco"
 	@build/mjlab/bin/python -m pytest tests/tools/worlds/test_mjlab.py tests/tools/worlds/test_warp.py
 
 # What other programs read of what `build --target` writes for them. They come from PyPI, each into an environment of its own below
