@@ -69,7 +69,7 @@ def test_links_lead_somewhere_and_search_finds_the_words_that_people_type() -> N
     assert made.returncode == 0, made.stderr
     assert (ROOT / "build" / "site_pages" / "live" / "demo.html").is_file()
     assert "--set" in (ROOT / "build" / "site_pages" / "reference" / "commands.md").read_text(encoding="utf-8")
-    assert "::: mjcompose.mjcf.from_path" in (ROOT / "build" / "site_pages" / "reference" / "api.md").read_text(
+    assert "::: mjcompose.mjcf.from_path" in (ROOT / "build" / "site_pages" / "reference" / "mjcf.md").read_text(
         encoding="utf-8"
     )
     llms = (ROOT / "build" / "site_pages" / "llms.txt").read_text(encoding="utf-8")
