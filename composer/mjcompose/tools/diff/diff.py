@@ -18,7 +18,7 @@ from mjcompose.base.files import RECIPES
 from mjcompose.base.scratch import scratch
 from mjcompose.build.bundle.staging import staged_file
 from mjcompose.build.plan.read import Given
-from mjcompose.language.interface import KINDS, Order
+from mjcompose.language.recipe import KINDS, Order
 from mjcompose.mujoco import engine
 from mjcompose.mujoco.engine import Session
 from mjcompose.mujoco.index import Index
