@@ -235,39 +235,13 @@ def recipe_schema() -> Schema:
     add_variation(schema, definitions)
     # No title: editors would show it before every description.
     head = {"$schema": DIALECT, "description": "A recipe of mjcompose: the parts of a MuJoCo model."}
-    whole = {**schema, **head, "$defs": dict(sorted(definitions.items()))}
+    whole = {**schema, **head, "$defs": definitions}
     for each in _mappings(whole):
         description = each.get("description")
         if isinstance(description, str) and "`" in description:
             each["markdownDescription"] = description  # else editors show the marks
-    _write_once(whole)
-    return whole
-
-
-_LONG = 250
-"""The length of a schema from which on it is written once, if it occurs several times."""
-
-
-def _write_once(whole: Schema) -> None:
-    """Replace equal long schemas by references to one definition."""
-    for number in itertools.count(1):
-        places: dict[str, list[tuple[Any, Any]]] = {}
-        for each in _mappings(whole):
-            inner: Any = each.get("properties", {})
-            held = [
-                *((inner, key) for key in inner),
-                *((each["allOf"], at) for at in range(len(each.get("allOf", ())))),
-            ]
-            for holder, key in [*held, *([(each, "items")] if "items" in each else [])]:
-                if isinstance(holder[key], dict):
-                    places.setdefault(json.dumps(holder[key], sort_keys=True), []).append((holder, key))
-        gains = {text: (len(found) - 1) * len(text) for text, found in places.items() if len(text) > _LONG}
-        best = max(gains, key=lambda text: gains[text], default="")
-        if gains.get(best, 0) < 2 * _LONG:
-            break
-        whole["$defs"][f"shared.{number}"] = json.loads(best)
-        for holder, key in places[best]:
-            holder[key] = {"$ref": f"#/$defs/shared.{number}"}
+    _share(whole, definitions)
+    return {**whole, "$defs": dict(sorted(definitions.items()))}
 
 
 def text() -> str:
