@@ -7,9 +7,10 @@ from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar
 
 import pytest
+from language.forms.schemas import schema_of
 from mjcompose.base.extensions import Table
 from mjcompose.language.forms.context import Lazy, Rows, Settings, define, settings, validated
-from mjcompose.language.forms.json_schema import Generator, schema_of
+from mjcompose.language.forms.json_schema import Generator
 from mjcompose.language.forms.model import WHOLE, Model
 from mjcompose.language.forms.scalars import Items, Name
 from mjcompose.language.forms.translate import faults, key_order, name_scopes, spots

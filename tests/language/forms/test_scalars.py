@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Annotated, Any, Literal
 
 import pytest
+from language.forms.schemas import schema_of
 from mjcompose.language.forms.context import define
-from mjcompose.language.forms.json_schema import schema_of
 from mjcompose.language.forms.model import Model
 from mjcompose.language.forms.scalars import (
     AtLeastOne,

@@ -17,7 +17,6 @@ from mjcompose.language.forms.context import ELSEWHERE, Schema, definition, refe
 from mjcompose.language.forms.model import Model, fields_of, is_hidden, is_whole, rest_of, rows_of
 
 _TEMPLATE = r"\$\{"
-_DEFINITIONS = "#/$defs/"
 
 
 @definition("real")
@@ -153,34 +152,3 @@ def _texts_below(model: type[Model]) -> dict[str, str]:
 @cache
 def _syntax_tree(module: str) -> ast.Module:
     return ast.parse(inspect.getsource(sys.modules[module]))
-
-
-_MODELS: dict[str, Schema] = {}
-
-
-@definition("form")
-def _form(name: str) -> Schema:
-    return _MODELS[name]
-
-
-def schema_of(form: Any) -> Schema:
-    """Return the JSON Schema of a type, in which each model inside it is `reference("form:NAME")`."""
-    from pydantic import TypeAdapter
-
-    found: Schema = TypeAdapter(form).json_schema(schema_generator=Generator, ref_template=_DEFINITIONS + "{model}")
-    for name, each in found.pop("$defs", {}).items():
-        each = _referring(each)
-        if _MODELS.setdefault(name, each) != each:
-            raise TypeError(f"two models are called {name}")
-    found = _referring(found)
-    return _MODELS[found["mjcf"].removeprefix("form:")] if set(found) == {"mjcf"} else found
-
-
-def _referring(value: Any) -> Any:
-    if isinstance(value, list):
-        return [_referring(each) for each in value]
-    if not isinstance(value, dict):
-        return value
-    found = {key: _referring(each) for key, each in value.items() if key != "$ref"}
-    target = value.get("$ref")
-    return found if target is None else {**reference(f"form:{target.removeprefix(_DEFINITIONS)}"), **found}
