@@ -16,11 +16,11 @@ from textwrap import dedent
 from typing import Any
 
 import pytest
+from language.validating import validate
 from mjcompose.base.diagnostic import Diagnostic
 from mjcompose.base.report import render
 from mjcompose.base.sink import Sink
 from mjcompose.language.recipe import Recipe
-from mjcompose.language.validate import validate
 from mjcompose.text.load import load
 
 ROOT = Path(__file__).parents[2]

@@ -15,10 +15,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from language.validating import validate
 from mjcompose.base.diagnostic import Diagnostic
 from mjcompose.base.sink import Sink
 from mjcompose.language.expand import expand
-from mjcompose.language.validate import validate
 from mjcompose.language.variation import Grid, TrustKeys, read
 from mjcompose.text.load import load
 from mjcompose.text.node import Mapping, to_python

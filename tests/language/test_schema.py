@@ -9,12 +9,12 @@ from typing import Any
 
 import pytest
 from cases import Case, cases
+from language.validating import validate
 from mjcompose.base.report import render
 from mjcompose.base.sink import Sink
 from mjcompose.language.recipe import SETTABLE
 from mjcompose.language.schema import recipe_schema, text
 from mjcompose.language.sections import MARKS
-from mjcompose.language.validate import validate
 from mjcompose.text.load import load
 from mjcompose.text.node import to_python
 from mjcompose.tree.grammar import GRAMMAR, Attribute, ElementType

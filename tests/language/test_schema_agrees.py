@@ -12,11 +12,11 @@ from typing import Any
 
 import pytest
 from cases import cases
+from language.validating import validate
 from mjcompose.base.diagnostic import Diagnostic
 from mjcompose.base.sink import Sink
 from mjcompose.language.assign import TAGS
 from mjcompose.language.expand import expand
-from mjcompose.language.validate import validate
 from mjcompose.text.load import load
 from mjcompose.text.node import Mapping, Node, Sequence, to_python
 from mjcompose.tree.pattern import known_tags

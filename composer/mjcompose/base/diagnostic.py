@@ -198,22 +198,8 @@ class DiagnosticError(Exception):
         super().__init__(message)
         all_notes = tuple(Note(each) if isinstance(each, str) else each for each in notes)
         self.diagnostic = Diagnostic(code, message, notes=all_notes, help=help)
-
-    @property
-    def code(self) -> str:
-        return self.diagnostic.code
-
-    @property
-    def message(self) -> str:
-        return self.diagnostic.message
-
-    @property
-    def help(self) -> str | None:
-        return self.diagnostic.help
-
-    @property
-    def notes(self) -> tuple[str, ...]:
-        return tuple(note.message for note in self.diagnostic.notes)
+        self.code, self.message, self.help = code, message, help
+        self.notes = tuple(note.message for note in all_notes)
 
     def at(self, span: Span, notes: Iterable[Note] = ()) -> Diagnostic:
         """Return the diagnostic at the caller's place, with the caller's notes after its own."""

@@ -273,13 +273,6 @@ def unknown_name(
     )  # fmt: skip
 
 
-def unknown_key(name: str, known: Iterable[str], span: Span, message: str) -> Diagnostic:
-    """Return the diagnostic for a key that a mapping of a recipe does not have; `known` are the keys it may have."""
-    known = list(known)
-    notes, help = (exists_note("key", known, name),), did_you_mean(name, known)
-    return Diagnostic("unknown-key", message, span, notes=notes, help=help, fix=renaming(name, known))
-
-
 def unknown_attribute(
     name: str, owner: str, known: Iterable[str], span: Span | None = None, *, help: str | None = None,
     otherwise: str | None = None, near: Iterable[str] = (),

@@ -8,7 +8,7 @@ from dataclasses import field
 from functools import lru_cache
 from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import Field, WithJsonSchema
+from pydantic import Field, WithJsonSchema, create_model
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Fault, Path
@@ -166,21 +166,18 @@ class UniformBounds(Interval):
     """Uniform between two bounds: `[0.4, 1.2]`."""
 
     bounds: Annotated[tuple[Numbers, ...], *_bounds("[0.8, 1.2]")] = Field(alias=WHOLE)
-    """the two"""
 
 
 class LogUniformBounds(Interval):
     """Between two positive bounds, with a uniform logarithm: `[0.1, 10]`."""
 
     bounds: Annotated[tuple[PositiveNumbers, ...], *_bounds("[0.1, 10]")] = Field(alias=WHOLE)
-    """the two"""
 
 
 class IntegerBounds(Interval):
     """Whole numbers from the first to the last: `[1, 6]`."""
 
     bounds: Annotated[tuple[WholeNumbers, ...], *_bounds("[1, 6]")] = Field(alias=WHOLE)
-    """the two"""
 
 
 _MEAN = Field(None, description="the middle; by default the value that changes nothing")
@@ -195,13 +192,6 @@ class BellOfChange(Written):
     mean: Numbers | None = _MEAN
     std: Spread = Field(examples=["0.1"])
     """the standard deviation"""
-
-
-class Bell(BellOfChange):
-    """Numbers from a normal distribution around `mean`, with the standard deviation `std`."""
-
-    mean: Numbers = Field(examples=["1"])
-    """the middle"""
 
 
 class TruncatedOfChange(Written):
@@ -219,13 +209,6 @@ class TruncatedOfChange(Written):
     """the upper bound"""
 
 
-class Truncated(TruncatedOfChange):
-    """The part of a normal distribution that is between `min` and `max`."""
-
-    mean: Numbers = Field(examples=["1"])
-    """the middle"""
-
-
 class LogarithmsOfChange(Written):
     """Numbers whose logarithm is normal, with this mean and standard deviation."""
 
@@ -237,11 +220,10 @@ class LogarithmsOfChange(Written):
     """the standard deviation of the logarithm"""
 
 
-class Logarithms(LogarithmsOfChange):
-    """Numbers whose logarithm is normal, with this mean and standard deviation."""
-
-    mean: Plain = Field(examples=["0"])
-    """the middle of the logarithm"""
+def _of_value(form: type[Written], name: str, mean: Any, about: str = "the middle") -> type[Written]:
+    """Return the form of a value with the distribution: its mean must be written."""
+    required = Field(examples=["0" if mean is Plain else "1"], description=about)
+    return create_model(name, __base__=form, __doc__=form.__doc__, __module__=__name__, mean=(mean, required))
 
 
 def _no_value(value: Any) -> Fault | None:
@@ -267,9 +249,9 @@ DISTRIBUTIONS: Table[type[Written]] = Table(
     {
         "uniform": UniformBounds,
         "loguniform": LogUniformBounds,
-        "normal": Bell,
-        "truncnormal": Truncated,
-        "lognormal": Logarithms,
+        "normal": _of_value(BellOfChange, "Bell", Numbers),
+        "truncnormal": _of_value(TruncatedOfChange, "Truncated", Numbers),
+        "lognormal": _of_value(LogarithmsOfChange, "Logarithms", Plain, about="the middle of the logarithm"),
         CHOICE: Choice,
         "integers": IntegerBounds,
     },

@@ -225,26 +225,15 @@ _UNKNOWN = ("unknown-key", "unknown-attribute", "unknown-element")
 _SEVERAL = 4
 
 
-def validate(node: Node, sink: Sink) -> Recipe | None:
-    """Return the recipe of a located tree, or None after reported errors.
-
-    Names, files and model references are not looked up. It does no I/O.
-    """
-    if not isinstance(node, Mapping):
-        _no_mapping(node, sink)
-        return None
-    recipe, faults = judge(node)
-    _report(faults, node, sink)
-    return recipe
-
-
 def validate_what_remains(node: Node, sink: Sink, gone: Collection[Path] = ()) -> Recovered | None:
-    """Return the recipe without the pieces that have faults, or None if too little would remain.
+    """Return the recipe without the pieces that have faults, or None if too little would remain. No I/O.
 
     `gone` are the paths of keys whose values have faults that are already reported. These keys do not count as missing.
     """
     if not isinstance(node, Mapping):
-        _no_mapping(node, sink)
+        help = "write `recipe: 1` as its first line, and the other keys below"
+        message = f"a recipe is a mapping, got {kind_of(to_python(node))}"
+        sink.error("wrong-type", message, _start(node.span), help=help)
         return None
     recipe, faults = judge(node)
     if recipe is not None:
@@ -281,11 +270,6 @@ def _follows(fault: Fault, node: Mapping, gone: Collection[Path]) -> bool:
     mapping = find(node, at)
     is_empty = isinstance(mapping, Mapping) and not mapping.entries
     return fault.code == "missing-key" or (fault.code == "wrong-type" and is_empty)
-
-
-def _no_mapping(node: Node, sink: Sink) -> None:
-    help = "write `recipe: 1` as its first line, and the other keys below"
-    sink.error("wrong-type", f"a recipe is a mapping, got {kind_of(to_python(node))}", _start(node.span), help=help)
 
 
 def _one_each(early: list[Fault], found: list[Fault]) -> Iterable[Fault]:

@@ -158,10 +158,11 @@ class UnitNames:
     """The names of one unit, as in the model, by namespace, each with the first element that has it.
 
     `declared` are the names of elements, `referred` the names that elements refer to; `repeated` has the elements that
-    declare a name again.
+    declare a name again. Names get the `prefix`; `outward` has the names of elements outside of the unit.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, prefix: str, outward: Mapping[str, str]) -> None:
+        self.prefix, self.outward = prefix, outward
         self.declared: defaultdict[str, dict[str, Node]] = defaultdict(dict)
         self.referred: defaultdict[str, dict[str, Node]] = defaultdict(dict)
         self.repeated: list[tuple[str, str, Node]] = []
@@ -175,6 +176,67 @@ class UnitNames:
         for namespace, referred in sorted(self.referred.items()):
             declared = self.declared[namespace]
             yield from ((namespace, name, node) for name, node in referred.items() if name not in declared)
+
+    def rename(self, section: Node) -> None:
+        """Rename all in a section."""
+        table, prefix, outward = _actions(str(section.tag)), self.prefix, self.outward
+        # The references of a class need not exist.
+        referred = defaultdict(dict) if section.tag == "default" else self.referred
+        for element in section.iterdescendants("*") if table else ():
+            actions = table.get(element.tag)
+            if actions is None:
+                continue
+            items: list[tuple[str, str]] = element.items()  # type: ignore[assignment]  # of a parsed tree
+            for key, value in items:
+                if key not in actions:
+                    continue
+                kind, namespace = actions[key]
+                if kind not in (DECLARES, REFERS) or namespace == "key" or not value:
+                    self._rename_special(element, key, value, action=(kind, namespace))
+                    continue
+                if kind == REFERS and value in outward:
+                    element.set(key, outward[value])
+                    continue
+                if prefix:
+                    value = prefix + value
+                    element.set(key, value)
+                if kind == DECLARES:
+                    self.declare(namespace, value, element)
+                else:
+                    referred[namespace].setdefault(value, element)
+
+    def _rename_special(self, element: Node, key: str, value: str, *, action: tuple[int, str]) -> None:
+        """Rename a value that is not a plain name: empty, a list, a prefix, a file, or a name typed by a sibling."""
+        kind, namespace = action
+        name = self.prefix + value
+        if namespace == "key" or (not value and kind != GENERATES):
+            return  # keys are named when they are laid out
+        if kind == _NAMED_BY_FILE:
+            # MuJoCo 4.0 takes the name from the file, without its last suffix: `<mesh file="x.y.obj"/>` is the mesh
+            # `x.y`.
+            if not element.get("name"):
+                name = self.prefix + stem(value)
+                if self.prefix:
+                    element.set("name", name)
+                self.declare(str(element.tag), name, element)
+            return
+        if kind == LISTS:
+            names = []
+            for each in value.split():
+                names.append(each if each == WORLD else self.outward.get(each, self.prefix + each))
+                if each != WORLD and each not in self.outward:
+                    self.referred[namespace].setdefault(self.prefix + each, element)
+            name = " ".join(names)
+        elif kind == REFERS_BY:
+            target = object_namespace(element, namespace)
+            if target == "key" or (value == WORLD and target in (None, "body")):
+                return  # for keys see `_refer_to_keys`
+            if value in self.outward:
+                name = self.outward[value]
+            elif target:
+                self.referred[target].setdefault(name, element)
+        if name != value:
+            element.set(key, name)
 
 
 _NAMED_BY_FILE = -1
@@ -199,16 +261,15 @@ def rename(unit: Unit, prefix: str, *, top_class: str, outward: Mapping[str, str
     This is the only walk over every element of every part: an attribute without a name costs one look-up in a
     dictionary.
     """
-    renamer = _Renamer(UnitNames(), prefix, outward)
+    names = UnitNames(prefix, outward)
     for section in unit.root.iterchildren("*"):
-        renamer.section(section)
+        names.rename(section)
     # MuJoCo 4.0 refuses `<composite>`, which older models have; its `prefix` names the elements that it makes.
     for composite in unit.root.iter("composite") if prefix else ():
         if "prefix" not in composite.attrib:
             composite.set("prefix", prefix)
     # No element declares these two. `world` is always the whole model's, and nothing else may have the name: `<body
     # name="world"/>` is a repeated name in MuJoCo 4.0. `main` is the unit's top class, which is wrapped.
-    names = renamer.names
     for namespace, reserved, final in (("body", WORLD, WORLD), ("default", MAIN, top_class)):
         name = prefix + reserved
         if names.referred[namespace].pop(name, None) is not None and name != final:
@@ -216,72 +277,3 @@ def rename(unit: Unit, prefix: str, *, top_class: str, outward: Mapping[str, str
                 for element, key in users(section, namespace, name):
                     element.set(key, final)
     return names
-
-
-@dataclass(frozen=True, slots=True)
-class _Renamer:
-    """Adds `prefix` to the names of a unit, and collects them in `names`."""
-
-    names: UnitNames
-    prefix: str
-    outward: Mapping[str, str]
-
-    def section(self, section: Node) -> None:
-        table, prefix, outward, names = _actions(str(section.tag)), self.prefix, self.outward, self.names
-        # The references of a class need not exist.
-        referred = defaultdict(dict) if section.tag == "default" else names.referred
-        for element in section.iterdescendants("*") if table else ():
-            actions = table.get(element.tag)
-            if actions is None:
-                continue
-            items: list[tuple[str, str]] = element.items()  # type: ignore[assignment]  # of a parsed tree
-            for key, value in items:
-                if key not in actions:
-                    continue
-                kind, namespace = actions[key]
-                if kind not in (DECLARES, REFERS) or namespace == "key" or not value:
-                    self._rename_special(element, key, value, action=(kind, namespace))
-                    continue
-                if kind == REFERS and value in outward:
-                    element.set(key, outward[value])
-                    continue
-                if prefix:
-                    value = prefix + value
-                    element.set(key, value)
-                if kind == DECLARES:
-                    names.declare(namespace, value, element)
-                else:
-                    referred[namespace].setdefault(value, element)
-
-    def _rename_special(self, element: Node, key: str, value: str, *, action: tuple[int, str]) -> None:
-        """Rename a value that is not a plain name: empty, a list, a prefix, a file, or a name typed by a sibling."""
-        kind, namespace = action
-        name = self.prefix + value
-        if namespace == "key" or (not value and kind != GENERATES):
-            return  # keys are named when they are laid out
-        if kind == _NAMED_BY_FILE:
-            # MuJoCo 4.0 takes the name from the file, without its last suffix: `<mesh file="x.y.obj"/>` is the mesh
-            # `x.y`.
-            if not element.get("name"):
-                name = self.prefix + stem(value)
-                if self.prefix:
-                    element.set("name", name)
-                self.names.declare(str(element.tag), name, element)
-            return
-        if kind == LISTS:
-            names = []
-            for each in value.split():
-                names.append(each if each == WORLD else self.outward.get(each, self.prefix + each))
-                if each != WORLD and each not in self.outward:
-                    self.names.referred[namespace].setdefault(self.prefix + each, element)
-            name = " ".join(names)
-        elif kind == REFERS_BY:
-            target = object_namespace(element, namespace)
-            if target == "key" or (value == WORLD and target in (None, "body")):
-                return  # for keys see `_refer_to_keys`
-            if value in self.outward:
-                name = self.outward[value]
-            elif target:
-                self.names.referred[target].setdefault(name, element)
-        if name != value:
-            element.set(key, name)

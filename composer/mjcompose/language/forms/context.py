@@ -203,36 +203,25 @@ def loaded(target: str) -> Any:
     return getattr(import_module(module), name)
 
 
-def form_of(row: Any) -> Any:
-    return loaded(row) if isinstance(row, str) else row
-
-
 def first_line(text: str) -> str:
     return " ".join(text.partition("\n\n")[0].split())
 
 
-class _Adapters(dict[int, tuple[Any, TypeAdapter[Any]]]):
-    """The validators of forms, each built on first use."""
-
-    def of(self, form: Any) -> TypeAdapter[Any]:
-        found = self.get(id(form))
-        if found is None:
-            found = self[id(form)] = form, TypeAdapter(form)
-        return found[1]
+_ADAPTERS: dict[int, tuple[Any, TypeAdapter[Any]]] = {}
+"""The validators of forms, which have no hash, each built on first use."""
 
 
-_ADAPTERS = _Adapters()
+def _adapter(form: Any) -> TypeAdapter[Any]:
+    if id(form) not in _ADAPTERS:
+        _ADAPTERS[id(form)] = form, TypeAdapter(form)
+    return _ADAPTERS[id(form)][1]
 
 
 def validated(form: Any, value: Any, context: Any = None) -> Any:
     """Return the value that a form reads. Raises pydantic's ValidationError."""
     if isinstance(form, type) and issubclass(form, BaseModel):
         return form.model_validate(value, context=context)
-    return _ADAPTERS.of(form).validate_python(value, context=context)
-
-
-def core_schema_of(form: Any) -> CoreSchema:
-    return _ADAPTERS.of(form).core_schema
+    return _adapter(form).validate_python(value, context=context)
 
 
 class Lazy:
@@ -254,7 +243,7 @@ class Lazy:
         )
 
     def schema(self, generate: Callable[[CoreSchema], Schema]) -> Schema:
-        return generate(core_schema_of(self.form))
+        return generate(_adapter(self.form).core_schema)
 
 
 class Rows:
@@ -273,7 +262,8 @@ class Rows:
         self.table, self.selects = table, selects
 
     def form(self, word: str) -> Any:
-        return form_of(self.table()[word])
+        row = self.table()[word]
+        return loaded(row) if isinstance(row, str) else row
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         return core_schema.with_info_plain_validator_function(self._read, metadata={ELSEWHERE: self})
@@ -285,7 +275,7 @@ class Rows:
             form = self.form(word)
             about = form.__doc__ if isinstance(form, type) and issubclass(form, BaseModel) else None
             described = {"description": first_line(about)} if about else {}
-            found[word] = {**generate(core_schema_of(form)), **described}
+            found[word] = {**generate(_adapter(form).core_schema), **described}
         return found
 
     def _read(self, value: Mapping[str, Any], info: ValidationInfo) -> dict[str, Any]:
