@@ -45,17 +45,14 @@ class JointType:
 
     @property
     def unit(self) -> str | None:
-        """The common unit of all its positions."""
         return _common(self.position_units)
 
     @property
     def velocity_unit(self) -> str | None:
-        """The common unit of all its velocities."""
         return _common(self.velocity_units)
 
     @property
     def coordinate(self) -> str | None:
-        """The unit of its position, if that is a single number."""
         return self.unit if self.positions == 1 else None
 
 
@@ -175,15 +172,13 @@ _BETWEEN_VERSIONS = {
     "joints": "follows from joints, bodies and constraints, which are compared",
     "triangles": "made of the triangles of a mesh, which are compared",
     "vertices": "made of the vertices and elements of a flex, which are compared",
-    "storage": "how a texture is stored",
-    "by name": "compared by name",
-    "unread": "read by nothing",
-}
+    "storage": "how a texture is stored", "by name": "compared by name", "unread": "read by nothing",
+}  # fmt: skip
 """Traits of arrays that are not compared between versions of MuJoCo, and why."""
 
 SWITCH, COMPUTED, HULL, MEASURED, PLACED, REWRITTEN, UNSAID = (
-    "switch", "computed", "hull", "measured", "placed", "rewritten", "unsaid",
-)  # fmt: skip
+    "switch computed hull measured placed rewritten unsaid".split()
+)
 """Other traits, in this order: a boolean (`body_mocapid` is -1 for no); an array that MuJoCo computes from arrays that
 are compared too, or for meshes that can collide, which another part's elements may cause, or from flex positions in the
 world, which a moved part has up to rounding. Flex data that is a position in the world, or in the flex's box along

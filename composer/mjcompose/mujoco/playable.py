@@ -23,10 +23,7 @@ _TENT = {
     ),
 }  # fmt: skip
 _OF_BODIES = ("body_mass", "body_inertia", "body_ipos", "body_iquat")
-_OF_MODEL = (
-    "body_invweight0", "dof_M0", "dof_invweight0", "geom_fluid", "geom_bodyid", "geom_condim", "geom_friction",
-    "qpos0",
-)  # fmt: skip
+_OF_MODEL = "body_invweight0 dof_M0 dof_invweight0 geom_fluid geom_bodyid geom_condim geom_friction qpos0".split()
 _ROUNDS, _SAME = 4, 1e-11
 
 

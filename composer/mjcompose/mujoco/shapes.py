@@ -54,12 +54,9 @@ def read_mesh(mujoco: Any, attributes: dict[str, str], most_faces: int) -> Mesh:
     # As a shell it may be open or flat. A geom that touches nothing needs no hull, which a flat mesh does not have.
     given = {**attributes, "name": "mesh", "inertia": "shell"}
     text = " ".join(f"{name}={quoteattr(value)}" for name, value in given.items())
-    model_text = (
-        f'<mujoco><asset><mesh {text}/></asset><worldbody><geom type="mesh" mesh="mesh" contype="0"'
-        ' conaffinity="0"/></worldbody></mujoco>'
-    )
+    world = '<worldbody><geom type="mesh" mesh="mesh" contype="0" conaffinity="0"/></worldbody>'
     try:
-        model = mujoco.MjModel.from_xml_string(model_text)
+        model = mujoco.MjModel.from_xml_string(f"<mujoco><asset><mesh {text}/></asset>{world}</mujoco>")
     except ValueError as error:
         raise UnusableError(f"MuJoCo cannot read it: {' '.join(str(error).split())}") from error
     faces = numpy.array(model.mesh_face, dtype=numpy.int64)
@@ -82,14 +79,12 @@ def with_faces(solid: Any, count: int, seed: int = 0) -> tuple[numpy.ndarray, nu
     """Return the same points, and the face of each."""
     random = numpy.random.Generator(numpy.random.PCG64(seed))
     ends = numpy.cumsum(solid.area_faces)
-    faces = numpy.searchsorted(ends, random.random(count) * ends[-1])
-    faces = numpy.minimum(faces, len(ends) - 1)
-    corners = solid.triangles[faces]
+    faces = numpy.minimum(numpy.searchsorted(ends, random.random(count) * ends[-1]), len(ends) - 1)
     one, other = random.random((2, count, 1))
     over = one + other > 1
     one, other = numpy.where(over, 1 - one, one), numpy.where(over, 1 - other, other)
-    first = corners[:, 0]
-    return numpy.asarray(first + one * (corners[:, 1] - first) + other * (corners[:, 2] - first)), faces
+    first, second, third = numpy.moveaxis(solid.triangles[faces], 1, 0)
+    return numpy.asarray(first + one * (second - first) + other * (third - first)), faces
 
 
 def in_solid(shape: Any, count: int) -> numpy.ndarray:
@@ -119,11 +114,8 @@ class Hull:
     faces: numpy.ndarray
 
     def to_data(self) -> dict[str, Any]:
-        return {
-            "type": "mesh",
-            "vertices": [[rounded(each) for each in vertex] for vertex in self.vertices],
-            "faces": self.faces.tolist(),
-        }
+        vertices = [[rounded(each) for each in vertex] for vertex in self.vertices]
+        return {"type": "mesh", "vertices": vertices, "faces": self.faces.tolist()}
 
     @cached_property
     def solid(self) -> Any:
@@ -133,9 +125,8 @@ class Hull:
 
     @cached_property
     def _planes(self) -> numpy.ndarray:
-        return numpy.column_stack(
-            (self.solid.face_normals, -(self.solid.face_normals * self.solid.triangles[:, 0]).sum(axis=1))
-        )
+        normals = self.solid.face_normals
+        return numpy.column_stack((normals, -(normals * self.solid.triangles[:, 0]).sum(axis=1)))
 
     @property
     def volume(self) -> float:
@@ -167,13 +158,8 @@ class Primitive:
         whole = numpy.eye(4)
         whole[:3, :3] = self.turn
         quat = quaternion_from_matrix(whole)
-        quat = -quat if quat[0] < 0 else quat
-        return {
-            "type": self.type,
-            "size": [rounded(each) for each in self.size],
-            "pos": [rounded(each) for each in self.pos],
-            "quat": [rounded(each) for each in quat],
-        }
+        numbers = {"size": self.size, "pos": self.pos, "quat": -quat if quat[0] < 0 else quat}
+        return {"type": self.type, **{name: [*map(rounded, each)] for name, each in numbers.items()}}
 
     @cached_property
     def solid(self) -> Any:
@@ -196,13 +182,10 @@ class Primitive:
 
     @property
     def volume(self) -> float:
-        first = self.size[0]
         if self.type == "box":
             return float(8 * numpy.prod(self.size))
-        ball, tube = 4 / 3 * numpy.pi * first**3, 2 * numpy.pi * first**2
-        if self.type == "sphere":
-            return float(ball)
-        return float(tube * self.size[1] + (ball if self.type == "capsule" else 0))
+        ball = 4 / 3 * numpy.pi * self.size[0] ** 3 if self.type != "cylinder" else 0.0
+        return float((2 * numpy.pi * self.size[0] ** 2 * self.size[1] if self.type != "sphere" else 0.0) + ball)
 
     def contains(self, points: numpy.ndarray) -> numpy.ndarray:
         return numpy.asarray(self.distance(points) <= _ON)
@@ -304,22 +287,16 @@ def doubts(mesh: Measured, reach: float, *, touches: bool = True, inside: str | 
     ['mesh-shape']
     """
     reach = max(reach, _LEAST_REACH)
-    if mesh.size > _LARGE and mesh.size > _TIMES * reach:
-        yield Doubt("large", _far(mesh, reach))
-    elif 0 < mesh.size < _SMALL and reach > _TIMES * mesh.size:
-        yield Doubt("small", _far(mesh, reach))
+    is_large = mesh.size > _LARGE and mesh.size > _TIMES * reach
+    if is_large or (0 < mesh.size < _SMALL and reach > _TIMES * mesh.size):
+        size = f"{mesh.size:.3g} m" if mesh.size >= 1 else f"{1000 * mesh.size:.3g} mm"
+        far = f"is {size} from corner to corner, and neighboring bodies are at most {reach:.2g} m apart"
+        yield Doubt("large" if is_large else "small", far)
     if touches and mesh.is_flat:
         yield Doubt("flat", "is flat: it has no volume and nothing is inside it")
     elif inside is not None and not mesh.is_closed:
-        counted = ""
-        if mesh.open_edges:
-            counted = f" ({mesh.open_edges} of {mesh.edges} edges have no second face)"
+        counted = f" ({mesh.open_edges} of {mesh.edges} edges have no second face)" if mesh.open_edges else ""
         yield Doubt("open", f"is open{counted}, and {inside}")
-
-
-def _far(mesh: Measured, reach: float) -> str:
-    size = f"{mesh.size:.3g} m" if mesh.size >= 1 else f"{1000 * mesh.size:.3g} mm"
-    return f"is {size} from corner to corner, and neighboring bodies are at most {reach:.2g} m apart"
 
 
 def measures(vertices: Any, faces: Any) -> dict[str, Any]:
@@ -327,13 +304,13 @@ def measures(vertices: Any, faces: Any) -> dict[str, Any]:
     extents = vertices.max(axis=0) - vertices.min(axis=0)
     _, same = numpy.unique(vertices, axis=0, return_inverse=True)
     corners = same.ravel()[faces]
-    corners = corners[
-        (corners[:, 0] != corners[:, 1]) & (corners[:, 1] != corners[:, 2]) & (corners[:, 0] != corners[:, 2])
-    ]
+    corners = corners[(corners != numpy.roll(corners, 1, axis=1)).all(axis=1)]
     edges = numpy.sort(corners[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
     _, counts = numpy.unique(edges, axis=0, return_counts=True)
+    a, b, c = (vertices[faces[:, corner]] - vertices.mean(axis=0) for corner in range(3))
+    volume = float(abs((a * numpy.cross(b, c)).sum()) / 6)
     return {
-        "extents": [min(float(each), _MOST) for each in extents], "volume": min(_volume(vertices, faces), _MOST),
+        "extents": [min(float(each), _MOST) for each in extents], "volume": min(volume, _MOST),
         "flat": is_flat(vertices), "open": int((counts % 2).sum()), "edges": len(counts),
     }  # fmt: skip
 
@@ -350,8 +327,3 @@ def is_flat(vertices: Any) -> bool:
     _, lengths, axes = numpy.linalg.svd(centered, full_matrices=False)
     thick = numpy.ptp(centered @ axes.T, axis=0)
     return len(lengths) < 3 or bool(thick.min() <= _THIN * thick.max())
-
-
-def _volume(vertices: Any, faces: Any) -> float:
-    a, b, c = (vertices[faces[:, corner]] - vertices.mean(axis=0) for corner in range(3))
-    return float(abs((a * numpy.cross(b, c)).sum()) / 6)

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from mjcompose.base.dataclass import dataclass
+from mjcompose.mujoco.addresses import RUNS
 from mjcompose.mujoco.attributes import Model
 
 _ROUNDING = 1e-6
@@ -63,10 +64,9 @@ class Shapes:
         """Return the corners of the boxes around geoms, in the world frame (m), shape (8 n, 3)."""
         import numpy as np
 
-        boxes = self.model.geom_aabb
-        return np.concatenate(
-            [box_corners(self.data, geom, center=boxes[geom][:3], half=boxes[geom][3:]) for geom in geoms]
-        )
+        sides = (np.split(self.model.geom_aabb[geom], 2) for geom in geoms)
+        boxes = zip(geoms, sides, strict=True)
+        return np.concatenate([box_corners(self.data, geom, center=at, half=half) for geom, (at, half) in boxes])
 
     def reach(self, body: int) -> float:
         """Return the greatest distance of the body's geoms from its center of mass, in meters."""
@@ -117,38 +117,31 @@ def volume(mujoco: Any, model: Any, geom: int) -> Volume:
     kinds, kind = mujoco.mjtGeom, int(model.geom_type[geom])
     a, b, c = map(float, model.geom_size[geom])
     exact = {
-        int(kinds.mjGEOM_SPHERE): 4 / 3 * math.pi * a**3,
-        int(kinds.mjGEOM_CAPSULE): math.pi * a * a * (2 * b + 4 / 3 * a),
-        int(kinds.mjGEOM_CYLINDER): math.pi * a * a * 2 * b,
-        int(kinds.mjGEOM_ELLIPSOID): 4 / 3 * math.pi * a * b * c,
-        int(kinds.mjGEOM_BOX): 8 * a * b * c,
-    }
-    if kind in exact:
-        return Volume(exact[kind], exact[kind])
+        kinds.mjGEOM_SPHERE: 4 / 3 * math.pi * a**3, kinds.mjGEOM_CAPSULE: math.pi * a * a * (2 * b + 4 / 3 * a),
+        kinds.mjGEOM_CYLINDER: math.pi * a * a * 2 * b, kinds.mjGEOM_ELLIPSOID: 4 / 3 * math.pi * a * b * c,
+        kinds.mjGEOM_BOX: 8 * a * b * c,
+    }  # fmt: skip
+    known, mesh = exact.get(kinds(kind)), int(model.geom_dataid[geom])
+    if kind == int(kinds.mjGEOM_MESH) and mesh >= 0:
+        known = _enclosed(model, mesh)
     box = 8 * math.prod(map(float, model.geom_aabb[geom][3:]))
-    mesh = int(model.geom_dataid[geom])
-    enclosed = _enclosed(model, mesh) if kind == int(kinds.mjGEOM_MESH) and mesh >= 0 else None
-    return Volume(0.0, box) if enclosed is None else Volume(enclosed, enclosed)
+    return Volume(0.0, box) if known is None else Volume(known, known)
 
 
 def _enclosed(model: Any, mesh: int) -> float | None:
     """Return the volume inside a closed surface in m³, or None if it has holes."""
     import numpy as np
 
-    first, count = int(model.mesh_vertadr[mesh]), int(model.mesh_vertnum[mesh])
-    points = model.mesh_vert[first : first + count].astype(float)
-    start = int(model.mesh_faceadr[mesh])
-    faces = model.mesh_face[start : start + int(model.mesh_facenum[mesh])]
+    of_points, of_faces = (RUNS["mesh"][size].rows(model, mesh) for size in ("nmeshvert", "nmeshface"))
+    points = model.mesh_vert[of_points.start : of_points.stop].astype(float)
+    faces = model.mesh_face[of_faces.start : of_faces.stop]
     # Files repeat a point for each face around it: the points count by where they are.
     size = float(np.ptp(points, axis=0).max(initial=0.0)) or 1.0
     _, same = np.unique(np.round(points / size, _DIGITS), axis=0, return_inverse=True)
-    faces = same.reshape(-1)[faces]
-    edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
-    edges = edges[edges[:, 0] != edges[:, 1]]
-    there = edges[:, 0] * len(points) + edges[:, 1]
-    back = edges[:, 1] * len(points) + edges[:, 0]
-    if not np.array_equal(np.sort(there), np.sort(back)):
+    edges = same.reshape(-1)[faces][:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
+    one, other = edges[edges[:, 0] != edges[:, 1]].T
+    if not np.array_equal(np.sort(one * len(points) + other), np.sort(other * len(points) + one)):
         return None
-    corners = points[model.mesh_face[start : start + len(faces)]]
-    inside = float(np.einsum("ij,ij->", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])) / 6)
+    a, b, c = np.moveaxis(points[faces], 1, 0)
+    inside = float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6)
     return inside if inside > 0 else None

@@ -15,31 +15,13 @@ from typing import Any
 import numpy as np
 
 from mjcompose.base.rotation import Pose, multiply, rotate
-from mjcompose.mujoco.addresses import rows_of, span
-from mjcompose.mujoco.arrays import (
-    AUTHORED_SLEEP,
-    DERIVED_ROUNDING,
-    HULL,
-    MEASURED,
-    PLACED,
-    ROUNDING,
-    SLIDE,
-    Treatment,
-    about,
-)
+from mjcompose.mujoco import arrays, match
+from mjcompose.mujoco.addresses import RUNS, rows_of, span
+from mjcompose.mujoco.arrays import DERIVED_ROUNDING, HULL, MEASURED, PLACED, ROUNDING, SLIDE, Treatment, about
 from mjcompose.mujoco.attributes import HOLDERS, KINDS, Model, NameTable, holder
 from mjcompose.mujoco.compare import Keys, Pairs, Roots, Rules, Run, key_differences, plain_value, unequal_elements
 from mjcompose.mujoco.controls import servo
-from mjcompose.mujoco.match import (
-    ABSENT,
-    Correspondence,
-    Coupling,
-    Difference,
-    Mount,
-    pose_of,
-    presence_differences,
-    reference_differences,
-)
+from mjcompose.mujoco.match import ABSENT, Correspondence, Coupling, Difference, Mount, pose_of
 from mjcompose.mujoco.references import ON_JOINTS, ON_TENDON, WRAP_JOINT, WRAP_SITE, Array, links, twists_a_rod
 
 _OF_FLEXES = "MuJoCo does not turn the axes of a flex's vertices with a frame"
@@ -92,12 +74,10 @@ class Placing:
     def differences(self, tolerance: float = 0.0) -> list[Difference]:
         """Return the roots that did not move with the others, for a part that is moved."""
         found: list[Difference] = []
-        if self.transform is None:
-            return found
         bound = max(ROUNDING, tolerance)
         vertices = set(self.matching.alone.model.flex_vertbodyid.tolist())
-        for kind in (*_POSED, "light"):
-            for index in self.roots[kind]:
+        for kind, roots in self.roots.items() if self.transform is not None else ():
+            for index in roots:
                 name = self.matching.composed.describe(kind, self.matching.ids[kind][index])
                 for field, expected, actual in self._light(index) if kind == "light" else self._posed(kind, index):
                     turned = tuple(-x for x in actual) if field == "quat" else actual
@@ -117,21 +97,13 @@ class Placing:
 
     def _light(self, index: int) -> Iterator[tuple[str, tuple[float, ...], tuple[float, ...]]]:
         assert self.transform is not None
-        alone, composed, target = (
-            self.matching.alone.model,
-            self.matching.composed.model,
-            self.matching.ids["light"][index],
-        )
+        alone, composed = self.matching.alone.model, self.matching.composed.model
+        target = self.matching.ids["light"][index]
         frame = self._frame(int(composed.light_bodyid[target]))
-        mine, theirs = _vec(alone.light_pos[index]), _vec(composed.light_pos[target])
+        mine, theirs = alone.light_pos[index].tolist(), composed.light_pos[target].tolist()
         yield "pos", (self.transform @ Pose(mine)).pos, (frame @ Pose(theirs)).pos
-        mine, theirs = _vec(alone.light_dir[index]), _vec(composed.light_dir[target])
+        mine, theirs = alone.light_dir[index].tolist(), composed.light_dir[target].tolist()
         yield "dir", rotate(self.transform.quat, mine), rotate(frame.quat, theirs)
-
-
-def _vec(values: Model) -> tuple[float, float, float]:
-    x, y, z = values.tolist()
-    return (x, y, z)
 
 
 def _near(a: tuple[float, ...], b: tuple[float, ...], bound: float) -> bool:
@@ -246,18 +218,14 @@ class InComposition(Rules):
         MuJoCo 4.0 then takes the x axis of the world, or a rounding error, for the direction between them: the results
         depend on how the part is turned.
         """
-        model = self.alone
-        first = int(model.tendon_adr[tendon])
-        rows = range(first, first + int(model.tendon_num[tendon]))
+        model, rows = self.alone, RUNS["tendon"]["nwrap"].rows(self.alone, tendon)
         sites = [int(model.wrap_objid[row]) if int(model.wrap_type[row]) == WRAP_SITE else ABSENT for row in rows]
-        pairs = [
-            (self._reference(one), self._reference(other)) for one, other in pairwise(sites) if min(one, other) >= 0
-        ]
+        pairs = (map(self._reference, pair) for pair in pairwise(sites) if min(pair) >= 0)
         return any(np.allclose(one, other, rtol=0, atol=_ONE_POINT) for one, other in pairs)
 
     def _reference(self, site: int) -> tuple[float, ...]:
         model = self.alone
-        pose, body = Pose(_vec(model.site_pos[site])), int(model.site_bodyid[site])
+        pose, body = pose_of(model, "site", site), int(model.site_bodyid[site])
         while body:
             pose, body = pose_of(model, "body", body) @ pose, int(model.body_parentid[body])
         return pose.pos
@@ -298,7 +266,7 @@ def _sleep(matching: Correspondence) -> list[Difference]:
         if mine < 0 or theirs < 0:
             continue
         expected, actual = int(alone.tree_sleep_policy[mine]), int(composed.tree_sleep_policy[theirs])
-        if expected >= AUTHORED_SLEEP and expected != actual:
+        if expected >= arrays.AUTHORED_SLEEP and expected != actual:
             name = matching.composed.describe("body", target)
             found.append(Difference("body", name, "tree_sleep_policy", expected=expected, actual=actual))
     return found
@@ -368,27 +336,21 @@ def _ratios(model: Model, actuator: int) -> tuple[float | None, float | None]:
     output = rows_of(model, "actuator", "actuator_gear", index=actuator).start
     gear = float(model.actuator_gear[output, 0])
     kind, target = int(model.actuator_trntype[actuator]), int(model.actuator_trnid[actuator, 0])
-    if gear == 0:
-        return None, None
-    if kind in ON_JOINTS:
-        if int(model.jnt_type[target]) < SLIDE:
-            return None, None
+    light = heavy = 0.0
+    if kind == ON_TENDON:
+        light, heavy = float(model.tendon_invweight0[target]), _inertia_along(model, target)
+    elif kind in ON_JOINTS and int(model.jnt_type[target]) >= SLIDE:
         dof = int(model.jnt_dofadr[target])
         light, heavy = float(model.dof_invweight0[dof]), float(model.dof_M0[dof])
-    elif kind == ON_TENDON:
-        light, heavy = float(model.tendon_invweight0[target]), _inertia_along(model, target)
-    else:
-        return None, None
-    by_weight = damping * gear / (2 * math.sqrt(stiffness / light)) if light > 0 else None
-    by_mass = damping * gear / (2 * math.sqrt(stiffness * heavy)) if heavy > 0 else None
+    by_weight = damping * gear / (2 * math.sqrt(stiffness / light)) if gear and light > 0 else None
+    by_mass = damping * gear / (2 * math.sqrt(stiffness * heavy)) if gear and heavy > 0 else None
     return by_weight, by_mass
 
 
 def _inertia_along(model: Model, tendon: int) -> float:
     """Return the inertia that a fixed tendon moves; 0 for a spatial one, whose moments the model does not store."""
-    first = int(model.tendon_adr[tendon])
     inertia = 0.0
-    for at in range(first, first + int(model.tendon_num[tendon])):
+    for at in RUNS["tendon"]["nwrap"].rows(model, tendon):
         joint, coefficient = int(model.wrap_objid[at]), float(model.wrap_prm[at])
         if int(model.wrap_type[at]) != WRAP_JOINT or coefficient == 0:
             return 0.0
@@ -425,8 +387,8 @@ def compare(
     )
     coupling = Coupling(matching, mount, cut=cut)
     placing = Placing(matching, mount)
-    found = presence_differences(matching, others)
-    found += reference_differences(matching)
+    found = match.presence_differences(matching, others)
+    found += match.reference_differences(matching)
     found += number_differences(matching, InComposition(matching, coupling, placing, tolerance=tolerance))
     if not coupling.in_place:
         found += placing.differences(tolerance)

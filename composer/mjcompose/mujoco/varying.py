@@ -39,24 +39,21 @@ class Whose(NamedTuple):
 def whose(model: Model, array: str, index: Iterable[int]) -> list[Whose]:
     """Return the owner of each number of an array, by its flat index."""
     owner, _, field = array.rpartition(".")
-    shape = np.shape(value_of(model, array))
-    width = int(np.prod(shape[1:], dtype=int))
+    value = np.asarray(value_of(model, array))
     if owner:
-        single = int(np.prod(shape, dtype=int)) == 1
-        return [Whose(_OWNERS[owner], "", field if single else f"{field}[{each}]") for each in index]
+        return [Whose(_OWNERS[owner], "", field if value.size == 1 else f"{field}[{each}]") for each in index]
     kind, rows = owners(model, array)
     named = _ATTRIBUTES.get(array, array.partition("_")[2] or array)
-    table = NameTable(model) if rows else None
+    table, width = NameTable(model), int(np.prod(value.shape[1:], dtype=int))
     found = []
     for each in map(int, index):
         row, column = divmod(each, width)
-        if table is None or row not in rows:
+        if row not in rows:
             found.append(Whose(kind, "", f"{named}[{each}]"))
             continue
         element, place, count = rows[row]
-        number = place * width + column
-        name = table.describe(kind, element)
-        found.append(Whose(kind, name, named if width * count == 1 else f"{named}[{number}]"))
+        attribute = named if width * count == 1 else f"{named}[{place * width + column}]"
+        found.append(Whose(kind, table.describe(kind, element), attribute))
     return found
 
 
@@ -82,13 +79,9 @@ def rows_of_size(model: Model, kind: str, rows: int) -> Rows:
 Numbers = NDArray[Any]
 MEAN_INERTIA, MEAN_MASS = MEANS = "stat.meaninertia", "stat.meanmass"
 """The number that scales the tolerances of solvers, and the number that scales forces in viewers."""
-_LARGE = 1 << 16
-"""Larger arrays are assets, such as the vertices of meshes. For draws from one model they are only compared in the
-first worlds.
-"""
-_FIRST = 4
-_WORD = 8
-_BLOCK = 2048
+_LARGE, _FIRST = 1 << 16, 4
+"""Larger arrays are assets, such as the vertices of meshes. For draws they are only compared in these first worlds."""
+_WORD, _BLOCK = 8, 2048
 _PADDED = 64
 """MuJoCo allocates memory in multiples of this number of bytes."""
 
@@ -106,11 +99,9 @@ class Differences:
         """Record a model with arrays of the same sizes for `count` worlds from this one."""
         for name, nominal in self.nominal.items():
             now = flat(model, name)
-            other = unequal(nominal, now)
-            if not other.any():
-                continue
-            self._grow(name, np.flatnonzero(other))
-            self.values[name][:, world : world + count] = now[self.index[name], None]
+            if (other := unequal(nominal, now)).any():
+                self._grow(name, np.flatnonzero(other))
+                self.values[name][:, world : world + count] = now[self.index[name], None]
 
     def take_numbers(self, world: int, name: str, index: Numbers, values: Numbers) -> None:
         """Record some numbers of an array from this world on, `(worlds, numbers)`."""
@@ -163,8 +154,7 @@ class Recorder:
         self._bytes = np.ctypeslib.as_array((ctypes.c_uint8 * size).from_address(start))
         self._now = self.view(np.dtype(np.uint64))
         self._nominal = self._now.copy()
-        self._ranges = [(0, len(self._now))]
-        self._words = np.empty(0, np.int64)
+        self._ranges, self._words = [(0, len(self._now))], np.empty(0, np.int64)
         self._blocks: list[Numbers] = []
         self._means: list[tuple[float, ...]] = []
         self._nominal_means = _means(model)
@@ -227,9 +217,8 @@ class Recorder:
             if ours.start == ours.stop:
                 continue
             nominal = flat(self._model, name)
-            each = _WORD // nominal.itemsize
-            index = ((words[ours] * _WORD - first) // nominal.itemsize)[:, None] + np.arange(each)
-            index = index.reshape(-1)
+            starts = (words[ours] * _WORD - first) // nominal.itemsize
+            index = (starts[:, None] + np.arange(_WORD // nominal.itemsize)).reshape(-1)
             rows = np.empty((self.worlds, len(index)), nominal.dtype)
             for number, block in enumerate(self._blocks):
                 part = rows[number * _BLOCK : (number + 1) * _BLOCK]
@@ -272,19 +261,16 @@ def _span(model: Model, name: str) -> tuple[int, int]:
 
 def arrays(model: Model) -> Iterator[str]:
     """Yield all arrays of a model, its options, and those numbers of `stat` that follow from masses."""
-    for name in dir(model):
-        if not name.startswith("_") and isinstance(getattr(model, name), np.ndarray):
-            yield name
-    for name in dir(model.opt):
-        if not name.startswith("_") and isinstance(getattr(model.opt, name), np.ndarray | float | int):
-            yield f"opt.{name}"
+    for holder, start, kinds in ((model, "", np.ndarray), (model.opt, "opt.", np.ndarray | float | int)):
+        for name in dir(holder):
+            if not name.startswith("_") and isinstance(getattr(holder, name), kinds):
+                yield start + name
     yield from MEANS
 
 
 def value_of(model: Model, name: str) -> Any:
     """Return an array of a model, or an array or number of its `opt.` or `stat.`. Raises AttributeError."""
-    owner, _, field = name.rpartition(".")
-    return getattr(getattr(model, owner) if owner else model, field)
+    return operator.attrgetter(name)(model)
 
 
 def flat(model: Model, name: str) -> Numbers:
@@ -315,10 +301,8 @@ def stored(model: Model, found: Iterable[tuple[str, Numbers, Numbers]]) -> dict[
     for name, index, values in found:
         owners = whose(model, name, index)
         arrays |= {
-            f"{name}/index": index,
-            f"{name}/kind": np.array(owners[0].kind if owners else ""),
+            f"{name}/index": index, f"{name}/kind": np.array(owners[0].kind if owners else ""),
             f"{name}/element": np.array([each.element for each in owners], str),
-            f"{name}/attribute": np.array([each.attribute for each in owners], str),
-            f"{name}/values": values,
-        }
+            f"{name}/attribute": np.array([each.attribute for each in owners], str), f"{name}/values": values,
+        }  # fmt: skip
     return arrays

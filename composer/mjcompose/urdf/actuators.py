@@ -16,7 +16,7 @@ from mjcompose.base.suggest import did_you_mean, exists_note
 from mjcompose.sources.ros import Actuators
 from mjcompose.tree.merged_settings import ReadRow
 from mjcompose.tree.unit import Unit
-from mjcompose.urdf.robot import locate_as
+from mjcompose.urdf.robot import by_name, locate_as
 
 _KP = ("kp", "p", "position_kp", "position_proportional_gain")
 _KD = ("kd", "d", "position_kd", "position_derivative_gain")
@@ -37,8 +37,8 @@ def add_actuators(robot: Unit, unit: Unit, choice: Actuators, sink: Sink) -> dic
     """Add actuators to `unit`, converted from `robot`; return the URDF elements that they come from, as `read`."""
     if choice == "none":
         return {}
-    joints = {str(each.get("name")): each for each in robot.root.iterchildren("joint")}
-    made = {str(each.get("name")): each for each in unit.root.iter("joint") if each.get("name")}
+    joints = by_name(robot.root, "joint")
+    made = {each.get("name") for each in unit.root.iter("joint")}
     read: dict[Node, str] = {}
     drives: dict[str, Drive] = {}
     moving = [
@@ -48,12 +48,11 @@ def add_actuators(robot: Unit, unit: Unit, choice: Actuators, sink: Sink) -> dic
     ]
     given = (*_of_ros2_control(robot.root), *_of_transmissions(robot.root))
     for drive in (*given, *(moving if choice == "all" else ())):
-        if drive.joint not in joints:
-            _unknown(drive, list(joints), robot, sink=sink)
-            continue
         parent = drive.source.getparent()
         row = drive.source if parent is None or parent.tag != "ros2_control" else parent
-        if joints[drive.joint].find("mimic") is not None:
+        if drive.joint not in joints:
+            _unknown(drive, list(joints), robot, sink=sink)
+        elif joints[drive.joint].find("mimic") is not None:
             read.setdefault(row, "nothing: an equality moves the joint")
         elif drive.joint in made:
             drives.setdefault(drive.joint, drive)
@@ -68,23 +67,21 @@ def add_actuators(robot: Unit, unit: Unit, choice: Actuators, sink: Sink) -> dic
 def _of_ros2_control(root: Node) -> Iterator[Drive]:
     for control in root.iterchildren("ros2_control"):
         for joint in control.iterfind("joint"):
-            interfaces = {str(each.get("name")): each for each in joint.iterfind("command_interface")}
-            params = {str(each.get("name")): (each.text or "").strip() for each in joint.iterfind("param")}
-            if not interfaces or params.get("mimic"):
-                continue
-            numbers = {name: number for name, text in params.items() if (number := parse(text)) is not None}
-            yield Drive(str(joint.get("name")), joint, interfaces, numbers=numbers)
+            interfaces = by_name(joint, "command_interface")
+            params = {name: (each.text or "").strip() for name, each in by_name(joint, "param").items()}
+            if interfaces and not params.get("mimic"):
+                numbers = {name: number for name, text in params.items() if (number := parse(text)) is not None}
+                yield Drive(str(joint.get("name")), joint, interfaces, numbers=numbers)
 
 
 def _of_transmissions(root: Node) -> Iterator[Drive]:
     for transmission in root.iterchildren("transmission"):
         kind = transmission.findtext("type") or transmission.get("type") or ""
         joints, actuators = transmission.findall("joint"), transmission.findall("actuator")
-        if not kind.strip().endswith("SimpleTransmission") or len(joints) != 1 or len(actuators) > 1:
-            continue
-        words = [each.text or "" for each in transmission.iterfind(".//hardwareInterface")]
-        names = [each.strip().rpartition("/")[2].removesuffix("JointInterface").lower() for each in words]
-        yield Drive(str(joints[0].get("name")), transmission, dict.fromkeys(names, transmission))
+        if kind.strip().endswith("SimpleTransmission") and len(joints) == 1 and len(actuators) < 2:
+            words = [each.text or "" for each in transmission.iterfind(".//hardwareInterface")]
+            names = [each.strip().rpartition("/")[2].removesuffix("JointInterface").lower() for each in words]
+            yield Drive(str(joints[0].get("name")), transmission, dict.fromkeys(names, transmission))
 
 
 def _element(drive: Drive, joint: Node) -> Node:
@@ -97,31 +94,22 @@ def _element(drive: Drive, joint: Node) -> Node:
     kp, kd, kv = (
         next((drive.numbers[name] for name in names if drive.numbers.get(name)), None) for names in (_KP, _KD, _KV)
     )
+    gains: dict[str, float] = {}
     if "effort" not in drive.interfaces and "position" in drive.interfaces and kp:
-        gains = {"kp": kp, **({"kv": kd} if kd else {})}
-        return _servo("position", drive, gains, span=_range(drive.interfaces["position"]) or _joint_range(joint))
-    if "effort" not in drive.interfaces and "velocity" in drive.interfaces and kv:
-        span = _range(drive.interfaces["velocity"]) or ((-velocity, velocity) if velocity else None)
-        return _servo("velocity", drive, {"kv": kv}, span=span)
-    span = _range(drive.interfaces.get("effort")) or ((-effort, effort) if effort else None)
-    return _servo("motor", drive, {}, span=span)
-
-
-def _servo(tag: str, drive: Drive, gains: dict[str, float], span: tuple[float, float] | None) -> Node:
+        tag, gains, span = "position", {"kp": kp, **({"kv": kd} if kd else {})}, _joint_range(joint)
+    elif "effort" not in drive.interfaces and "velocity" in drive.interfaces and kv:
+        tag, gains, span = "velocity", {"kv": kv}, (-velocity, velocity) if velocity else None
+    else:
+        tag, span = "motor", (-effort, effort) if effort else None
+    interface = drive.interfaces.get("effort" if tag == "motor" else tag)
+    params = {} if interface is None else by_name(interface, "param")
+    own = _ordered(*(parse(params[name].text) if name in params else None for name in ("min", "max")))
     element = etree.Element(tag, name=drive.joint, joint=drive.joint)
     for name, value in gains.items():
         element.set(name, _text(value))
-    if span is not None:
-        element.set("ctrlrange", f"{_text(span[0])} {_text(span[1])}")
+    if (ends := own or span) is not None:
+        element.set("ctrlrange", " ".join(map(_text, ends)))
     return element
-
-
-def _range(interface: Node | None) -> tuple[float, float] | None:
-    """Return `<param name="min">` and `max` of an interface."""
-    if interface is None:
-        return None
-    params = {str(each.get("name")): parse(each.text) for each in interface.iterfind("param")}
-    return _ordered(params.get("min"), params.get("max"))
 
 
 def _ordered(low: float | None, high: float | None) -> tuple[float, float] | None:
@@ -130,13 +118,10 @@ def _ordered(low: float | None, high: float | None) -> tuple[float, float] | Non
 
 def _joint_range(joint: Node) -> tuple[float, float] | None:
     """Return the soft limits of a joint, else its limits, if it has any."""
-    soft = joint.find("safety_controller")
-    for element, low, high in ((soft, "soft_lower_limit", "soft_upper_limit"), (joint.find("limit"), "lower", "upper")):
-        if element is not None and joint.get("type") != "continuous":
-            ends = _ordered(parse(element.get(low)), parse(element.get(high)))
-            if ends is not None:
-                return ends
-    return None
+    soft, hard = joint.find("safety_controller"), joint.find("limit")
+    places = ((soft, "soft_lower_limit", "soft_upper_limit"), (hard, "lower", "upper"))
+    found = (_ordered(*(parse(each.get(end)) for end in ends)) for each, *ends in places if each is not None)
+    return next(filter(None, found), None) if joint.get("type") != "continuous" else None
 
 
 def _unknown(drive: Drive, known: list[str], robot: Unit, sink: Sink) -> None:
@@ -175,24 +160,22 @@ class Extras:
 
     def add(self) -> dict[Node, str]:
         """Add everything. Return the URDF elements that were read, and their results."""
-        links = {str(each.get("name")): each for each in self.robot.root.iterchildren("link")}
-        joints = {str(each.get("name")): each for each in self.robot.root.iterchildren("joint")}
+        links, joints = by_name(self.robot.root, "link"), by_name(self.robot.root, "joint")
         read: dict[Node, str] = {}
         for link in links.values():
             contact = link.find("contact")
             if contact is not None and self._contact(link, contact):
                 read[contact] = "friction"
-        for gazebo in self.robot.root.iterchildren("gazebo"):
-            name = gazebo.get("reference")
-            for setting in gazebo.iterchildren("*"):
-                value = (setting.text or setting.get("value") or "").strip()
-                became = None
-                if name in links:
-                    became = self._of_link(links[name], setting, value)
-                elif name in joints and (spring := _SPRINGS.get(str(setting.tag))) and parse(value) is not None:
-                    became = self._set(self._made(joints[name], "joint"), spring, value, source=setting)
-                if became is not None:
-                    read[setting] = became
+        for setting in self.robot.root.iterfind("gazebo/*"):
+            value, gazebo = (setting.text or setting.get("value") or "").strip(), setting.getparent()
+            name = None if gazebo is None else gazebo.get("reference")
+            became = None
+            if name in links:
+                became = self._of_link(links[name], setting, value)
+            elif name in joints and (spring := _SPRINGS.get(str(setting.tag))) and parse(value) is not None:
+                became = self._set(self._made(joints[name], "joint"), spring, value, source=setting)
+            if became is not None:
+                read[setting] = became
         self._mimics(joints)
         return read
 
@@ -206,13 +189,12 @@ class Extras:
         """Read PyBullet's `<contact>`, which has the same frictions as MuJoCo."""
         found = [contact.find(f"{kind}_friction") for kind in ("lateral", "spinning", "rolling")]
         texts = ["" if each is None else str(each.get("value")) for each in found]
-        numbers = [parse(text) for text in texts]
-        values = [
-            default if number is None else text for text, number, default in zip(texts, numbers, _FRICTION, strict=True)
-        ]
+        numbers = [*map(parse, texts)]
         if numbers == [None] * 3:
             return False
-        self._set(self._geoms(link), "friction", " ".join(values), source=contact)
+        rows = zip(texts, numbers, _FRICTION, strict=True)
+        values = " ".join(default if number is None else text for text, number, default in rows)
+        self._set(self._geoms(link), "friction", values, source=contact)
         if any(numbers[1:]):
             self._set(self._geoms(link), "condim", "6" if numbers[2] else "4", source=contact)
         return True
@@ -231,7 +213,7 @@ class Extras:
 
     def _mimics(self, joints: dict[str, Node]) -> None:
         """Add the equalities that MuJoCo before 4.0 does not make."""
-        moving = {str(each.get("name")): each for each in self.unit.root.iter("joint")}
+        moving = {str(each.get("name")) for each in self.unit.root.iter("joint")}
         held = {each.get("joint1") for each in self.unit.root.iterfind("equality/joint")}
         for name, joint in joints.items():
             mimic = joint.find("mimic")
@@ -275,8 +257,7 @@ _UNREAD = {
     "gazebo/mu2": "friction in a second direction; MuJoCo has the same in both",
     "gazebo/fdir1": "a direction of friction; MuJoCo has the same friction in all",
     "gazebo/minDepth": "a number of Gazebo's contacts; for MuJoCo write `solimp`",
-    "gazebo/maxVel": "a number of Gazebo's contacts",
-    "gazebo/maxContacts": "a number of Gazebo's contacts",
+    **dict.fromkeys(("gazebo/maxVel", "gazebo/maxContacts"), "a number of Gazebo's contacts"),
     "gazebo/selfCollide": "links collide in MuJoCo unless they share a joint; to exclude more pairs, write `contact`",
     "gazebo/material": "a material of Gazebo, whose files are not here",
     "gazebo/sensor": "a sensor of Gazebo; write it in `sensor` of the recipe",
@@ -314,22 +295,23 @@ def _fates(root: Node, keeps_visuals: bool, known: Mapping[Node, str]) -> Iterat
         return what, element, became, "" if became else _UNREAD.get(what, "MJCF has no words for it")
 
     for child in root.iterchildren("*"):
-        tag = _name(child)
+        tag = etree.QName(child).localname
         if tag in ("link", "joint"):
             yield fate(tag, child)
             if tag == "link" and child.find("inertial") is None and child.find("collision") is not None:
                 yield "link without inertial", child, "the mass of its shapes at 1000 kg/m³", ""
             for inner in child.iterchildren("*"):
-                what = f"{tag}/{_name(inner)}"
+                name = etree.QName(inner).localname
+                what = f"{tag}/{name}"
                 if what == "link/visual":
                     why = "MuJoCo omits visuals; add `urdf: {visuals: keep}` next to `model`"
                     yield what, inner, *(("geom that touches nothing", "") if keeps_visuals else ("", why))
-                elif inner in known or _name(inner) not in _OF_LINKS_AND_JOINTS:
+                elif inner in known or name not in _OF_LINKS_AND_JOINTS:
                     yield fate(what, inner)
                 if what == "joint/limit" and 0 < (parse(inner.get("velocity")) or 0) < 1e6:
                     yield "joint/limit velocity", inner, "", "MuJoCo does not limit the velocity of joints"
         elif tag == "gazebo" and child not in known:
-            yield from (fate(f"gazebo/{_name(inner)}", inner) for inner in child.iterchildren("*"))
+            yield from (fate(f"gazebo/{etree.QName(inner).localname}", inner) for inner in child.iterchildren("*"))
         elif tag != "material" or child in known:
             yield fate(tag, child)
             for reduction in child.iter("mechanicalReduction") if child in known else ():
@@ -350,7 +332,3 @@ def note_unread(rows: tuple[ReadRow, ...], unit: Unit, sink: Sink) -> None:
             CODE, f"{len(missing)} {are} not in the model", unit.origins.span(unit.root, unit.file), notes=notes,
             help=f"`allow: [{CODE}]` acknowledges it",
         )  # fmt: skip
-
-
-def _name(element: Node) -> str:
-    return str(element.tag).rpartition("}")[2]

@@ -33,12 +33,10 @@ def _one(path: str, door: Door) -> dict[str, Any]:
     suffix = path.rpartition(".")[2].lower()
     if suffix == "stl":
         return _own(path, door)
-    try:
-        import trimesh
-    except ImportError:
-        return {"missing": "trimesh"}
     resolver = _Resolver(os.path.dirname(path), door)
     try:
+        import trimesh
+
         data = door.read(path)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
@@ -56,7 +54,8 @@ def _one(path: str, door: Door) -> dict[str, Any]:
     except OSError as error:
         return {"unreadable": (error.strerror or str(error)).lower()}
     except Exception as error:  # whatever a library finds wrong with a file
-        return {"error": _first_line(error)}
+        name = type(error).__name__
+        return {"error": (str(error).strip().partition("\n")[0].removeprefix(f"{name}: ") or name)[:160]}
     scale = _meters(scene)
     parts = [part for part in (_part(mesh, scale) for mesh in _meshes(scene, suffix)) if part is not None]
     read = [each for each in resolver.read if os.path.isfile(each)]
@@ -72,20 +71,11 @@ def _without_textures(data: bytes) -> bytes | None:
     root = etree.fromstring(data, etree.XMLParser(resolve_entities=False, no_network=True, huge_tree=True))
     textures = list(root.iter("{*}texture"))
     for element in [*textures, *root.iter("{*}newparam")]:
-        holder = element.getparent()
-        if holder is None:
-            continue
-        if element in textures:
-            color = etree.SubElement(holder, f"{{{etree.QName(element).namespace}}}color")
-            color.text = "0.7 0.7 0.7 1"
-        holder.remove(element)
+        if (holder := element.getparent()) is not None:
+            if element in textures:
+                etree.SubElement(holder, f"{{{etree.QName(element).namespace}}}color").text = "0.7 0.7 0.7 1"
+            holder.remove(element)
     return etree.tostring(root) if textures else None
-
-
-def _first_line(error: Exception) -> str:
-    """Return the message of an error without the name of its exception."""
-    line = str(error).strip().partition("\n")[0].removeprefix(f"{type(error).__name__}: ")
-    return (line or type(error).__name__)[:160]
 
 
 def _own(path: str, door: Door) -> dict[str, Any]:
@@ -131,14 +121,11 @@ class _Resolver:
 
 def _meters(scene: Any) -> float:
     """Return the unit of the file in meters: only Collada has another unit."""
-    for mesh in scene.geometry.values():
-        text = str(mesh.metadata.get("units") or "")
-        if text.endswith("* meters"):
-            try:
-                return float(text.removesuffix("* meters"))
-            except ValueError:
-                return 1.0
-    return 1.0
+    units = (str(mesh.metadata.get("units") or "") for mesh in scene.geometry.values())
+    try:
+        return float(next((text for text in units if text.endswith("* meters")), "1").removesuffix("* meters"))
+    except ValueError:
+        return 1.0
 
 
 def _meshes(scene: Any, suffix: str) -> Iterator[Any]:
@@ -149,11 +136,10 @@ def _meshes(scene: Any, suffix: str) -> Iterator[Any]:
     for name in scene.graph.nodes_geometry:
         matrix, geometry = scene.graph[name]
         mesh = scene.geometry[geometry]
-        if not hasattr(mesh, "faces") or not len(mesh.faces):
-            continue
-        mesh = mesh.copy()
-        mesh.apply_transform(upright @ matrix)
-        yield mesh
+        if hasattr(mesh, "faces") and len(mesh.faces):
+            mesh = mesh.copy()
+            mesh.apply_transform(upright @ matrix)
+            yield mesh
 
 
 def _part(mesh: Any, scale: float) -> dict[str, Any] | None:
@@ -162,18 +148,14 @@ def _part(mesh: Any, scale: float) -> dict[str, Any] | None:
     vertices = numpy.asarray(mesh.vertices, float) * scale
     if not numpy.isfinite(vertices).all() or not len(vertices):
         return None
-    faces = numpy.asarray(mesh.faces)
-    visual = mesh.visual
+    faces, visual = numpy.asarray(mesh.faces), mesh.visual
     uv: Any = getattr(visual, "uv", None) if getattr(visual, "kind", None) == "texture" else None
-    if uv is not None and len(uv) != len(vertices):
-        uv = None
     rgba, texture = _look(visual)
-    return {
-        "obj": _obj(vertices, faces, uv if texture is not None else None),
-        "rgba": rgba,
-        "texture": None if texture is None else base64.b64encode(texture).decode("ascii"),
-        "measures": measures(vertices, faces),
-    }
+    if uv is not None and (texture is None or len(uv) != len(vertices)):
+        uv = None
+    encoded = None if texture is None else base64.b64encode(texture).decode("ascii")
+    obj = _obj(vertices, faces, uv)
+    return {"obj": obj, "rgba": rgba, "texture": encoded, "measures": measures(vertices, faces)}
 
 
 def _look(visual: Any) -> tuple[list[float] | None, bytes | None]:
@@ -186,10 +168,8 @@ def _look(visual: Any) -> tuple[list[float] | None, bytes | None]:
             return None, None
         return [round(float(each), 4) for each in numpy.asarray(visual.main_color, float) / 255], None
     picture = getattr(material, "image", None) or getattr(material, "baseColorTexture", None)
-    color: Any = getattr(material, "baseColorFactor", None)
-    if color is None:
-        color = getattr(material, "diffuse", None)
-    rgba = None
+    colors = (getattr(material, name, None) for name in ("baseColorFactor", "diffuse"))
+    color, rgba = next((each for each in colors if each is not None), None), None
     if color is not None:
         numbers = numpy.asarray(color, float).ravel()
         numbers = numbers / 255 if numpy.asarray(color).dtype.kind in "iu" or numbers.max(initial=0) > 1 else numbers

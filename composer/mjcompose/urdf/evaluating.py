@@ -15,6 +15,8 @@ import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
+from mjcompose.base.dataclass import dataclass
+
 LONGEST, DEEPEST = 10_000, 100
 """The most characters of an expression, and its deepest nesting."""
 STEPS, LARGEST, BITS = 500_000, 200_000, 4096
@@ -31,25 +33,24 @@ class Stopped(Exception):
         self.code, self.subject = code, subject
 
 
+@dataclass(slots=True, eq=False)
 class Function:
     """A function that expressions may call. It has no text."""
 
-    __slots__ = ("apply", "kind", "name")
-
-    def __init__(self, name: str, apply: Callable[..., Any], kind: type | None = None) -> None:
-        self.name, self.apply, self.kind = name, apply, kind
+    name: str
+    apply: Callable[..., Any]
+    kind: type | None = None
 
     def __repr__(self) -> str:
         raise Stopped("unsafe", f"`{self.name}` is a function, and no value for a model", self.name)
 
 
+@dataclass(slots=True, eq=False)
 class Space:
     """Names behind a name, such as `math.`."""
 
-    __slots__ = ("entries", "name")
-
-    def __init__(self, name: str, entries: Mapping[str, Any]) -> None:
-        self.name, self.entries = name, entries
+    name: str
+    entries: Mapping[str, Any]
 
     def __repr__(self) -> str:
         raise Stopped("unsafe", f"`{self.name}` is not a value for a model", self.name)
@@ -187,9 +188,8 @@ class Evaluator:
 
     def _name(self, node: ast.Name) -> Any:
         name = _allowed(node.id)
-        for scope in reversed(self._inner):
-            if name in scope:
-                return scope[name]
+        if (scope := next((each for each in reversed(self._inner) if name in each), None)) is not None:
+            return scope[name]
         try:
             value = self._names(name)
         except KeyError:
@@ -225,14 +225,13 @@ class Evaluator:
         raise Stopped("unsafe", f"`.{name}` is not allowed in an expression", name)
 
     def _method(self, value: Any, name: str, *given: Any, **named: Any) -> Any:
-        most = 0
-        if name in ("zfill", "center", "ljust", "rjust") and given and isinstance(given[0], int):
-            most = given[0]
-        elif name == "replace" and len(given) > 1 and isinstance(given[0], str) and isinstance(given[1], str):
-            most = value.count(given[0]) * len(given[1])
-        elif name == "join" and given:
-            most = len(value) * len(given[0])
-        _bounded(most)
+        match name, given:
+            case (("zfill" | "center" | "ljust" | "rjust"), (int() as most, *_)):
+                _bounded(most)
+            case "replace", (str() as old, str() as new, *_):
+                _bounded(value.count(old) * len(new))
+            case "join", (items, *_):
+                _bounded(len(value) * len(items))
         return getattr(value, name)(*given, **named)
 
     def _call(self, node: ast.Call) -> Any:
@@ -409,14 +408,12 @@ class Evaluator:
         special: dict[str, Callable[..., Any]] = {
             "factorial": self._factorial, "prod": self._product, "comb": self._chosen, "perm": self._chosen,
         }  # fmt: skip
-        found: dict[str, Any] = {}
-        each: Any
-        for name, each in vars(math).items():
-            if isinstance(each, float):
-                found[name] = each
-            elif not name.startswith("_") and callable(each):
-                found[name] = Function(name, functools.partial(special[name], each) if name in special else each)
-        return found
+        return {
+            name: each if isinstance(each, float) else
+            Function(name, functools.partial(special[name], each) if name in special else each)
+            for name, each in vars(math).items()
+            if isinstance(each, float) or (callable(each) and not name.startswith("_"))
+        }  # fmt: skip
 
     def _text(self, *value: Any) -> str:
         if len(value) > 1 or (value and type(value[0]) is Function):
@@ -501,8 +498,7 @@ _STEPS: Mapping[type, Callable[[Evaluator, Any], Any]] = {
     ast.Call: Evaluator._call, ast.BinOp: Evaluator._binary, ast.UnaryOp: Evaluator._unary, ast.BoolOp: Evaluator._both,
     ast.Compare: Evaluator._comparison, ast.IfExp: Evaluator._choice, ast.Subscript: Evaluator._item,
     ast.List: Evaluator._list, ast.Tuple: Evaluator._list, ast.Dict: Evaluator._mapping,
-    ast.ListComp: Evaluator._comprehension,
-    ast.DictComp: Evaluator._mapping_of,
+    ast.ListComp: Evaluator._comprehension, ast.DictComp: Evaluator._mapping_of,
 }  # fmt: skip
 _WORDS: Mapping[type, str] = {
     ast.Lambda: "lambda", ast.Await: "await", ast.Yield: "yield", ast.YieldFrom: "yield", ast.NamedExpr: ":=",

@@ -94,20 +94,16 @@ class _Work:
             (xacro.YamlDictWrapper,), (xacro.YamlListWrapper,), lambda value: type(value) is xacro.NameSpace
         )
         self.substitution = substitution
-        xacro._global_symbols = self.symbols(xacro._global_symbols)
-        xacro.open = self.opened
-        xacro.glob = SimpleNamespace(glob=self.globbed)
-        xacro.parse = self.parse
-        xacro.warning = self.warned
-        xacro.safe_eval = self.evaluated
-        xacro.eval_text = self.bounded(xacro.eval_text)
-        xacro.eval_all = self.counted(xacro.eval_all)
-        xacro.eval_extension = self.extension(xacro.eval_extension)
-        xacro.is_valid_name = _is_name
-        substitution._eval = self.substituted
-        substitution._eval_find = self.found
-        substitution._eval_env = self.environment
-        substitution._eval_optenv = lambda name, default="": default
+        vars(xacro).update(
+            _global_symbols=self.symbols(xacro._global_symbols), open=self.opened, parse=self.parse,
+            glob=SimpleNamespace(glob=self.globbed), warning=self.warned, safe_eval=self.evaluated,
+            eval_text=self.bounded(xacro.eval_text), eval_all=self.counted(xacro.eval_all),
+            eval_extension=self.extension(xacro.eval_extension), is_valid_name=_is_name,
+        )  # fmt: skip
+        vars(substitution).update(
+            _eval=self.substituted, _eval_find=self.found, _eval_env=self.environment,
+            _eval_optenv=lambda name, default="": default,
+        )  # fmt: skip
         return None
 
     def symbols(self, own: Mapping[str, Any]) -> dict[str, Any]:
@@ -196,10 +192,13 @@ class _Work:
         }  # fmt: skip
 
     def placed(self, place: tuple[str, int, int, str] | None) -> list[Any]:
-        file, line, column, tag = place or (self.path, 1, 0, "")
-        if file not in self.files:
-            self.files.append(file)
-        return [self.files.index(file), line, column, tag]
+        file, *rest = place or (self.path, 1, 0, "")
+        self.has_read(file)
+        return [self.files.index(file), *rest]
+
+    def has_read(self, path: str) -> None:
+        if path not in self.files:
+            self.files.append(path)
 
     def failed(self, error: Exception) -> dict[str, Any]:
         """Return the fault, at the innermost element in progress, and the macro calls that led there."""
@@ -209,13 +208,9 @@ class _Work:
         frames = list(_frames(error.__traceback__))
         trail = (_place_of(frame.f_locals.get(name)) for frame in frames for name in ("node", "elt", "tag"))
         at = getattr(error, "at", None) or next((place for place in [*trail][::-1] if place is not None), None)
-        calls = [
-            place
-            for frame in frames
-            if frame.f_code.co_name == "handle_macro_call"
-            and (place := _place_of(frame.f_locals.get("node"))) is not None
-            and place != at
-        ]
+        macros = (frame for frame in frames if frame.f_code.co_name == "handle_macro_call")
+        places = (_place_of(frame.f_locals.get("node")) for frame in macros)
+        calls = [place for place in places if place is not None and place != at]
         code, subject, known = "xacro", "", None
         message = " ".join(str(error).split()) or type(error).__name__
         if isinstance(inner, Stopped):
@@ -247,8 +242,7 @@ class _Work:
             data = self.door.read(path)
         except Refused as refused:  # no OSError, which xacro ignores for an optional file
             raise Stopped("refused", refused.message(), path) from refused
-        if path not in self.files:
-            self.files.append(path)
+        self.has_read(path)
         return data
 
     def parse(self, given: Any, filename: str | None = None) -> Any:
@@ -401,13 +395,12 @@ def _elements(node: Any) -> Iterator[Any]:
 
 
 def _place_of(node: Any) -> tuple[str, int, int, str] | None:
-    while node is not None:
+    place: tuple[str, int, int, str] | None = None
+    while node is not None and place is None:
         if getattr(node, "nodeType", None) == minidom.Node.ELEMENT_NODE:
-            place: tuple[str, int, int, str] | None = node.getUserData(_PLACE)
-            if place is not None:
-                return place
+            place = node.getUserData(_PLACE)
         node = getattr(node, "parentNode", None)
-    return None
+    return place
 
 
 def _frames(trace: TracebackType | None) -> Iterator[Any]:

@@ -12,7 +12,7 @@ from lxml.etree import _Element as Node
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Cause, Note, Span
 from mjcompose.base.sink import Sink
-from mjcompose.urdf.robot import Robot
+from mjcompose.urdf.robot import Robot, by_name, end_of
 
 CODE = "urdf-inertia"
 _NAMES = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
@@ -37,25 +37,21 @@ def bad_inertias(robot: Robot) -> Iterator[Bad]:
     weightless = list(_weightless(robot.root))
     for link in robot.root.iterchildren("link"):
         inertial = link.find("inertial")
-        if inertial is None:
+        if inertial is None or (tensor := _tensor(inertial)) is None:
             continue
-        mass, tensor = _mass(inertial), _tensor(inertial)
-        if tensor is None:
-            continue
+        mass = _mass(inertial)
         values, _ = eigen(tensor)
+        shown = f"its principal moments are {_shown(values)}"
         if not mass and not any(any(row) for row in tensor):
             yield Bad(link, inertial, "mass and inertia are zero")
         elif values[0] < _LEAST_MOMENT:
             wrong = "is not positive" if values[0] <= 0 else f"is below {_LEAST_MOMENT:g}"
-            yield Bad(link, inertial, f"its principal moments are {_shown(values)}: one {wrong}")
+            yield Bad(link, inertial, f"{shown}: one {wrong}")
         elif values[0] + values[1] < values[2]:
-            why = f"its principal moments are {_shown(values)}: the small two add up to less than the third"
-            yield Bad(link, inertial, why)
+            yield Bad(link, inertial, f"{shown}: the small two add up to less than the third")
         elif 0 <= mass < _LEAST_MASS and link in weightless:
             yield Bad(link, inertial, f"it moves and weighs {mass:g} kg")
-    for link in weightless:
-        if link.find("inertial") is None:
-            yield Bad(link, None, "it moves and has no mass")
+    yield from (Bad(link, None, "it moves and has no mass") for link in weightless if link.find("inertial") is None)
 
 
 def report(robot: Robot, sink: Sink, notes: tuple[Note, ...]) -> None:
@@ -109,22 +105,18 @@ def _repaired(tensor: Matrix) -> tuple[Matrix, list[float]]:
     values, axes = eigen(tensor)
     floor = max(_SMALLEST, 1e-6 * values[2])
     low, middle, high = (max(each, floor) for each in values)
-    low = max(low, (high - middle) * (1 + 1e-9))
-    moments = [low, middle, high]
-    new = [
-        [sum(axes[row][k] * moments[k] * axes[column][k] for k in range(3)) for column in range(3)] for row in range(3)
-    ]
-    return new, sorted(moments)
+    moments = [max(low, (high - middle) * (1 + 1e-9)), middle, high]
+    turned = [[sum(a * m * b for a, m, b in zip(row, moments, other, strict=True)) for other in axes] for row in axes]
+    return turned, sorted(moments)
 
 
 def _weightless(root: Node, massless: Collection[str] = ()) -> Iterator[Node]:
     """Yield moving links without mass, even counting their shapes and the links fixed to them."""
-    joints = list(root.iterchildren("joint"))
-    fixed: dict[str, list[str]] = defaultdict(list)
+    joints, links = list(root.iterchildren("joint")), by_name(root, "link")
+    fixed: dict[str | None, list[str]] = defaultdict(list)
     for joint in joints:
         if joint.get("type") == "fixed":
-            fixed[_end(joint, "parent")].append(_end(joint, "child"))
-    links = {str(link.get("name")): link for link in root.iterchildren("link")}
+            fixed[end_of(joint, "parent")].append(str(end_of(joint, "child")))
 
     def heavy(name: str, seen: set[str]) -> bool:
         link = links.get(name)
@@ -139,14 +131,9 @@ def _weightless(root: Node, massless: Collection[str] = ()) -> Iterator[Node]:
         return weighs or any(heavy(each, seen) for each in fixed[name])
 
     for joint in joints:
-        name = _end(joint, "child")
+        name = str(end_of(joint, "child"))
         if joint.get("type") != "fixed" and name in links and not heavy(name, set()):
             yield links[name]
-
-
-def _end(joint: Node, tag: str) -> str:
-    end = joint.find(tag)
-    return "" if end is None else str(end.get("link"))
 
 
 def _mass(inertial: Node) -> float:
@@ -170,16 +157,11 @@ def _tensor(inertial: Node) -> Matrix | None:
 
 
 def _write(inertial: Node, mass: float | None, tensor: Matrix) -> None:
-    if mass is not None:
-        _child(inertial, "mass").set("value", f"{mass:g}")
-    for name in _NAMES:
-        row, column = ("xyz".index(axis) for axis in name[1:])
-        _child(inertial, "inertia").set(name, repr(tensor[row][column]))
-
-
-def _child(holder: Node, tag: str) -> Node:
-    child = holder.find(tag)
-    return etree.SubElement(holder, tag) if child is None else child
+    numbers = {name: repr(tensor["xyz".index(name[1])]["xyz".index(name[2])]) for name in _NAMES}
+    for tag, written in (("mass", {"value": f"{mass:g}"} if mass is not None else {}), ("inertia", numbers)):
+        for name, text in written.items():
+            child = inertial.find(tag)
+            (etree.SubElement(inertial, tag) if child is None else child).set(name, text)
 
 
 def _diagonal(value: float) -> Matrix:

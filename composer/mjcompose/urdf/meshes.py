@@ -41,7 +41,6 @@ class Meshes:
     sink: Sink
     shown: Any
     files: list[Path] = field(default_factory=list)
-    taken: set[str] = field(default_factory=set)
     flat: list[tuple[Doubt, str, Span]] = field(default_factory=list)
     shells: set[str] = field(default_factory=set)
     """Meshes whose mass is not used: MuJoCo may weigh them as shells, which need no volume."""
@@ -64,35 +63,33 @@ class Meshes:
                     refused.report(self.sink, self._span(mesh), shown=self.shown)
         convertible = [path for path, meshes in wanted.items() if self._is_to_convert(path, meshes)]
         plain = [path for path in wanted if path not in convertible and _suffix(path) in ("stl", "obj")]
-        if plain:
-            for path, facts in zip(plain, self._call(measure, plain), strict=True):
-                if facts is None:
-                    continue
+        for path, facts in self._call(measure, plain):
+            if facts is not None:
                 if facts["volume"] < _NO_VOLUME and all(map(_is_weighed_otherwise, wanted[path])):
                     self.shells.update(str(mesh.get("filename")) for mesh in wanted[path])
                 for mesh in wanted[path]:
                     self._check(mesh, Path(path), facts)
-        if convertible:
-            for path, result in zip(convertible, self._call(convert, convertible), strict=True):
-                self._replace(Path(path), wanted[path], result)
+        for path, result in self._call(convert, convertible):
+            self._replace(Path(path), wanted[path], result)
 
     def report_flat(self) -> None:
         """Warn of flat meshes that MuJoCo accepts; for others, MuJoCo reports an error."""
         for doubt, message, span in self.flat:
             self.sink.warning(doubt.code, message, span, help=FLAT_HELP)
 
-    def _call(self, function: Any, files: list[str]) -> list[Any]:
-        door = self.robot.unit.door
-        argument = {"roots": list(door.roots), "sees_all": door.sees_all, "files": files}
+    def _call(self, function: Any, files: list[str]) -> list[tuple[str, Any]]:
+        """Return each file with what the function says of it; nothing after an error."""
+        unit = self.robot.unit
+        if not files:
+            return []
+        argument = {"roots": list(unit.door.roots), "sees_all": unit.door.sees_all, "files": files}
         answer = call(self.session, function, (), argument=argument)
         if answer.ok:
-            return list(answer.value)
-        self.sink.error(
-            "mujoco-timeout" if answer.crash == "timeout" else "mesh-unreadable",
-            f"the meshes of `{self.robot.unit.file}` cannot be read: {answer.error or answer.crash}",
-            self.robot.unit.origins.span(self.robot.root, self.robot.unit.file),
-        )
-        return [None if function is measure else {"parts": None} for _ in files]
+            return list(zip(files, answer.value, strict=True))
+        code = "mujoco-timeout" if answer.crash == "timeout" else "mesh-unreadable"
+        message = f"the meshes of `{unit.file}` cannot be read: {answer.error or answer.crash}"
+        self.sink.error(code, message, unit.origins.span(self.robot.root, unit.file))
+        return []
 
     def _used(self) -> Iterator[Node]:
         tags = ("collision", "visual") if self.robot.keeps_visuals else ("collision",)
@@ -135,12 +132,10 @@ class Meshes:
             self.robot.unit.door.outside(refused).report(self.sink, span, shown=self.shown)
             return
         if not result.get("parts"):
-            why, help = result.get("error") or result.get("unreadable"), "open it in a viewer, and export it again"
-            message = f"the mesh {called} cannot be read: {why}"
-            if result.get("parts") is not None:
-                message, help = f"the mesh {called} has no triangles", "export it with its faces, or remove it"
-            if why is not None or result.get("parts") is not None:
-                self.sink.error("mesh-unreadable", message, span, help=help)
+            message, help = f"the mesh {called} has no triangles", "export it with its faces, or remove it"
+            if (why := result.get("error") or result.get("unreadable")) is not None:
+                message, help = f"the mesh {called} cannot be read: {why}", "open it in a viewer, and export it again"
+            self.sink.error("mesh-unreadable", message, span, help=help)
             return
         for name in result["lost"]:
             file = f"`{name}`" if "." in name else name
@@ -157,26 +152,22 @@ class Meshes:
             self._split(mesh, names)
 
     def _keep(self, path: Path, part: dict[str, Any], of: int) -> str:
-        for number in count():
-            end = f"_{number}" if of > 1 else f"-{number + 1}" if number else ""
-            name = f"{_FOLDER}/{path.stem}{end}.obj"
-            if name not in self.taken:
-                break
-        self.taken.add(name)
+        ends = (f"_{number}" if of > 1 else f"-{number + 1}" if number else "" for number in count())
+        names = (f"{_FOLDER}/{path.stem}{end}.obj" for end in ends)
+        name = next(each for each in names if each not in self.robot.made)
         self.robot.made[name] = part["obj"].encode()
         texture = None if part["texture"] is None else base64.b64decode(part["texture"])
-        rgba = None if part["rgba"] is None else tuple(part["rgba"])
-        self.robot.looks[name] = Look(rgba, texture)
+        self.robot.looks[name] = Look(None if part["rgba"] is None else tuple(part["rgba"]), texture)
         return name
 
     def _split(self, mesh: Node, names: list[str]) -> None:
         """Make a shape for each part of a mesh; a color in the URDF takes precedence."""
         shape = _shape(mesh)
         colored = shape.find("material") is not None
-        for name in names:
+        for number, name in enumerate(names):
             one = self.robot.copied(shape) if name is not names[-1] else shape
-            if name is not names[0] and one.get("name"):
-                one.set("name", f"{one.get('name')}_{names.index(name)}")
+            if number and one.get("name"):
+                one.set("name", f"{one.get('name')}_{number}")
             inner = one.find("geometry/mesh")
             assert inner is not None
             inner.set("filename", name)
@@ -289,12 +280,11 @@ def _give(
     key = str(picture) if isinstance(picture, Path) else f"{hash(picture)} {len(picture)}"
     material = kept.get(key)
     if material is None:
-        ends = ("" if number == 1 else f"-{number}" for number in count(1))
-        material = next(f"{name}{end}" for end in ends if f"{name}{end}" not in kept.values())
-        kept[key] = material
-        asset = unit.section("asset")
-        file = f"converted/{material}.png" if isinstance(picture, bytes) else str(picture)
+        names = (name if number == 1 else f"{name}-{number}" for number in count(1))
+        material = kept[key] = next(each for each in names if each not in kept.values())
+        asset, file = unit.section("asset"), str(picture)
         if isinstance(picture, bytes):
+            file = f"converted/{material}.png"
             unit.contents = {**unit.contents, file: picture}
         for made in (
             etree.SubElement(asset, "texture", name=material, type="2d", file=file),

@@ -64,10 +64,9 @@ class UrdfReader:
             return self._unit(stack)
 
     def _unit(self, stack: ExitStack) -> Unit | None:
-        robot = self._robot()
+        robot = self.robot = self._robot()
         if robot is None or not self._is_urdf(robot):
             return None
-        self.robot = robot
         written, before = robot.unit, self.sink.error_count
         if not includes_admitted(written, self.sink, self.shown):
             return None
@@ -83,13 +82,7 @@ class UrdfReader:
         if self.sink.error_count > before:
             return None
         converted = self._converted(robot, meshes.shells, stack)
-        if (
-            converted is not None
-            and converted.text is None
-            and converted.crash is None
-            and choices.inertia == "repair"
-            and _is_of_inertia(converted)
-        ):
+        if converted is not None and choices.inertia == "repair" and _is_of_inertia(converted):
             # Only now: inertias that MuJoCo accepts stay unchanged.
             converted = self._converted(robot, meshes.shells, stack, massless=inertia.repair(robot, self.sink))
         if converted is None:
@@ -162,30 +155,27 @@ class UrdfReader:
             return None
 
     def _written(self, robot: Robot, stack: ExitStack) -> dict[str, Path]:
-        if not robot.made:
-            return {}
-        folder = stack.enter_context(scratch("meshes"))
-        found = {name: folder / name for name in robot.made}
-        for name, path in found.items():
-            path.parent.mkdir(parents=True, exist_ok=True)
-            path.write_bytes(robot.made[name])
+        found: dict[str, Path] = {}
+        folder = stack.enter_context(scratch("meshes")) if robot.made else Path()
+        for name, content in robot.made.items():
+            found[name] = folder / name
+            found[name].parent.mkdir(parents=True, exist_ok=True)
+            found[name].write_bytes(content)
         return found
 
     def _completed(self, robot: Robot, text: str) -> Unit:
         """Return the unit with the elements that MuJoCo does not read, and with all places."""
         written = robot.unit
-        unit = parse_text(
-            text, self.sink, file=written.file, directory=self.source.path.parent, label=written.label,
-            door=written.door,
-        )  # fmt: skip
+        folder = self.source.path.parent
+        unit = parse_text(text, self.sink, file=written.file, directory=folder, label=written.label, door=written.door)
         assert unit is not None, "MuJoCo writes MJCF"
         unit.origins.texts.clear()
         name_fused_links(unit.root)
         pairs = locate_in_urdf(unit, robot.root, written.origins)
         unit.contents = {
-            written_path(unit.settings, mesh, str(mesh.get("file"))): robot.made[str(mesh.get("file"))]
+            written_path(unit.settings, mesh, file): robot.made[file]
             for mesh in unit.root.iterfind("asset/mesh")
-            if mesh.get("file") in robot.made
+            if (file := str(mesh.get("file"))) in robot.made
         }
         made: dict[Node, list[Node]] = defaultdict(list)
         for element, source in pairs:
@@ -210,7 +200,6 @@ class UrdfReader:
 
     def _is_urdf(self, robot: Robot) -> bool:
         root, shown = robot.root, robot.unit.file
-        self.robot = robot
         if root.tag != "robot":
             help = "end its name in `.xml`" if root.tag == "mujoco" else "a URDF file begins with `<robot>`"
             help = SDF.help(shown) if root.tag == "sdf" else help
@@ -239,12 +228,12 @@ class UrdfReader:
         seen: dict[str, Node] = {}
         for joint in robot.root.iterchildren("joint"):
             name = joint.get("name")
-            if name is None or joint.get("type") == "fixed" or seen.setdefault(name, joint) is joint:
-                continue
-            message = f"two joints are called `{name}`: this joint has no name in the model"
-            note = Note(f"the other `{name}` is written here", self._span(seen[name], "name"))
-            help = "rename one of them"
-            self.sink.warning("name-clash", message, self._span(joint, "name"), notes=(note,), help=help)
+            if name is not None and joint.get("type") != "fixed" and seen.setdefault(name, joint) is not joint:
+                message = f"two joints are called `{name}`: this joint has no name in the model"
+                notes = (Note(f"the other `{name}` is written here", self._span(seen[name], "name")),)
+                self.sink.warning(
+                    "name-clash", message, self._span(joint, "name"), notes=notes, help="rename one of them"
+                )
 
     def _report_roots(self, robot: Robot) -> None:
         """Warn of several links without a parent: MuJoCo puts each in the world."""
@@ -261,10 +250,12 @@ class UrdfReader:
         for section in robot.root.iterfind("mujoco/*"):
             tag = str(section.tag)
             if tag not in _READ:
-                message = f"MuJoCo does not read `<{tag}>` in the `<mujoco>` of URDF"
-                note = exists_note("section", _READ, tag)
-                span = self._span(section)
-                self.sink.warning("unknown-element", message, span, notes=(note,), help="write it into the recipe")
+                message, notes = (
+                    f"MuJoCo does not read `<{tag}>` in the `<mujoco>` of URDF",
+                    (exists_note("section", _READ, tag),),
+                )
+                span, help = self._span(section), "write it into the recipe"
+                self.sink.warning("unknown-element", message, span, notes=notes, help=help)
                 continue
             known = list(GRAMMAR.section(tag).attributes)
             for name in map(str, section.keys()):
@@ -281,12 +272,12 @@ class UrdfReader:
             self.sink.error(code, message, self.asked)
             return
         before = self.sink.error_count
-        unknown: dict[str, Node] = {}
+        unknown: dict[str, str] = {}
         for file in converted.meshes:
             if file.startswith(PACKAGE):
-                unknown.setdefault(file.removeprefix(PACKAGE).partition("/")[0], mesh_of(robot.root, file))
-        for name, mesh in unknown.items():
-            self._unknown_package(name, self._span(mesh, "filename"))
+                unknown.setdefault(file.removeprefix(PACKAGE).partition("/")[0], file)
+        for name, file in unknown.items():
+            self._unknown_package(name, self._span(mesh_of(robot.root, file), "filename"))
         if self.missing is not None:
             self.missing(robot, converted)
         if self.sink.error_count == before and _is_of_inertia(converted):
@@ -309,4 +300,5 @@ class UrdfReader:
 
 def _is_of_inertia(converted: Converted) -> bool:
     """Return whether MuJoCo refuses the model for its masses or inertias."""
-    return read_sentence(parse(converted.error or "").message).topic in (Topic.INERTIA, Topic.MASS)
+    is_refused = converted.text is None and converted.crash is None
+    return is_refused and read_sentence(parse(converted.error or "").message).topic in (Topic.INERTIA, Topic.MASS)

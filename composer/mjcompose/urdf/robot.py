@@ -22,20 +22,15 @@ from mjcompose.tree.unit import Origins, Unit, line_of
 _VALUES = {
     "inertial": {"mass": ("mass", "value"), "pos": ("origin", "xyz"), "quat": ("origin", "rpy")},
     "joint": {
-        "axis": ("axis", "xyz"),
-        "range": ("limit", "upper"),
-        "actfrcrange": ("limit", "effort"),
-        "damping": ("dynamics", "damping"),
-        "frictionloss": ("dynamics", "friction"),
+        "axis": ("axis", "xyz"), "range": ("limit", "upper"), "actfrcrange": ("limit", "effort"),
+        "damping": ("dynamics", "damping"), "frictionloss": ("dynamics", "friction"),
     },
     "geom": {
-        "pos": ("origin", "xyz"),
-        "quat": ("origin", "rpy"),
-        "mesh": ("geometry/mesh", "filename"),
+        "pos": ("origin", "xyz"), "quat": ("origin", "rpy"), "mesh": ("geometry/mesh", "filename"),
         "rgba": ("material/color", "rgba"),
     },
     "mesh": {"file": (".", "filename"), "scale": (".", "scale")},
-}
+}  # fmt: skip
 """For attributes of MJCF, the element below the URDF's, and the attribute there."""
 
 
@@ -96,11 +91,14 @@ def _steps(path: str) -> list[str]:
     return path.replace("\\", "/").split("/")[::-1]
 
 
+def by_name(holder: Node, tag: str) -> dict[str, Node]:
+    """Return the children of a tag by their names."""
+    return {str(each.get("name")): each for each in holder.iterchildren(tag)}
+
+
 class _Sources:
     def __init__(self, robot: Node) -> None:
-        self.robot = robot
-        self.links = {str(each.get("name")): each for each in robot.iterchildren("link")}
-        self.joints = {str(each.get("name")): each for each in robot.iterchildren("joint")}
+        self.robot, self.links, self.joints = robot, by_name(robot, "link"), by_name(robot, "joint")
 
     def of(self, root: Node) -> Iterator[tuple[Node, Node]]:
         yield root, self.robot
@@ -189,13 +187,10 @@ class Robot:
         if self.setting(name) == value:
             return
         self.changed = True
-        holders = self.root.findall("mujoco/compiler")
-        if not holders:
+        if self.root.find("mujoco/compiler") is None:
             holder = self.root.find("mujoco")
-            if holder is None:
-                holder = etree.SubElement(self.root, "mujoco")
-            holders = [etree.SubElement(holder, "compiler")]
-        for each in holders:
+            etree.SubElement(etree.SubElement(self.root, "mujoco") if holder is None else holder, "compiler")
+        for each in self.root.iterfind("mujoco/compiler"):
             each.set(name, value)
 
     @property
@@ -204,10 +199,9 @@ class Robot:
 
     def file_of(self, written: str) -> Path | None:
         """Return the file that a `filename` names, or None if its package is unknown."""
-        for scheme in SCHEMES:
-            if written.startswith(scheme):
-                name, _, inside = written.removeprefix(scheme).lstrip("/").partition("/")
-                return self.packages[name] / inside if name in self.packages else None
+        if written.startswith(SCHEMES):
+            name, _, inside = written.partition("://")[2].lstrip("/").partition("/")
+            return self.packages[name] / inside if name in self.packages else None
         if written.startswith(_FILE):
             written = written.removeprefix(_FILE)
         elif self.setting("strippath") == "true":
@@ -218,11 +212,10 @@ class Robot:
     def simplified(self) -> None:
         """Rewrite file names as MuJoCo reads them: it knows only `package://`."""
         for mesh in self.root.iterfind("link/*/geometry/mesh"):
-            written = name = str(mesh.get("filename") or "")
-            for scheme in (*SCHEMES, _FILE):
-                if written.startswith(scheme):
-                    inside = written.removeprefix(scheme)
-                    name = inside if scheme == _FILE else PACKAGE + inside.lstrip("/")
+            written = str(mesh.get("filename") or "")
+            name = written.removeprefix(_FILE)
+            if written.startswith(SCHEMES):
+                name = PACKAGE + written.partition("://")[2].lstrip("/")
             if name != written:
                 mesh.set("filename", name)
                 self.changed = True
@@ -336,12 +329,12 @@ def _repeated(element: Node, robot: Node, place: Place) -> Diagnostic | None:
 
 def _ring(element: Node, robot: Node, place: Place) -> Diagnostic | None:
     """Find the ring: MuJoCo names only a link that it has reached."""
-    joints = {child: joint for joint in robot.iterchildren("joint") if (child := _end(joint, "child")) is not None}
+    joints = {child: joint for joint in robot.iterchildren("joint") if (child := end_of(joint, "child")) is not None}
     for start in joints:
-        way, above = [start], _end(joints[start], "parent")
+        way, above = [start], end_of(joints[start], "parent")
         while above is not None and above in joints and above not in way:
             way.append(above)
-            above = _end(joints[above], "parent")
+            above = end_of(joints[above], "parent")
         if above in way:
             ring = way[way.index(above) :]
             links = ", whose parent is ".join(f"`{name}`" for name in [*ring, ring[0]])
@@ -353,12 +346,12 @@ def _ring(element: Node, robot: Node, place: Place) -> Diagnostic | None:
 
 
 def _two_parents(element: Node, robot: Node, place: Place) -> Diagnostic | None:
-    name = _end(element, "child")
-    joints = [joint for joint in robot.iterchildren("joint") if _end(joint, "child") == name]
+    name = end_of(element, "child")
+    joints = [joint for joint in robot.iterchildren("joint") if end_of(joint, "child") == name]
     named = [f"`{joint.get('name')}`" for joint in joints]
     message = f"the link `{name}` is the child of several joints: {' and '.join(named)}"
     last = joints[-1]
-    if _end(last, "parent") == name:
+    if end_of(last, "parent") == name:
         message = f"the joint {named[-1]} connects the link `{name}` with itself"
     note = Note(f"{named[0]} is written here", place(joints[0], "name"))
     child = next(last.iterchildren("child"))
@@ -413,7 +406,7 @@ def _is_none(number: str) -> bool:
         return False
 
 
-def _end(joint: Node, tag: str) -> str | None:
+def end_of(joint: Node, tag: str) -> str | None:
     end = joint.find(tag)
     return None if end is None else end.get("link")
 

@@ -6,9 +6,10 @@ import contextlib
 import glob
 import os
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 from lxml import etree
 from lxml.etree import _Element as Node
@@ -115,24 +116,18 @@ class Template:
         self, code: str, message: str, span: Span | None = None, *, help: str | None = None,
         notes: Sequence[Note] = (), files: Sequence[Path] = (),
     ) -> Expanded:  # fmt: skip
-        span = span or Span(self.shown(self.path), 1, 1)
-        return Expanded(
-            None, files=tuple(files), found=(Diagnostic(code, message, span, notes=tuple(notes), help=help),)
-        )
+        found = Diagnostic(code, message, span or Span(self.shown(self.path), 1, 1), notes=tuple(notes), help=help)
+        return Expanded(None, files=tuple(files), found=(found,))
 
-    def _span(self, place: list[object], files: list[Path]) -> Span:
+    def _span(self, place: tuple[int, int, int, str], files: list[Path]) -> Span:
         number, line, column, tag = place
-        assert isinstance(number, int) and isinstance(line, int) and isinstance(column, int)
-        length = len(str(tag)) + 1 if tag else 1
-        return Span(self.shown(files[number]), line, column + 1, end_line=line, end_column=column + 1 + length)
+        end = column + 2 + len(tag)
+        return Span(self.shown(files[number]), line, column + 1, end_line=line, end_column=end)
 
-    def _failed(self, error: dict[str, object], files: list[Path]) -> Expanded:
-        at = error["at"]
-        span = self._span(at, files) if isinstance(at, list) else Span(self.shown(self.path), 1, 1)
-        calls = error["calls"]
-        assert isinstance(calls, list)
-        notes = [Note("called from here", self._span(each, files)) for each in calls]
-        message, subject = str(error["message"]), str(error["subject"])
+    def _failed(self, error: dict[str, Any], files: list[Path]) -> Expanded:
+        at, message, subject = error["at"], error["message"], error["subject"]
+        span = Span(self.shown(self.path), 1, 1) if at is None else self._span(at, files)
+        notes = [Note("called from here", self._span(each, files)) for each in error["calls"]]
         code, help = "xacro", None
         match error["code"]:
             case "package":
@@ -143,11 +138,9 @@ class Template:
                     notes.append(Note(f"`with` gives `{near[0]}`"))
                     help = f"write `{subject}` instead of `{near[0]}`"
             case "property" | "macro" as noun:
-                known = error["known"]
-                assert isinstance(known, list)
                 message = f"the {noun} `{subject}` does not exist"
-                notes.insert(0, exists_note(noun, known, subject))
-                help = did_you_mean(subject, known) or _DEFINE[noun].format(subject.removeprefix(_PREFIX))
+                notes.insert(0, exists_note(noun, error["known"], subject))
+                help = did_you_mean(subject, error["known"]) or _DEFINE[noun].format(subject.removeprefix(_PREFIX))
             case "environment":
                 help = "make it an argument of the template: `<xacro:arg>`, and `with` in the recipe"
             case "unsafe":
@@ -157,17 +150,17 @@ class Template:
             case "costly":
                 code, help = "limit-exceeded", "write the result, or less of it"
             case "file":
-                code, message = "asset-missing", f"the file `{self.shown(Path(subject))}` does not exist"
-                if "no such file" not in str(error["message"]):
-                    code = "file-unreadable"
-                    message = f"the file `{self.shown(Path(subject))}` cannot be read: {error['message']}"
-                help = "compare the path with the files on disk"
+                called, help = f"the file `{self.shown(Path(subject))}`", "compare the path with the files on disk"
+                if "no such file" in message:
+                    code, message = "asset-missing", f"{called} does not exist"
+                else:
+                    code, message = "file-unreadable", f"{called} cannot be read: {message}"
             case "refused":
                 code = "source-outside"
                 help = None if self.door.sees(subject) else self.door.outside(subject).help
             case "syntax":
                 code = "xml-syntax"
-                if isinstance(at, list) and (faults := self._xml_faults(files[at[0]])):
+                if at is not None and (faults := self._xml_faults(files[at[0]])):
                     return Expanded(None, files=tuple(files), found=faults)
         return self._fault(code, message, span, help=help, notes=notes, files=files)
 
@@ -184,16 +177,13 @@ class Template:
 def owned(root: Node, owners: tuple[Span, ...], origins: Origins) -> None:
     """Give every element of the expanded tree its place in the template."""
     for element, owner in zip(root.iter("*"), owners, strict=True):
-        origins.own(
-            element, partial(_place, origins, owner, {str(name): str(value) for name, value in element.items()})
-        )
+        origins.own(element, partial(_place, origins, owner, frozenset(map(str, element.keys()))))
 
 
-def _place(origins: Origins, owner: Span, attributes: dict[str, str], attribute: str | None) -> Span:
+def _place(origins: Origins, owner: Span, attributes: Collection[str], attribute: str | None) -> Span:
     """Return the place of the element, or of its attribute if the template writes it there."""
     text = origins.text(owner.file) if attribute in attributes else None
-    found = text and _attribute_from(text, owner, str(attribute))
-    return found or owner
+    return (text and _attribute_from(text, owner, str(attribute))) or owner
 
 
 def _attribute_from(text: SourceText, owner: Span, attribute: str) -> Span | None:
@@ -203,13 +193,10 @@ def _attribute_from(text: SourceText, owner: Span, attribute: str) -> Span | Non
     found = tag and re.search(rf"""[\s]{re.escape(attribute)}\s*=\s*(?:"([^"]*)"|'([^']*)')""", tag.group())
     if not found:
         return None
-    start, end = found.span(1 if found.group(1) is not None else 2)
+    start, end = found.span(found.lastindex or 1)
     before = found.string[:start]
-    line, column = before.count("\n"), start - (before.rfind("\n") + 1)
-    return Span(
-        owner.file, owner.line + line, column + 1, end_line=owner.line + line,
-        end_column=column + 1 + (end - start),
-    )  # fmt: skip
+    line, column = owner.line + before.count("\n"), start - before.rfind("\n")
+    return Span(owner.file, line, column, end_line=line, end_column=column + end - start)
 
 
 _WRITTEN = re.compile(rb"""(?:filename\s*=\s*["']|load_yaml\(\s*["'])([^"'<>]*)["']""")
@@ -227,15 +214,12 @@ def files_named(path: Path, data: bytes, door: Door, packages: Mapping[str, Path
         file, content = waiting.pop()
         for each in dict.fromkeys(_WRITTEN.findall(content)):
             for found in _named(each.decode("utf-8", "replace"), file, packages, door=door, looks=looks):
-                if found in seen or not door.sees(found) or not os.path.isfile(found):
-                    continue
-                seen.add(found)
-                yield found
-                if found.suffix in MODEL_FILES:
-                    try:
-                        waiting.append((found, door.read(found)))
-                    except OSError:
-                        continue
+                if found not in seen and door.sees(found) and os.path.isfile(found):
+                    seen.add(found)
+                    yield found
+                    if found.suffix in MODEL_FILES:
+                        with contextlib.suppress(OSError):
+                            waiting.append((found, door.read(found)))
 
 
 def _named(written: str, file: Path, packages: Mapping[str, Path], door: Door, looks: Iterator[int]) -> Iterator[Path]:
