@@ -62,9 +62,7 @@ def written(element: Node, attribute: str) -> str | None:
     (None, '')
     """
     value = element.get(attribute)
-    if value is None or (not value.strip() and attribute in _numeric()):
-        return None
-    return str(value)
+    return None if value is None or (not value.strip() and attribute in _numeric()) else str(value)
 
 
 @cache
@@ -116,22 +114,20 @@ class Classes:
 
         `childclass` is the one in force around the element.
         """
-        value = written(element, attribute)
-        if value is not None:
+        if (value := written(element, attribute)) is not None:
             return value
-        found = self.get(str(element.get("class") or childclass or MAIN)).lookup(default_tag(element), attribute)
+        found = self.get(element.get("class") or childclass).lookup(default_tag(element), attribute)
         return found[0] if found else None
 
 
 def _read(section: Node, into: DefaultClass, found: dict[str, DefaultClass]) -> None:
-    for child in section:
-        tag = child.tag
-        if tag == "default":
+    for child in section.iterchildren("*"):
+        if child.tag == "default":
             nested = DefaultClass(str(child.get("class", "")), into)
             found[nested.name] = nested
             _read(child, nested, found)
-        elif isinstance(tag, str):
-            into.elements.setdefault(tag, []).append(child)
+        else:
+            into.elements.setdefault(str(child.tag), []).append(child)
 
 
 def default_tag(element: Node) -> str:
@@ -164,11 +160,10 @@ def walk_bodies(root: Node) -> Iterator[tuple[Node, str | None]]:
 
 def through_frames(parent: Node) -> Iterator[Node]:
     """Yield the children of a body, including those in its frames, which do not count as bodies."""
-    for child in parent:
-        tag = child.tag
-        if tag == "frame":
+    for child in parent.iterchildren("*"):
+        if child.tag == "frame":
             yield from through_frames(child)
-        elif isinstance(tag, str):
+        else:
             yield child
 
 
@@ -227,17 +222,17 @@ def chain(element: Node, classes: Classes) -> list[DefaultClass]:
 def levels(element: Node, kind: ElementType, attribute: Attribute, classes: Classes) -> list[Level]:
     """Return every level that an attribute may come from, the element first and MuJoCo's default last."""
     found = [Level("element", None, element, text=written(element, attribute.name))]
-    if kind.takes_class and attribute.in_default:
-        for step in chain(element, classes):
-            writer = _writer(step, element, attribute)
-            found.append(Level("class", step.name, writer, text=None if writer is None else writer.get(attribute.name)))
+    for step in chain(element, classes) if kind.takes_class and attribute.in_default else ():
+        holders = reversed(_holders(step, element, attribute))  # the last one of several sets it
+        writer = next((each for each in holders if written(each, attribute.name) is not None), None)
+        found.append(Level("class", step.name, writer, text=None if writer is None else writer.get(attribute.name)))
     found.append(Level("mujoco", None, None, text=default_text(attribute)))
     return list(_taken(found, attribute))
 
 
 def value(steps: list[Level]) -> str | None:
     """Return the effective value, completed from further levels if a class sets only its first numbers."""
-    words = [word for step in steps if step.text is not None for word in _words(step)]
+    words = [word for each in steps if each.taken for word in (each.text or "").split()[each.taken.start :]]
     return " ".join(words) if words else next((step.text for step in steps if step.taken), None)
 
 
@@ -259,16 +254,14 @@ def given(element: Node, kind: ElementType, classes: Classes) -> Iterator[tuple[
     for step in chain(element, classes) if kind.takes_class else ():
         orientation = False
         for writer in reversed(_holders(step, element)):
+            is_shared = writer.tag != element.tag and kind.family == "actuator"
             for name in map(str, writer.keys()):
                 attribute = kind.attributes.get(name)
                 if attribute is None or name in seen or written(writer, name) is None:
                     continue
-                if writer.tag != element.tag and kind.family == "actuator" and name not in _common():
+                if (is_shared and name not in _common()) or (turned and name in ORIENTATIONS):
                     continue
-                if name in ORIENTATIONS:
-                    if turned:
-                        continue
-                    orientation = True
+                orientation |= name in ORIENTATIONS
                 seen.add(name)
                 yield attribute, Level("class", step.name, writer, text=str(writer.get(name)))
         turned |= orientation
@@ -288,27 +281,14 @@ def _may_go_on(attribute: Attribute, count: int) -> bool:
 
 
 def _taken(steps: list[Level], attribute: Attribute) -> Iterator[Level]:
-    joins = _may_go_on(attribute, 1)
-    at = 0
+    joins, at = _may_go_on(attribute, 1), 0
     for step in steps:
-        if step.text is None or (at > 0 and not joins):
+        if step.text is not None and (at == 0 or joins):
+            end = max(at, len(step.text.split()), 1)
+            yield Level(step.kind, step.name, step.writer, text=step.text, taken=range(at, end))
+            at = end
+        else:
             yield step
-            continue
-        count = max(len(step.text.split()), 1)
-        yield Level(step.kind, step.name, step.writer, text=step.text, taken=range(at, max(at, count)))
-        at = max(at, count)
-
-
-def _words(step: Level) -> list[str]:
-    assert step.text is not None
-    words = step.text.split()
-    return words[step.taken.start : step.taken.stop] if step.taken else []
-
-
-def _writer(step: DefaultClass, element: Node, attribute: Attribute) -> Node | None:
-    """Return the element of a class that sets the attribute; if there are several, the last one."""
-    holders = reversed(_holders(step, element, attribute))
-    return next((holder for holder in holders if written(holder, attribute.name) is not None), None)
 
 
 def _holders(step: DefaultClass, element: Node, attribute: Attribute | None = None) -> list[Node]:
@@ -319,11 +299,12 @@ def _holders(step: DefaultClass, element: Node, attribute: Attribute | None = No
         return step.elements.get(tag, [])
     common = attribute is None or attribute.name in _common()
     tags = [path.rpartition("/")[2] for path in GRAMMAR.families["actuator"]] if common else [tag]
-    return sorted((each for name in tags for each in step.elements.get(name, ())), key=_position)
+    return sorted((each for name in tags for each in step.elements.get(name, ())), key=position)
 
 
-def _position(node: Node) -> list[int]:
-    path = [*reversed(list(node.iterancestors())), node]
+def position(node: Node) -> list[int]:
+    """Return the position of a node in its document as a sort key."""
+    path = [node, *node.iterancestors()][::-1]
     return [above.index(below) for above, below in pairwise(path)]
 
 

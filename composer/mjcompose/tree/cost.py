@@ -7,7 +7,7 @@ import operator
 import re
 import struct
 from collections.abc import Callable, Iterator
-from typing import Any, NamedTuple
+from typing import NamedTuple, cast
 
 from lxml.etree import XPath
 from lxml.etree import _Element as Node
@@ -69,10 +69,8 @@ def scaled_above(element: Node | None) -> Node | None:
 
 def all_scaled_above(element: Node | None) -> Iterator[Node]:
     """Yield the frames that resize `element`, innermost first."""
-    while element is not None:
-        if element.tag == "frame" and scales(element):
-            yield element
-        element = element.getparent()
+    around = () if element is None else (element, *element.iterancestors())
+    yield from (each for each in around if each.tag == "frame" and scales(each))
 
 
 def first_scaled(root: Node) -> Node | None:
@@ -235,19 +233,16 @@ def _is_within(unit: Unit, total: Weight, made: dict[Node, Weight], sink: Sink) 
         sizes = {node: getattr(weight, count) for node, weight in made.items()}
         # An inner one is reported before the one around it, which it may make too large.
         place = next((node for node in reversed(made) if sizes[node] > most), None)
-        notes: tuple[Note, ...] = ()
-        if place is not None:
-            needed = sizes[place]
-            message = f"`<{place.tag}>` makes {_shown(needed)} {words}"
-        else:
-            message = f"the model has {_shown(needed)} {words}"
-            if limit == "expansion":
-                message = f"the model makes {_shown(needed)} elements of what is written"
+        needed = needed if place is None else sizes[place]
+        shown = str(needed) if needed < 10**18 else f"more than {10**18}"
+        message, notes = "" if place is None else f"`<{place.tag}>` makes {shown} {words}", []
+        if place is None:
+            is_made = limit == "expansion"
+            message = f"the model {'makes' if is_made else 'has'} {shown} {words}{' of what is written' * is_made}"
             largest = max(made, key=sizes.__getitem__, default=None)
-            if largest is not None and (limit == "expansion" or sizes[largest] > needed // 2):
+            if largest is not None and (is_made or sizes[largest] > needed // 2):
                 place = largest
-                span = unit.origins.span(largest, unit.file)
-                notes = (Note(f"most of them, {sizes[largest]}, here", span),)
+                notes = [Note(f"most of them, {sizes[largest]}, here", unit.origins.span(largest, unit.file))]
         attribute = None
         if place is not None:
             attribute = "model" if place.tag == "attach" else "file" if place.get("file") else "count"
@@ -295,27 +290,26 @@ def _made(
             weight = inside._replace(elements=inside.elements + 1)
         if above is None or node is root:
             return made, weight
-        known = below.get(above)
-        below[above] = (1 + count, weight) if known is None else (known[0] + 1 + count, known[1].plus(weight))
+        others, beside = below.get(above, (0, NOTHING))
+        below[above] = others + 1 + count, beside.plus(weight)
     return made, NOTHING
 
 
 def _expanded(node: Node, inside: Weight, attached: Callable[[Node], Weight], in_file: Callable[[Node], int]) -> Weight:
     """Return the weight of the elements that replace an element, which itself counts as one more."""
-    one = Weight(1)
-    if node.tag == "replicate":
-        # MuJoCo (4.0) takes its time for each copy, even where there is nothing to copy.
-        copied = inside if inside.elements else inside.plus(one)
-        return one.plus(copied.times(_product(str(node.get("count") or "1"), 1)))
-    if node.tag == "composite":
-        count = _product(str(node.get("count") or _COMPOSITE_COUNT), 3)
-        # A cable, the last one that there was (MuJoCo 3.17): each body hangs on the one before by a ball joint.
-        chain = Weight(count, count, 3 * count, matrix=9 * count * count // 2)
-        return one.plus(inside.times(count)).plus(chain)
-    if node.tag == "flexcomp":
-        points = _points(node, in_file)
-        return one.plus(inside).plus(_soft(node, points)._replace(elements=points))
-    return one.plus(inside).plus(attached(node))
+    match node.tag:
+        case "replicate":  # MuJoCo (4.0) takes its time for each copy, even where there is nothing to copy
+            copied = inside if inside.elements else inside.plus(Weight(1))
+            weight = copied.times(_product(str(node.get("count") or "1"), 1))
+        case "composite":  # a cable, the last one (MuJoCo 3.17): each body hangs on the one before by a ball joint
+            count = _product(str(node.get("count") or _COMPOSITE_COUNT), 3)
+            weight = inside.times(count).plus(Weight(count, count, 3 * count, matrix=9 * count * count // 2))
+        case "flexcomp":
+            points = _points(node, in_file)
+            weight = inside.plus(_soft(node, points)._replace(elements=points))
+        case _:
+            weight = inside.plus(attached(node))
+    return weight._replace(elements=weight.elements + 1)
 
 
 def _soft(flexcomp: Node, points: int) -> Weight:
@@ -343,10 +337,6 @@ def _product(text: str, most: int) -> int:
     (200, 1)
     """
     return math.prod(number(word, 1) for word in text.split()[:most])
-
-
-def _shown(count: int) -> str:
-    return str(count) if count < 10**18 else f"more than {10**18}"
 
 
 _CHANNELS = 3
@@ -380,9 +370,9 @@ def _reserving(unit: Unit, elements: int) -> Iterator[tuple[Node, str, int]]:
             if node.get(attribute):
                 yield node, attribute, pixels(node, attribute, unit)
         if node.tag == "texture" and node.get("file") is None:
-            width = number(node.get("width"))
-            is_cube = (node.get("type") or "cube") != "2d"
-            yield (node, "width", _CHANNELS * width * (6 * width if is_cube else number(node.get("height"))))
+            width, height = number(node.get("width")), number(node.get("height"))
+            height = 6 * width if (node.get("type") or "cube") != "2d" else height
+            yield node, "width", _CHANNELS * width * height
         elif node.tag == "hfield" and node.get("file") is None:
             yield node, "nrow", number(node.get("nrow")) * number(node.get("ncol"))
         elif node.tag == "lengthrange":
@@ -432,16 +422,13 @@ def check_attributes(root: Node, data: bytes, file: str, sink: Sink) -> bool:
 
     Report the first one that has.
     """
-    most = in_force().attributes
-    if not _has_long_tag(data, most * len('a=""')):
-        return True
-    found: Any = root.xpath(f"(descendant-or-self::*[count(@*) > {most}])[1]")
-    if not found:
-        return True
-    (node,) = found
-    message = f"`<{node.tag}>` has {len(node.attrib)} attributes; {most} are allowed"
-    sink.error(CODE, message, Span(file, line_of(node) or 1, 1), help=advice("attributes", len(node.attrib)))
-    return False
+    most, found = in_force().attributes, cast(list[Node], [])
+    if _has_long_tag(data, most * len('a=""')):
+        found = cast(list[Node], root.xpath(f"(descendant-or-self::*[count(@*) > {most}])[1]"))
+    for node in found:
+        message = f"`<{node.tag}>` has {len(node.attrib)} attributes; {most} are allowed"
+        sink.error(CODE, message, Span(file, line_of(node) or 1, 1), help=advice("attributes", len(node.attrib)))
+    return not found
 
 
 def _has_long_tag(data: bytes, length: int) -> bool:
@@ -465,12 +452,11 @@ def _tags(data: bytes) -> int:
 
 def _check_stretches(data: bytes, file: str, sink: Sink) -> bool:
     limit = in_force().text_size
-    longest = max(_STRETCH.finditer(data), key=lambda found: found.end() - found.start(), default=None)
-    if longest is None or longest.end() - longest.start() <= limit:
-        return True
-    at, size = longest.start(), longest.end() - longest.start()
-    line, begin = data.count(b"\n", 0, at) + 1, data.rfind(b"\n", 0, at) + 1
-    column = len(data[begin:at].decode("utf-8", "replace")) + 1 if at - begin < _COLUMNS else 1
-    message = f"an attribute, comment or text has {size} bytes; {limit} are allowed"
-    sink.error(CODE, message, Span(file, line, column), help=advice("text-size", size))
-    return False
+    spans = (found.span() for found in _STRETCH.finditer(data))
+    at, end = max(spans, key=lambda span: span[1] - span[0], default=(0, 0))
+    if end - at > limit:
+        line, begin = data.count(b"\n", 0, at) + 1, data.rfind(b"\n", 0, at) + 1
+        column = len(data[begin:at].decode("utf-8", "replace")) + 1 if at - begin < _COLUMNS else 1
+        message = f"an attribute, comment or text has {end - at} bytes; {limit} are allowed"
+        sink.error(CODE, message, Span(file, line, column), help=advice("text-size", end - at))
+    return end - at <= limit

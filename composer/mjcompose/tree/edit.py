@@ -61,7 +61,7 @@ def renamed_skin(source: bytes | Path, rename: Callable[[str], str | None]) -> b
     are read, or by MuJoCo.
     """
     try:
-        before = source if isinstance(source, bytes) else read_regular(source)
+        before = _bytes_of(source)
         after = rename_bones(before, lambda name: rename(name) or name)
     except BadBone:
         raise
@@ -79,10 +79,14 @@ def bones(source: bytes | Path) -> list[str] | None:
         return name
 
     try:
-        rename_bones(source if isinstance(source, bytes) else read_regular(source), note)
+        rename_bones(_bytes_of(source), note)
     except (OSError, BadSkin):
         return None
     return found
+
+
+def _bytes_of(source: bytes | Path) -> bytes:
+    return source if isinstance(source, bytes) else read_regular(source)
 
 
 def rename_bones(data: bytes, rename: Callable[[str], str]) -> bytes:
@@ -109,15 +113,10 @@ def rename_bones(data: bytes, rename: Callable[[str], str]) -> bytes:
 
 def attached_notes(unit: Unit, name: str) -> list[Note]:
     """Return notes on each `<attach>` that may bring a missing name."""
-    return [
-        Note(
-            "it may be of the model that MuJoCo attaches here, and can only be referred to: to reach into that,"
-            " attach it in a recipe",
-            unit.origins.span(attach, unit.file),
-        )
-        for attach in unit.root.iter("attach")
-        if name.startswith(str(attach.get("prefix") or ""))
-    ]
+    reach = "to reach into that, attach it in a recipe"
+    message = f"it may be of the model that MuJoCo attaches here, and can only be referred to: {reach}"
+    holders = (each for each in unit.root.iter("attach") if name.startswith(str(each.get("prefix") or "")))
+    return [Note(message, unit.origins.span(attach, unit.file)) for attach in holders]
 
 
 class Lookup(Protocol):
@@ -208,11 +207,9 @@ def _is_of_flex(model: Editable, used: str, flex: str) -> bool:
     """Return whether MuJoCo makes the name of a body or joint for a `<flexcomp>`, and not for another one."""
     # It calls them `cloth_0`, `rod_twist_0` and `rod_twist`; in a `<replicate>` the number of the copy follows.
     end = used.removeprefix(f"{flex}_")
-    if end == used or not (end == "twist" or end[-1:].isdigit()):
-        return False
-    return not any(
-        len(other) > len(flex) and used.startswith(f"{other}_") for other in model.names.declared.get("flex", ())
-    )
+    longer = (other for other in model.names.declared.get("flex", ()) if len(other) > len(flex))
+    is_made = end != used and (end == "twist" or end[-1:].isdigit())
+    return is_made and not any(used.startswith(f"{other}_") for other in longer)
 
 
 def twisted_by(joint: str) -> str:
@@ -247,9 +244,8 @@ def is_copy(other: str, name: str) -> bool:
 
 def resolves(model: Lookup, namespace: str, name: str) -> bool:
     """Return whether a name exists in the model; names that MuJoCo may create itself count."""
-    if (namespace, name) in ALWAYS or model.find_node(namespace, name) is not None:
-        return True
-    return model.may_generate(name)
+    is_declared = (namespace, name) in ALWAYS or model.find_node(namespace, name) is not None
+    return is_declared or model.may_generate(name)
 
 
 def unresolved(
@@ -304,13 +300,11 @@ def replace(node: Node, texts: Mapping[str, str | None]) -> None:
     b'<geom quat="1 0 0 0"/>'
     """
     for name, text in texts.items():
-        if text is None:
-            node.attrib.pop(name, "")
-            continue
-        if name in ORIENTATIONS:
-            for other in ORIENTATIONS:
-                node.attrib.pop(other, "")
-        node.set(name, text)
+        gone = ORIENTATIONS if name in ORIENTATIONS and text is not None else (name,) if text is None else ()
+        for each in gone:
+            node.attrib.pop(each, "")
+        if text is not None:
+            node.set(name, text)
 
 
 class NewName(NamedTuple, Generic[M]):
@@ -360,9 +354,7 @@ class Renaming(Generic[M]):
         """Yield references in lists of names whose new name has a space, which a list cannot hold."""
         for (model, namespace), names in self.followed.items():
             for old, new in names.items():
-                if len(new.split()) == 1:
-                    continue
-                for node, attribute in model.names.users(namespace, old):
+                for node, attribute in model.names.users(namespace, old) if len(new.split()) != 1 else ():
                     if is_list(node, attribute, section_of(node)):
                         yield Reference(model, node, attribute, namespace=namespace, name=old), new
 
@@ -374,10 +366,8 @@ class Renaming(Generic[M]):
 
 def unlistable_message(reference: Reference[M], new: str, called: str) -> str:
     """Return the message about a new name that a list of names in this element cannot hold."""
-    return (
-        f"`{reference.name}` cannot be called `{new}`: {called} has it in a list of names, which cannot hold one "
-        "with a space"
-    )
+    cannot = f"`{reference.name}` cannot be called `{new}`"
+    return f"{cannot}: {called} has it in a list of names, which cannot hold one with a space"
 
 
 # An element still works without its class or its material, but not without anything else that it names.
@@ -409,12 +399,8 @@ class Removal(Generic[M]):
     def with_referrers(self) -> Removal[M]:
         """Return the removal with all elements that depend on removed ones; the remaining references can be dropped."""
         removal = self
-        while falling := [
-            (each.model, whole(each.node))
-            for each in removal.references
-            if not can_do_without(each.node, each.namespace)
-        ]:
-            removal = Removal.of([*removal.going, *falling])
+        while needing := [each for each in removal.references if not can_do_without(each.node, each.namespace)]:
+            removal = Removal.of([*removal.going, *((each.model, whole(each.node)) for each in needing)])
         return removal
 
     def drop_references(self) -> None:
@@ -425,9 +411,7 @@ class Removal(Generic[M]):
 
 def _outermost(nodes: Iterable[tuple[M, Node]]) -> tuple[tuple[M, Node], ...]:
     models = {node: model for model, node in nodes}
-    return tuple(
-        (model, node) for node, model in models.items() if not any(above in models for above in node.iterancestors())
-    )
+    return tuple((model, node) for node, model in models.items() if models.keys().isdisjoint(node.iterancestors()))
 
 
 def whole(node: Node) -> Node:

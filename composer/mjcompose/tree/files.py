@@ -95,18 +95,11 @@ def is_absolute(name: str) -> bool:
 def file_attributes(root: Node) -> Iterator[tuple[Node, str, str]]:
     """Yield element, attribute and value of every mesh, texture, height field, skin or flex file that a model names."""
     for section in root.iterchildren("asset", "worldbody", "deformable"):
-        if section.tag == "asset":
-            elements = section.iterchildren("mesh", "texture", "hfield", "skin")
-        elif section.tag == "worldbody":
-            elements = section.iter("flexcomp")
-        else:
-            elements = section.iterchildren("skin")
-        for element in elements:
-            name = element.get("file")
-            if name:
-                yield element, "file", name
-            if element.tag == "texture":
-                yield from ((element, side, name) for side in CUBE if (name := element.get(side)))
+        tags = NAMED_AFTER_FILE if section.tag == "asset" else ("skin",)
+        for element in section.iter("flexcomp") if section.tag == "worldbody" else section.iterchildren(*tags):
+            for attribute in ("file", *CUBE) if element.tag == "texture" else ("file",):
+                if name := element.get(attribute):
+                    yield element, attribute, name
 
 
 def is_plain(name: str) -> bool:

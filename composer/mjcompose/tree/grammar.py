@@ -7,6 +7,7 @@ import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import field
 from functools import cached_property
+from itertools import takewhile
 from pathlib import Path
 from typing import Any, Literal
 
@@ -19,8 +20,6 @@ def exists_in(version: str, since: str | None, until: str | None) -> bool:
     >>> exists_in("3.17.0", "3.13.0", None), exists_in("4.0.0", None, "3.17.0")
     (True, False)
     """
-    if since is None and until is None:
-        return True
     key = version_key(version)
     return (since is None or version_key(since) <= key) and (until is None or key <= version_key(until))
 
@@ -31,13 +30,8 @@ def version_key(version: str) -> tuple[int, ...]:
     >>> version_key("3.12.0") < version_key("4.0.0rc1")
     True
     """
-    numbers = []
-    for part in version.split("."):
-        digits = part[: len(part) - len(part.lstrip("0123456789"))]
-        if not digits:
-            break
-        numbers.append(int(digits))
-    return tuple(numbers)
+    digits = (part[: len(part) - len(part.lstrip("0123456789"))] for part in version.split("."))
+    return tuple(map(int, takewhile(bool, digits)))
 
 
 AttributeType = Literal[
@@ -303,28 +297,22 @@ class Grammar:
         """
         known = self._within.get(section)
         if known is None:
-            known = {}
-            level: list[ElementType] = [self.section(section)]
-            while level:
-                below: list[ElementType] = []
-                for parent in level:
-                    for tag, child in parent.children.items():
-                        if tag not in known:
-                            known[tag] = child
-                            below.append(child)
-                level = below
+            known, waiting = {}, [self.section(section)]
+            for parent in waiting:  # which grows
+                for tag, child in parent.children.items():
+                    if known.setdefault(tag, child) is child and child not in waiting:
+                        waiting.append(child)
             self._within[section] = known
         return known
 
     @cached_property
     def families(self) -> Mapping[str, tuple[str, ...]]:
         """Paths of the elements that share a namespace: `joint` is `joint` and `freejoint`."""
-        members: dict[str, list[str]] = {}
+        members: dict[str, tuple[str, ...]] = {}
         for path, raw in self._data["elements"].items():
-            family = self._family(raw)
-            if family is not None:
-                members.setdefault(family, []).append(path)
-        return {family: tuple(paths) for family, paths in members.items()}
+            if (family := self._family(raw)) is not None:
+                members[family] = *members.get(family, ()), path
+        return members
 
     @cached_property
     def namespaces(self) -> frozenset[str]:
@@ -339,26 +327,21 @@ class Grammar:
 
     @cached_property
     def _places(self) -> Mapping[str, tuple[str, ...]]:
-        places: dict[str, list[str]] = {}
+        places: dict[str, tuple[str, ...]] = {}
         for path in self._data["elements"]:
             if not path.startswith("default/"):
-                places.setdefault(path.rpartition("/")[2], []).append(path)
-        return {tag: tuple(paths) for tag, paths in places.items()}
+                tag = path.rpartition("/")[2]
+                places[tag] = *places.get(tag, ()), path
+        return places
 
     def _rows(self, path: str, raw: dict[str, Any]) -> Iterable[tuple[str, str, dict[str, Any]]]:
         """Yield the written attributes of an element: (place, name, row), starting with its groups."""
-        for group in raw.get("groups", ()):
-            for name, row in self._data["groups"][group]["attributes"].items():
-                yield group, name, row
-        for name, row in raw.get("attributes", {}).items():
-            yield path, name, row
+        holders = [(group, self._data["groups"][group]) for group in raw.get("groups", ())]
+        for place, holder in (*holders, (path, raw)):
+            yield from ((place, name, row) for name, row in holder.get("attributes", {}).items())
 
     def _family(self, raw: dict[str, Any]) -> str | None:
-        for _, _, row in self._rows("", raw):
-            if row["type"] == "name":
-                family: str = row["declares"]
-                return family
-        return None
+        return next((row["declares"] for _, _, row in self._rows("", raw) if row["type"] == "name"), None)
 
     def _build(self, path: str) -> ElementType:
         raw = self._data["elements"][path]
@@ -388,13 +371,9 @@ class Grammar:
         return element
 
     def _constraints(self, raw: dict[str, Any]) -> tuple[Constraint, ...]:
-        groups = self._data["groups"]
-        texts = [text for group in raw.get("groups", ()) for text in groups[group].get("constraints", ())]
-        rules = []
-        for text in (*texts, *raw.get("constraints", ())):
-            kind, *bundles = text.split()
-            rules.append(Constraint(kind, tuple(tuple(bundle.split("+")) for bundle in bundles)))
-        return tuple(rules)
+        holders = (*(self._data["groups"][group] for group in raw.get("groups", ())), raw)
+        texts = (text.split() for holder in holders for text in holder.get("constraints", ()))
+        return tuple(Constraint(kind, tuple(tuple(each.split("+")) for each in bundles)) for kind, *bundles in texts)
 
     def _default_rows(self, path: str) -> dict[str, Attribute]:
         """Return the attributes of an element that a class may set; `in_default` may be the first version with it."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator
 from functools import cache
+from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -18,39 +19,32 @@ Span = tuple[str | None, str | None]
 _BODIES = ("worldbody", "body", "frame", "replicate")
 _CONTENT = ("frame", "replicate")
 
+_ROWS: tuple[tuple[str, str, str, str | None, str | None], ...] = (
+    ("option", "integrator", "discrete", "3.13.0", None),
+    ("body/flexcomp", "dof", "quadratic", "3.4.0", None),
+    ("body/flexcomp/edge", "equality", "vert", "3.5.0", "3.17.0"),
+    ("body/flexcomp/edge", "equality", "strain", "3.6.0", None),
+    ("visual/headlight", "active", "true false auto 2", "4.0.0", None),
+    ("body/site default/site", "type", "mesh", "3.13.0", None),
+    ("actuator/dcmotor default/dcmotor", "input", "pos vel ff none", "3.12.0", None),
+    ("actuator/dcmotor default/dcmotor", "input", "position velocity", None, "3.11.0"),
+    ("asset/mesh", "builtin", "grid box cylinder ellipsoid square disc", "3.16.0", None),
+    ("sensor/contact", "data", "linvel angvel", "3.16.0", None),
+    ("actuator/general default/general", "dyntype gaintype biastype", "dcmotor", "3.7.0", None),
+    ("actuator/general default/general", "dyntype gaintype", "pid", "3.12.0", None),
+    ("body/composite", "type", "box cylinder ellipsoid", None, "3.2.4"),
+    ("body/composite", "type", "rope loop", None, "3.2.5"),
+    ("body/composite", "type", "grid particle", None, "3.2.7"),
+)
 WORDS: dict[str, Span] = {
-    "option@integrator=discrete": ("3.13.0", None),
-    "body/flexcomp@dof=quadratic": ("3.4.0", None),
-    "body/flexcomp/edge@equality=vert": ("3.5.0", "3.17.0"),
-    "body/flexcomp/edge@equality=strain": ("3.6.0", None),
-    "visual/headlight@active=true": ("4.0.0", None),
-    "visual/headlight@active=false": ("4.0.0", None),
-    "visual/headlight@active=auto": ("4.0.0", None),
-    "visual/headlight@active=2": ("4.0.0", None),
-    "body/site@type=mesh": ("3.13.0", None),
-    "default/site@type=mesh": ("3.13.0", None),
-    **{f"{place}@input={word}": ("3.12.0", None) for place in ("actuator/dcmotor", "default/dcmotor")
-       for word in ("pos", "vel", "ff", "none")},
-    **{f"{place}@input={word}": (None, "3.11.0") for place in ("actuator/dcmotor", "default/dcmotor")
-       for word in ("position", "velocity")},
-    **{f"asset/mesh@builtin={word}": ("3.16.0", None)
-       for word in ("grid", "box", "cylinder", "ellipsoid", "square", "disc")},
-    **{f"sensor/contact@data={word}": ("3.16.0", None) for word in ("linvel", "angvel")},
-    **{f"{place}@{name}={word}": ("3.7.0", None) for place in ("actuator/general", "default/general")
-       for name in ("dyntype", "gaintype", "biastype") for word in ("dcmotor",)},
-    **{f"{place}@{name}=pid": ("3.12.0", None) for place in ("actuator/general", "default/general")
-       for name in ("dyntype", "gaintype")},
-    **{f"body/composite@type={word}": (None, "3.2.4") for word in ("box", "cylinder", "ellipsoid")},
-    **{f"body/composite@type={word}": (None, "3.2.5") for word in ("rope", "loop")},
-    **{f"body/composite@type={word}": (None, "3.2.7") for word in ("grid", "particle")},
-}  # fmt: skip
+    f"{place}@{name}={word}": (since, until)
+    for places, names, words, since, until in _ROWS
+    for place, name, word in product(places.split(), names.split(), words.split())
+}
 """Words that some versions do not know although they know the attribute."""
 
-LONGER: dict[str, str] = {
-    f"{place}@{name}": "3.7.0"
-    for place in ("body/joint", "default/joint", "tendon/spatial", "tendon/fixed", "default/tendon")
-    for name in ("stiffness", "damping")
-}
+_SPRINGY = ("body/joint", "default/joint", "tendon/spatial", "tendon/fixed", "default/tendon")
+LONGER = {f"{place}@{name}": "3.7.0" for place in _SPRINGY for name in ("stiffness", "damping")}
 """Numbers of which there may be several since that version."""
 
 
@@ -70,8 +64,7 @@ def release(text: str) -> str | None:
     ('3.1.6', '3.2.3', '4.0.0', None)
     """
     wanted = version_key(text)
-    fitting = [each for each in RELEASED if version_key(each)[: len(wanted)] == wanted] if wanted else []
-    return fitting[-1] if fitting else None
+    return next((each for each in RELEASED[::-1] if wanted and version_key(each)[: len(wanted)] == wanted), None)
 
 
 @dataclass(frozen=True, slots=True)

@@ -21,9 +21,8 @@ from mjcompose.tree.classes import Classes, class_in_force, written
 from mjcompose.tree.files import join, stem, written_path
 from mjcompose.tree.unit import Unit
 
-_FACE = 50
-"""Bytes of a face in a binary STL file."""
-_HEAD = 84
+_FACE, _HEAD = 50, 84
+"""Bytes of a face and of the head of a binary STL file."""
 _PIECE = 1 << 24
 _INDENTED = re.compile(rb"\n +")
 _LONG = 1000
@@ -117,8 +116,7 @@ def _of_obj(data: bytes) -> int:
 def _pieces(data: bytes) -> Iterator[bytes]:
     begin = 0
     while begin < len(data):
-        end = len(data) if begin + _PIECE >= len(data) else data.find(b"\n", begin + _PIECE) + 1
-        end = end or len(data)
+        end = data.find(b"\n", begin + _PIECE) + 1 or len(data)
         yield data[begin:end]
         begin = end
 
@@ -212,8 +210,7 @@ def _most(meshes: list[Node], unit: Unit, attached: int) -> float:
         return total
     total, hulled = attached, _hulled(unit.root)
     for mesh, known in zip(meshes, by_size, strict=True):
-        points = _points(mesh, unit, most_points_in) if known is None else known
-        if points is None:
+        if (points := _points(mesh, unit, most_points_in) if known is None else known) is None:
             return math.inf
         total += _weighed(points, mesh, hulled)
     return total
@@ -257,16 +254,13 @@ def _hulled(root: Node) -> set[str] | None:
 
 
 def _collides(geom: Node, classes: Classes) -> bool:
-    known = None
-    for name in ("contype", "conaffinity"):
-        text = written(geom, name)
-        if text is None:
-            known = known or classes.get(class_in_force(geom).name)
-            found = known.lookup("geom", name)
-            text = None if found is None else found[0]
-        if text is None or text.strip() != "0":
-            return True
-    return False
+    names = ("contype", "conaffinity")
+    texts = [written(geom, name) for name in names]
+    around = class_in_force(geom).name if None in texts else None
+    texts = [
+        classes.effective(geom, around, name) if text is None else text for name, text in zip(names, texts, strict=True)
+    ]
+    return any(text is None or text.strip() != "0" for text in texts)
 
 
 def _points(mesh: Node, unit: Unit, count: _Count) -> int | None:

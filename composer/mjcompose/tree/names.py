@@ -63,15 +63,13 @@ def naming_table(section: str) -> dict[str, dict[str, Action]]:
     table: dict[str, dict[str, Action]] = {}
     for tag, element in GRAMMAR.within(section).items() if section in GRAMMAR.root.children else ():
         actions: dict[str, Action] = {}
-        for attribute in element.attributes.values():
-            if attribute.declares:
-                actions[attribute.name] = (DECLARES, attribute.declares)
-            elif attribute.refers_by:
-                actions[attribute.name] = (REFERS_BY, attribute.refers_by)
-            elif attribute.type == "references" and attribute.refers:
-                actions[attribute.name] = (LISTS, attribute.refers)
-            elif attribute.refers and not attribute.refers.startswith("attached:"):
-                actions[attribute.name] = (REFERS, attribute.refers)
+        for name, each in element.attributes.items():
+            if each.declares:
+                actions[name] = DECLARES, each.declares
+            elif each.refers_by:
+                actions[name] = REFERS_BY, each.refers_by
+            elif each.refers and not each.refers.startswith("attached:"):
+                actions[name] = LISTS if each.type == "references" else REFERS, each.refers
         if tag in ("attach", "composite"):
             actions["prefix"] = (GENERATES, "")
         if actions:
@@ -137,24 +135,19 @@ def own_references(node: Node, section: str) -> list[tuple[str, str, str, str]]:
 
 def declaration(node: Node, section: str) -> tuple[str, str] | None:
     """Return namespace and name that an element of a section declares or gets from its file, if it has a name."""
-    for key, (kind, namespace) in naming_table(section).get(str(node.tag), {}).items():
-        if kind == DECLARES and (value := node.get(key)):
-            return namespace, str(value)
-    if node.tag in NAMED_AFTER_FILE and section in ("asset", "deformable") and (file := node.get("file")):
-        return str(node.tag), stem(str(file))
-    return None
+    names = ((namespace, own_name(node, key)) for key, namespace in declaring(section).get(node.tag, ()))
+    return next(((namespace, name) for namespace, name in names if name), None)
 
 
 def may_be_generated(name: str, root: Node) -> bool:
     """Return whether elements that MuJoCo expands (replicate, flexcomp, …) in that tree can create the name."""
-    for element in root.iter(*GENERATORS):
-        if element.tag == "replicate":
-            may = re.search(r"\d+$", name) is not None
-        else:
-            may = element.tag == "model" or name.startswith(str(element.get("name") or element.get("prefix") or ""))
-        if may:
-            return True
-    return False
+    is_numbered = re.search(r"\d+$", name) is not None
+    return any(
+        is_numbered
+        if each.tag == "replicate"
+        else each.tag == "model" or name.startswith(str(each.get("name") or each.get("prefix") or ""))
+        for each in root.iter(*GENERATORS)
+    )
 
 
 SEPARATOR = "/"
@@ -229,10 +222,10 @@ class NameIndex(Names):
             if own is not None and names.get(own) is node:
                 del names[own]
         for attribute, namespace, name, _ in own_references(node, section):
-            users = self.uses.get(namespace, {}).get(name, {})
-            users.pop((node, attribute), None)
-            if not users:
-                self.uses.get(namespace, {}).pop(name, None)
+            known = self.uses.get(namespace, {})
+            known.get(name, {}).pop((node, attribute), None)
+            if not known.get(name):
+                known.pop(name, None)
 
     def users(self, namespace: str, name: str) -> list[Use]:
         """Return the references to a name, in the order in which they were added."""
@@ -244,10 +237,9 @@ class NameIndex(Names):
         moved = {old: users for old in names if (users := uses.pop(old, None))}
         lists: dict[Use, None] = {}
         for old, users in moved.items():
-            new = names[old]
             for node, attribute in users:
                 if node.get(attribute) == old:
-                    node.set(attribute, new)
+                    node.set(attribute, names[old])
                 else:
                     lists[node, attribute] = None
         for node, attribute in lists:
@@ -268,15 +260,11 @@ def _rows(section: str) -> dict[Any, tuple[tuple[str, int, str], ...]]:
 
 def own_name(node: Node, attribute: str) -> str | None:
     """Return the name that a node declares: the attribute, or MuJoCo's name for an asset from its file."""
-    value = node.get(attribute)
-    if value:
+    if value := node.get(attribute):
         return str(value)
-    if attribute == "name" and node.tag in NAMED_AFTER_FILE:
-        file = node.get("file")
-        parent = node.getparent()
-        if file and parent is not None and parent.tag in ("asset", "deformable"):
-            return stem(str(file))
-    return None
+    file = node.get("file") if attribute == "name" and node.tag in NAMED_AFTER_FILE else None
+    parent = node.getparent() if file else None
+    return stem(str(file)) if parent is not None and parent.tag in ("asset", "deformable") else None
 
 
 def is_list(node: Node, attribute: str, section: str) -> bool:

@@ -10,6 +10,7 @@ import os
 import re
 import threading
 from collections.abc import Callable, Container, Iterator, Mapping
+from contextlib import suppress
 from itertools import takewhile
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -74,14 +75,12 @@ def refused(data: bytes, file: str, sink: Sink) -> bool:
     at = data.find(b"<!DOCTYPE")
     while at >= 0 and _PLAIN.match(data, at):
         at = data.find(b"<!DOCTYPE", at + 1)
-    if at < 0:
-        return False
-    before = data[:at]
-    line = before.count(b"\n") + 1
-    column = len(before[before.rfind(b"\n") + 1 :].decode("utf-8", "replace")) + 1
-    message = f"`{file}` has a DTD, which MuJoCo does not read"
-    sink.error("xml-syntax", message, Span(file, line, column), help="remove the `<!DOCTYPE …>`")
-    return True
+    if at >= 0:
+        *above, before = data[:at].split(b"\n")
+        span = Span(file, len(above) + 1, len(before.decode("utf-8", "replace")) + 1)
+        message = f"`{file}` has a DTD, which MuJoCo does not read"
+        sink.error("xml-syntax", message, span, help="remove the `<!DOCTYPE …>`")
+    return at >= 0
 
 
 _BESIDE_FIRST = ("flexcomp", "model")
@@ -106,22 +105,14 @@ def find_beside(unit: Unit, included: Mapping[Node, Path]) -> None:
         if there != beside and usual not in unit.contents:
             places.append((element, attribute, there, beside))
     found = {path for _, paths in files_among(there for _, _, there, _ in places) for path in paths}
+    inner = {"model": "", "texture": unit.settings.texture_folder}
     for element, attribute, there, beside in places:
         wins = element.tag in _BESIDE_FIRST or not (there in found or os.path.exists(there))
         if wins and os.path.exists(beside):
-            element.set(attribute, _from(_folder(unit, element), beside))
-
-
-def _folder(unit: Unit, element: Node) -> str:
-    inner = {"model": "", "texture": unit.settings.texture_folder}
-    return join(str(unit.directory), inner.get(str(element.tag), unit.settings.mesh_folder) or ".")
-
-
-def _from(folder: str, path: str) -> str:
-    try:
-        return Path(os.path.relpath(path, folder)).as_posix()
-    except ValueError:  # on another drive
-        return path
+            start = join(directory, inner.get(str(element.tag), unit.settings.mesh_folder) or ".")
+            with suppress(ValueError):  # on another drive
+                beside = Path(os.path.relpath(beside, start)).as_posix()
+            element.set(attribute, beside)
 
 
 _COMMENT = re.compile(r"<!--(.*?)-->", re.DOTALL)
@@ -161,7 +152,8 @@ def read_file(path: Path, sink: Sink, door: Door, *, file: str, span: Span | Non
         return None
     except OSError as error:
         message, help = _unreadable(f"the model `{file}`", Path(file), path, error=error)
-        sink.error(_code(error, "file-unreadable"), message, span, help=help)
+        code = "file-not-found" if isinstance(error, FileNotFoundError) else "file-unreadable"
+        sink.error(CODE if isinstance(error, TooLarge) else code, message, span, help=help)
         return None
 
 
@@ -236,19 +228,18 @@ def _has_unknown(dropped: Node, unit: Unit, sink: Sink) -> bool:
     waiting = [(dropped, GRAMMAR.section("worldbody").children[str(dropped.tag)])]
     while waiting:
         node, kind = waiting.pop()
-        for name in map(str, node.keys()):
-            if name not in kind.attributes and name not in kind.ignored:
-                message = f"`{name}` is not an attribute of `<{node.tag}>`"
-                span = unit.origins.span(node, unit.file, name)
-                sink.error("unknown-attribute", message, span, help=f"remove the `<{dropped.tag}>` it is in")
-                return True
-        for child in node.iterchildren("*"):
-            if child.tag not in kind.children:
-                message = f"`<{child.tag}>` cannot be in `<{node.tag}>`"
-                span = unit.origins.span(child, unit.file)
-                sink.error("unknown-element", message, span, help=f"remove the `<{dropped.tag}>` it is in")
-                return True
-            waiting.append((child, kind.children[str(child.tag)]))
+        name = next((each for each in map(str, node.keys()) if each not in (*kind.attributes, *kind.ignored)), None)
+        child = next((each for each in node.iterchildren("*") if each.tag not in kind.children), None)
+        help = f"remove the `<{dropped.tag}>` it is in"
+        if name is not None:
+            message, span = f"`{name}` is not an attribute of `<{node.tag}>`", unit.origins.span(node, unit.file, name)
+            sink.error("unknown-attribute", message, span, help=help)
+            return True
+        if child is not None:
+            message, span = f"`<{child.tag}>` cannot be in `<{node.tag}>`", unit.origins.span(child, unit.file)
+            sink.error("unknown-element", message, span, help=help)
+            return True
+        waiting += [(each, kind.children[str(each.tag)]) for each in node.iterchildren("*")]
     return False
 
 
@@ -314,17 +305,13 @@ class _Includes:
             return
         take_header_in(included)
         self.expand(included, shown, path.parent, depth=depth)
-        beside = path.parent
         for each in included.iter("*"):
-            self.folders.setdefault(each, beside)
-        parent = element.getparent()
+            self.folders.setdefault(each, path.parent)
+        parent, children = element.getparent(), list(included)
         assert parent is not None
         at = parent.index(element)
-        children = list(included)
         parent[at : at + 1] = children
-        for child in children:
-            if isinstance(child.tag, str) and child not in origins.owners:
-                origins.own(child, shown)
+        origins.own_all((child for child in children if isinstance(child.tag, str)), shown)
 
     def _find(self, name: str, folder: Path) -> Path:
         """Look in the main file's folder, then in the including file's."""
@@ -338,12 +325,6 @@ class _Includes:
         """Return the file's name in messages: relative to the model's own file."""
         inside = os.path.relpath(path, self.unit.directory)
         return os.path.normpath(os.path.join(os.path.dirname(self.unit.file), inside))
-
-
-def _code(error: OSError, other: str) -> str:
-    if isinstance(error, TooLarge):
-        return CODE
-    return "file-not-found" if isinstance(error, FileNotFoundError) else other
 
 
 def _unreadable(what: str, name: Path, path: Path, error: OSError) -> tuple[str, str | None]:
@@ -405,26 +386,18 @@ def _parsed(data: bytes, file: str, sink: Sink) -> Node | None:
         return etree.fromstring(data, _parser())
     except etree.XMLSyntaxError as error:
         fault = error
-    if (fault.msg or "").startswith("Namespace prefix"):
-        root = _with_undefined_prefixes(data)
-        if root is not None:
+    said = fault.msg or "it cannot be read"
+    if said.startswith("Namespace prefix"):  # MuJoCo ignores undeclared ones
+        parser = _new_parser(recover=True)
+        root = etree.fromstring(data, parser)
+        if all(each.domain == etree.ErrorDomains.NAMESPACE for each in parser.error_log):
             return root
     try:
         return etree.fromstring(_as_mujoco_reads(data), _parser())
     except (etree.XMLSyntaxError, UnicodeDecodeError):
-        line, column = fault.position
-        text = data.decode("utf-8", "replace")
-        xml_faults.report(
-            fault.msg or "it cannot be read", file, max(line, 1), column=max(column, 1), text=text, sink=sink
-        )
+        line, column = (max(each, 1) for each in fault.position)
+        xml_faults.report(said, file, line, column=column, text=data.decode("utf-8", "replace"), sink=sink)
         return None
-
-
-def _with_undefined_prefixes(data: bytes) -> Node | None:
-    """Parse XML with undeclared prefixes, which MuJoCo ignores; return None for other errors."""
-    parser = _new_parser(recover=True)
-    root = etree.fromstring(data, parser)
-    return root if all(each.domain == etree.ErrorDomains.NAMESPACE for each in parser.error_log) else None
 
 
 def _as_mujoco_reads(data: bytes) -> bytes:
@@ -432,21 +405,16 @@ def _as_mujoco_reads(data: bytes) -> bytes:
     text = data.decode("utf-8-sig").replace("\r\n", "\n")
     # Nothing may precede an XML declaration; without one, line numbers stay the same.
     text = _DECLARATION.sub(lambda found: _NOT_BREAK.sub(" ", found.group()), text, count=1)
-    pieces: list[str] = []
-    end = 0
-    for comment in _COMMENT.finditer(text):
-        pieces.append(_part_attributes(text[end : comment.start()]))
-        body = re.sub(r"-(?=-)", "- ", comment.group(1))
-        pieces.append(f"<!--{body}{' ' if body.endswith('-') else ''}-->")
-        end = comment.end()
-    pieces.append(_part_attributes(text[end:]))
+    pieces = _COMMENT.split(text)  # texts and comments in turns
+    for at, piece in enumerate(pieces):
+        if at % 2:
+            body = re.sub(r"-(?=-)", "- ", piece)
+            pieces[at] = f"<!--{body}{' ' if body.endswith('-') else ''}-->"
+        else:
+            while (parted := _TOUCHING.sub(r"\1 ", piece)) != piece:
+                piece = parted
+            pieces[at] = piece
     return "".join(pieces).encode()
-
-
-def _part_attributes(text: str) -> str:
-    while (parted := _TOUCHING.sub(r"\1 ", text)) != text:
-        text = parted
-    return text
 
 
 class _Use(NamedTuple):

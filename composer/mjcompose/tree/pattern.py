@@ -11,7 +11,8 @@ import re
 import time
 from collections.abc import Callable, Collection, Iterator, Mapping
 from enum import Enum
-from functools import cache, lru_cache
+from functools import cache, lru_cache, reduce
+from operator import or_
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.tree.grammar import GRAMMAR
@@ -69,16 +70,13 @@ def matcher(glob: str, separator: str = "/") -> Callable[[str], bool]:
 
 def _tokens(glob: str, separator: str) -> list[_Token]:
     levels = f"**{separator}" if _makes_levels(separator) else None
+    wild = {levels: _Wild.LEVELS, **{each.value: each for each in (_Wild.ONE, _Wild.LEVEL, _Wild.ALL)}}
     found: list[_Token] = []
     for token in re.findall(rf"{re.escape(levels)}|{_TOKENS}" if levels else _TOKENS, glob, re.DOTALL):
-        if token == levels:
-            found.append(_Wild.LEVELS)
-        elif token in ("?", "*", "**"):
-            found.append(_Wild(token))
-        elif token[0] == "{" and len(token) > 1:
+        if token[0] == "{" and len(token) > 1:
             found.append([_tokens(each, separator) for each in token[1:-1].split(",")])
         else:
-            found.append(token)
+            found.append(wild.get(token, token))
     return found
 
 
@@ -91,11 +89,8 @@ class _Name:
     """The name to match. Positions are bits: the lowest is before its first character."""
 
     def __init__(self, name: str, stops: str) -> None:
-        self.name = name
-        self.end = 1 << len(name)
-        self.stops = 0
-        for character in stops:
-            self.stops |= self._at(character)
+        self.name, self.end = name, 1 << len(name)
+        self.stops = reduce(or_, map(self._at, stops), 0)
         self.within = (self.end - 1) & ~self.stops
 
     def _at(self, text: str) -> int:
@@ -113,10 +108,7 @@ class _Name:
             if isinstance(token, str):
                 places = (places & self._at(token)) << len(token)
             elif isinstance(token, list):
-                ends = 0
-                for each in token:
-                    ends |= self.reached(each, places)
-                places = ends
+                places = reduce(or_, (self.reached(each, places) for each in token), 0)
             else:
                 places = self._behind(token, places)
             if not places:
@@ -170,9 +162,7 @@ def fitter(pattern: str, names: Callable[[], Collection[str]], separator: str) -
     """
     if (wrong := length_fault(pattern)) is not None:
         raise BadPattern(wrong)
-    if not is_regular(pattern):
-        return matcher(pattern, separator)
-    return fitting(pattern[1:-1], names()).__contains__
+    return fitting(pattern[1:-1], names()).__contains__ if is_regular(pattern) else matcher(pattern, separator)
 
 
 def length_fault(pattern: str) -> str | None:
@@ -205,29 +195,23 @@ def fitting(pattern: str, names: Collection[str], seconds: float = SECONDS) -> f
     >>> sorted(fitting("link[0-9]+|pad{e}", ["link1", "link12", "pad", "pad{e}"]))
     ['link1', 'link12', 'pad{e}']
     """
+    called = f"the regular expression `/{pattern}/`"
     if (wrong := fault_of(pattern)) is not None:
-        raise BadPattern(f"the regular expression `/{pattern}/` is not valid: {wrong}")
+        raise BadPattern(f"{called} is not valid: {wrong}")
     import regex  # takes 40 ms
 
     end = time.process_time() + seconds  # which `regex` measures, too
-    found = set()
     try:
-        fits = regex.compile(_MEANT_AS_TEXT.sub(_escaped, pattern)).fullmatch
-        for name in names:
-            if fits(name, timeout=max(end - time.process_time(), 1e-6)):
-                found.add(name)
+        fits = regex.compile(_MEANT_AS_TEXT.sub(lambda found: found[1] or f"\\{found[2]}", pattern)).fullmatch
+        return frozenset(name for name in names if fits(name, timeout=max(end - time.process_time(), 1e-6)))
     except regex.error as error:
-        raise BadPattern(f"the regular expression `/{pattern}/` is not valid: {error.msg}") from None
+        raise BadPattern(f"{called} is not valid: {error.msg}") from None
     except (TimeoutError, MemoryError, RecursionError):
-        message = f"the regular expression `/{pattern}/` takes longer than {seconds:g} seconds"
-        raise BadPattern(
-            message, "write it without repetitions inside repetitions, or use a glob", is_slow=True
-        ) from None
-    return frozenset(found)
-
-
-def _escaped(found: re.Match[str]) -> str:
-    return found[1] or f"\\{found[2]}"
+        message, help = (
+            f"{called} takes longer than {seconds:g} seconds",
+            "repetitions inside repetitions, or use a glob",
+        )
+        raise BadPattern(message, f"write it without {help}", is_slow=True) from None
 
 
 EVERYTHING = "**"

@@ -128,13 +128,12 @@ def _sections() -> tuple[str, ...]:
 
 @cache
 def _reachable(section: str) -> frozenset[str]:
-    found: dict[str, None] = {}
+    found: set[str] = set()
     waiting = [GRAMMAR.section(section)]
     while waiting:
         kind = waiting.pop()
-        if kind.path not in found:
-            found[kind.path] = None
-            waiting.extend(kind.children.values())
+        waiting += kind.children.values() if kind.path not in found else ()
+        found.add(kind.path)
     return frozenset(found)
 
 
@@ -154,10 +153,8 @@ BASE = "base"
 def _is_written_as_name(paths: frozenset[str]) -> bool:
     """Return whether the name of these elements is always their attribute `name`."""
     kinds = [GRAMMAR.element(path) for path in paths]
-    namings = [naming_attribute(kind) for kind in kinds]
-    return all(each is not None and each.name == "name" for each in namings) and not any(
-        kind.tag in NAMED_AFTER_FILE for kind in kinds
-    )
+    namings = [(naming_attribute(kind), kind.tag in NAMED_AFTER_FILE) for kind in kinds]
+    return all(each is not None and each.name == "name" and not by_file for each, by_file in namings)
 
 
 def name_of(node: Node) -> str | None:
@@ -185,15 +182,14 @@ def numbered(parent: Node, tag: str) -> dict[Node, int]:
     >>> list(numbered(body, "geom").values())
     [0, 1]
     """
-    found: list[Node] = []
+    found: dict[Node, int] = {}
     ahead = list(parent)[::-1]
     while ahead:
         node = ahead.pop()
-        if node.tag in _TRANSPARENT:
-            ahead += list(node)[::-1]
+        ahead += list(node)[::-1] if node.tag in _TRANSPARENT else ()
         if node.tag == tag and not name_of(node):
-            found.append(node)
-    return {node: number for number, node in enumerate(found)}
+            found[node] = len(found)
+    return found
 
 
 @dataclass
@@ -218,9 +214,6 @@ class Selection:
         """Return every matching element, in the order of the tree. Raises `BadPattern`."""
         self._known.clear()  # the model may have changed
         self._numbers.clear()
-        return self._of(selector)
-
-    def _of(self, selector: Selector) -> list[Node]:
         found = self._called(selector)
         if found is None:
             found = [node for node in self.of_kind(selector) if self._named(node, selector.pattern)]
@@ -247,13 +240,8 @@ class Selection:
             return None
         if NOT_XML.search(name):
             return []  # libxml2 refuses such text, and no element has such a name
-        return [
-            node
-            for section in self.root.iterchildren("*")
-            if section.tag != "default"
-            for node in _WITH_NAME(section, name=name)
-            if kind_of(node).path in paths
-        ]
+        sections = (section for section in self.root.iterchildren("*") if section.tag != "default")
+        return [node for each in sections for node in _WITH_NAME(each, name=name) if kind_of(node).path in paths]
 
     def names(self, selector: Selector) -> list[str]:
         """Return the names of elements with that tag."""
@@ -280,14 +268,10 @@ class Selection:
         """Return whether a selector matches this element, cached because all elements below ask for their ancestors."""
         known = self._known.setdefault(id(selector), {})
         if node not in known:
-            known[node] = self._is_meant(node, selector)
+            path = "body" if node.tag == "worldbody" else kind_of(node).path
+            is_kind = path in paths_of(selector.tag) and (node.tag != "worldbody" or selector.pattern == WORLD)
+            known[node] = is_kind and self._named(node, selector.pattern) and self._narrowed(node, selector)
         return known[node]
-
-    def _is_meant(self, node: Node, selector: Selector) -> bool:
-        path = "body" if node.tag == "worldbody" else kind_of(node).path
-        if path not in paths_of(selector.tag) or (node.tag == "worldbody" and selector.pattern != WORLD):
-            return False
-        return self._named(node, selector.pattern) and self._narrowed(node, selector)
 
     def _named(self, node: Node, pattern: str) -> bool:
         if pattern == EVERYTHING:
@@ -297,14 +281,10 @@ class Selection:
 
     def fits(self, pattern: str) -> Callable[[str], bool]:
         """Return a function that says whether a name matches a pattern. Raises `BadPattern`."""
-        known = self._fits.get(pattern)
-        if known is None:
-            known = self._fits[pattern] = fitter(pattern, self._all_names, self.separator)
-        return known
-
-    def _all_names(self) -> set[str]:
-        nodes = (node for section in self.root.iterchildren("*") for node in section.iter("*"))
-        return {name for node in nodes if (name := self.name(node))}
+        if pattern not in self._fits:
+            names = map(self.name, self.root.iterdescendants("*"))
+            self._fits[pattern] = fitter(pattern, lambda: set(filter(None, names)), self.separator)
+        return self._fits[pattern]
 
     def _narrowed(self, node: Node, selector: Selector) -> bool:
         return (
