@@ -80,7 +80,7 @@ def fmt(options: FmtOptions, run: Run) -> int:
 
 def _inside(given: str, context: Context) -> list[str]:
     """Return the recipes and MJCF files in a folder, in the order of their names; the file itself if it is a file."""
-    from mjcompose.tree.xml_pieces import kind_of
+    from mjcompose.tree.xml_text import kind_of
 
     if given == STDIN or not os.path.isdir(given):
         return [given]

@@ -35,7 +35,7 @@ from mjcompose.tools.explain.trace import Trace
 from mjcompose.tools.lint import lint
 from mjcompose.tree.parse import parse_text, parse_xml
 from mjcompose.tree.unit import Unit, Watch, nobody
-from mjcompose.tree.xml_pieces import kind_of, root_of
+from mjcompose.tree.xml_text import kind_of, root_of
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as Node

@@ -25,7 +25,7 @@ from mjcompose.tree.grammar import GRAMMAR, Attribute, ElementType
 from mjcompose.tree.parse import expand_includes, parse_xml, read_from, take_header_in
 from mjcompose.tree.unit import Unit, line_of
 from mjcompose.tree.xml_layout import outermost, place_of_fragment
-from mjcompose.tree.xml_pieces import Piece, pieces, root_of
+from mjcompose.tree.xml_text import Piece, pieces, root_of
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as Node

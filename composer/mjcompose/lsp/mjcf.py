@@ -25,8 +25,7 @@ from mjcompose.tree.names import ALWAYS, NameIndex
 from mjcompose.tree.unit import line_of
 from mjcompose.tree.values import parse_real
 from mjcompose.tree.xml_layout import attribute_order
-from mjcompose.tree.xml_pieces import Piece, pieces
-from mjcompose.tree.xml_text import as_it_is
+from mjcompose.tree.xml_text import Piece, as_it_is, pieces
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as Node

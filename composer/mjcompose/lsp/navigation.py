@@ -27,7 +27,7 @@ from mjcompose.text.node import Change, Mapping, Node, Scalar, Sequence, find, i
 from mjcompose.tree.names import NameIndex
 from mjcompose.tree.unit import Unit
 from mjcompose.tree.xml_layout import format_mjcf
-from mjcompose.tree.xml_pieces import kind_of
+from mjcompose.tree.xml_text import kind_of
 
 
 def definition(question: Question) -> list[Span]:

@@ -26,12 +26,11 @@ from mjcompose.tree.files import in_archive, join, read_settings, stem, written_
 
 def as_path(argument: str, value: object) -> Path:
     """Return the argument as a path. Raises `MjcfError` if it is not a path or contains a null character."""
-    if isinstance(value, str | os.PathLike):
-        path = Path(value)
-        if "\0" in str(path):
-            raise wrong_argument(argument, "a path", str(path).replace("\0", "\\0"))
-        return path
-    raise wrong_argument(argument, "a path", type(value).__name__)
+    if not isinstance(value, str | os.PathLike):
+        raise wrong_argument(argument, "a path", type(value).__name__)
+    if "\0" in str(path := Path(value)):
+        raise wrong_argument(argument, "a path", str(path).replace("\0", "\\0"))
+    return path
 
 
 Folders = Sequence[str | os.PathLike[str]]
@@ -68,13 +67,11 @@ def as_files(argument: str, value: object) -> dict[str, bytes]:
     """Return the argument, the bytes of files by path or None, as a dict. Raises `MjcfError` if it is anything else."""
     if not isinstance(value, Mapping | None):
         raise wrong_argument(argument, "bytes by path", type(value).__name__)
-    found: dict[str, bytes] = {}
     for name, content in (value or {}).items():
         if not isinstance(name, str) or not isinstance(content, bytes):
             got = f"{type(content).__name__}` by `{type(name).__name__}"
             raise wrong_argument(argument, "bytes by path", got)
-        found[name] = content
-    return found
+    return dict(value or {})
 
 
 def wrong_argument(argument: str, what: str, got: object) -> MjcfError:
@@ -358,8 +355,7 @@ def place_asset(model: Model, tag: str, asset: Asset, contents: dict[str, bytes 
         known = contents.get(written, model.unit.contents.get(written))
         there = Path(join(str(model.unit.directory), written))
         if known is None and not os.path.exists(there):
-            contents[written] = asset.source
-            return name
+            known = contents[written] = asset.source
         if asset.source == (there if known is None else known):
             return name
         number += 1

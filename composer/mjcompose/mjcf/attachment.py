@@ -8,14 +8,13 @@ from typing import cast
 
 from lxml.etree import _Element as Node
 
-from mjcompose.base.diagnostic import Note
 from mjcompose.mjcf import edit
 from mjcompose.mjcf.attributed import targets, view
 from mjcompose.mjcf.element import Element, RootElement
 from mjcompose.mjcf.errors import failure
-from mjcompose.mjcf.model import Attachment
+from mjcompose.mjcf.model import Attachment, Target
 from mjcompose.mjcf.node_view import checked
-from mjcompose.mjcf.value import describe
+from mjcompose.mjcf.value import is_here
 from mjcompose.tree.classes import ORIENTATIONS, Classes, childclass_of, through_frames
 
 _OF_FRAMES = frozenset({"pos", *ORIENTATIONS, "mocap"})
@@ -64,15 +63,13 @@ class AttachmentFrame(Element):
             raise failure("unknown-element", f"an attachment frame takes joints, got `{tag}`", help=help)
         free = [joint for joint in self._node if _is_free(joint)]
         if free or (len(self._node) and (tag == "freejoint" or attributes.get("type") == "free")):
-            there = free[0] if free else self._node[0]
-            notes = (Note(f"{describe(self._model, there)} is here", self._model.span(there)),)
+            notes = (is_here(Target(self._model, free[0] if free else self._node[0])),)
             raise failure("name-clash", "a free joint must be the only joint of a frame", notes=notes)
         kind = self._child_kind(tag)
         self._check_body_name()
         checked = edit.check(self._model, kind, targets(attributes), frame=self._attachment)
-        return cast(
-            Element, view(self._model, edit.create(self._model, self._node, tag, edit=checked, position=position))
-        )
+        made = edit.create(self._model, self._node, tag, edit=checked, position=position)
+        return cast(Element, view(self._model, made))
 
     def _write(self, attributes: Mapping[str, object]) -> None:
         for name in attributes:
@@ -89,10 +86,9 @@ class AttachmentFrame(Element):
         name = attachment.child.prefix
         taken = None if attachment.is_body else model.top.lookup("body", model.full_prefix + name)
         if taken is not None:
-            notes = (Note(f"{describe(taken.model, taken.node)} is here", taken.model.span(taken.node)),)
             help = "give it another name, or the attached model: `other.model = '…'`"
             message = f"another body is called `{name}` already, as the frame would be"
-            raise failure("name-clash", message, notes=notes, help=help)
+            raise failure("name-clash", message, notes=(is_here(taken),), help=help)
 
     def remove(self, cascade: bool = False) -> None:
         """Raise `MjcfError`: an attachment frame cannot be removed. Call `detach()` on the child instead."""
@@ -163,13 +159,10 @@ def get_freejoint(body: Element) -> Element | None:
     >>> mjcf.get_freejoint(mug) is free
     True
     """
-    model, node = checked(body)._model, body._node
-    joints = [child for child in through_frames(node) if child.tag in _JOINTS]
-    classes = Classes(model.unit.root) if any(joint.tag == "joint" for joint in joints) else None
-    for joint in joints:
-        if joint.tag == "freejoint" or (
-            classes is not None and classes.effective(joint, childclass_of(joint), "type") == "free"
-        ):
+    model, classes = checked(body)._model, Classes(body._model.unit.root)
+    for joint in through_frames(body._node):
+        is_free = joint.tag == "joint" and classes.effective(joint, childclass_of(joint), "type") == "free"
+        if joint.tag == "freejoint" or is_free:
             return cast(Element, view(model, joint))
     return None
 

@@ -91,14 +91,10 @@ def class_name(kind: ElementType) -> str:
 
 def members(kind: ElementType, taken: Iterable[str]) -> dict[str, Any]:
     """Return a property for each attribute and child whose name is not in `taken`, and the class docstring."""
-    found: dict[str, Any] = {}
-    for tag, child in kind.children.items():
-        found[spoken(tag)] = _child_property(tag, _of_child(kind, child))
-    for attribute in kind.attributes.values():
-        found[spoken(attribute.name)] = _attribute_property(attribute)
-    for name in taken:
-        found.pop(name, None)
-    return {**found, "__doc__": of_element(kind)}
+    children = {spoken(tag): _child_property(tag, _of_child(kind, child)) for tag, child in kind.children.items()}
+    attributes = {spoken(name): _attribute_property(each) for name, each in kind.attributes.items()}
+    own = {name: each for name, each in (children | attributes).items() if name not in taken}
+    return {**own, "__doc__": of_element(kind)}
 
 
 def of_element(kind: ElementType) -> str:
@@ -246,8 +242,7 @@ class Attributed:
             raise no_attribute(self._kind, attribute)
         if self._alive()._node.get(known.name) is None:
             raise failure("unknown-attribute", f"`{attribute}` of {self._described()} is not set")
-        origins, file = self._model.unit.origins, self._model.unit.file
-        return origins.span(self._node, file, known.name)
+        return self._model.span(self._node, known.name)
 
     def _read(self, attribute: Attribute) -> Any:
         if attribute.declares:
@@ -256,17 +251,15 @@ class Attributed:
         if text is None or (not text.strip() and attribute.type != "string"):
             return None
         if is_reference(attribute):
-            found = [
-                each if isinstance(each, str) else view(*each)
-                for each in resolved(self._model, attribute, self._node, text=str(text))
-            ]
+            targets = resolved(self._model, attribute, self._node, text=str(text))
+            found = [each if isinstance(each, str) else view(*each) for each in targets]
             return found if attribute.type == "references" else found[0]
         if attribute.type == "file":
             return asset_of(self._model, self.tag, str(text))
         try:
             value = decode(attribute, str(text))
         except BadValue as fault:
-            span = self._model.unit.origins.span(self._node, self._model.unit.file, attribute.name)
+            span = self._model.span(self._node, attribute.name)
             raise failure("wrong-type", f"`{attribute.name}` of {self._described()} {fault}", span) from None
         return LiveArray.of(value, self, attribute.name) if type(value) is np.ndarray else value
 
@@ -278,8 +271,7 @@ class Attributed:
     def _member(self, name: str) -> Any:
         if name.startswith("_"):
             raise AttributeError(name)
-        attribute = attribute_of(self._kind, name)
-        if attribute is not None:
+        if (attribute := attribute_of(self._kind, name)) is not None:
             return self._read(attribute)
         tag = name.rstrip("_")
         if tag not in self._kind.children:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from functools import cache, partial
 from types import MappingProxyType
 from typing import Any
@@ -109,11 +110,8 @@ Release = Callable[[Model, str, NDArray[np.intp]], None]
 _WITH_INERTIA = (2, 4)
 
 
-def _owns_inertia(of: str) -> Release:
-    def release(model: Model, array: str, rows: NDArray[np.intp]) -> None:
-        getattr(model, of)[rows] = 0
-
-    return release
+def _of_frame(model: Model, array: str, rows: NDArray[np.intp]) -> None:
+    getattr(model, f"{array.partition('_')[0]}_sameframe")[rows] = 0
 
 
 def _of_inertia(model: Model, array: str, rows: NDArray[np.intp]) -> None:
@@ -124,28 +122,18 @@ def _of_inertia(model: Model, array: str, rows: NDArray[np.intp]) -> None:
     simple = (model.body_simple[rows] != 0) & (model.body_dofnum[rows] > 0)
     if simple.any():
         # Its part of the mass matrix has only the diagonal. MuJoCo 4.0 refuses `mj_setConst` after such a change.
-        row = int(rows[simple][0])
-        message = (
-            f"`{array.removeprefix('body_')}` of the body `{model.body(row).name or row}` cannot be changed after "
-            "compiling"
-        )
+        row, name = int(rows[simple][0]), array.removeprefix("body_")
+        message = f"`{name}` of the body `{model.body(row).name or row}` cannot be changed after compiling"
         notes = (Note("MuJoCo compiled it as a simple body, whose part of the mass matrix is a diagonal"),)
         raise failure("not-supported", message, notes=notes, help="compile it with `simple='false'` on the body")
-    for kind in ("geom", "site"):
-        same = getattr(model, f"{kind}_sameframe")
-        stays = np.isin(getattr(model, f"{kind}_bodyid"), rows) & np.isin(same, _WITH_INERTIA)
-        same[stays] = 0
-    model.body_sameframe[rows] = 0
-    model.body_simple[rows] = 0
+    for same, bodies in ((model.geom_sameframe, model.geom_bodyid), (model.site_sameframe, model.site_bodyid)):
+        same[np.isin(bodies, rows) & np.isin(same, _WITH_INERTIA)] = 0
+    model.body_sameframe[rows] = model.body_simple[rows] = 0
 
 
 RELEASES: dict[str, Release] = {
-    "geom_pos": _owns_inertia("geom_sameframe"),
-    "geom_quat": _owns_inertia("geom_sameframe"),
-    "site_pos": _owns_inertia("site_sameframe"),
-    "site_quat": _owns_inertia("site_sameframe"),
-    "body_ipos": _of_inertia,
-    "body_iquat": _of_inertia,
+    **dict.fromkeys(("geom_pos", "geom_quat", "site_pos", "site_quat"), _of_frame),
+    **dict.fromkeys(("body_ipos", "body_iquat"), _of_inertia),
 }
 """Actions by array of poses, before some of its rows are written; a row may be named repeatedly."""
 
@@ -316,11 +304,9 @@ class Binding:
             at = number_columns(rest[0], known)
             has[..., at]
         except (KeyError, IndexError, TypeError) as fault:
-            raise failure(
-                "out-of-range",
-                f"`{name}` has no column `{fault.args[0] if isinstance(fault, KeyError) else shorten(repr(rest[0]))}`",
-                notes=(Note(f"it has {has.shape[-1]}" + (f": {', '.join(known)}" if known else "")),),
-            ) from None
+            column = fault.args[0] if isinstance(fault, KeyError) else shorten(repr(rest[0]))
+            notes = (Note(f"it has {has.shape[-1]}" + (f": {', '.join(known)}" if known else "")),)
+            raise failure("out-of-range", f"`{name}` has no column `{column}`", notes=notes) from None
         return name, (..., at)
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -389,23 +375,17 @@ class Binding:
 
     def _cannot_take(self, name: str, value: object, of: Array | None = None) -> Exception:
         has = self._read(name, fields(self._kind)[name]) if of is None else of
-        try:
+        got, what = None, f"`{name}` of {self._labelled()}"
+        with suppress(TypeError, ValueError):
             got = np.asarray(value, dtype=has.dtype) if value is not None else None
-        except (TypeError, ValueError):
-            got = None
-        what = f"`{name}` of {self._labelled()}"
         if got is None:
-            shown = shorten(repr(value))
-            return failure("wrong-type", f"{what} expects numbers, got `{shown}`")
+            return failure("wrong-type", f"{what} expects numbers, got `{shorten(repr(value))}`")
         return failure("wrong-length", f"{what} has the shape {has.shape}, got {got.shape}")
 
     def _unknown(self, name: str) -> Exception:
-        known = sorted(fields(self._kind))
         notes = (Note("fields that exist: " + ", ".join(_shortest(self._kind))),)
-        message = f"a compiled {self._kind} has no field `{name}`"
-        return failure(
-            "unknown-attribute", message, notes=notes, help=did_you_mean(name, known), kind=MjcfAttributeError
-        )
+        message, help = f"a compiled {self._kind} has no field `{name}`", did_you_mean(name, sorted(fields(self._kind)))
+        return failure("unknown-attribute", message, notes=notes, help=help, kind=MjcfAttributeError)
 
 
 class EmptyBinding:

@@ -18,7 +18,7 @@ from mjcompose.mjcf.model import Model
 from mjcompose.mjcf.mounting import childclass_at
 from mjcompose.mjcf.node_view import checked
 from mjcompose.mjcf.value import describe
-from mjcompose.tree.classes import MAIN, ORIENTATIONS, Classes, DefaultClass, childclass_of, default_tag
+from mjcompose.tree.classes import MAIN, ORIENTATIONS, Classes, DefaultClass, childclass_of, default_tag, position
 from mjcompose.tree.edit import assign
 from mjcompose.tree.grammar import GRAMMAR, Attribute
 from mjcompose.tree.select import ROOT, attribute_of, kind_of, spoken
@@ -37,17 +37,11 @@ _PLAIN = frozenset({_GENERAL, "motor", "position", "velocity", "intvelocity", "a
 
 def is_plain(found: DefaultClass, node: Node) -> bool:
     """Return whether the attributes that a class sets for an actuator can be written onto it unchanged."""
-    tag, known = str(node.tag), kind_of(node).attributes
-    for element in _written_elements(found):
-        if element.tag == tag:
-            if tag not in _PLAIN:
-                return False
-        elif element.tag != _GENERAL or not all(
-            str(name) in OF_ALL and str(name) in known
-            for name in element.keys()  # noqa: SIM118
-        ):
-            return False
-    return True
+    tag, shared = str(node.tag), OF_ALL & kind_of(node).attributes.keys()
+    return all(
+        tag in _PLAIN if each.tag == tag else each.tag == _GENERAL and shared.issuperset(map(str, each.keys()))
+        for each in _written_elements(found)
+    )
 
 
 def commit(model: Model, node: Node, given: Mapping[str, str], found: DefaultClass, *, partly: bool = False) -> None:
@@ -90,11 +84,8 @@ def commit(model: Model, node: Node, given: Mapping[str, str], found: DefaultCla
     warn(message, MjcfWarning)
 
 
-def _written_elements(found: DefaultClass | None) -> Iterator[Node]:
-    while found is not None:
-        for tag in ACTUATORS:
-            yield from found.elements.get(tag, ())
-        found = found.parent
+def _written_elements(found: DefaultClass) -> Iterator[Node]:
+    return (each for here in found.line() for tag in ACTUATORS for each in here.elements.get(tag, ()))
 
 
 def _candidates(
@@ -124,14 +115,10 @@ def _replace_by(model: Model, node: Node, other: Node) -> None:
     """Give an element the tag and attributes of another one. Existing references to its Element stay valid."""
     model.forget(node)
     if node.tag != other.tag:
-        warn(
-            f"{describe(model, node)} is written as a `{other.tag}`: its default class sets values that a "
-            f"`{node.tag}` cannot have",
-            MjcfWarning,
-        )
+        why = f"its default class sets values that a `{node.tag}` cannot have"
+        warn(f"{describe(model, node)} is written as a `{other.tag}`: {why}", MjcfWarning)
         node.tag = other.tag
-        view = model.views.get(node)
-        if view is not None:
+        if (view := model.views.get(node)) is not None:
             object.__setattr__(view, "__class__", class_of(kind_of(node)))
     for name in set(node.keys()) - set(other.keys()) - {"class"}:
         del node.attrib[name]
@@ -144,8 +131,11 @@ _OF_ATTRIBUTE = "rgb"
 
 def commit_textures(model: Model, node: Node, found: DefaultClass) -> None:
     """Write onto a material the textures of its class for the roles that the material itself does not set."""
-    own = _by_role(node)
-    missing = {role: name for role, name in _class_textures(found).items() if role not in own and name}
+    own, given = _by_role(node), dict[str, str]()
+    for here in reversed(list(found.line())):
+        for element in here.elements.get("material", ()):
+            given |= _by_role(element)
+    missing = {role: name for role, name in given.items() if role not in own and name}
     if not missing:
         return
     if not own and missing.keys() == {_OF_ATTRIBUTE}:
@@ -159,15 +149,6 @@ def commit_textures(model: Model, node: Node, found: DefaultClass) -> None:
         node.append(layer)
         model.unit.origins.own(layer, call_site())
         model.note(layer)
-
-
-def _class_textures(found: DefaultClass | None) -> dict[str, str]:
-    if found is None:
-        return {}
-    given = _class_textures(found.parent)
-    for element in found.elements.get("material", ()):
-        given.update(_by_role(element))
-    return given
 
 
 def _by_role(node: Node) -> dict[str, str]:
@@ -246,8 +227,8 @@ def _commit_joints(model: Model, top: Node, only: frozenset[str] | None) -> None
     for node in top.iter("joint"):
         frame = model.frame_above(node)
         assert frame is not None
-        found = str(node.get("class") or "") or childclass_at(model.attachment_of(frame).host)
-        _commit(model, node, _class(model, classes, found), only=only)
+        name = str(node.get("class") or "") or childclass_at(model.attachment_of(frame).host)
+        _commit(model, node, _class(model, classes, name), only=only)
 
 
 def _class(model: Model, classes: Classes, name: str | None) -> DefaultClass:
@@ -307,31 +288,21 @@ def _class_attributes(found: DefaultClass, node: Node, attributes: Mapping[str, 
     inherited = {} if found.parent is None else _class_attributes(found.parent, node, attributes)
     tag = default_tag(node)
     elements = [each for name in (ACTUATORS if tag in ACTUATORS else (tag,)) for each in found.elements.get(name, ())]
-    for element in sorted(elements, key=_place) if len(elements) > 1 else elements:
-        for key, value in element.items():
-            name = str(key)
-            if name not in attributes or name in _NEVER_GIVEN:
+    for element in sorted(elements, key=position) if len(elements) > 1 else elements:
+        for name, value in [(str(key), str(value)) for key, value in element.items()]:
+            if name not in attributes or name in _NEVER_GIVEN or (element.tag != tag and name not in OF_ALL):
                 continue
-            if not str(value).strip() and not _counts_empty(attributes[name]):
+            if not value.strip() and not _counts_empty(attributes[name]):
                 continue
-            if element.tag != tag and name not in OF_ALL:
-                continue
-            for group in _ONE_OF:
-                if name in group:
-                    inherited = {each: text for each, text in inherited.items() if each not in group - {name}}
-            inherited[name] = _completed(attributes[name], str(value), inherited.get(name, ""))
+            others = {each for group in _ONE_OF if name in group for each in group - {name}}
+            inherited = {each: text for each, text in inherited.items() if each not in others}
+            inherited[name] = _completed(attributes[name], value, inherited.get(name, ""))
     return inherited
 
 
 def _counts_empty(attribute: Attribute) -> bool:
     """Return whether an empty text is a value of its own, which overrides the value of a class above."""
     return attribute.type in _TEXTS
-
-
-def _place(node: Node) -> list[int]:
-    """Return the position of a node in its document as a sort key."""
-    parent = node.getparent()
-    return [] if parent is None else [*_place(parent), parent.index(node)]
 
 
 def _completed(attribute: Attribute, own: str, inherited: str) -> str:

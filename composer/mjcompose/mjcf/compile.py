@@ -86,11 +86,9 @@ class ScatteredRows(Generic[_Number]):
 
     @classmethod
     def of(
-        cls,
-        array: NDArray[_Number],
-        index: NDArray[np.intp],
+        cls, array: NDArray[_Number], index: NDArray[np.intp],
         before: Callable[[NDArray[np.intp]], None] = lambda rows: None,
-    ) -> ScatteredRows[_Number]:
+    ) -> ScatteredRows[_Number]:  # fmt: skip
         return cls(array.view(Scattered), index, array.ndim == 1, before=before)
 
     def read(self) -> Scattered:

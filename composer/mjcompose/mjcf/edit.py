@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Mapping
 from dataclasses import field
-from functools import cache
+from functools import cache, partial
 from itertools import islice
 from pathlib import Path
 from typing import cast
@@ -19,7 +19,7 @@ from mjcompose.link.linking import detach
 from mjcompose.mjcf.asset import Asset, Skins, add_files, place_asset, skins_after_renaming
 from mjcompose.mjcf.errors import MjcfError, failure, no_attribute
 from mjcompose.mjcf.model import Attachment, Model, Target
-from mjcompose.mjcf.value import BadValue, describe, encode, is_reference, name_for, namespace_of, plain_text
+from mjcompose.mjcf.value import BadValue, describe, encode, is_here, is_reference, name_for, namespace_of, plain_text
 from mjcompose.tree.classes import MAIN, ORIENTATIONS
 from mjcompose.tree.edit import NewName, Removal, Renaming, assign, is_section, replace, unlistable_message
 from mjcompose.tree.files import NAMED_AFTER_FILE, stem
@@ -33,10 +33,9 @@ def remove(model: Model, node: Node, cascade: bool) -> None:
     if node is model.unit.root:
         help = "`detach()` removes an attached model from the model that it is attached to"
         raise failure("not-supported", "the root of a model cannot be removed", help=help)
-    removal = Removal.of([(model, node)]).with_referrers() if cascade else None
-    if removal is not None:
-        removal.drop_references()
-    for here, going in removal.going if removal is not None else ((model, node),):
+    removal = Removal.of([(model, node)]).with_referrers() if cascade else Removal(((model, node),), ())
+    removal.drop_references()
+    for here, going in removal.going:
         _take_out(here, going)
 
 
@@ -44,8 +43,7 @@ def discard(model: Model, node: Node) -> None:
     """Remove a node and everything below it from the model's indexes, before it is removed from the tree."""
     for each in node.iter("*"):
         model.forget(each)
-        view = model.views.pop(each, None)
-        if view is not None:
+        if (view := model.views.pop(each, None)) is not None:
             view._take_out()
         model.unit.origins.owners.pop(each, None)
         model.unit.origins.settings.pop(each, None)
@@ -127,10 +125,8 @@ def check(
         except BadValue as fault:
             raise _bad_value(kind, attribute, fault, model=model, name=values.get("name"), node=node) from None
         edit.texts[attribute.name] = text
-        if text is None:
-            written.pop(attribute.name, None)
-        else:
-            written[attribute.name] = text
+        written.pop(attribute.name, None)
+        written |= {} if text is None else {attribute.name: text}
     edit.texts = {attribute.name: edit.texts[attribute.name] for attribute in attributes.values()}
     turned = [name for name in ORIENTATIONS if edit.texts.get(name)]
     if len(turned) > 1:
@@ -162,12 +158,8 @@ def _text(
             raise BadValue("expects one element, got a list")
         namespace = namespace_of(attribute, written)
         names = [value] if isinstance(value, Target) else list(value)  # type: ignore[call-overload]
-        texts = [
-            name_for(model, attribute, each, namespace=namespace, given=edit.given)
-            if isinstance(each, Target)
-            else encode(attribute, each)
-            for each in names
-        ]
+        name_of = partial(name_for, model, attribute, namespace=namespace, given=edit.given)
+        texts = [name_of(each) if isinstance(each, Target) else encode(attribute, each) for each in names]
         if isinstance(value, Target) and model.prefix_of(value.model) is None:
             edit.awaited[attribute.name] = value, texts[0]
         return " ".join(texts)
@@ -207,8 +199,7 @@ def create(model: Model, parent: Node, tag: str, edit: Edit, position: int | Non
     _prepare(model, edit)
     attributes = {name: text for name, text in edit.texts.items() if text is not None}
     node = parent.makeelement(tag, attributes)
-    later = None if position is None else _child_at(parent, position)
-    if later is None:
+    if (later := None if position is None else _child_at(parent, position)) is None:
         parent.append(node)
     else:
         later.addprevious(node)
@@ -268,11 +259,12 @@ def _check_name(model: Model, kind: ElementType, edit: Edit, node: Node | None, 
     taken = model.top.lookup(namespace, model.full_prefix + name)
     if taken is None or (taken.model is model and taken.node is node):
         return
-    is_class = namespace == "default"
-    message = f"another {'default class' if is_class else namespace} is called `{model.full_prefix + name}` already"
-    notes = (Note(f"{describe(taken.model, taken.node)} is here", taken.model.span(taken.node)),)
-    help = "give one of the two another name"
-    raise failure("class-clash" if is_class else "name-clash", message, notes=notes, help=help)
+    code, called = ("class-clash", "default class") if namespace == "default" else ("name-clash", namespace)
+    message, help = (
+        f"another {called} is called `{model.full_prefix + name}` already",
+        "give one of the two another name",
+    )
+    raise failure(code, message, notes=(is_here(taken),), help=help)
 
 
 def check_lists(renaming: Renaming[Model]) -> None:
@@ -286,16 +278,12 @@ def check_lists(renaming: Renaming[Model]) -> None:
 def _bad_value(
     kind: ElementType, attribute: Attribute, fault: BadValue, model: Model, name: object, node: Node | None
 ) -> MjcfError:
-    if node is not None:
-        what = describe(model, node)
-    else:
-        what = f"`<{kind.tag}>` `{name}`" if isinstance(name, str) else f"`<{kind.tag}>`"
-    refusal = fault.refusal
-    help = None
+    what = f"`<{kind.tag}>`" + (f" `{name}`" if isinstance(name, str) else "")
+    what = what if node is None else describe(model, node)
+    refusal, help = fault.refusal, None
+    code = "wrong-length" if refusal.is_length else "wrong-type"
     if attribute.type in ("keyword", "keywords"):
         code = "wrong-keyword"
         if refusal.unknown is not None and refusal.advice is None:
             help = did_you_mean(refusal.unknown, attribute.keywords)
-    else:
-        code = "wrong-length" if refusal.is_length else "wrong-type"
     return failure(code, f"`{spoken(attribute.name)}` of {what} {refusal}", help=help)

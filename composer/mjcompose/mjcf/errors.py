@@ -45,10 +45,8 @@ class MjcfWarning(UserWarning):
 
 
 _OF_CODES: dict[str, type[MjcfError]] = {
-    "file-not-found": MjcfFileNotFoundError,
-    "file-unreadable": MjcfFileError,
-    "asset-missing": MjcfFileNotFoundError,
-}
+    "file-not-found": MjcfFileNotFoundError, "file-unreadable": MjcfFileError, "asset-missing": MjcfFileNotFoundError,
+}  # fmt: skip
 
 
 def failure(
@@ -79,12 +77,8 @@ def unknown_tag(tag: object, message: str, known: Iterable[str]) -> MjcfError:
     names = sorted(known)
     written = tag if isinstance(tag, str) else None
     near = closest(written, names) if written else []
-    return failure(
-        "unknown-element",
-        message,
-        notes=(exists_note("element", names, written),),
-        help=TAGS.get(str(tag)) or (f"did you mean `{near[0]}`?" if near else None),
-    )
+    help = TAGS.get(str(tag)) or (f"did you mean `{near[0]}`?" if near else None)
+    return failure("unknown-element", message, notes=(exists_note("element", names, written),), help=help)
 
 
 def no_attribute(kind: ElementType, name: str, members: Iterable[str] = ()) -> MjcfError:
@@ -111,8 +105,9 @@ ATTRIBUTES = {
     "namescope": "`root` is the model of an element, `find` and `enter_scope` look by name",
     "prefixed_identifier": "`full_identifier` is the name in the output",
     "resolve_references": "references are always resolved",
-    "to_xml": "`str(element)` is its text, `root.to_xml_string()` the whole composition",
-    "to_xml_string": "`str(element)` is its text, `root.to_xml_string()` the whole composition",
+    **dict.fromkeys(
+        ("to_xml", "to_xml_string"), "`str(element)` is its text, `root.to_xml_string()` the whole composition"
+    ),
 }
 """Members of its elements, and what to write instead."""
 

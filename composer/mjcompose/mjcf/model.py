@@ -9,6 +9,7 @@ from html import escape
 from threading import Lock
 from typing import Any, ClassVar, NamedTuple
 
+from lxml import etree
 from lxml.etree import _Element as Node
 
 from mjcompose.base.dataclass import dataclass
@@ -125,10 +126,7 @@ class Model:
 
     @property
     def top(self) -> Model:
-        model = self
-        while model.hung is not None:
-            model = model.hung.parent
-        return model
+        return [self, *self.ancestors()][-1]
 
     def ancestors(self) -> Iterator[Model]:
         """Yield the models above this one, the nearest first."""
@@ -137,16 +135,21 @@ class Model:
             model = model.hung.parent
             yield model
 
-    def levels(self) -> Iterator[tuple[Model, str]]:
-        """Yield this model and those that may refer to it, each with the prefix that this model's names have there.
-
-        These are the models above it, and of the others in the composition those that refer to something outside.
-        """
+    def ways_up(self) -> Iterator[tuple[Model, str]]:
+        """Yield this model and those above it, each with the prefix that this model's names have there."""
         model, prefix = self, ""
         yield model, prefix
         while model.hung is not None:
             model, prefix = model.hung.parent, model.prefix + prefix
             yield model, prefix
+
+    def levels(self) -> Iterator[tuple[Model, str]]:
+        """Yield this model and those that may refer to it, each with the prefix that this model's names have there.
+
+        These are the models above it, and of the others in the composition those that refer to something outside.
+        """
+        yield from self.ways_up()
+        model = self.top
         if not LEADING_OUT or not model.attachments:
             return
         # Models of this composition that refer to something outside of themselves, cached while nothing changes.
@@ -176,10 +179,7 @@ class Model:
         """Return the only child with this tag. If there is none, create it."""
         with self.lock:
             found = next(node.iterchildren(tag), None)
-            if found is None:
-                found = node.makeelement(tag)
-                node.append(found)
-        return found
+            return etree.SubElement(node, tag) if found is None else found
 
     def attachment_of(self, frame: Node) -> Attachment:
         """Return the attachment that a frame belongs to."""
@@ -187,21 +187,17 @@ class Model:
 
     def frame_above(self, node: Node) -> Node | None:
         """Return the attachment frame that a node is or is in, or None for a node of the model's own tree."""
-        if not self.attachments:
-            return None
-        while (parent := node.getparent()) is not None:
-            node = parent
-        return None if node is self.unit.root else node
+        top = [node, *node.iterancestors()][-1] if self.attachments else self.unit.root
+        return None if top is self.unit.root else top
 
     def has(self, node: Node) -> bool:
         """Return whether a node is in the model's tree or in one of its attachment frames."""
-        while (parent := node.getparent()) is not None:
-            node = parent
-        return node is self.unit.root or any(each.frame is node for each in self.attachments.values())
+        top = [node, *node.iterancestors()][-1]
+        return top is self.unit.root or any(each.frame is top for each in self.attachments.values())
 
-    def span(self, node: Node) -> Span:
-        """Return where a node came from: a place in a file, or the line of the program that added it."""
-        return self.unit.origins.span(node, self.unit.file)
+    def span(self, node: Node, attribute: str | None = None) -> Span:
+        """Return where a node or its attribute came from: a place in a file, or the line of the program that set it."""
+        return self.unit.origins.span(node, self.unit.file, attribute)
 
     def split(self, name: str) -> Iterator[tuple[Attachment, str]]:
         """Yield each attachment whose prefix the name begins with, and the rest of the name."""
@@ -238,7 +234,6 @@ class Model:
         return None if found is None else found.node
 
     def known_names(self, namespace: str) -> Iterator[str]:
-        """Yield every name of a namespace that this model can refer to."""
         yield from self.names.declared.get(namespace, ())
         for prefix, attachment in self.attachments.items():
             if namespace == "body" and attachment.is_body:
@@ -291,20 +286,16 @@ class Model:
         """Return the namespace and name of a node in this model, or None if it has no name."""
         if node.tag == WORLD_SECTION:
             return "body", WORLD
-        kind = kind_of(node)
-        attribute = naming_attribute(kind)
-        if node.getparent() is self.unit.root and kind.tag == "default":
+        if node.getparent() is self.unit.root and node.tag == "default":
             return "default", MAIN
-        frame = self.frame_above(node)
-        if frame is not None:
+        attribute = naming_attribute(kind_of(node))
+        if (frame := self.frame_above(node)) is not None:
             prefix = self.attachment_of(frame).child.prefix
             if node is frame:
                 return "body", prefix
             return ("joint", prefix + str(node.get("name") or "")) if attribute else None
-        if attribute is None or attribute.declares is None:
-            return None
-        name = own_name(node, attribute.name)
-        return None if name is None else (attribute.declares, name)
+        name = None if attribute is None else own_name(node, attribute.name)
+        return None if attribute is None or attribute.declares is None or name is None else (attribute.declares, name)
 
     def seen_from(self, other: Model, node: Node) -> str | None:
         """Return the name of a node in `other`, a model of the same composition, or None if it has no name there."""
@@ -312,31 +303,20 @@ class Model:
         prefix = None if declared is None else other.prefix_of(self)
         if declared is None or prefix is None:
             return None
-        namespace, name = declared
-        if self is not other and (namespace, name) == ("body", WORLD):
-            return prefix + WORLD if self.hung is None else None
-        if namespace == "default" and prefix.startswith(UP):
-            return None  # a class is looked up in its own model alone
-        if self is not other and (namespace, name) == ("default", MAIN):
-            name = ""
-        return prefix + name
+        is_attached_world = self is not other and self.hung is not None and declared == ("body", WORLD)
+        # A class is looked up in its own model alone.
+        if is_attached_world or (declared[0] == "default" and prefix.startswith(UP)):
+            return None
+        return prefix if self is not other and declared == ("default", MAIN) else prefix + declared[1]
 
     def prefix_of(self, other: Model) -> str | None:
         """Return the prefix that the names of `other` have in this model, or None if they are not in one composition.
 
         `../` is the model that this one is attached to: a model next to this one is `../ball/`.
         """
-        down: dict[Model, str] = {other: ""}
-        model, prefix = other, ""
-        while model.hung is not None:
-            model, prefix = model.hung.parent, model.prefix + prefix
-            down[model] = prefix
-        up = ""
-        for here in (self, *self.ancestors()):
-            if here in down:
-                return up + down[here]
-            up += UP
-        return None
+        down = dict(other.ways_up())
+        ways = (UP * depth + down[each] for depth, each in enumerate((self, *self.ancestors())) if each in down)
+        return next(ways, None)
 
     def note(self, node: Node) -> None:
         """Add the names of a new or changed node to the index."""
@@ -361,9 +341,8 @@ def page(model: Model, node: Node) -> str:
     """
     lines: list[str] = []
     left = _tree(model, node, lines, left=SHOWN, depth=0)
-    if left < 0:
-        lines.append(f"<div>… and {-left} more elements</div>")
-    return f'<div style="{_STYLE}">{"".join(lines)}</div>'
+    more = f"<div>… and {-left} more elements</div>" if left < 0 else ""
+    return f'<div style="{_STYLE}">{"".join(lines)}{more}</div>'
 
 
 def _tree(model: Model, node: Node, lines: list[str], left: int, depth: int) -> int:
@@ -379,12 +358,9 @@ def _tree(model: Model, node: Node, lines: list[str], left: int, depth: int) -> 
     left -= 1
     children = list(node.iterchildren("*"))
     attached = [each for each in model.attachments.values() if each.host is node]
-    attributes = "".join(
-        f' {escape(str(name))}=<span style="color: #067d17">"{escape(str(value))}"</span>'
-        for name, value in node.items()
-    )
-    weight = "font-weight: bold; " if node.tag in (ROOT, "body") else ""
-    end = "" if children or attached else "/"
+    written = ((escape(str(name)), escape(str(value))) for name, value in node.items())
+    attributes = "".join(f' {name}=<span style="color: #067d17">"{value}"</span>' for name, value in written)
+    weight, end = "font-weight: bold; " * (node.tag in (ROOT, "body")), "" if children or attached else "/"
     name = f'<span style="{weight}color: #0033b3">{escape(str(node.tag))}</span>'
     tag = f"&lt;{name}{attributes}{end}&gt;"
     if not children and not attached:
@@ -407,6 +383,5 @@ def _tree(model: Model, node: Node, lines: list[str], left: int, depth: int) -> 
 def _count(model: Model, node: Node) -> int:
     """Return the number of elements in a node's subtree, including the models attached there."""
     hanging = (each for each in model.attachments.values() if node in (each.host, *each.host.iterancestors()))
-    return sum(1 for _ in node.iter("*")) + sum(
-        len(each.frame) + _count(each.child, each.child.unit.root) for each in hanging
-    )
+    inner = sum(len(each.frame) + _count(each.child, each.child.unit.root) for each in hanging)
+    return inner + sum(1 for _ in node.iter("*"))

@@ -6,29 +6,21 @@ import math
 import os
 import re
 from collections.abc import Mapping
+from itertools import count
 from typing import Any
 
 import numpy as np
 from lxml.etree import _Element as Node
 
+from mjcompose.base.diagnostic import Note
 from mjcompose.mjcf.model import Model, Target
+from mjcompose.tree import values
 from mjcompose.tree.classes import ORIENTATIONS
 from mjcompose.tree.edit import assign
 from mjcompose.tree.grammar import GRAMMAR, Attribute, number_text, to_text
 from mjcompose.tree.names import UP, WORLD, word
 from mjcompose.tree.select import kind_of
-from mjcompose.tree.values import (
-    INT_MAX,
-    NOT_XML,
-    Refusal,
-    check_length,
-    check_python,
-    check_value,
-    expected,
-    items,
-    parse_real,
-    plain,
-)
+from mjcompose.tree.values import INT_MAX, NOT_XML, Refusal, expected, items, parse_real, plain
 
 # Types whose values may be text as XML writes it; numbers may be text too.
 _WRITTEN = ("bool", "keyword", "keywords", "references")
@@ -41,7 +33,6 @@ _FINITE = frozenset(
 _DECIMALS = re.compile(
     r"[ \t\n\r]*(?:[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?(?:[ \t\n\r]+|$))+", re.ASCII
 )
-_BOOLEANS = {True: "true", False: "false"}
 
 
 class BadValue(ValueError):
@@ -58,18 +49,17 @@ def encode(attribute: Attribute, value: object) -> str:
     Numbers are written so that they read back to the same bits. If the attribute has no fixed length, an array of
     more than one dimension is written row by row.
     """
-    quick = plain_text(attribute, value)
-    if quick is not None:
+    if (quick := plain_text(attribute, value)) is not None:
         return quick
     if isinstance(value, os.PathLike) and attribute.type == "file":
         value = os.fspath(value)
     if isinstance(value, str):
         written = attribute.is_number or attribute.type in _WRITTEN
-        fault = check_value(attribute, value) if written else check_python(attribute, value)
+        fault = (values.check_value if written else values.check_python)(attribute, value)
         text = value
     else:
         value = _flat(attribute, value)
-        fault = check_python(attribute, value)
+        fault = values.check_python(attribute, value)
         text = "" if fault else to_text(attribute, value)
     if fault is not None:
         raise BadValue(fault)
@@ -79,8 +69,7 @@ def encode(attribute: Attribute, value: object) -> str:
             raise BadValue("expects numbers, got `nan`")
         if math.isinf(number) and attribute.name in _FINITE:
             raise BadValue(f"expects finite numbers, got `{item}`")
-    unwritable = NOT_XML.search(text)
-    if unwritable:
+    if unwritable := NOT_XML.search(text):
         raise BadValue(f"has the character {unwritable.group()!r}, which XML cannot hold")
     return text
 
@@ -93,10 +82,9 @@ def decode(attribute: Attribute, text: str) -> object:
     """
     if attribute.type == "real" and _DECIMALS.fullmatch(text):
         decimals = list(map(float, text.split()))
-        if check_length(attribute, len(decimals)) is None and not any(map(math.isinf, decimals)):
+        if values.check_length(attribute, len(decimals)) is None and not any(map(math.isinf, decimals)):
             return np.float64(decimals[0]) if attribute.max_length == 1 else np.array(decimals)
-    fault = check_value(attribute, text)
-    if fault is not None:
+    if (fault := values.check_value(attribute, text)) is not None:
         raise BadValue(fault)
     if attribute.type == "bool":
         return text == "true"
@@ -114,7 +102,7 @@ def plain_text(attribute: Attribute, value: object) -> str | None:
     if attribute.type == "keyword":
         return value if type(value) is str and value in attribute.keywords else None
     if attribute.type == "bool":
-        return _BOOLEANS[value] if type(value) is bool else None
+        return str(value).lower() if type(value) is bool else None
     if not attribute.is_number:
         return None
     numbers: Any = value.tolist() if isinstance(value, np.ndarray | np.generic) else value
@@ -122,7 +110,7 @@ def plain_text(attribute: Attribute, value: object) -> str | None:
         numbers = (numbers,)
     elif (type(numbers) is not list and type(numbers) is not tuple) or attribute.max_length == 1:
         return None
-    if check_length(attribute, len(numbers)) is not None:
+    if values.check_length(attribute, len(numbers)) is not None:
         return None
     texts = []
     for number in numbers:
@@ -189,37 +177,29 @@ def name_for(
         raise BadValue(f"expects {word(namespace, article=True)}, got {describe_target(target)}")
     if declared is None and kind.family is None:
         raise BadValue(f"got {describe_target(target)}, which nothing can refer to")
-    if declared is None:
-        own = given.get(target) or _free_name(target, str(kind.family), given)
-        given[target] = own
-    else:
-        own = declared[1]
-    way = model.prefix_of(target.model)
+    if declared is None and target not in given:
+        given[target] = _free_name(target, str(kind.family), given)
+    own = given[target] if declared is None else declared[1]
+    way, got = model.prefix_of(target.model), f"got {describe_target(target)}"
     if way is None and attribute.type != "references" and namespace != "default" and own != WORLD:
         return f"{UP}{target.model.full_prefix or target.model.prefix}{own}"
     if way is None:
-        raise BadValue(
-            f"got {describe_target(target)} of the model `{target.model.name}`, which is not attached to `{model.name}`"
-        )
+        raise BadValue(f"{got} of the model `{target.model.name}`, which is not attached to `{model.name}`")
     name = way + own if declared is None else target.model.seen_from(model, node)
     if name is None:
-        raise BadValue(
-            f"got {describe_target(target)} of the model `{target.model.name}`, which `{model.name}` cannot refer to"
-        )
+        raise BadValue(f"{got} of the model `{target.model.name}`, which `{model.name}` cannot refer to")
     if attribute.type == "references" and len(name.split()) != 1:
-        raise BadValue(f"got {describe_target(target)}, but a list of names cannot hold one with a space")
+        raise BadValue(f"{got}, but a list of names cannot hold one with a space")
     return name
 
 
 def _free_name(target: Target, namespace: str, given: Mapping[Target, str]) -> str:
     """Return an unused name in the style of `dm_control`, such as `unnamed_joint_0`."""
-    model = target.model
-    number = len(model.names.declared.get(namespace, ()))
-    while True:
-        name = f"unnamed_{namespace}_{number}"
-        if name not in given.values() and model.top.lookup(namespace, model.full_prefix + name) is None:
-            return name
-        number += 1
+    model, taken = target.model, set(given.values())
+    names = (f"unnamed_{namespace}_{number}" for number in count(len(model.names.declared.get(namespace, ()))))
+    return next(
+        each for each in names if each not in taken and model.top.lookup(namespace, model.full_prefix + each) is None
+    )
 
 
 def resolved(model: Model, attribute: Attribute, node: Node, text: str) -> list[Target | str]:
@@ -255,10 +235,12 @@ def describe_target(target: Target) -> str:
     return describe(target.model, target.node)
 
 
+def is_here(target: Target) -> Note:
+    return Note(f"{describe_target(target)} is here", target.model.span(target.node))
+
+
 def describe(model: Model, node: Node) -> str:
     """Return the description of an element for messages: its tag, and its name if it has one."""
-    if not model.has(node):
-        return f"`<{node.tag}>`" + (f" `{node.get('name')}`" if node.get("name") else "")
-    declared = model.declared(node)
-    named = f" `{declared[1]}`" if declared and declared[1] != WORLD else ""
+    declared = model.declared(node) if model.has(node) else ("", str(node.get("name") or ""))
+    named = f" `{declared[1]}`" if declared and declared[1] not in ("", WORLD) else ""
     return f"`<{node.tag}>`{named}"

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-import copy as copy_module
+import copy
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import field, replace
 from functools import cached_property
 from itertools import pairwise
@@ -40,10 +41,8 @@ def set_line(element: Node, line: int | None) -> None:
 def element_at(root: Node, text: bytes, line: int) -> Node | None:
     """Return the element of `root` whose start tag is on that line of `text`, which was written from `root`."""
     read = etree.fromstring(text, etree.XMLParser(remove_blank_text=True, huge_tree=True))
-    for written, element in zip(read.iter("*"), root.iter("*"), strict=False):
-        if written.sourceline == line:
-            return element
-    return None
+    pairs = zip(read.iter("*"), root.iter("*"), strict=False)
+    return next((element for written, element in pairs if written.sourceline == line), None)
 
 
 @dataclass(eq=False, slots=True)
@@ -61,12 +60,10 @@ class FileText:
         """Return the text in lines, without any if the file cannot be read."""
         if self._split is None:
             contents = self.contents
-            if contents is None:
-                try:
-                    contents = b"" if self.path is None else read_regular(self.path)
-                except OSError:
-                    contents = b""
-            self._split = SourceText(contents)
+            if contents is None and self.path is not None:
+                with suppress(OSError):
+                    contents = read_regular(self.path)
+            self._split = SourceText(contents or b"")
         return self._split
 
 
@@ -188,13 +185,9 @@ class Origins:
 
     def owner(self, element: Node, default_file: str) -> str | Span | Place:
         """Return the place in a recipe that wrote the element, or the file that contains it."""
-        node: Node | None = element
-        while node is not None:
-            owner = self.owners.get(node)
-            if owner is not None:
-                return owner
-            node = node.getparent()
-        return default_file
+        while (owner := self.owners.get(element)) is None and (above := element.getparent()) is not None:
+            element = above
+        return default_file if owner is None else owner
 
     def span(self, element: Node, default_file: str, attribute: str | None = None, *, key: bool = False) -> Span:
         """Return the place to show for `element`: its start tag.
@@ -226,41 +219,28 @@ class Origins:
         key: bool = False,
     ) -> Span:  # fmt: skip
         """Return the start tag of the element that ends on that line of a file, or the place of its attribute."""
-        if line is None:
-            return Span(file, 1, 1)
-        text = self.text(file)
-        found = None
-        if text is not None:
+        text, found = self.text(file), None
+        if text is not None and line is not None:
             if attribute is not None:
                 found = text.attribute(tag, line, written, name=attribute, key=key)
             found = found or text.element(tag, line, written)
         if found is None:
-            return Span(file, line, 1)
+            return Span(file, line or 1, 1)
         return Span(file, found.line, found.column, end_line=found.line, end_column=found.end_column)
 
     def adopt(self, other: Origins) -> None:
         """Add the data of elements that have moved here from another tree."""
-        self.owners.update(other.owners)
-        self.texts.update(other.texts)
-        self.settings.update(other.settings)
-        self.renamed.update(other.renamed)
-        self.keys.update(other.keys)
-        self.unread |= other.unread
+        for name in ("owners", "texts", "settings", "renamed", "keys", "unread"):
+            getattr(self, name).update(getattr(other, name))
 
     def carried(self, old: Node, new: Node) -> Origins:
         """Return the same data for `new`, a deep copy of `old`."""
         found = Origins(texts=dict(self.texts), unread=set(self.unread), size=self.size)
-        if not (self.owners or self.settings or self.renamed or self.keys):
-            return found
-        for node, copy in zip(old.iter(), new.iter(), strict=True):
-            if node in self.owners:
-                found.owners[copy] = self.owners[node]
-            if node in self.settings:
-                found.settings[copy] = dict(self.settings[node])
-            if node in self.renamed:
-                found.renamed[copy] = list(self.renamed[node])
-            if node in self.keys:
-                found.keys[copy] = self.keys[node]
+        tables = [(getattr(self, name), getattr(found, name)) for name in ("owners", "settings", "renamed", "keys")]
+        for node, twin in zip(old.iter(), new.iter(), strict=True) if any(known for known, _ in tables) else ():
+            for known, kept in tables:
+                if (each := known.get(node)) is not None:
+                    kept[twin] = each.copy() if isinstance(each, dict | list) else each
         return found
 
     def count(self, more: int, most: int) -> None:
@@ -325,8 +305,7 @@ class PartKeys(NamedTuple):
 def counterpart(node: Node, root: Node, copied: Node) -> Node:
     """Return the node of `copied`, a deep copy of `root`, at the position of `node` below `root`."""
     path = [node, *node.iterancestors()]
-    path = path[: path.index(root) + 1]
-    for below, above in reversed(list(pairwise(path))):
+    for below, above in reversed(list(pairwise(path[: path.index(root) + 1]))):
         copied = copied[above.index(below)]
     return copied
 
@@ -342,11 +321,9 @@ _RANK = {tag: rank for rank, tag in enumerate(_SECTIONS)}
 def place_of(root: Node, tag: str) -> int:
     """Return the index of a new section among the children of `root`: behind all that conventionally precede it."""
     rank = _RANK.get(tag, len(_RANK))
-    at = 0
-    for index, child in enumerate(root):
-        if isinstance(child.tag, str) and _RANK.get(child.tag, 0) <= rank:
-            at = index + 1
-    return at
+    before = (child for child in root.iterchildren("*", reversed=True) if _RANK.get(str(child.tag), 0) <= rank)
+    last = next(before, None)
+    return 0 if last is None else root.index(last) + 1
 
 
 @dataclass(eq=False)
@@ -390,8 +367,7 @@ class Unit:
         """Remove compiler settings from the unit in favor of MuJoCo's defaults, and read the rest again."""
         for compiler in self.root.iterchildren("compiler"):
             for name in names:
-                if name in compiler.attrib:
-                    del compiler.attrib[name]
+                compiler.attrib.pop(name, "")
         self.__dict__.pop("settings", None)
 
     @property
@@ -400,7 +376,7 @@ class Unit:
 
     def copied(self) -> Unit:
         """Return a deep copy that shares only file contents."""
-        root = copy_module.deepcopy(self.root)
+        root = copy.deepcopy(self.root)
         origins = self.origins.carried(self.root, root)
         header = tuple(root[self.root.index(comment)] for comment in self.header)
         unit = replace(self, root=root, origins=origins, header=header)

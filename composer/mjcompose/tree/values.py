@@ -64,12 +64,10 @@ def parse_real(text: str) -> float | None:
     lower = text.lower()
     if "nan" in lower:
         return math.nan
-    if "0x" in lower:
-        try:
-            return float.fromhex(text)
-        except OverflowError:
-            return None
-    value = float(text)
+    try:
+        value = float.fromhex(text) if "0x" in lower else float(text)
+    except OverflowError:
+        return None
     return None if math.isinf(value) and "inf" not in lower else value
 
 
@@ -79,9 +77,7 @@ def parse_int(text: str) -> int | None:
     >>> parse_int("010"), parse_int("1.0"), parse_int("2147483648")
     (10, None, None)
     """
-    if INTEGER.fullmatch(text) is None:
-        return None
-    value = int(text)
+    value = int(text) if INTEGER.fullmatch(text) is not None else INT_MAX + 1
     return value if INT_MIN <= value <= INT_MAX else None
 
 
@@ -131,11 +127,9 @@ def check_value(attribute: Attribute, text: str) -> Refusal | None:
         return None  # an empty value is the same as no attribute
     if kind == "keywords":
         return check_words(attribute, parts)
-    for part in parts:
-        number = parse_int(part) if kind == "int" else parse_real(part)
-        if number is None:
-            return refused_number(attribute, part)
-    return check_length(attribute, len(parts))
+    parse = parse_int if kind == "int" else parse_real
+    wrong = next((part for part in parts if parse(part) is None), None)
+    return check_length(attribute, len(parts)) if wrong is None else refused_number(attribute, wrong)
 
 
 def check_python(attribute: Attribute, value: object) -> Refusal | None:
@@ -151,14 +145,11 @@ def check_python(attribute: Attribute, value: object) -> Refusal | None:
         return check_numbers(attribute, value)
     if kind == "bool":
         return None if isinstance(value, bool) else Refusal(f"expects `true` or `false`, got `{show(value)}`")
-    if kind == "keyword":
-        word = keyword_text(value)
-        if word is None:
-            return Refusal(f"expects {expected(attribute)}, got {article(value)}")
+    if kind == "keyword" and (word := keyword_text(value)) is not None:
         return None if word in attribute.keywords else unknown_keyword(attribute, word)
     if kind in ("keywords", "references"):
         return check_list(attribute, value)
-    if isinstance(value, bool | int | float):
+    if isinstance(value, bool | int | float) and kind != "keyword":
         text = show(value)
         return Refusal(f"expects {expected(attribute)}, got {article(value)} `{text}`", hint=f"quote it: '{text}'")
     if not isinstance(value, str):
@@ -186,18 +177,17 @@ def check_numbers(attribute: Attribute, value: object) -> Refusal | None:
 
 def check_number(attribute: Attribute, value: object) -> Refusal | None:
     """Check one number, on its own or in a list."""
-    noun = "an integer" if attribute.type == "int" else "a number"
-    prefix = "expects" if attribute.max_length == 1 else "expects every item to be"
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        return Refusal(f"{prefix} {noun}, got `{show(value)}`")
-    if attribute.type == "int":
-        if isinstance(value, float) and not value.is_integer():
-            return Refusal(f"{prefix} {noun}, got `{show(value)}`")
-        if not INT_MIN <= value <= INT_MAX:
-            return Refusal(f"{prefix} {noun} of 32 bits, got `{show(value)}`")
-    elif isinstance(value, int) and abs(value) > 2**1023:
-        return Refusal(f"{prefix} {noun}, got one that is too large")
-    return None
+    is_int = attribute.type == "int"
+    wanted = "expects" if attribute.max_length == 1 else "expects every item to be"
+    wanted += " an integer" if is_int else " a number"
+    is_number = isinstance(value, int | float) and not isinstance(value, bool)
+    if not is_number or (is_int and isinstance(value, float) and not value.is_integer()):
+        return Refusal(f"{wanted}, got `{show(value)}`")
+    assert isinstance(value, int | float)
+    if is_int and not INT_MIN <= value <= INT_MAX:
+        return Refusal(f"{wanted} of 32 bits, got `{show(value)}`")
+    is_too_large = not is_int and isinstance(value, int) and abs(value) > 2**1023
+    return Refusal(f"{wanted}, got one that is too large") if is_too_large else None
 
 
 def check_list(attribute: Attribute, value: object) -> Refusal | None:
@@ -224,27 +214,23 @@ def check_list(attribute: Attribute, value: object) -> Refusal | None:
 
 def check_words(attribute: Attribute, words: Sequence[str]) -> Refusal | None:
     """Check several keywords: whether they are unknown, repeated, or out of order."""
-    for word in words:
-        if word not in attribute.keywords:
-            return unknown_keyword(attribute, word)
-    for index, word in enumerate(words):
-        if word in words[:index]:
-            return Refusal(f"has `{word}` twice")
-    places = [attribute.keywords.index(word) for word in words]
-    if attribute.ordered and places != sorted(places):
-        right = ", ".join(sorted(words, key=attribute.keywords.index))
-        return Refusal(f"expects its keywords in the order [{right}]")
+    if (unknown := next((word for word in words if word not in attribute.keywords), None)) is not None:
+        return unknown_keyword(attribute, unknown)
+    if (again := next((word for at, word in enumerate(words) if word in words[:at]), None)) is not None:
+        return Refusal(f"has `{again}` twice")
+    right = sorted(words, key=attribute.keywords.index)
+    if attribute.ordered and right != list(words):
+        return Refusal(f"expects its keywords in the order [{', '.join(right)}]")
     return check_length(attribute, len(words))
 
 
 def check_characters(attribute: Attribute, text: str) -> Refusal | None:
     """Check a string with a limited number of characters."""
-    low, high = attribute.min_length, attribute.max_length
-    if (low is None or len(text) >= low) and (high is None or len(text) <= high):
-        letters = _LETTERS.get(attribute.name, text)
-        odd = next((each for each in text if each not in letters), None)
-        return None if odd is None else Refusal(f"expects letters of `{letters}`, got `{odd}`")
-    return Refusal(f"expects {counted(attribute, 'character')}, got {len(text)}", is_length=True)
+    if check_length(attribute, len(text)) is not None:
+        return Refusal(f"expects {counted(attribute, 'character')}, got {len(text)}", is_length=True)
+    letters = _LETTERS.get(attribute.name, text)
+    odd = next((each for each in text if each not in letters), None)
+    return None if odd is None else Refusal(f"expects letters of `{letters}`, got `{odd}`")
 
 
 def check_length(attribute: Attribute, count: int) -> Refusal | None:
@@ -257,14 +243,12 @@ def check_length(attribute: Attribute, count: int) -> Refusal | None:
 
 def expected(attribute: Attribute) -> str:
     """Return a noun phrase for the attribute's values: `3 numbers`, `a name`, `1 to 6 numbers`."""
-    kind = attribute.type
-    if kind in ("real", "int"):
-        return counted(attribute, "number" if kind == "real" else "integer")
+    if attribute.is_number:
+        return counted(attribute, "number" if attribute.type == "real" else "integer")
     return {
-        "bool": "`true` or `false`", "keyword": "a keyword", "keywords": "a list of keywords",
-        "chars": "text", "file": "a file name", "name": "a name", "reference": "a name",
-        "references": "a list of names",
-    }.get(kind, "text")  # fmt: skip
+        "bool": "`true` or `false`", "keyword": "a keyword", "keywords": "a list of keywords", "file": "a file name",
+        "name": "a name", "reference": "a name", "references": "a list of names",
+    }.get(attribute.type, "text")  # fmt: skip
 
 
 def counted(attribute: Attribute, noun: str) -> str:
@@ -287,13 +271,11 @@ def unknown_keyword(attribute: Attribute, word: str) -> Refusal:
     choices = either(attribute.keywords) if is_short else "a keyword"
     if not word:
         return Refusal(f"expects {choices}, got nothing", unknown=word, lists_keywords=is_short)
-    near = word.strip().lower()
-    for keyword in attribute.keywords:
-        if keyword.lower() == near:
-            return Refusal(f"has no keyword `{shorten(word)}`", unknown=word, hint=f"it is spelled `{keyword}`")
-    if is_short:
+    meant = next((each for each in attribute.keywords if each.lower() == word.strip().lower()), None)
+    if is_short and meant is None:
         return Refusal(f"expects {choices}, got `{shorten(word)}`", unknown=word, lists_keywords=True)
-    return Refusal(f"has no keyword `{shorten(word)}`", unknown=word)
+    hint = None if meant is None else f"it is spelled `{meant}`"
+    return Refusal(f"has no keyword `{shorten(word)}`", unknown=word, hint=hint)
 
 
 def refused_number(attribute: Attribute, part: str) -> Refusal:

@@ -33,9 +33,7 @@ HELP = (
 
 def is_pointer(content: bytes | str) -> bool:
     """Return whether this is a Git LFS pointer instead of the file. No I/O."""
-    if isinstance(content, str):
-        return content.startswith(_POINTER)
-    return content.startswith(_POINTER.encode())
+    return content.startswith(_POINTER) if isinstance(content, str) else content.startswith(_POINTER.encode())
 
 
 BLIND = ("frame", "replicate")
@@ -100,10 +98,8 @@ def ignored(element: Node, name: str | None, unit: Unit) -> Diagnostic:
     message = f"MuJoCo ignores `{name}` of `<{element.tag}>`, which means nothing"
     near = None if kind is not None and name in kind.ignored else did_you_mean(name, known)
     notes = (exists_note("attribute", known, name),) if near else ()
-    return Diagnostic(
-        "unknown-attribute", message, span, severity=Severity.WARNING, notes=notes,
-        help=near or f"remove `{name}`",
-    )  # fmt: skip
+    help = near or f"remove `{name}`"
+    return Diagnostic("unknown-attribute", message, span, severity=Severity.WARNING, notes=notes, help=help)
 
 
 def note_unread(unit: Unit) -> None:
@@ -130,45 +126,33 @@ def report(said: str, file: str, line: int, column: int, text: str, sink: Sink) 
     said = re.sub(r", line \d+, column \d+.*", "", said, flags=re.DOTALL)
     matches = ((re.match(pattern, said), message, help) for pattern, message, help in _KNOWN)
     explained = ((found.expand(message), found.expand(help or "")) for found, message, help in matches if found)
-    message, help = next(explained, (_plain(said), ""))
-    notes: tuple[Note, ...] = ()
+    first = (said.strip().splitlines() or ["it cannot be read"])[0]
+    plain = first if first[:2].isupper() else first[:1].lower() + first[1:]
+    message, help = next(explained, (plain, ""))
+    message, notes = f"`{file}` is not XML: {message}", tuple[Note, ...]()
     if opened := _OPENED.search(said):
-        lines = text.splitlines()
-        at, tag = int(opened["line"]), opened["tag"]
+        lines, at, tag = text.splitlines(), int(opened["line"]), opened["tag"]
         begin = lines[at - 1].rfind(f"<{tag}") if 0 < at <= len(lines) else -1
         if begin >= 0:
             span = Span(file, at, begin + 1, end_line=at, end_column=begin + 2 + len(tag))
             notes = (Note(f"`<{tag}>` begins here", span),)
-    sink.error(
-        "xml-syntax", f"`{file}` is not XML: {message}", Span(file, line, column), notes=notes, help=help or None
-    )
+    sink.error("xml-syntax", message, Span(file, line, column), notes=notes, help=help or None)
 
 
 _OPENED = re.compile(r"(?:Opening and ending tag mismatch:|Premature end of data in tag|Couldn't find end of Start Tag)"
                      r" (?P<tag>\S+) line (?P<line>\d+)")  # fmt: skip
 
 
-def _plain(said: str) -> str:
-    first = (said.strip().splitlines() or ["it cannot be read"])[0]
-    return first if first[:2].isupper() else first[:1].lower() + first[1:]
-
-
 _KNOWN: tuple[tuple[str, str, str | None], ...] = (
     (r"Document is empty", "it is empty", None),
     (r"Start tag expected, '<' not found", "it does not begin with `<`", None),
-    (
-        r"Opening and ending tag mismatch: (\S+) line (\d+) and (\S+)",
-        r"`</\3>` closes a tag, but `<\1>` is still open", r"end the tag with `/>`, or write `</\1>` first",
-    ),
+    (r"Opening and ending tag mismatch: (\S+) line (\d+) and (\S+)", r"`</\3>` closes a tag, but `<\1>` is still open",
+     r"end the tag with `/>`, or write `</\1>` first"),
     (r"Premature end of data in tag (\S+)", r"`<\1>` is never closed", r"write `</\1>`"),
-    (
-        r"Couldn't find end of Start Tag (\S+)",
-        r"the tag `<\1` has no end", "end it with `>`, or with `/>` if it is empty",
-    ),
-    (
-        r"Unescaped '<' not allowed in attributes values",
-        "the value of an attribute has a `<`", "close the quote before it; a real `<` is `&lt;`",
-    ),
+    (r"Couldn't find end of Start Tag (\S+)", r"the tag `<\1` has no end",
+     "end it with `>`, or with `/>` if it is empty"),
+    (r"Unescaped '<' not allowed in attributes values", "the value of an attribute has a `<`",
+     "close the quote before it; a real `<` is `&lt;`"),
     (r"AttValue: \" or ' expected", "the value of an attribute has no quotes", 'write `name="value"`'),
     (r"AttValue: ' expected", "the value of an attribute is never closed", "add the closing quote"),
     (r"Specification mandates? value for attribute (\S+)", r"the attribute `\1` has no value", r'write `\1="…"`'),
@@ -179,20 +163,13 @@ _KNOWN: tuple[tuple[str, str, str | None], ...] = (
     (r"Extra content at the end of the document", "something follows the end of its outermost element", None),
     (r"[Ee]xcessive depth in document: (\d+)", r"elements are nested more than \1 deep", None),
     (r"CData section not finished", "a `<![CDATA[` is never closed", "close it with `]]>`"),
-    (
-        r"xmlParseCharRef: invalid|PCDATA invalid Char|[Ii]nvalid character",
-        "it has a character that XML cannot hold", "remove the character",
-    ),
+    (r"xmlParseCharRef: invalid|PCDATA invalid Char|[Ii]nvalid character", "it has a character that XML cannot hold",
+     "remove the character"),
     (r"[Ee]xpected '>'", "a tag lacks its `>`", None),
     (r"StartTag: invalid element name", "a `<` begins no tag", "a real `<` is `&lt;`"),
-    (
-        r"error parsing attribute name",
-        "a tag does not end before the next tag begins", "end it with `>`, or with `/>`",
-    ),
+    (r"error parsing attribute name", "a tag does not end before the next tag begins", "end it with `>`, or with `/>`"),
     (r"attributes construct error", "two attributes have no space between them", "put a space between"),
-    (
-        r"Input is not proper UTF-8|Invalid bytes in character encoding|switching encoding: encoder error",
-        "it is not UTF-8 text, and names no other encoding", "save the file as UTF-8",
-    ),
+    (r"Input is not proper UTF-8|Invalid bytes in character encoding|switching encoding: encoder error",
+     "it is not UTF-8 text, and names no other encoding", "save the file as UTF-8"),
 )  # fmt: skip
 """Patterns of lxml's messages, with the message and the help that they become."""

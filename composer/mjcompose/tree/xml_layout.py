@@ -12,7 +12,7 @@ from mjcompose.base.sink import Sink
 from mjcompose.tree.classes import ORIENTATIONS
 from mjcompose.tree.grammar import GRAMMAR, ElementType
 from mjcompose.tree.parse import parse_xml
-from mjcompose.tree.xml_pieces import Piece, Written, pieces, root_of
+from mjcompose.tree.xml_text import Piece, Written, pieces, root_of
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as Node
@@ -67,26 +67,25 @@ class _Layout:
         """How many line breaks are between the two."""
 
     def write(self) -> str:
-        at = 0
-        while at < len(self.parts):
-            piece = self.parts[at]
-            if piece.kind == "text" and not self.text[piece.start : piece.end].strip():
-                self.breaks = self.text.count("\n", piece.start, piece.end)
-                at += 1
-                continue
-            if piece.kind == "start":
-                at += self.start(piece, at)
-            elif piece.kind == "end":
-                self.end(piece)
-            elif piece.kind == "comment":
-                self.comment(piece)
-            elif piece.kind == "other" and self.text.startswith("<?", piece.start):
-                self.line(self.text[piece.start : piece.end])
-                self.before = piece
-            else:
-                raise Unusual("a text between elements, a CDATA section or a `<!DOCTYPE>`", piece.start)
-            self.breaks = 0
-            at += 1
+        numbered = enumerate(self.parts)
+        for at, piece in numbered:
+            text, breaks = self.text[piece.start : piece.end], 0
+            match piece.kind:
+                case "text" if not text.strip():
+                    breaks = text.count("\n")
+                case "start":
+                    for _ in range(self.start(piece, at)):
+                        next(numbered)
+                case "end":
+                    self.end(piece)
+                case "comment":
+                    self.comment(piece)
+                case "other" if text.startswith("<?"):
+                    self.line(text)
+                    self.before = piece
+                case _:
+                    raise Unusual("a text between elements, a CDATA section or a `<!DOCTYPE>`", piece.start)
+            self.breaks = breaks
         return "\n".join([*self.lines, ""])
 
     def line(self, text: str, blank: bool = False) -> None:
@@ -98,9 +97,8 @@ class _Layout:
     def start(self, piece: Piece, at: int) -> int:
         """Write a start tag, and the rest of its element if that has no elements. Return how many pieces that are."""
         around = self.kinds[-1] if self.kinds else {"mujoco": GRAMMAR.root}
-        inner = at + 1
-        while inner < len(self.parts) and self.parts[inner].kind in ("text", "cdata"):
-            inner += 1
+        rest = (each for each in range(at + 1, len(self.parts)) if self.parts[each].kind not in ("text", "cdata"))
+        inner = next(rest, len(self.parts))
         is_leaf = not piece.closed and inner < len(self.parts) and self.parts[inner].kind == "end"
         content = self.text[piece.end : self.parts[inner].start] if is_leaf else ""
         content = content if content.strip() else ""
