@@ -82,9 +82,8 @@ def with_unique_names(files: Sequence[FileUse]) -> list[tuple[FileUse, str]]:
 
 def is_inner(use: FileUse, files: Iterable[FileUse]) -> bool:
     """Return whether a file is used by a sub-model and not by the model itself."""
-    return not use.shared and any(
-        use.path.startswith(f"{each.path.removesuffix('.xml')}/") for each in files if _is_model(each)
-    )
+    folders = tuple(f"{each.path.removesuffix('.xml')}/" for each in files if _is_model(each))
+    return not use.shared and use.path.startswith(folders)
 
 
 def rename_file(element: Node, attribute: str, file: str) -> None:
@@ -133,8 +132,7 @@ def relocated_text(model: Model, label: str) -> str | None:
     files = _plain_files(unit)
     if files is None or next(empty_elements(unit), None) is not None:
         return None
-    text = to_text(unit.root)
-    moving, staying = files
+    text, (moving, staying) = to_text(unit.root), files
     if moving and (staying or text.count(_FILE) != moving):
         return None
     return _without_folders(unit, text.replace(_FILE, f"{_FILE}{ASSETS}/{label}/") if moving else text)
@@ -145,20 +143,13 @@ def _plain_files(unit: Unit) -> tuple[int, int] | None:
 
     Return None if a path has to be shortened, if two file names are equal, or if a file has to be read.
     """
-    if any(next(section.iterchildren("model"), None) is not None for section in unit.root.iterchildren("asset")):
+    files = list(file_attributes(unit.root))
+    odd = any(attribute != "file" or each.tag == "skin" or not is_plain(name) for each, attribute, name in files)
+    names = {name[name.rfind("/") + 1 :].lower() for _, _, name in files}
+    if odd or len(names) < len(files) or unit.root.find("asset/model") is not None:
         return None
-    seen = set()
-    moving = staying = 0
-    for element, attribute, name in file_attributes(unit.root):
-        tag = element.tag
-        if attribute != "file" or tag == "skin" or not is_plain(name):
-            return None
-        seen.add(name[name.rfind("/") + 1 :].lower())
-        if name.startswith(ASSETS) and is_settled(unit, tag, name):
-            staying += 1
-        else:
-            moving += 1
-    return (moving, staying) if len(seen) == moving + staying else None
+    staying = sum(name.startswith(ASSETS) and is_settled(unit, each.tag, name) for each, _, name in files)
+    return len(files) - staying, staying
 
 
 def _without_folders(unit: Unit, text: str) -> str | None:
@@ -190,24 +181,20 @@ def check_references(model: Model, sink: Sink) -> None:
     for each in model.composition():
         for (node, attribute), (target, text) in each.awaited.items():
             if node.get(attribute) == text and each.has(node):
-                message = (
-                    f"{describe(each, node)} refers by `{spoken(attribute)}` to {describe_target(target)} of the model"
-                    f" `{target.model.name}`, which is not attached to `{model.name}`"
-                )
+                refers = f"{describe(each, node)} refers by `{spoken(attribute)}` to {describe_target(target)}"
+                message = f"{refers} of the model `{target.model.name}`, which is not attached to `{model.name}`"
                 sink.error("unknown-name", message, each.span(node), help="attach it")
         depth = 0 if each is model else 1 + [*each.ancestors()].index(model)
         for namespace, uses in each.names.uses.items():
             declared = each.names.declared.get(namespace, {})  # has most of them, so it comes first
             for name, users in uses.items():
-                if name in declared or namespace == "key":
+                is_reported = each.awaited and each.awaited.keys() >= users.keys()
+                if name in declared or namespace == "key" or is_reported:
                     continue
-                if each.awaited and all(use in each.awaited for use in users):
-                    continue  # reported above
                 # A model that is written without the models above it has none of their elements.
                 if not name.startswith(UP * (depth + 1)) and resolves(each, namespace, name):
                     continue
-                heeded = [use for use in users if section_of(use[0]) != "default"]
-                if heeded:
+                if heeded := [use for use in users if section_of(use[0]) != "default"]:
                     _report(each, namespace, name, users=heeded, sink=sink)
 
 
@@ -231,15 +218,13 @@ def _report(model: Model, namespace: str, name: str, users: list[Use], sink: Sin
 
 
 # The linker's advice is for recipes; this is advice for Python.
-_RENAME = "rename one of the two, or the attached model: `child.model = '…'`"
 _HELP = {
     "option-conflict": "make the two agree, or pass `conflict='base'`, which keeps the model's own "
     "value and reports it, or `conflict='mujoco'`",
     "freejoint-on-body": "remove the free joint, or attach the model to the worldbody",
     "mocap-on-body": "attach the model to the worldbody",
     "plane-on-body": "remove the plane, or attach the model to something that does not move",
-    "name-clash": _RENAME,
-    "class-clash": _RENAME,
+    **dict.fromkeys(("name-clash", "class-clash"), "rename one of the two, or the attached model: `child.model = '…'`"),
     "keyframe-conflict": "a key has the numbers of its own model; an attached model has its own keys",
     "not-supported": None,
 }
@@ -432,7 +417,5 @@ class _NamesChecked(Sink):
 
 
 def _for_python(diagnostic: Diagnostic) -> Diagnostic:
-    if diagnostic.help is None:
-        return diagnostic
-    is_error = diagnostic.severity == "error"
+    is_error = diagnostic.severity == "error" and diagnostic.help is not None
     return replace(diagnostic, help=_HELP.get(diagnostic.code, diagnostic.help) if is_error else None)

@@ -6,6 +6,7 @@ import copy
 import os
 import posixpath
 from collections.abc import Callable, Iterator
+from itertools import count
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -176,40 +177,30 @@ def take_model(model: Model, source: Unit, element: Node) -> None:
     For a file in memory, everything in its folder is taken over too, because it may refer to files there.
     """
     file = join("", str(element.get("file")))
-    known = source.contents.get(file)
-    if not isinstance(known, bytes):
-        files: dict[str, bytes | Path] = {file: known or Path(join(str(source.directory), file))}
-        stem, suffix = posixpath.splitext(file)
-        number = 1
-        while not _are_free(model, files):
-            number += 1
-            files = {f"{stem}-{number}{suffix}": next(iter(files.values()))}
-        name = next(iter(files))
-    else:
-        beside = posixpath.dirname(file)
-        theirs = {
-            path: source.contents[path]
-            for path in (*source.contents, file)
-            if not beside or path.startswith(f"{beside}/")
-        }
-        files, number, name = theirs, 1, file
-        while not _are_free(model, files):
-            number += 1
-            folder = f"{source.label}-{number}"
-            files = {f"{folder}/{path}": content for path, content in theirs.items()}
-            name = f"{folder}/{file}"
-    element.set("file", name)
+    beside, (stem, suffix) = posixpath.dirname(file), posixpath.splitext(file)
+    in_memory = isinstance(source.contents.get(file), bytes)
+    theirs: dict[str, bytes | Path] = {file: source.source_of(file)}
+    if in_memory:
+        inside = (path for path in source.contents if not beside or path.startswith(f"{beside}/"))
+        theirs = {path: source.contents[path] for path in (*inside, file)}
+
+    def renamed(path: str, number: int) -> str:
+        if number == 1:
+            return path
+        return f"{source.label}-{number}/{path}" if in_memory else f"{stem}-{number}{suffix}"
+
+    tries = ((n, {renamed(path, n): content for path, content in theirs.items()}) for n in count(1))
+    number, files = next((n, files) for n, files in tries if _are_free(model, files))
+    element.set("file", renamed(file, number))
     add_files(model, files)
 
 
 def _are_free(model: Model, files: dict[str, bytes | Path]) -> bool:
     """Return whether none of these paths is used by a different file."""
     directory, known = str(model.unit.directory), dict(model.unit.contents)
-    for path, content in files.items():
-        there = Path(join(directory, path))
-        if known.get(path, there if os.path.exists(there) else content) != content:
-            return False
-    return True
+    there = {path: Path(join(directory, path)) for path in files}
+    held = {path: known.get(path, at if os.path.exists(at) else files[path]) for path, at in there.items()}
+    return held == files
 
 
 _SETTINGS = ("compiler", "option", "size", "visual", "statistic")
@@ -241,14 +232,14 @@ def include_copy(model: Model, other: Model, override: bool) -> None:
             names, path = f"`{model.name}` and `{other.name}`", "/".join(conflict.path)
             message = f"`{path}` has `{conflict.attribute}`, which is not the same in {names}"
             pair = (model, conflict.mine), (source, conflict.theirs)
-            notes = [Note(f"`{each.name}` has {_shown(its)}", its and each.span(its.node)) for each, its in pair]
+            shown = [(each.name, its and f"`{its.value}`", its and each.span(its.node)) for each, its in pair]
+            notes = [Note(f"`{name}` has {value or 'none'}", span) for name, value, span in shown]
             sink.error("option-conflict", message, call_site(), notes=notes, help=_OVERRIDE)
         elif conflict.path[0] in _READ_BY:
-            winner = model if conflict.theirs is None else other
-            settled.append(
-                f"{conflict} is not the same in `{model.name}` and `{other.name}`: that of `{winner.name}` now "
-                "counts for the elements of both"
-            )
+            winner, both = model if conflict.theirs is None else other, f"`{model.name}` and `{other.name}`"
+            setting = f"`{conflict.attribute}` of `{'/'.join(conflict.path)}`"
+            counts = f"that of `{winner.name}` now counts for the elements of both"
+            settled.append(f"{setting} is not the same in {both}: {counts}")
     _check_names(model, source, other, sink=sink)
     raise_errors(sink)
     for message in settled:
@@ -291,9 +282,6 @@ class _Conflict(NamedTuple):
     mine: _Setting | None
     theirs: _Setting | None
 
-    def __str__(self) -> str:
-        return f"`{self.attribute}` of `{'/'.join(self.path)}`"
-
 
 def _conflicts(model: Model, source: Model) -> Iterator[_Conflict]:
     """Yield the settings that differ, and those that would change the meaning of elements of either model."""
@@ -333,15 +321,11 @@ def _check_names(model: Model, source: Model, other: Model, sink: Sink) -> None:
 
 def _settings(root: Node) -> Iterator[_Setting]:
     """Yield the settings that a model has only once, including its top class's settings."""
-    for section in root.iterchildren(*_SETTINGS):
-        for node in section.iter("*"):
-            above = [str(each.tag) for each in node.iterancestors() if each is not root]
-            path = (*reversed(above), str(node.tag))
-            yield from (_Setting(path, str(name), str(value), node=node) for name, value in node.items())
-    for node in root.iterfind("default/*"):
-        if node.tag != "default":
-            path = ("default", str(node.tag))
-            yield from (_Setting(path, str(name), str(value), node=node) for name, value in node.items())
+    nodes = [node for section in root.iterchildren(*_SETTINGS) for node in section.iter("*")]
+    nodes += [node for node in root.iterfind("default/*") if node.tag != "default"]
+    for node in nodes:
+        path = tuple(str(each.tag) for each in [node, *node.iterancestors()][-2::-1])
+        yield from (_Setting(path, str(name), str(value), node=node) for name, value in node.items())
 
 
 def _move(model: Model, source: Model) -> Iterator[Node]:
@@ -354,9 +338,7 @@ def _move(model: Model, source: Model) -> Iterator[Node]:
         into = model.section(tag)
         for name, value in section.items():
             into.set(name, value)
-        for child in list(section.iterchildren("*")):
-            if tag == "default" and child.tag != "default":
-                continue
+        for child in list(section.iterchildren(*(["default"] if tag == "default" else ["*"]))):
             owner = source.unit.origins.owner(child, source.unit.file)
             into.append(child)
             origins.own(child, owner)
@@ -387,7 +369,3 @@ def _has_elements(root: Node) -> bool:
 def _equal(a: str, b: str) -> bool:
     numbers = [[parse_real(item) for item in items(text)] for text in (a, b)]
     return numbers[0] == numbers[1] if None not in (*numbers[0], *numbers[1]) else a.split() == b.split()
-
-
-def _shown(setting: _Setting | None) -> str:
-    return "none" if setting is None else f"`{setting.value}`"
