@@ -41,7 +41,7 @@ READS_ITSELF = {
         sources/git_command.py:_contents sources/archives.py:_download sources/web_archive.py:unpack sources/web_archive.py:_zip_members
         tools/worlds/worlds.py:read""",
     "files of this package or project": """
-        build/cache/cache_key.py:tool_version tools/cluster/probe.py:versions base/codes.py:page
+        build/cache/cache_key.py:tool_version tools/cluster/client.py:versions base/codes.py:page
         text/key_order.py:<module> tree/grammar.py:read_data tree/history.py:spans
         language/datasheets.py:library
         language/reference_page.py:examples tools/new.py:_action tools/new.py:_read tools/new.py:examples

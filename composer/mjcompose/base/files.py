@@ -274,6 +274,7 @@ _FILES = re.compile(rb"""\bfile\w*\s*=\s*["']([^"'\n\0]+)["']""")
 RECIPES = (".yaml", ".yml")
 """The ends of the names of recipes."""
 MJCF_FILES = (".xml", ".mjcf")
+"""The ends of the names of MJCF files; MuJoCo 4.0 opens only the first."""
 URDF_FILES = (".urdf", ".xacro")
 MODEL_FILES = (*RECIPES, *MJCF_FILES, *URDF_FILES)
 """The ends of the names of files that `base` and `attach` take."""

@@ -15,7 +15,6 @@ from lxml.etree import _Element as Node
 
 from mjcompose.base.files import MJCF_FILES, RECIPES
 
-"""The ends of the names of MJCF files."""
 _PIECE = re.compile(
     r"<!--.*?(?:-->|\Z)|<!\[CDATA\[.*?(?:\]\]>|\Z)|<\?.*?(?:\?>|\Z)|<![A-Za-z][^>]*>?|</[^<>]*>?|<(?:[A-Za-z_][^\s<>/!?\"'=]*)?|[^<]+",
     re.DOTALL,

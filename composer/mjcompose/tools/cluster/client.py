@@ -7,6 +7,7 @@ import logging
 import os
 import pickle
 import re
+import sys
 import time
 import warnings
 from collections import deque
@@ -24,7 +25,6 @@ from mjcompose.build.bundle.staging import stage_beside
 from mjcompose.build.cache.cell_run import CellMaker, CellResult, Finish, Job
 from mjcompose.build.cache.inputs import PACKAGES
 from mjcompose.language.expand import Cell
-from mjcompose.tools.cluster import probe
 from mjcompose.tools.cluster import worker as station
 from mjcompose.tools.cluster.uploads import ClusterError, away_job, batches, freight_of
 from mjcompose.tools.cluster.worker import Away, Canary, Lacks, NotOpen, Order, Part, Refused, journal_of
@@ -135,6 +135,39 @@ _HELP = {
 }
 
 
+def versions(packages: tuple[str, ...]) -> dict[str, str]:
+    """Return the versions that a model's bytes depend on, besides its sources: mjcompose's code, packages, zlib.
+
+    Packages that are not installed are left out. Its code is sent to workers, which may lack mjcompose: it uses nothing
+    of this module.
+    """
+    import contextlib
+    import hashlib
+    import importlib.util
+    import os
+    import re
+    import zlib
+    from importlib import metadata
+
+    found = {"zlib": zlib.ZLIB_RUNTIME_VERSION}
+    for name in packages:
+        with contextlib.suppress(metadata.PackageNotFoundError):
+            found[name] = metadata.version(name)
+    spec = importlib.util.find_spec("mjcompose")
+    if spec is None or spec.origin is None:
+        return found
+    package, digest = os.path.dirname(spec.origin), hashlib.sha256()
+    for folder, folders, names in os.walk(package):
+        folders.sort()
+        for name in sorted(name for name in names if name.endswith(".py")):
+            with open(os.path.join(folder, name), "rb") as file:
+                digest.update(name.encode() + hashlib.sha256(file.read()).digest())
+    with open(os.path.join(package, "base", "__init__.py"), encoding="utf-8") as file:
+        written = re.findall(r'^__version__ = "(.+)"$', file.read(), re.MULTILINE)
+    found["mjcompose"] = f"{' '.join(written)} ({digest.hexdigest()[:16]})"
+    return found
+
+
 def check_versions(client: Client, workers: list[str], packages: tuple[str, ...] = ()) -> None:
     """Raise ClusterError for the first worker with a relevant difference."""
     import cloudpickle
@@ -146,12 +179,12 @@ def check_versions(client: Client, workers: list[str], packages: tuple[str, ...]
         if there is not None and (python := _minor(there["host"]["python"])) != here:
             raise _differs(worker, {"Python": (python, here)})
     names = tuple(dict.fromkeys((*PACKAGES, *packages)))
-    cloudpickle.register_pickle_by_value(probe)
+    cloudpickle.register_pickle_by_value(own := sys.modules[__name__])
     try:
-        answers = client.run(probe.versions, names, workers=workers, on_error="return")
+        answers = client.run(versions, names, workers=workers, on_error="return")
     finally:
-        cloudpickle.unregister_pickle_by_value(probe)
-    mine = probe.versions(names)
+        cloudpickle.unregister_pickle_by_value(own)
+    mine = versions(names)
     for worker, theirs in answers.items():
         if isinstance(theirs, OSError):
             continue  # it is gone
@@ -255,8 +288,7 @@ class Stations:
             assert isinstance(result, CellResult | Died)
             return result
         if result.cell.result is None:  # perhaps because a file exists only on this machine
-            made = self._making.make(result.cell.cell)
-            if made.result is not None:
+            if (made := self._making.make(result.cell.cell)).result is not None:
                 tell(f"`{made.cell.name}` was made here: its worker does not have all files of this machine")
             return made
         if result.record is not None:
