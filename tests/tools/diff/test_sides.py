@@ -112,9 +112,9 @@ def test_a_file_that_is_gone_from_the_folder(repository: Path, tmp_path: Path) -
     shutil.rmtree(repository / "cells")
     into = tmp_path / "out"
     into.mkdir()
-    tree = check_out("HEAD", repository / "cells" / "recipe.yaml", into, os.environ)
-    assert tree.path.read_bytes() == (CASE / "recipe.yaml").read_bytes()
-    assert (tree.path.parent / "arm.xml").is_file()
+    _, path = check_out("HEAD", repository / "cells" / "recipe.yaml", into, os.environ)
+    assert path.read_bytes() == (CASE / "recipe.yaml").read_bytes()
+    assert (path.parent / "arm.xml").is_file()
 
 
 def test_faults(repository: Path, tmp_path: Path) -> None:

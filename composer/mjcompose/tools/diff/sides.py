@@ -59,14 +59,6 @@ class RevisionError(DiagnosticError):
     """The revision or its files cannot be read."""
 
 
-@dataclass(frozen=True, slots=True)
-class Tree:
-    """The files of a revision: `root` is the folder with them, `path` the requested file in it."""
-
-    root: Path
-    path: Path
-
-
 def split(text: str) -> tuple[str, str] | None:
     """Split `REV:path` in two; return None for anything else, including a Windows drive.
 
@@ -79,11 +71,11 @@ def split(text: str) -> tuple[str, str] | None:
     return revision, path
 
 
-def check_out(revision: str, path: Path, into: Path, environment: Mapping[str, str]) -> Tree:
+def check_out(revision: str, path: Path, into: Path, environment: Mapping[str, str]) -> tuple[Path, Path]:
     """Write all files of a revision of the repository around `path` below the empty folder `into`.
 
-    Links lead to the files outside of the repository that it refers to, such as `../models/arm.xml`.
-    `path` need not exist any more. Raises RevisionError.
+    Return the folder with them, and `path` in it. Links lead to the files outside of the repository that it refers to,
+    such as `../models/arm.xml`. `path` need not exist any more. Raises RevisionError.
     """
     near = next(each for each in path.absolute().parents if os.path.isdir(each))
     git = Git(environment, quiet, limit=600)
@@ -112,7 +104,7 @@ def check_out(revision: str, path: Path, into: Path, environment: Mapping[str, s
     except (GitFailure, SourceError, OSError) as error:
         fault = f"the files of revision `{revision}` cannot be checked out"
         raise RevisionError("git-revision", f"{fault}: {error}") from error
-    return Tree(root, root / inside)
+    return root, root / inside
 
 
 def _beside_the_same(top: Path, into: Path) -> Path:
@@ -153,7 +145,7 @@ class Operand:
     def located(self, span: Span) -> Span:
         """Return a place that anybody can look up: in a fetched source, or in a named revision."""
         name = self.fetched(self.context.folder / span.file)
-        return self._in_revision(span) if name is None else replace(span, file=name)
+        return self._in_revision(span) or span if name is None else replace(span, file=name)
 
     def fetched(self, path: Path) -> str | None:
         """Return a file by the reference that fetched it, or None for other files."""
@@ -164,17 +156,13 @@ class Operand:
 
     def report(self, sink: Sink) -> None:
         """Pass its own diagnostics on to another context."""
-        for diagnostic in self.context.sink.sorted():
-            span = diagnostic.span
-            notes = tuple(
-                note if note.span is None else replace(note, span=self._in_revision(note.span))
-                for note in diagnostic.notes
-            )
-            sink.add(replace(diagnostic, span=None if span is None else self._in_revision(span), notes=notes))
+        for each in self.context.sink.sorted():
+            notes = tuple(replace(note, span=self._in_revision(note.span)) for note in each.notes)
+            sink.add(replace(each, span=self._in_revision(each.span), notes=notes))
 
-    def _in_revision(self, span: Span) -> Span:
-        path = self.context.folder / span.file
-        if self.files is None or not path.is_relative_to(self.files):
+    def _in_revision(self, span: Span | None) -> Span | None:
+        path = self.context.folder / (span.file if span is not None else "")
+        if span is None or self.files is None or not path.is_relative_to(self.files):
             return span
         return replace(span, file=f"{self.revision}:{os.path.relpath(path, self.context.folder)}")
 
@@ -230,13 +218,12 @@ def _recipe_of(path: Path, opened: ExitStack) -> Path:
 def _of_revision(revision: str, path: str, context: Context, opened: ExitStack) -> tuple[Path, Path, Context]:
     """Return the path in a checkout of the revision, its root, and a context with the user's folder in it."""
     made = Path(os.path.realpath(opened.enter_context(scratch("revision"))))
-    tree = check_out(revision, context.folder / path, made, environment=context.environment)
-    # Its root counts as the root of the project, even without a file there that says so.
-    context = replace(context, folder=tree.root, fetching=Fetching(trust=Trust(files=(tree.root,))))
-    inside, named = os.path.relpath(tree.path, tree.root), os.path.normpath(path)
+    root, there = check_out(revision, context.folder / path, made, environment=context.environment)
+    inside, named, folder = os.path.relpath(there, root), os.path.normpath(path), root
     if not Path(path).is_absolute() and ".." not in Path(path).parts and inside.endswith(named):
-        context = replace(context, folder=tree.root / inside.removesuffix(named))
-    return tree.path, tree.root, context
+        folder = root / inside.removesuffix(named)
+    # Its root counts as the root of the project, even without a file there that says so.
+    return there, root, replace(context, folder=folder, fetching=Fetching(trust=Trust(files=(root,))))
 
 
 def _kind(path: Path) -> Kind | None:
@@ -288,13 +275,11 @@ class Side:
 
     def lines(self, file: str) -> list[str]:
         """Return the lines of a file; none if it cannot be read."""
-        if file not in self.texts:
-            try:
-                self.texts[file] = read_regular(self.operand.context.folder / file).decode("utf-8", "replace")
-            except (OSError, ValueError):
-                self.texts[file] = ""
         if file not in self.read:
-            self.read[file] = self.texts[file].splitlines()
+            with suppress(OSError, ValueError):
+                if file not in self.texts:
+                    self.texts[file] = read_regular(self.operand.context.folder / file).decode("utf-8", "replace")
+            self.read[file] = self.texts.get(file, "").splitlines()
         return self.read[file]
 
 
@@ -310,11 +295,10 @@ def load(
     if operand.kind is not Kind.RECIPE:
         side = (_mjcf if operand.kind is Kind.MJCF else _bundle)(operand, kept, session)
     else:
-        given = given or {}
-        cell = None if pick is None else _cell(operand, given, pick, sample=sample)
+        cell = None if pick is None else _cell(operand, given or {}, pick, sample=sample)
         if pick is not None and cell is None:
             return None
-        side = load_cell(operand, kept, session, given=given, cell=cell, sample=sample or 0, library=library)
+        side = load_cell(operand, kept, session, given=given or {}, cell=cell, sample=sample or 0, library=library)
         if side is not None:
             side.cell = pick
     if side is not None and not whole:
@@ -340,10 +324,9 @@ def load_cell(
         return None
     measure = measure_with(context, session=session)
     options = ComposeOptions(checks_sources=True)
-    composer = Composer(context, measure, session, watch=watch, library=library, options=options)
-    if (composed := composer.compose(plan)) is None:
-        return None
-    if (bundle := assemble(plan, composed.model, composed.files, context=context)) is None:
+    composed = Composer(context, measure, session, watch=watch, library=library, options=options).compose(plan)
+    bundle = None if composed is None else assemble(plan, composed.model, composed.files, context=context)
+    if composed is None or bundle is None:
         return None
     watch([composed.model], collect)
     compiled = compile_and_report(bundle, composed.model, context, session=session, keep=kept, at=plan.span)

@@ -96,11 +96,9 @@ def arrow(before: Value, after: Value, unit: str = "", *, share: bool = True) ->
     ours, theirs = shown(before), shown(after)
     if ours == theirs:
         ours, theirs = shown(before, None), shown(after, None)
-    change = relative(before, after) if share else None
-    grown = ""
-    if change is not None and abs(change) >= 5e-4:
-        percent = f"{'+' if change > 0 else '−'}{abs(100 * change):.3g} %"
-        grown = f" (×{change + 1:.3g})" if change >= 9 else f" ({percent})"
+    change = (relative(before, after) if share else None) or 0.0
+    grown = f" (×{change + 1:.3g})" if change >= 9 else f" ({'+' if change > 0 else '−'}{abs(100 * change):.3g} %)"
+    grown = grown if abs(change) >= 5e-4 else ""
     return f"{ours}{unit if before is not None else ''} → {theirs}{unit if after is not None else ''}{grown}"
 
 
@@ -170,11 +168,9 @@ def _prefixes(change: Change) -> tuple[str, str] | None:
 
 
 def _numbers(value: Value) -> list[float]:
-    if isinstance(value, (bool, str)) or value is None:
-        return []
     if isinstance(value, tuple):
         return [number for each in value for number in _numbers(each)]
-    return [value]
+    return [] if isinstance(value, (bool, str)) or value is None else [value]
 
 
 def as_data(diff: Diff) -> dict[str, Any]:
@@ -194,14 +190,9 @@ def _groups(groups: Iterable[Group]) -> list[dict[str, Any]]:
 
 
 def _end(end: End) -> dict[str, Any]:
-    data: dict[str, Any] = {"name": end.label, "kind": end.kind, "sha256": end.sha256}
-    if end.outside:
-        data["outside"] = list(end.outside)
-    if end.cell is not None:
-        data["cell"] = end.cell
-    elif end.cells:
-        data["cells"] = end.cells
-    return data
+    cells = {"cell": end.cell} if end.cell is not None else {"cells": end.cells} if end.cells else {}
+    outside = {"outside": list(end.outside)} if end.outside else {}
+    return {"name": end.label, "kind": end.kind, "sha256": end.sha256, **outside, **cells}
 
 
 def _change(change: Change) -> dict[str, Any]:
@@ -219,7 +210,7 @@ def _change(change: Change) -> dict[str, Any]:
 
 
 def render(diff: Diff) -> str:
-    return "\n".join(_lines(diff))
+    return "\n".join(_lines(diff, markdown=False))
 
 
 def verdict(diff: Diff) -> str:
@@ -247,13 +238,6 @@ def place(cause: Cause) -> str:
     return f"{spans[0]} → {spans[1]}"
 
 
-def _following(diff: Diff) -> Iterator[str]:
-    """Yield how many changes are not listed one by one."""
-    if diff.follows:
-        verb = "differs" if diff.follows == 1 else "differ"
-        yield f"{counted(diff.follows, 'number')} that MuJoCo computes from these {verb} too: --computed lists them"
-
-
 def _remarks(diff: Diff) -> Iterator[str]:
     yield from (end.said_outside for end in (diff.a, diff.b) if end.said_outside)
     if counts := [end.cells for end in (diff.a, diff.b) if end.cells]:
@@ -261,19 +245,38 @@ def _remarks(diff: Diff) -> Iterator[str]:
         yield f"compared at its defaults: of the {cells} of the matrix, `--pick CELL` compares one"
 
 
-def _lines(diff: Diff) -> Iterator[str]:
+def _lines(diff: Diff, *, markdown: bool) -> Iterator[str]:
     contrast = diff.contrast
-    yield from (f"A {diff.a.named}", f"B {diff.b.named}", verdict(diff), *_remarks(diff))
+    yield from _head(diff, verdict(diff), markdown=markdown)
     if contrast.counts:
-        yield from ("", "the whole model", *(f"  {count(each)}" for each in contrast.counts))
-    yield from _changes(diff.groups, contrast.moves, contrast.arrays, markdown=False)
-    if diff.views:
+        yield from ("", *([] if markdown else ["the whole model"]))
+        yield from (f"{'- ' if markdown else '  '}{count(each)}" for each in contrast.counts)
+    yield from _changes(diff.groups, contrast.moves, contrast.arrays, markdown=markdown)
+    if diff.views and markdown:
+        yield from ("", "#### Pictures", "", "| view | before | after |", "|---|---|---|")
+        yield from (
+            f"| {_code(each.name)}<br>{view(each)} | ![before](<{each.before}>) | ![after](<{each.after}>) |"
+            for each in diff.views
+        )
+    elif diff.views:
         yield from ("", "pictures")
         yield from (f"  {each.name}: {view(each)}: {each.before}, {each.after}" for each in diff.views)
-    for more in _following(diff):
-        yield from ("", more)
-    if diff.same_bytes != diff.same and diff.files:
+    if diff.follows:
+        verb = "differs" if diff.follows == 1 else "differ"
+        more = f"{counted(diff.follows, 'number')} that MuJoCo computes from these {verb} too: --computed lists them"
+        yield from ("", f"<sub>{more}</sub>" if markdown else more)
+    if diff.same_bytes != diff.same and diff.files and not markdown:
         yield from ("", f"files that differ: {', '.join(diff.files)}")
+
+
+def _head(diff: Diff, said: str, *, markdown: bool) -> Iterator[str]:
+    """Yield the names of both models, what is said of them, and remarks."""
+    if not markdown:
+        yield from (f"A {diff.a.named}", f"B {diff.b.named}", said, *_remarks(diff))
+        return
+    yield from (f"### {_code(diff.a.named)} → {_code(diff.b.named)}", "", f"**{said.capitalize()}.**")
+    for remark in _remarks(diff):
+        yield from ("", f"<sub>{remark[0].upper()}{remark[1:]}</sub>")
 
 
 def _changes(groups: Iterable[Group], moves: Sequence[Move], arrays: Sequence[str], *, markdown: bool) -> Iterator[str]:
@@ -289,15 +292,19 @@ def _changes(groups: Iterable[Group], moves: Sequence[Move], arrays: Sequence[st
 
 
 def _group(group: Group) -> Iterator[str]:
+    lines = _differing(group.cause)
     if group.cause is None:
         yield "without a line of its own"
     else:
-        has_lines = group.cause.lines_before or group.cause.lines_after
-        yield place(group.cause) if has_lines else f"{place(group.cause)}: {group.cause.words}"
-        yield from (f"  - {line}" for line in group.cause.lines_before)
-        yield from (f"  + {line}" for line in group.cause.lines_after)
+        yield place(group.cause) if lines else f"{place(group.cause)}: {group.cause.words}"
+    yield from (f"  {line}" for line in lines)
     indent = "    " if group.cause is not None else "  "
     yield from (f"{indent}{each}" for each in sentences(group.changes))
+
+
+def _differing(cause: Cause | None) -> list[str]:
+    pairs = () if cause is None else (("-", cause.lines_before), ("+", cause.lines_after))
+    return [f"{sign} {line}" for sign, lines in pairs for line in lines]
 
 
 _LONG = 12
@@ -307,7 +314,7 @@ _LONGEST = 60_000
 
 def render_markdown(diff: Diff) -> str:
     """Return headings by line, the lines as a diff, the changes as a list; cut to the length of a comment."""
-    return _cut(_lines_markdown(diff))
+    return _cut(_lines(diff, markdown=True))
 
 
 def _cut(lines: Iterable[str]) -> str:
@@ -319,34 +326,15 @@ def _cut(lines: Iterable[str]) -> str:
     return f"{kept}\n\n… and more: `mjcompose diff` prints all of it.\n"
 
 
-def _lines_markdown(diff: Diff) -> Iterator[str]:
-    contrast = diff.contrast
-    yield from (f"### {_code(diff.a.named)} → {_code(diff.b.named)}", "", f"**{verdict(diff).capitalize()}.**")
-    for remark in _remarks(diff):
-        yield from ("", f"<sub>{remark[0].upper()}{remark[1:]}</sub>")
-    if contrast.counts:
-        yield from ("", *(f"- {count(each)}" for each in contrast.counts))
-    yield from _changes(diff.groups, contrast.moves, contrast.arrays, markdown=True)
-    if diff.views:
-        yield from ("", "#### Pictures", "", "| view | before | after |", "|---|---|---|")
-        yield from (
-            f"| {_code(each.name)}<br>{view(each)} | ![before](<{each.before}>) | ![after](<{each.after}>) |"
-            for each in diff.views
-        )
-    for more in _following(diff):
-        yield from ("", f"<sub>{more}</sub>")
-
-
 def _group_markdown(group: Group) -> Iterator[str]:
+    lines = _differing(group.cause)
     if group.cause is None:
         yield "#### Without a line of its own"
     else:
-        words = "" if group.cause.lines_before or group.cause.lines_after else f": {_escaped(group.cause.words)}"
-        yield f"#### {_code(place(group.cause))}{words}"
-        lines = [f"- {line}" for line in group.cause.lines_before] + [f"+ {line}" for line in group.cause.lines_after]
-        if lines:
-            fence = "`" * max(3, 1 + max(len(each) for each in re.findall("`*", " ".join(lines))))
-            yield from (f"{fence}diff", *lines, fence)
+        yield f"#### {_code(place(group.cause))}" + ("" if lines else f": {_escaped(group.cause.words)}")
+    if lines:
+        fence = "`" * max(3, 1 + max(len(each) for each in re.findall("`*", " ".join(lines))))
+        yield from (f"{fence}diff", *lines, fence)
     yield from ("", *_list(list(sentences(group.changes))))
 
 
@@ -380,10 +368,7 @@ def render_breaking(breaking: Breaking, *, markdown: bool) -> str:
     """Return the changes by level: for a terminal, or as a comment on GitHub."""
     diff, names = breaking.diff, [level.name for level in breaking.levels]
     says = f"{names[0]}: {_EFFECTS[names[0]]}" if names else "the same interface, motion and looks"
-    lines = [f"A {diff.a.named}", f"B {diff.b.named}", says, *_remarks(diff)]
-    if markdown:
-        lines = [f"### {_code(diff.a.named)} → {_code(diff.b.named)}", "", f"**{says.capitalize()}.**"]
-        lines += [f"\n<sub>{remark}</sub>" for remark in _remarks(diff)]
+    lines = [*_head(diff, says, markdown=markdown)]
     for level in breaking.levels:
         lines += ["", f"### {level.name.capitalize()}" if markdown else level.name.upper()]
         lines += _changes(level.groups, level.moves, level.arrays, markdown=markdown)
