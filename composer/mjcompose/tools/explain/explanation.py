@@ -157,12 +157,12 @@ def render(explained: Explained, read_source: ReadSource | None = None, color: b
     `color` adds ANSI colors as in diagnostics.
     """
     paint = Paint(color)
-    if isinstance(explained, ElementExplained):
-        lines = _element(explained, read_source, paint)
-    elif isinstance(explained, AttributeExplained):
-        lines = _attribute(explained, read_source, paint)
-    else:
+    if isinstance(explained, tuple):
         lines = _list(explained)
+    elif isinstance(explained, ElementExplained):
+        lines = _element(explained, read_source, paint)
+    else:
+        lines = _attribute(explained, read_source, paint)
     return "\n".join(line.rstrip() for line in lines)
 
 
@@ -212,28 +212,24 @@ def _attribute(it: AttributeExplained, read_source: ReadSource | None, paint: Pa
         yield f"  # {it.about}"
     yield from ("", paint("bold", "where it comes from"))
     yield from _table([_level(each) for each in it.levels])
-    winner = next((each for each in it.levels if each.wins and each.span is not None), None)
-    if winner is not None and winner.span is not None:
-        yield f"  {winner.span.file}:{winner.span.line}"
-        yield from _source(winner.span, None, read_source, paint=paint)
+    winner = next((each.span for each in it.levels if each.wins and each.span is not None), None)
+    if winner is not None:
+        yield f"  {winner.file}:{winner.line}"
+        yield from _source(winner, None, read_source, paint=paint)
     if it.rows:
         yield from ("", paint("bold", "number by number"))
-        rows: list[tuple[str, ...]] = []
-        for row in it.rows:
-            place = _at(row.reason.span, ", " if row.reason.words else "")
-            passed = "".join(f", {each.words}{_at(each.span, ' ')}" for each in row.on_the_way)
-            rows.append((row.label, row.value, f"{row.reason.words}{place}{passed}"))
-        yield from _table(rows)
+        passed = ("".join(f", {each.words}{_at(each.span, ' ')}" for each in row.on_the_way) for row in it.rows)
+        pairs = zip(it.rows, passed, strict=True)
+        yield from _table([(row.label, row.value, f"{_placed(row.reason)}{more}") for row, more in pairs])
     first = next((each for each in it.levels if each.kind == "class"), None)
     if it.in_force is not None and first is not None:
         yield from ("", f"class {first.name} is in force {it.in_force.words}{_at(it.in_force.span, ', ')}")
     for each in it.levels:
         if each.changes:
-            yield ""
             place = f"in the class {each.name}" if each.kind == "class" else "on the element"
             if it.levels[0].name[0] != "<":  # the attribute of another element that determines this one
                 place = f"in {each.name}"
-            yield paint("bold", f"changes {place}")
+            yield from ("", paint("bold", f"changes {place}"))
             yield from _changes(each.changes, name=False)
     for note in it.notes:
         yield from ("", f"{paint('note', 'note')}: {note}")
@@ -242,12 +238,14 @@ def _attribute(it: AttributeExplained, read_source: ReadSource | None, paint: Pa
 def _level(each: LevelExplained) -> tuple[str, str, str, str]:
     name = f"class {each.name}" if each.kind == "class" else each.name
     text = "none" if each.kind == "mujoco" and each.text is None else _value(each.text)
-    verdict = ""
+    verdict = "overridden" if each.text is not None and each.kind != "mujoco" else ""
     if each.wins:
         verdict = "in effect" if each.part_of_it is None else f"in effect: {each.part_of_it}"
-    elif each.text is not None and each.kind != "mujoco":
-        verdict = "overridden"
-    return name, text, verdict, f"{each.words}{_at(each.span, ', ' if each.words else '')}"
+    return name, text, verdict, _placed(Reason(each.words, each.span))
+
+
+def _placed(reason: Reason) -> str:
+    return f"{reason.words}{_at(reason.span, ', ' if reason.words else '')}"
 
 
 def _changes(changes: Iterable[Changed], name: bool = True) -> Iterator[str]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Iterable, Iterator
+from contextlib import suppress
 from dataclasses import replace
 from functools import cache
 from itertools import takewhile
@@ -37,10 +38,9 @@ class RecipeLines:
         if span.end_column is None or span.end_line != span.line:
             return None
         if span.file not in self.lines:
-            try:
+            self.lines[span.file] = []
+            with suppress(OSError, UnicodeDecodeError):
                 self.lines[span.file] = read_regular(self.folder / span.file).decode("utf-8").splitlines()
-            except (OSError, UnicodeDecodeError):
-                self.lines[span.file] = []
         lines = self.lines[span.file]
         if span.line > len(lines):
             return None
@@ -79,14 +79,10 @@ def same_value(a: str, b: str) -> bool:
     True
     """
     ours, theirs = a.split(), b.split()
-    return len(ours) == len(theirs) and all(map(_same_word, ours, theirs))
-
-
-def _same_word(ours: str, theirs: str) -> bool:
-    try:
-        return ours == theirs or float(ours) == float(theirs)
-    except ValueError:
-        return False
+    with suppress(ValueError):
+        pairs = zip(ours, theirs, strict=True)
+        return all(one == other or float(one) == float(other) for one, other in pairs)
+    return False
 
 
 MIRRORED = "computed: the mirror image of a keyframe"
@@ -115,8 +111,7 @@ def read(text: str, attribute: str | None, sink: Sink) -> Asked | None:
         help = "write for example `geom gripper/pad`, or `option timestep`"
         sink.error("unknown-name", "the query is empty", help=help)
         return None
-    numbered = _NUMBERED.fullmatch(words[0])
-    line = _LINE.fullmatch(words[0])
+    numbered, line = _NUMBERED.fullmatch(words[0]), _LINE.fullmatch(words[0])
     kinds = _kinds(numbered[1] if numbered else words[0])
     unknown = numbered[1] if numbered and kinds is None else None
     if numbered and kinds is not None:
@@ -183,15 +178,11 @@ def ordered(root: Node) -> Iterator[Node]:
 
 
 def _own(holder: Node) -> Iterator[Node]:
-    yield holder
-    waiting: list[Iterator[Node]] = [holder.iterchildren("*")]
+    """Yield a body and all in it except bodies. No recursion: frames may be nested deeply."""
+    waiting = [holder]
     while waiting:
-        child = next(waiting[-1], None)
-        if child is None:
-            waiting.pop()
-        elif child.tag != "body":
-            yield child
-            waiting.append(child.iterchildren("*"))
+        yield (node := waiting.pop())
+        waiting += [child for child in node.iterchildren("*", reversed=True) if child.tag != "body"]
 
 
 def name_of(node: Node) -> str | None:
@@ -232,10 +223,8 @@ def _word(kind: ElementType) -> str:
 @cache
 def _words(kind: ElementType) -> tuple[str, ...]:
     """Return every word under which an element is counted: `joint` counts free joints too."""
-    words = dict.fromkeys([_word(kind), *([kind.family] if kind.family else [])])
-    if kind.path == "worldbody":
-        words = dict.fromkeys(["body"])
-    return tuple(word for word in words if _counts(kind) in (_kinds(word) or ()))
+    words = ("body",) if kind.path == "worldbody" else (_word(kind), kind.family)
+    return tuple(word for word in dict.fromkeys(words) if word and _counts(kind) in (_kinds(word) or ()))
 
 
 def _kinds(word: str) -> frozenset[str] | None:

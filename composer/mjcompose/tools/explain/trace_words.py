@@ -123,6 +123,7 @@ def _summary(done: object) -> str:
 
 
 _DEFAULT = Settings()
+_CALLED = "the top class of {} is called that here"
 _FOLDERS = ("meshdir", "texturedir", "assetdir", "strippath")
 _COMPUTED = {
     "mate": "computed from `mate`, to meet the place",
@@ -152,7 +153,7 @@ class Causes:
         if part is not None and change.after == part.prefix + (change.before or ""):
             return Reason(f"prefix of the part `{part.called}`", part.span)
         if change.before == MAIN and change.attribute in ("class", "childclass"):
-            return Reason(f"the top class of {_file(change.cause.unit)} is called that here")
+            return Reason(_CALLED.format(_file(change.cause.unit)))
         return Reason(f"names of the part `{part.called}`" if part else "names of the base", span)
 
     def _angles(self, life: Life, change: Change) -> Reason | None:
@@ -186,31 +187,22 @@ class Causes:
 
     def _reduced(self, life: Life, change: Change) -> Reason:
         unit = change.cause.unit
-        spans = {name: self.setting(unit, name) for name in ("fusestatic", "discardvisual")}
-        names = " and ".join(f"`{name}`" for name, span in spans.items() if span is not None)
-        first = next((span for span in spans.values() if span is not None), None)
-        return Reason(f"as MuJoCo has it in {_file(unit)} alone, by its {names}", first)
+        found = {name: span for name in ("fusestatic", "discardvisual") if (span := self.setting(unit, name))}
+        names = " and ".join(f"`{name}`" for name in found)
+        return Reason(f"as MuJoCo has it in {_file(unit)} alone, by its {names}", next(iter(found.values()), None))
 
     def _unrolled(self, life: Life, change: Change) -> Reason:
         words = f"a copy by the `<replicate>` of {_file(change.cause.unit)}, written out"
         return Reason(words, of_step(change.cause, life.owner, None).span)
 
-    def _fitting(self, life: Life, change: Change) -> Reason | None:
-        words = f"fitted by MuJoCo to the mesh's bounding box: `fitaabb` of {_file(change.cause.unit)}"
-        return Reason(words, self.setting(change.cause.unit, "fitaabb"))
-
     def _lengthranges(self, life: Life, change: Change) -> Reason | None:
         unit = change.cause.unit
-        rules = (each for each in self.trace.lives.values() if each.tag == "lengthrange")
-        rule = next((each for each in rules if each.root is unit.root), None)
+        lives = self.trace.lives.values()
+        rule = next((each for each in lives if each.tag == "lengthrange" and each.root is unit.root), None)
         words = f"measured by MuJoCo on {_file(unit)} alone"
         if rule is None:
             return Reason(f"{words}, without attachments on the bodies that the muscle moves", None)
         return Reason(f"{words}, by its own `<lengthrange>`", rule.span(unit.origins))
-
-    def _adopted(self, life: Life, change: Change) -> Reason:
-        words = f'required by a model that {_file(change.cause.unit)} attaches, under its `conflict="merge"`'
-        return Reason(words, self.setting(change.cause.unit, "conflict"))
 
     def _agreement(self, life: Life, change: Change) -> Reason | None:
         linking = change.cause.linking
@@ -235,9 +227,9 @@ class Causes:
         return Reason("settings that the parts require")
 
     def _defaults(self, life: Life, change: Change) -> Reason | None:
-        if change.before is None:
-            return Reason(f"elements without a class have the top class of {_file(change.cause.unit)}")
-        return Reason(f"the top class of {_file(change.cause.unit)} is called that here")
+        file = _file(change.cause.unit)
+        is_new = change.before is None
+        return Reason(f"elements without a class have the top class of {file}" if is_new else _CALLED.format(file))
 
     def _defaults_made(self, life: Life, change: Change) -> Reason:
         unit = change.cause.unit
@@ -381,6 +373,15 @@ def _as(words: str) -> Words:
     return lambda causes, life, change: Reason(words)
 
 
+def _by_setting(name: str, words: str) -> Words:
+    return lambda causes, life, change: Reason(
+        words.format(_file(change.cause.unit)), causes.setting(change.cause.unit, name)
+    )
+
+
+_ADOPTED = _by_setting("conflict", 'required by a model that {} attaches, under its `conflict="merge"`')
+
+
 def _at_its_place(words: str) -> Words:
     return lambda causes, life, change: Reason(words, owned(change.owner, change.attribute))
 
@@ -394,9 +395,9 @@ CHANGES: dict[Function | None, Words] = {
     body_reduction: Causes._reduced,
     angles: Causes._angles,
     inertia: Causes._inertia,
-    fitted_sizes: Causes._fitting,
+    fitted_sizes: _by_setting("fitaabb", "fitted by MuJoCo to the mesh's bounding box: `fitaabb` of {}"),
     lengthranges: Causes._lengthranges,
-    submodel_options: Causes._adopted,
+    submodel_options: _ADOPTED,
     agreement: Causes._agreement,
     **dict.fromkeys((files, submodels, add_file), _named_or("where the bundle has the file")),
     collect: _named_or("a file with the same bytes is in the bundle already"),
@@ -411,7 +412,7 @@ MADE: dict[Function | None, Words] = {
     replicates: Causes._unrolled,
     body_reduction: Causes._reduced,
     inertia: Causes._inertia,
-    submodel_options: Causes._adopted,
+    submodel_options: _ADOPTED,
     agreement: Causes._agreement_made,
     defaults: Causes._defaults_made,
     bodies: Causes._bodies_made,
