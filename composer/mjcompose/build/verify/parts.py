@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, field
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Note
-from mjcompose.base.rotation import IDENTITY_QUAT, ORIGIN, Pose, Quat, Vec3
+from mjcompose.base.rotation import Pose
 from mjcompose.base.sink import Sink
 from mjcompose.build.bundle.assemble import Renamed
+from mjcompose.build.checks.check import with_rest
 from mjcompose.build.plan.plan import PartRecord
 from mjcompose.build.verify.compile import WHOLE
 from mjcompose.link.measure import folder_of, measure_with
@@ -19,7 +20,7 @@ from mjcompose.link.subtree import take_subtree
 from mjcompose.mujoco import engine
 from mjcompose.mujoco.arrays import FREE
 from mjcompose.mujoco.attributes import DERIVED, Model, NameTable
-from mjcompose.mujoco.compare import Keys, Roots
+from mjcompose.mujoco.compare import Keys
 from mjcompose.mujoco.match import EXTRA, MISSING, Difference, Mount, Value
 from mjcompose.mujoco.unchanged import compare
 from mjcompose.sources.context import Context
@@ -28,51 +29,45 @@ from mjcompose.tree.parse import parse_file
 from mjcompose.tree.xml_text import write
 
 
-def keep_source(member: PartRecord, session: engine.Session, name: str) -> str | None:
-    """Keep the whole source under `name`; return a message if it cannot be read or MuJoCo refuses it."""
+class Incomparable(Exception):
+    """Raised with the reason why a part cannot be compared: with `lacks_body`, the body of its place is missing."""
+
+    def __init__(self, why: str, lacks_body: bool = False) -> None:
+        super().__init__(why)
+        self.lacks_body = lacks_body
+
+
+def _keep_source(member: PartRecord, session: engine.Session, name: str) -> None:
+    """Keep the whole source under `name`. Raises Incomparable if it cannot be read or MuJoCo refuses it."""
     path = member.source.path
     if member.source.format != "urdf":
-        return _keep(session, path.parent, path, text=None, name=name)
+        _keep(session, path.parent, path, text=None, name=name)
+        return
     from mjcompose.urdf.read import UrdfReader  # few recipes need it
 
     sink = Sink()
     unit = UrdfReader(member.source, sink, session, is_fixed_in_world=member.is_fixed_in_world).unit()
     if unit is None:
-        return _errors_text(sink) if sink.errors else "its source cannot be read"
+        raise _unreadable(sink)
     with folder_of(unit) as folder:
-        return _keep(session, folder, Path("source.xml"), text=write(unit.root), name=name)
-
-
-def refusal_message(said: str | None) -> str:
-    """Return the message about a source that MuJoCo does not compile alone."""
-    return f"MuJoCo does not accept its source alone: {' '.join((said or '').split())}"
+        _keep(session, folder, Path("source.xml"), text=write(unit.root), name=name)
 
 
 _NAMELESS = "a body around the subtree, "
 
 
-class KeptSubtree(NamedTuple):
-    """The result of compiling a subtree and its source.
+def _keep_subtree(member: PartRecord, session: engine.Session, taken: str, whole: str) -> tuple[str | None, ...]:
+    """Compile the subtree and the whole source and keep them under these names. Raises Incomparable.
 
-    `above` are the bodies around the subtree in the whole source, the nearest first, and None for the world. The
-    subtree's world corresponds to the first of them, or to one further up if `fusestatic` fused them.
-    """
-
-    above: tuple[str | None, ...] = (None,)
-    fault: str | None = None
-
-
-def keep_subtree(member: PartRecord, session: engine.Session, taken: str, whole: str) -> KeptSubtree:
-    """Compile the subtree and the whole source and keep them under these names.
-
-    If that fails, the result has a message.
+    Return the bodies around the subtree in the whole source, the nearest first, and None for the world. The subtree's
+    world corresponds to the first of them, or to one further up if `fusestatic` fused them.
     """
     assert member.subtree is not None
     sink = Sink()
     path = member.source.path
     unit = parse_file(path, sink, door=member.source.door)
     if unit is None:
-        return KeptSubtree(fault=_errors_text(sink))
+        raise _unreadable(sink)
     bodies = (each for world in unit.root.iterchildren("worldbody") for each in world.iter("body"))
     body = next((each for each in bodies if each.get("name") == member.subtree), None)
     around = [] if body is None else list(body.iterancestors("body"))
@@ -80,60 +75,27 @@ def keep_subtree(member: PartRecord, session: engine.Session, taken: str, whole:
     for number, each in enumerate(nameless):
         each.set("name", f"{_NAMELESS}{number}")
     with folder_of(unit) as folder:
-        fault = _keep(session, folder, path, text=write(unit.root) if nameless else None, name=whole)
-    if fault is not None:
-        return KeptSubtree(fault=fault)
+        _keep(session, folder, path, text=write(unit.root) if nameless else None, name=whole)
     above = (*(str(each.get("name")) for each in around), None)
     measure = measure_with(Context(sink=sink, environment={}, folder=path.parent), session=session)
     keyframes: KeyPolicy = "none" if member.keys is None else "merge"
     if take_subtree(unit, member.subtree, sink, keyframes=keyframes, measure=measure) is None:
-        return KeptSubtree(fault=_errors_text(sink))
+        raise _unreadable(sink)
     with folder_of(unit) as folder:
-        return KeptSubtree(above, _keep(session, folder, path, text=write(unit.root), name=taken))
+        _keep(session, folder, path, text=write(unit.root), name=taken)
+    return above
 
 
-def _keep(session: engine.Session, folder: Path, path: Path, text: bytes | None, name: str) -> str | None:
+def _keep(session: engine.Session, folder: Path, path: Path, text: bytes | None, name: str) -> None:
     given = None if text is None else text.decode()
     compiled = engine.compile(folder if given else path.parent, path.name, text=given, keep=name, session=session)
-    return None if compiled.ok else refusal_message(compiled.error or compiled.crash)
+    if not compiled.ok:
+        said = " ".join((compiled.error or compiled.crash or "").split())
+        raise Incomparable(f"MuJoCo does not accept its source alone: {said}")
 
 
-def _errors_text(sink: Sink) -> str:
-    return f"its source cannot be read: {sink.errors[0].message}"
-
-
-@dataclass(frozen=True, slots=True)
-class PartQuestion:
-    """The question whether a part is unchanged.
-
-    The fields are the fields of `compare`, and the place is given as in a recipe. ``site`` and ``body`` are names in
-    the composition. If both are None, the place is the world. ``pos`` is in meters, in the frame of the place.
-    ``posed=False`` says that the pose is unknown, and then there is no site. ``key_prefix`` starts the names of the
-    part's keys if ``keys`` implies another prefix. ``welded`` says that free joints at the part's root were
-    removed.
-    """
-
-    prefix: str = ""
-    site: str | None = None
-    body: str | None = None
-    pos: Vec3 = ORIGIN
-    quat: Quat = IDENTITY_QUAT
-    posed: bool = True
-    renamed: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
-    keys: Keys = Keys.MERGE
-    roots_in_keys: Roots = Roots.MOVED
-    ignore: tuple[str, ...] = ()
-    replaced_keys: tuple[str, ...] = ()
-    tolerance: float = 0.0
-    key_prefix: str | None = None
-    welded: bool = False
-    cut: bool = False
-
-    def mount(self, composed: Model) -> Mount:
-        """Return the place of the part. Raises KeyError if the composition lacks the site or body."""
-        if not self.posed:
-            return Mount(self.body, None)
-        return Mount.of(composed, site=self.site, body=self.body, pos=self.pos, quat=self.quat)
+def _unreadable(sink: Sink) -> Incomparable:
+    return Incomparable(f"its source cannot be read{f': {sink.errors[0].message}' if sink.errors else ''}")
 
 
 def compare_part(
@@ -141,22 +103,24 @@ def compare_part(
 ) -> list[dict[str, Any]] | None:
     """Return the differences of a part as JSON data; runs under `mjcompose.mujoco.engine.call`.
 
-    ``question`` has the fields of a `PartQuestion`. Return None if the composition lacks the body of the part's
-    place.
+    ``question`` has arguments of `compare`, and the place of the part: its ``body`` in the composition, None for the
+    world, and the ``pose`` there (in meters), None if it is unknown. ``key_prefix`` starts the names of the part's keys
+    if ``keys`` implies another prefix. ``welded`` says that free joints at the part's root were removed. Return None if
+    the composition lacks the body.
     """
-    given = PartQuestion(**question)
-    if given.body is not None and given.body not in NameTable(composed).ids["body"]:
+    body, pose, key_prefix, welded, renamed, keys = map(question.get, _PLACED)
+    if body is not None and body not in NameTable(composed).ids["body"]:
         return None
-    renamed = given.renamed
-    if given.key_prefix is not None:
-        renamed = {**renamed, "key": {name: given.key_prefix + name for name in NameTable(alone).ids["key"]}}
-    found = compare(
-        alone, composed, prefix=given.prefix, hung_on=given.mount(composed), renamed=renamed, keys=Keys(given.keys),
-        roots_in_keys=Roots(given.roots_in_keys), ignore=given.ignore, replaced_keys=given.replaced_keys,
-        tolerance=given.tolerance, cut=given.cut,
-    )  # fmt: skip
-    free = _free(alone, given.prefix) if given.welded else frozenset()
+    if key_prefix is not None:
+        renamed = {**(renamed or {}), "key": {name: key_prefix + name for name in NameTable(alone).ids["key"]}}
+    hung_on = Mount(body, None) if pose is None else Mount.of(composed, body=body, pos=pose["pos"], quat=pose["quat"])
+    others = {name: value for name, value in question.items() if name not in _PLACED}
+    found = compare(alone, composed, hung_on=hung_on, renamed=renamed, keys=Keys(keys or Keys.MERGE), **others)
+    free = _free(alone, question.get("prefix", "")) if welded else frozenset()
     return [asdict(each) for each in found if not _of_welding(each, free)]
+
+
+_PLACED = ("body", "pose", "key_prefix", "welded", "renamed", "keys")
 
 
 def _free(alone: Model, prefix: str) -> frozenset[str]:
@@ -207,14 +171,6 @@ class PartComparison:
         return self.obscure is None and not self.differences
 
 
-@dataclass(frozen=True, slots=True)
-class Incomparable:
-    """The reason why two models cannot be compared; `lacks_body` says that the second model lacks the given body."""
-
-    why: str
-    lacks_body: bool = False
-
-
 @dataclass(slots=True)
 class PartComparer:
     """Compares parts with the composition that `session` keeps as `WHOLE`. Each source is compiled once.
@@ -227,7 +183,7 @@ class PartComparer:
     session: engine.Session
     merged: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
     renamed: Renamed = field(default_factory=dict)
-    alone: dict[str, str | None] = field(default_factory=dict)
+    alone: dict[str, Incomparable | None] = field(default_factory=dict)
     cut: dict[str, tuple[Difference, ...]] = field(default_factory=dict)
 
     def compare(
@@ -241,20 +197,29 @@ class PartComparer:
         if member.obscure is not None:
             return PartComparison(member, obscure=member.obscure)
         name = _kept(member)
-        if name not in self.alone:
-            whole = member.subtree is None
-            self.alone[name] = keep_source(member, self.session, name) if whole else self._take(member, name)
-        fault = self.alone[name]
-        if fault is not None:
-            return PartComparison(member, obscure=fault)
-        question = self._question(member, tuple(excused), tuple(replaced_keys))
-        found = self._ask(name, WHOLE, question)
-        if isinstance(found, Incomparable):
-            return PartComparison(member, obscure=found.why)
+        try:
+            self._keep_alone(member, name)
+            found = self._ask(name, WHOLE, self._question(member, excused, replaced_keys))
+        except Incomparable as error:
+            return PartComparison(member, obscure=str(error))
         return PartComparison(member, (*self.cut.get(name, ()), *found))
 
-    def _question(self, member: PartRecord, excused: tuple[str, ...], replaced_keys: tuple[str, ...]) -> PartQuestion:
-        pose, prefix = member.pose or Pose(), member.prefix
+    def _keep_alone(self, member: PartRecord, name: str) -> None:
+        """Compile the source of a part, or the subtree that is taken from it, once. Raises Incomparable."""
+        if name not in self.alone:
+            self.alone[name] = None
+            try:
+                if member.subtree is None:
+                    _keep_source(member, self.session, name)
+                else:
+                    self._take(member, name)
+            except Incomparable as error:
+                self.alone[name] = error
+        if (fault := self.alone[name]) is not None:
+            raise fault
+
+    def _question(self, member: PartRecord, excused: Iterable[str], replaced_keys: Iterable[str]) -> dict[str, Any]:
+        prefix = member.prefix
         renamed = {
             kind: {gone.removeprefix(prefix): kept for gone, kept in names.items() if gone.startswith(prefix)}
             for kind, names in self.merged.items()
@@ -268,40 +233,36 @@ class PartComparer:
             keys = Keys.PREFIX
         elif member.keys:
             key_prefix = member.keys
-        return PartQuestion(
-            prefix, body=member.body, pos=pose.pos, quat=pose.quat, posed=member.pose is not None, renamed=renamed,
-            keys=keys, ignore=excused, replaced_keys=replaced_keys, key_prefix=key_prefix, welded=member.welded,
-        )  # fmt: skip
+        return {
+            "prefix": prefix, "body": member.body, "pose": None if member.pose is None else asdict(member.pose),
+            "renamed": renamed, "keys": keys, "key_prefix": key_prefix, "welded": member.welded,
+            "ignore": tuple(excused), "replaced_keys": tuple(replaced_keys),
+        }  # fmt: skip
 
-    def _ask(self, alone: str, composed: str, question: PartQuestion) -> tuple[Difference, ...] | Incomparable:
-        """Return the differences of two models that the session keeps, or why they cannot be compared."""
-        answer = engine.call(self.session, compare_part, [alone, composed], argument=asdict(question))
+    def _ask(self, alone: str, composed: str, question: dict[str, Any]) -> tuple[Difference, ...]:
+        """Return the differences of two models that the session keeps. Raises Incomparable."""
+        answer = engine.call(self.session, compare_part, [alone, composed], argument=question)
         if not answer.ok:
-            return Incomparable(answer.error or answer.crash or "it cannot be compared")
+            raise Incomparable(answer.error or answer.crash or "it cannot be compared")
         if answer.value is None:
-            why = f"the body `{question.body}` that it is attached to is not in the compiled model"
-            return Incomparable(why, lacks_body=True)
+            why = f"the body `{question['body']}` that it is attached to is not in the compiled model"
+            raise Incomparable(why, lacks_body=True)
         return tuple(differences_of(answer.value))
 
-    def _take(self, member: PartRecord, name: str) -> str | None:
-        """Compile the subtree of a source, compare it with the whole and keep it; return an error message or None."""
+    def _take(self, member: PartRecord, name: str) -> None:
+        """Compile the subtree of a source, compare it with the whole and keep it."""
         whole = f"{name} in the whole"
-        taken = keep_subtree(member, self.session, name, whole=whole)
-        if taken.fault is not None:
-            return taken.fault
+        above = _keep_subtree(member, self.session, name, whole=whole)
         keys = Keys.NONE if member.keys is None else Keys.MERGE
-        why = ""
-        for body in taken.above:
-            here = body == taken.above[0]
-            question = PartQuestion(body=body, posed=here, keys=keys, tolerance=_ROUNDING, cut=True)
-            found = self._ask(name, whole, question)
-            if not isinstance(found, Incomparable):
-                self.cut[name] = found
-                return None
-            why = found.why
-            if not found.lacks_body:
-                break
-        return why
+        for body in above:
+            pose = asdict(Pose()) if body == above[0] else None
+            question = {"body": body, "pose": pose, "keys": keys, "tolerance": _ROUNDING, "cut": True}
+            try:
+                self.cut[name] = self._ask(name, whole, question)
+                return
+            except Incomparable as error:
+                if not error.lacks_body or body is None:
+                    raise
 
 
 def _kept(member: PartRecord) -> str:
@@ -312,10 +273,6 @@ def _kept(member: PartRecord) -> str:
     return f"alone {'' if stands else 'and loose '}{taken}{read}{member.source.path}"
 
 
-_SHOWN = 8
-"""How many differences of a part are listed one by one."""
-
-
 def causes(differences: Sequence[Difference]) -> list[Difference]:
     """Return the differences that do not follow from others; all of them if each follows from another."""
     return [each for each in differences if each.array not in DERIVED] or list(differences)
@@ -323,24 +280,14 @@ def causes(differences: Sequence[Difference]) -> list[Difference]:
 
 def change_sentence(compared: PartComparison) -> str:
     """Return one sentence about a part that differs from its source."""
-    found = causes(compared.differences)
-    places = len(found)
-    arrays = list(
-        dict.fromkeys(
-            f"{each.field} {each.kind}" if each.field in (MISSING, EXTRA) else f"`{each.array}`" for each in found
-        )
-    )
-    shown = ", ".join(arrays[:4]) + (", …" if len(arrays) > 4 else "")
-    return (
-        f"`{compared.member.called}` differs from `{compared.member.source.path.name}` alone: "
-        f"{places} difference{'s' if places > 1 else ''} ({shown})"
-    )
+    found, names = causes(compared.differences), dict[str, None]()
+    for each in found:
+        names[f"{each.field} {each.kind}" if each.field in (MISSING, EXTRA) else f"`{each.array}`"] = None
+    shown = ", ".join([*names][:4]) + (", …" if len(names) > 4 else "")
+    count = f"{len(found)} difference{'s' if len(found) > 1 else ''}"
+    return f"`{compared.member.called}` differs from `{compared.member.source.path.name}` alone: {count} ({shown})"
 
 
 def difference_notes(differences: Sequence[Difference]) -> list[Note]:
     """Return the first differences as notes, with the expected and actual values."""
-    found = causes(differences)
-    listed = [Note(str(each)) for each in found[:_SHOWN]]
-    if len(found) > _SHOWN:
-        listed.append(Note(f"and {len(found) - _SHOWN} more"))
-    return listed
+    return list(map(Note, with_rest([str(each) for each in causes(differences)])))
