@@ -97,6 +97,15 @@ def counted(number: int, noun: str, plural: str = "") -> str:
     return f"{number} {noun if number == 1 else plural or f'{noun}s'}"
 
 
+def with_rest(lines: Sequence[str], shown: int = 8, what: str = "more") -> list[str]:
+    """Return the first lines, and how many more there are.
+
+    >>> with_rest(["a", "b", "c"], 2)
+    ['a', 'b', 'and 1 more']
+    """
+    return [*lines[:shown], *([f"and {len(lines) - shown} {what}"] if len(lines) > shown else [])]
+
+
 def printable(text: str, colors: bool = False) -> str:
     r"""Return a text in which no character acts on a terminal, a log or the order of others; lines and tabs stay.
 

@@ -15,6 +15,7 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationErr
 
 from mjcompose.base import __version__
 from mjcompose.base.diagnostic import Note
+from mjcompose.base.report import with_rest
 from mjcompose.base.sink import Sink
 from mjcompose.build.bundle.bundle import MANIFEST, Bundle, to_text
 from mjcompose.mujoco.arrays import BY_WORD
@@ -442,9 +443,6 @@ def index_of(index: CompiledIndex, written: Written | None = None) -> Index:
     )
 
 
-_SHOWN = 8
-
-
 def manifest_of(text: bytes | None, shown: str, sink: Sink) -> Manifest | None:
     """Return the manifest of a bundle, or None if it is missing or broken, which is reported."""
     if text is None:
@@ -458,10 +456,8 @@ def manifest_of(text: bytes | None, shown: str, sink: Sink) -> Manifest | None:
             written = f"was written by a newer mjcompose: its format is {newer}, this one knows {FORMAT}"
             sink.error("bundle-manifest", f"the manifest of `{shown}` {written}", help="update mjcompose")
             return None
-        faults = faults_of(error)
-        more = [Note(f"and {len(faults) - _SHOWN} more")] if len(faults) > _SHOWN else []
         help = "a bundle of another version of mjcompose needs that version"
-        notes = [*map(Note, faults[:_SHOWN]), *more]
+        notes = list(map(Note, with_rest(faults_of(error))))
         sink.error("bundle-manifest", f"the manifest of `{shown}` cannot be read", notes=notes, help=help)
         return None
 
@@ -496,4 +492,4 @@ def check_index(expected: Index, actual: Index, shown: str, sink: Sink) -> None:
         ]
         if notes:
             message = f"the {kind} of the compiled `{shown}` are not the {kind} of its manifest"
-            sink.error("bundle-manifest", message, notes=notes[:_SHOWN])
+            sink.error("bundle-manifest", message, notes=notes[:8])

@@ -246,6 +246,17 @@ def write_files(bundle: Bundle, folder: Path) -> None:
             stream.write(content)
 
 
+@contextlib.contextmanager
+def in_scratch(bundle: Bundle) -> Iterator[Path]:
+    """Yield a temporary folder with the bundle's files; errors of the file system become OutputError."""
+    try:
+        with scratch("bundle") as folder:
+            write_files(bundle, folder)
+            yield folder
+    except OSError as error:
+        raise unwritable_error("a temporary folder", error) from error
+
+
 # files that other programs leave in a folder
 _LITTER = {"MUJOCO_LOG.TXT", ".DS_Store", "Thumbs.db", "desktop.ini"}
 
@@ -318,12 +329,8 @@ def write_mjb(bundle: Bundle, out: Path, *, session: engine.Session | None = Non
 
     with staged_file(out) as stage:
         stage.touch()  # fail now if the operating system does not allow writing there
-        try:
-            with scratch("bundle") as folder:
-                write_files(bundle, Path(folder))
-                compiled = engine.compile(Path(folder), bundle.model, mjb=stage, session=session)
-        except OSError as error:
-            raise unwritable_error("a temporary folder", error) from error
+        with in_scratch(bundle) as folder:
+            compiled = engine.compile(folder, bundle.model, mjb=stage, session=session)
         if not compiled.ok:
             raise OutputError("output-unwritable", f"cannot write `{out}`: {compiled.error}")
         if MANIFEST in bundle.files:

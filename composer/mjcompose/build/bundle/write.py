@@ -21,7 +21,6 @@ from typing import Any, NamedTuple
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.files import open_regular, read_regular
-from mjcompose.base.scratch import scratch
 from mjcompose.build.bundle.bundle import (
     LARGEST_MANIFEST,
     LICENSES,
@@ -32,10 +31,9 @@ from mjcompose.build.bundle.bundle import (
     OutputForm,
     form_of,
     moment_of,
-    unwritable_error,
     with_moment,
 )
-from mjcompose.build.bundle.staging import manifest_beside, staged_file, write_files, write_folder, write_mjb
+from mjcompose.build.bundle.staging import in_scratch, manifest_beside, staged_file, write_folder, write_mjb
 from mjcompose.mujoco import engine
 
 _TEXT_LEVEL = 6
@@ -207,16 +205,12 @@ def write_usd(
 
     moment = moment_of(environment)
     with staged_file(out) as stage:
-        try:
-            with scratch("bundle") as folder:
-                write_files(bundle, Path(folder))
-                target = Path(folder) / f"usd-output{out.suffix.lower()}"
-                exported = export_usd(Path(folder) / bundle.model, target, session)
-                if os.path.isfile(target):
-                    content = target.read_bytes()
-                    stage.write_bytes(with_moment(content, moment) if target.suffix == ".usdz" else content)
-        except OSError as error:
-            raise unwritable_error("a temporary folder", error) from error
+        with in_scratch(bundle) as folder:
+            target = folder / f"usd-output{out.suffix.lower()}"
+            exported = export_usd(folder / bundle.model, target, session)
+            if os.path.isfile(target):
+                content = target.read_bytes()
+                stage.write_bytes(with_moment(content, moment) if target.suffix == ".usdz" else content)
         if exported.missing is not None:
             message = f"writing `{out.name}` needs the Python package `mujoco-usd-converter`: {exported.missing}"
             help = 'run `pip install "mjcompose[usd]"` in an environment with Python 3.12 or older'

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import field, replace
-from functools import partial
+from functools import cached_property, partial
 from hashlib import sha256
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
@@ -165,7 +165,6 @@ class Maker:
         self.cache = None if is_piped else cache
         self.form, self.place = form, place
         self.library: Library = {}
-        self._inputs: Inputs | None = None
         self._key: CacheKey | None = None
         self._ahead: BackgroundPacker | None = None
         self._since = now()
@@ -231,8 +230,7 @@ class Maker:
         if built is None:
             return None
         made = result_of_build(built, license_rows(plan, context), why, key=key)
-        names = self._names()
-        made = replace(made, inputs=(*names.recipes(plan), *names.others(built, context)))
+        made = replace(made, inputs=(*self._inputs.recipes(plan), *self._inputs.others(built, context)))
         if self.options.text_beside is None:
             self._keep(made, outcomes, context, cell=choice.name)
         return made
@@ -320,7 +318,7 @@ class Maker:
         written = check_spans(plan)
         checks = tuple(replace(each, span=written[each.name]) for each in record.checks)
         record = replace(record, checks=checks, cells=plan.cells, cells_at=plan.cells_at)
-        recipes = [self.cache.files.look(path) for path in self._names().recipes(plan)]
+        recipes = [self.cache.files.look(path) for path in self._inputs.recipes(plan)]
         record = self._of_recipes(record, {each.path: each.state for each in recipes})
         made = None if record is None else self._with_files(record, answer)
         if record is None or made is None:
@@ -358,7 +356,7 @@ class Maker:
         cache, built, key = self.cache, result.built, result.key
         if cache is None or built is None or key is None:
             return
-        names, files = self._names(), cache.files
+        names, files = self._inputs, cache.files
         files.forget()
         paths = names.recipes(built.plan), names.others(built, context)
         own = os.fspath(cache.store.folder) + os.sep
@@ -396,12 +394,11 @@ class Maker:
             found.append(KeptFile(path, digest, len(content), source=known.get(digest)))
         return tuple(found)
 
-    def _names(self) -> Inputs:
+    @cached_property
+    def _inputs(self) -> Inputs:
         from mjcompose.build.cache.inputs import Inputs
 
-        if self._inputs is None:
-            self._inputs = Inputs()
-        return self._inputs
+        return Inputs()
 
 
 def _warns(record: Record) -> bool:

@@ -240,15 +240,6 @@ def names_nothing(message: str, glob: str, what: str, known: Sequence[str], at: 
     return CheckEnds(Fault("unknown-name", message, at, notes=notes, help=help))
 
 
-def with_rest(lines: Sequence[str], shown: int = 8, what: str = "more") -> list[str]:
-    """Return the first lines, and how many more there are.
-
-    >>> with_rest(["a", "b", "c"], 2)
-    ['a', 'b', 'and 1 more']
-    """
-    return [*lines[:shown], *([f"and {len(lines) - shown} {what}"] if len(lines) > shown else [])]
-
-
 SUBTREE_MASS = "subtree_mass"
 """An attribute of bodies that MJCF does not have: the mass of a body and all below it."""
 Number = tuple[float, str | None]
@@ -266,14 +257,10 @@ def keywords(tag: str) -> Mapping[str, tuple[str, ...]]:
     paths = paths_of(tag)
     found: dict[str, tuple[str, ...]] = {}
     for name in sorted(ENUMERATED.get(tag, ())):
-        words = {word for path in paths for word in _words(path, name)}
+        attributes = [GRAMMAR.element(path).attributes.get(name) for path in paths]
+        words = {word for each in attributes if each is not None for word in each.keywords}
         found[name] = tuple(sorted(words or {GRAMMAR.element(path).tag for path in paths}))
     return found
-
-
-def _words(path: str, name: str) -> tuple[str, ...]:
-    attribute = GRAMMAR.element(path).attributes.get(name)
-    return attribute.keywords if attribute is not None else ()
 
 
 @cache

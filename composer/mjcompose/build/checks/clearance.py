@@ -8,7 +8,8 @@ from typing import Annotated, Any, ClassVar
 from pydantic import Field
 
 from mjcompose.base.diagnostic import Fault
-from mjcompose.build.checks.check import SOLVED, Scope, at_keys, beside, check_globs, failed, keys_named, with_rest
+from mjcompose.base.report import with_rest
+from mjcompose.build.checks.check import SOLVED, Scope, at_keys, beside, check_globs, failed, keys_named
 from mjcompose.language.check import Check
 from mjcompose.language.forms.scalars import LENGTHS, Expects, Items, Name, Scaled
 

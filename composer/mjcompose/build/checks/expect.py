@@ -13,6 +13,7 @@ from pydantic_core import PydanticKnownError
 
 from mjcompose.base.diagnostic import Fault
 from mjcompose.base.extensions import Table
+from mjcompose.base.report import with_rest
 from mjcompose.base.suggest import advised, closest, exists_note
 from mjcompose.build.checks.check import (
     ROUNDING,
@@ -31,7 +32,6 @@ from mjcompose.build.checks.check import (
     unit_of,
     unknown,
     values_of,
-    with_rest,
     words_of,
 )
 from mjcompose.language.check import Check, CheckPart

@@ -11,16 +11,8 @@ from pydantic import Discriminator, Field, Tag
 
 from mjcompose.base.diagnostic import Fault
 from mjcompose.base.extensions import Table
-from mjcompose.build.checks.check import (
-    CheckEnds,
-    Scope,
-    at_keys,
-    check_globs,
-    failed,
-    keys_named,
-    names_nothing,
-    with_rest,
-)
+from mjcompose.base.report import with_rest
+from mjcompose.build.checks.check import CheckEnds, Scope, at_keys, check_globs, failed, keys_named, names_nothing
 from mjcompose.build.lint.rule import FAMILIES, Subject, rules, subject_of
 from mjcompose.build.lint.rule import Rule as LinterRule
 from mjcompose.language.check import Check, CheckPart

@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 from pydantic import Field
 
 from mjcompose.base.diagnostic import Fault
+from mjcompose.base.report import with_rest
 from mjcompose.base.scratch import scratch
-from mjcompose.build.checks.check import SOLVED, failed, with_rest
+from mjcompose.build.checks.check import SOLVED, failed
 from mjcompose.language.check import Check
 from mjcompose.language.forms.model import IT
 from mjcompose.language.forms.scalars import Checked, Name, Positive, Unit

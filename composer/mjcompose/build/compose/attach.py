@@ -15,7 +15,7 @@ from mjcompose.base.rotation import IDENTITY_QUAT, Pose, quat_from_axisangle, qu
 from mjcompose.base.suggest import did_you_mean, exists_note, renaming
 from mjcompose.build.checks.unchanged import Unchanged
 from mjcompose.build.compose.checks import check_class
-from mjcompose.build.compose.elements import ElementBuilder, in_radians, joint_attributes, make_node, pose_number
+from mjcompose.build.compose.elements import ElementBuilder, joint_attributes, make_node, pose_number, turned
 from mjcompose.build.compose.load import PartRequest
 from mjcompose.build.plan.plan import IN_PLACE, AttachPart, PartRecord, Plan, arrays_of_draw, of_part
 from mjcompose.build.plan.steps import AddedPlace, AddElement, DrawValues, SetDefault, SetSingleton, Step, steps_adding
@@ -181,7 +181,7 @@ def part_of(step: AttachPart, unit: Unit, making: ElementBuilder) -> Part:
         settings = making.angle_context.at((*step.at, "replicate"))
         for number, axis in zip(step.copy, step.attachment.replicate, strict=True):
             x, y, z = (pose_number(value) for value in axis.offset)
-            angles = tuple(in_radians(angle, settings) for angle in axis.euler)
+            angles = tuple(turned(angle, settings) for angle in axis.euler)
             pose = pose @ copy_poses(axis.count, (x, y, z), angles, sequence=settings.eulerseq)[number]
         place = _at_key(place, pose, "replicate", step=step, making=making)
     if step.attachment.mate is not None:
@@ -258,11 +258,11 @@ def _place_of(step: AttachPart, making: ElementBuilder) -> AttachmentPlace:
             continue
         attribute, settings = key, making.angle_context.at((*step.at, key))
         if key == "euler":
-            angles = [in_radians(angle, settings) for angle in values]
+            angles = [turned(angle, settings) for angle in values]
             attribute, text = "quat", numbers.text(quat_from_euler(angles, settings.eulerseq))
         elif key == "axisangle":
             *axis, angle = values
-            quat = quat_from_axisangle([pose_number(number) for number in axis], in_radians(angle, settings))
+            quat = quat_from_axisangle([pose_number(number) for number in axis], turned(angle, settings))
             attribute, text = "quat", _text(quat)
         else:
             text = numbers.text(map(pose_number, values))

@@ -66,7 +66,7 @@ class _CollisionWriter:
         sides = [self._bodies(step, index) for index in range(2)]
         if step.collisions.what == "exclude":
             names = [[name for body in side for name in _names(body)] for side in sides]
-            self._exclude(step, {(one, other): "" for one in names[0] for other in names[1] if one != other})
+            self._exclude(step, {pair: "" for pair in product(*names) if pair[0] != pair[1]})
         else:
             self._write_pairs(step, sides)
         return []

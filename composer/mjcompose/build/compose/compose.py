@@ -170,17 +170,13 @@ class Composer:
         """Return the base or a part of a plan alone, reduced to the requested subtree, or None if it has faults."""
         return self.guarded(plan, wanted.is_fixed_in_world, lambda again: again._unit(plan, wanted))
 
-    def read_subtrees(self, plan: Plan) -> None:
-        """Take the subtrees of a plan, and compose only the sources that they come from."""
-        self.expect(plan)
-        self._read_subtrees(plan, True)
-
-    def _read_subtrees(self, plan: Plan, is_fixed: bool) -> None:
+    def read_subtrees(self, plan: Plan, is_fixed: bool = True) -> None:
+        """Take the subtrees of a plan, whose sources are expected, and compose only these."""
         for each in part_requests(plan, is_fixed):
             if each.body is not None or each.drop:
                 self.unit_of(plan, replace(each, edit=()))
             elif isinstance(each.model, Plan):
-                self._read_subtrees(each.model, each.is_fixed_in_world)
+                self.read_subtrees(each.model, each.is_fixed_in_world)
 
     def expect(self, plan: Plan, is_fixed: bool = True) -> None:
         """Record which sources the plan needs, and how often."""
@@ -363,10 +359,10 @@ class Composer:
             are_named = changes.in_doubt()
         else:
             if changes:
-                changes.of_elements()
+                changes.edit()
             order_elements(plan, linking)  # before draws, which count elements without a name
             if changes:
-                changes.draw_elements()
+                changes.draw()
         check_intervals(making)
         if are_named:
             write_keyframes(plan, linking, making)

@@ -17,6 +17,7 @@ from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Fix, Note, Path, Span
 from mjcompose.base.files import Refused
 from mjcompose.base.limits import advice, in_force
+from mjcompose.base.report import counted
 from mjcompose.base.sink import Sink
 from mjcompose.base.suggest import closest, exists_note, renaming
 from mjcompose.build.compose.elements import ElementBuilder
@@ -229,12 +230,6 @@ class Editing:
             settings.pop(name, None)
 
 
-def is_angular(attribute: Attribute, joint: str) -> bool:
-    return attribute.angle == "joint" and (
-        joint == "hinge" or (joint == "ball" and attribute.name in ("range", "springyield"))
-    )
-
-
 def take_files(editing: Editing) -> None:
     """Resolve the files that edits name relative to the recipe. They replace those that the elements named before."""
     making, linking = editing.making, editing.linking
@@ -293,7 +288,8 @@ def select_counted(editing: Editing, selector: Selector, path: Path, count: Coun
         return []
     if expect is not None and len(found) != expect:
         notes = [Note(f"it selects {_names(editing, found)}")] if found else [*_existing(editing, selector)]
-        message = f"`{selector}` selects {_count(len(found))}, expected {expect}"
+        count_found = counted(len(found), "element") if found else "nothing"
+        message = f"`{selector}` selects {count_found}, expected {expect}"
         help = None if not found else f"write `expect: {len(found)}` if that is right"
         editing.sink.error("selector", message, editing.span(count.at), notes=notes, help=help)
         return []
@@ -445,7 +441,3 @@ def _names(editing: Editing, found: list[Node]) -> str:
     words = [editing.called(node) for node in found[:_SHOWN]]
     rest = len(found) - len(words)
     return ", ".join(words) + (f" and {rest} more" if rest else "")
-
-
-def _count(number: int) -> str:
-    return "nothing" if number == 0 else f"{number} element{'s' * (number != 1)}"

@@ -181,14 +181,6 @@ class ModelEdits:
     drawn: list[Drawn] = field(default_factory=list)
     tabled: list[ElementDraws] = field(default_factory=list)
 
-    def of_elements(self) -> None:
-        """Carry out all edits, except for those about keys."""
-        self._edit(of_keys=False)
-
-    def draw_elements(self) -> None:
-        """Carry out all draws, except for those about keys."""
-        self._draw(of_keys=False)
-
     def in_doubt(self) -> bool:
         """Carry out the edits that select one name on a model which lacks elements, to find more errors.
 
@@ -222,11 +214,12 @@ class ModelEdits:
         """Carry out edits and draws about keys. The edits do not change the keys that the recipe itself writes."""
         if any(is_of_keys(step) for step in self.plan.edits):
             places = self._taken_out()
-            self._edit(of_keys=True)
+            self.edit(of_keys=True)
             self._put_back(places)
-        self._draw(of_keys=True)
+        self.draw(of_keys=True)
 
-    def _edit(self, of_keys: bool) -> None:
+    def edit(self, of_keys: bool = False) -> None:
+        """Carry out the edits that are about keys, or all others."""
         editing = self._editing()
         replaced = lay_out_replaced(self.linking) if of_keys else []
         for step in self.plan.edits:
@@ -238,8 +231,8 @@ class ModelEdits:
                     _carry_out(step, editing, self.plan, composer=self.composer)
                 self.linking.watch(self.linking.units, step)
 
-    def _draw(self, of_keys: bool) -> None:
-        """Write draws into the model after all edits."""
+    def draw(self, of_keys: bool = False) -> None:
+        """Write the draws that are about keys, or all others, into the model, after all edits."""
         editing = self._editing()
         for step in self.plan.draws:
             if is_of_keys(step) == of_keys:

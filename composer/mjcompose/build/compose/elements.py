@@ -106,10 +106,6 @@ class ElementBuilder:
         written = self.angle_context.others and find(self.document, path) is not None
         return self.angle_context.at(path if written else (*element.at, "xml"))
 
-    def turned(self, value: object, settings: AngleSettings, radians: Callable[[float], float]) -> float:
-        """Return an angle in the model's unit. `radians` converts degrees as MuJoCo does for this attribute."""
-        return _in(value, settings, self.model_angle, radians=radians)
-
     def span_of(self, node: Node, attribute: str | None = None) -> Span:
         """Return where a node, or the value of its attribute, is written. A fragment is searched for its place."""
         return self._span_of(node, self.made[node], self.fragments.get(node), attribute=attribute)
@@ -208,7 +204,7 @@ def _set_attribute(node: Node, element: Element, attribute: Attribute, value: ob
         _set_euler(node, element, name, value=value, making=making)
     elif attribute.angle == "orientation-axisangle" and isinstance(value, tuple):
         *axis, angle = value
-        inner = making.turned(angle, making.angle_settings_of(element, name), numbers.orientation_radians)
+        inner = turned(angle, making.angle_settings_of(element, name), making.model_angle)
         node.set(name, numbers.text([*map(float, axis), inner]))
     elif attribute.angle == "joint":
         # The `range` of a hinge is an angle, the `range` of a slide a length: in degrees MuJoCo 4.0 compiles
@@ -225,14 +221,14 @@ def _set_attribute(node: Node, element: Element, attribute: Attribute, value: ob
 def _set_euler(node: Node, element: Element, name: str, value: object, making: ElementBuilder) -> None:
     assert isinstance(value, tuple)
     settings = making.angle_settings_of(element, name)
-    turned = [making.turned(angle, settings, numbers.orientation_radians) for angle in value]
+    angles = [turned(angle, settings, making.model_angle) for angle in value]
     # The schema has no `quat` for a `<replicate>`: only a turn about one axis can be written in another sequence.
     if settings.eulerseq == making.model_eulerseq:
-        node.set(name, numbers.text(turned))
+        node.set(name, numbers.text(angles))
     elif node.tag != "replicate":
-        radians = [in_radians(angle, settings) for angle in value]
+        radians = [turned(angle, settings) for angle in value]
         node.set("quat", numbers.text(quat_from_euler(radians, settings.eulerseq)))
-    elif (moved := in_sequence(turned, settings.eulerseq, making.model_eulerseq)) is not None:
+    elif (moved := in_sequence(angles, settings.eulerseq, making.model_eulerseq)) is not None:
         node.set(name, numbers.text(moved))
     else:
         sequences = f"in the sequence `{settings.eulerseq}`, the model reads `{making.model_eulerseq}`"
@@ -241,16 +237,24 @@ def _set_euler(node: Node, element: Element, name: str, value: object, making: E
         making.sink.error("not-supported", message, making.span(element, name), help=help)
 
 
+def is_angular(attribute: Attribute, joint: str) -> bool:
+    """Return whether an attribute of a joint of this type is an angle."""
+    return attribute.angle == "joint" and (
+        joint == "hinge" or (joint == "ball" and attribute.name in ("range", "springyield"))
+    )
+
+
 def settle_joints(making: ElementBuilder, joint_type: Callable[[Node], str]) -> None:
     """Write the ranges and references of joints after the classes, and so the joint types, are known."""
+    unit, radians = making.model_angle, numbers.joint_radians
     for node, element, name in making.pending:
         value = element.attributes[name]
         values = value if isinstance(value, tuple) else (value,)
         kind = joint_type(node)
-        angular = kind == "hinge" or (kind == "ball" and name in ("range", "springyield"))
+        angular = is_angular(GRAMMAR.element("joint").attributes[name], kind)
         settings = making.angle_settings_of(element, name)
         as_length = numbers.text([float(_plain(v, "radian")) for v in values])  # type: ignore[arg-type]
-        as_angle = numbers.text([making.turned(v, settings, numbers.joint_radians) for v in values])
+        as_angle = numbers.text([turned(v, settings, unit, radians=radians) for v in values])
         node.set(name, as_angle if angular else as_length)
         if as_angle != as_length and next(node.iterancestors("default"), None) is not None:
             making.of_classes.append((node, element, name, angular))
@@ -277,15 +281,14 @@ def joint_attributes(element: Element, making: ElementBuilder) -> dict[str, str]
     return {str(name): str(value) for name, value in node.items()}
 
 
-def in_radians(
-    value: object, settings: AngleSettings, radians: Callable[[float], float] = numbers.orientation_radians
-) -> float:
-    """Return an angle in radians. `radians` converts degrees as MuJoCo does for this attribute."""
-    return _in(value, settings, "radian", radians=radians)
+def turned(
+    value: object, settings: AngleSettings, unit: str = "radian",
+    radians: Callable[[float], float] = numbers.orientation_radians,
+) -> float:  # fmt: skip
+    """Return an angle in `unit`. An angle without a unit is in the recipe's unit.
 
-
-def _in(value: object, settings: AngleSettings, unit: str, radians: Callable[[float], float]) -> float:
-    """Return an angle in `unit`. An angle without a unit is in the recipe's unit."""
+    `radians` converts degrees as MuJoCo does for the attribute.
+    """
     if isinstance(value, Angle):
         number, written = value.value, "degree" if value.unit == "deg" else "radian"
     else:

@@ -14,7 +14,7 @@ from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Note, Span
 from mjcompose.base.suggest import closest, did_you_mean, exists_note, renaming, unknown_name
 from mjcompose.build.compose.actuators import ControlUnits
-from mjcompose.build.compose.elements import ElementBuilder, in_radians, pose_number
+from mjcompose.build.compose.elements import ElementBuilder, pose_number, turned
 from mjcompose.build.compose.load import FINISHED, keep_finished
 from mjcompose.build.plan.plan import Plan
 from mjcompose.build.plan.steps import WriteKeyframe
@@ -274,7 +274,7 @@ class _KeyWriter:
             self.making.sink.error("bare-angle", message, self._at(vector, *path), help=help)
         # Keys are in radians in any model: MuJoCo 4.0 takes `<key qpos="90"/>` of a hinge as 90 even with
         # `angle="degree"`.
-        return in_radians(value, settings, numbers.joint_radians)
+        return turned(value, settings, radians=numbers.joint_radians)
 
     def _wrong_width(self, vector: str, name: str, slot: Slot, entry: Entry, width: int, path: tuple[str, ...]) -> None:
         kind = "actuator" if slot.kind == "actuator" else f"{slot.kind} joint"

@@ -6,6 +6,7 @@ import os
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import field, replace
+from itertools import chain
 from pathlib import Path as PathlibPath
 from typing import TYPE_CHECKING
 
@@ -211,7 +212,10 @@ class PartRequest:
     def check_dropped_keys(self, unit: Unit, document: Located, sink: Sink) -> bool:
         """Report a `drop` of keys that the unit does not have. Return whether there is no fault."""
         needless = [each for each in self.drop if each.leaves_keys and not each.optional]
-        if not needless or any(True for _ in unit.root.iterfind("keyframe/key")) or _may_have_keys(unit):
+        # MuJoCo adds keys, too: by `nkey`, or from models that it attaches.
+        sizes = (size for size in unit.root.iterchildren("size") if size.get("nkey"))
+        keys = chain(unit.root.iterfind("keyframe/key"), sizes, unit.root.iter("attach"))
+        if not needless or next(keys, None) is not None:
             return True
         message = f"`{unit.label}` has no keyframes that could be left out"
         help = f"remove `{needless[0]}` from `drop`"
@@ -231,12 +235,6 @@ class PartRequest:
             notes = tuple(Note(f"the {each.called} needs {each.lacks}", each.span) for each in subtree.cut)
             sink.warning("subtree-cut", message, self.span, notes=notes)
         return subtree
-
-
-def _may_have_keys(unit: Unit) -> bool:
-    """Return whether MuJoCo adds keys: by `nkey`, or from models that it attaches."""
-    has_size = any(size.get("nkey") for size in unit.root.iterchildren("size"))
-    return has_size or next(unit.root.iter("attach"), None) is not None
 
 
 def part_requests(plan: Plan, is_fixed: bool) -> Iterator[PartRequest]:

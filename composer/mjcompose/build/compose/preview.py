@@ -16,6 +16,7 @@ from mjcompose.build.compose.load import Library
 from mjcompose.build.compose.mesh_jobs import shapes_beside
 from mjcompose.build.plan.describe import acknowledge
 from mjcompose.build.plan.plan import EditOutcome, Gains, Plan, PlanPreview
+from mjcompose.build.plan.steps import SetCollisions
 from mjcompose.link.linking import Measure
 from mjcompose.link.measure import measure_with
 from mjcompose.mujoco import engine
@@ -36,9 +37,11 @@ def preview_plan(plan: Plan, context: Context) -> PlanPreview:
         composed = composer.compose(plan)
         acknowledge(plan, context.sink, context.shown, whole=False)
     else:
-        if plan.takes_subtrees:
-            composer.read_subtrees(plan)
-        if any(each.excludes_touching for each in plan.plans()):  # errors of composing are not reported here
+        composer.expect(plan)
+        composer.read_subtrees(plan)
+        steps = (step for each in plan.plans() for step in each.steps)
+        if any(isinstance(step, SetCollisions) and not step.collisions.sides for step in steps):
+            # Errors of composing are not reported here.
             aside = replace(context, sink=Sink())
             with engine.Session() as session:
                 again = Composer(aside, measure_with(aside, session=session), session, library=library)

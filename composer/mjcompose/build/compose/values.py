@@ -13,6 +13,7 @@ from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Fault, Note, Path
 from mjcompose.base.sink import Sink
 from mjcompose.base.suggest import did_you_mean, exists_note
+from mjcompose.build.compose.elements import is_angular
 from mjcompose.link import numbers
 from mjcompose.link.inertia import MEASURED, has_mass, write_inertias
 from mjcompose.link.key_layout import joint_type
@@ -145,8 +146,6 @@ class Values:
 
     def angles(self, attribute: Attribute, count: int) -> Iterable[int]:
         """Return which of the numbers of an attribute of this element are angles."""
-        from mjcompose.build.compose.editing import is_angular
-
         if attribute.angle in ("orientation-euler", "replicate"):
             return range(count)
         if attribute.angle == "orientation-axisangle":

@@ -26,8 +26,7 @@ def overlap(subject: Subject) -> Found:
         found = []
         for one, other, distance in _touching(subject, data):
             bodies = [int(model.geom_bodyid[each]) for each in (one, other)]
-            trees = {int(model.body_rootid[each]) for each in bodies}
-            is_robot = len(trees) == 1
+            is_robot = model.body_rootid[bodies[0]] == model.body_rootid[bodies[1]]
             above = {int(model.body_weldid[model.body_parentid[model.body_weldid[each]]]) for each in bodies}
             is_base = 0 in above and not all(int(model.body_weldid[each]) for each in bodies)
             if -distance > (_DEEP if is_robot else _RESTING) and (is_key or is_robot) and (is_scene or not is_base):
@@ -35,10 +34,8 @@ def overlap(subject: Subject) -> Found:
         if found:
             distance, one, other = min(found)
             more = f", and {len(found) - 1} more pairs overlap" if len(found) > 1 else ""
-            message = (
-                f"{name}, {subject.name('geom', one)} is {-distance * 1000:.3g} mm inside"
-                f" {subject.name('geom', other)}{more}"
-            )
+            inside = f"is {-distance * 1000:.3g} mm inside {subject.name('geom', other)}{more}"
+            message = f"{name}, {subject.name('geom', one)} {inside}"
             yield Finding(subject.node("geom", other) if node is None else node, message)
 
 
@@ -70,10 +67,9 @@ def plane_hidden(subject: Subject) -> Found:
     import numpy as np
 
     model, data = subject.model, subject.data
-    planes = [
-        int(each) for each in np.flatnonzero(model.geom_type == int(subject.mujoco.mjtGeom.mjGEOM_PLANE))
-        if model.geom_contype[each] | model.geom_conaffinity[each] and not model.body_weldid[model.geom_bodyid[each]]
-    ]  # fmt: skip
+    is_plane = model.geom_type == int(subject.mujoco.mjtGeom.mjGEOM_PLANE)
+    collides = (model.geom_contype | model.geom_conaffinity) != 0
+    planes = np.flatnonzero(is_plane & collides & (model.body_weldid[model.geom_bodyid] == 0)).tolist()
     for lower in planes:
         for upper in planes:
             normal = data.geom_xmat[upper].reshape(3, 3)[:, 2]
@@ -126,12 +122,9 @@ def collides_with_nothing(subject: Subject) -> Found:
 def hull_too_fine(subject: Subject) -> Found:
     """A colliding mesh whose convex hull has thousands of vertices."""
     model = subject.model
-    kinds = int(subject.mujoco.mjtGeom.mjGEOM_MESH)
-    used = {
-        int(model.geom_dataid[geom]) for geom in range(model.ngeom)
-        if int(model.geom_type[geom]) == kinds and model.geom_contype[geom] | model.geom_conaffinity[geom]
-    }  # fmt: skip
-    for mesh in sorted(used):
+    is_mesh = model.geom_type == int(subject.mujoco.mjtGeom.mjGEOM_MESH)
+    collides = (model.geom_contype | model.geom_conaffinity) != 0
+    for mesh in sorted(set(model.geom_dataid[is_mesh & collides].tolist())):
         at = int(model.mesh_graphadr[mesh])
         count = int(model.mesh_graph[at]) if at >= 0 else 0
         if count > _FINE:

@@ -26,42 +26,29 @@ def unused_class(subject: Subject) -> Found:
             yield Finding(element, message, "class", help="use it, or remove it", edit=_REMOVE)
 
 
-def _unused(subject: Subject, tag: str, user: str) -> Found:
-    """Yield the assets with a tag that nothing refers to."""
-    if next(subject.root.iter(*(GENERATORS - {"replicate", "flexcomp", "composite"})), None) is not None:
-        return  # the other model may use them
-    used = subject.names.uses.get(tag, {})
-    for element in subject.root.iterfind(f"asset/{tag}"):
-        name = own_name(element, "name")
-        is_sky = tag == "texture" and subject.value(element, "type") == "skybox"
-        if name and name not in used and subject.is_own(element) and not is_sky:
-            attribute = "name" if element.get("name") else "file"
-            message = f"no {user} uses the {tag} `{name}`"
-            yield Finding(element, message, attribute, help="use it, or remove it", edit=_REMOVE)
+def _unused(tag: str, user: str, summary: str) -> None:
+    """Make the rule about the assets with a tag that nothing refers to."""
+
+    def run(subject: Subject) -> Found:
+        if next(subject.root.iter(*(GENERATORS - {"replicate", "flexcomp", "composite"})), None) is not None:
+            return  # the other model may use them
+        used = subject.names.uses.get(tag, {})
+        for element in subject.root.iterfind(f"asset/{tag}"):
+            name = own_name(element, "name")
+            is_sky = tag == "texture" and subject.value(element, "type") == "skybox"
+            if name and name not in used and subject.is_own(element) and not is_sky:
+                attribute = "name" if element.get("name") else "file"
+                message = f"no {user} uses the {tag} `{name}`"
+                yield Finding(element, message, attribute, help="use it, or remove it", edit=_REMOVE)
+
+    run.__doc__ = summary
+    rule(f"unused-{tag}")(run)
 
 
-@rule("unused-mesh")
-def unused_mesh(subject: Subject) -> Found:
-    """A mesh that no geom uses."""
-    return _unused(subject, "mesh", "geom")
-
-
-@rule("unused-material")
-def unused_material(subject: Subject) -> Found:
-    """A material that no geom, site, tendon or skin uses."""
-    return _unused(subject, "material", "element")
-
-
-@rule("unused-texture")
-def unused_texture(subject: Subject) -> Found:
-    """A texture that no material uses."""
-    return _unused(subject, "texture", "material")
-
-
-@rule("unused-hfield")
-def unused_hfield(subject: Subject) -> Found:
-    """A height field that no geom uses."""
-    return _unused(subject, "hfield", "geom")
+_unused("mesh", "geom", "A mesh that no geom uses.")
+_unused("material", "element", "A material that no geom, site, tendon or skin uses.")
+_unused("texture", "material", "A texture that no material uses.")
+_unused("hfield", "geom", "A height field that no geom uses.")
 
 
 @rule("unused-tendon", in_mujoco=True)

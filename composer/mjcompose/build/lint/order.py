@@ -14,13 +14,10 @@ _FAR = 0.05
 @rule("actuator-order", in_mujoco=True)
 def actuator_order(subject: Subject) -> Found:
     """Actuators in another order than their joints."""
-    model, mujoco = subject.model, subject.mujoco
-    rows = [
-        (row, int(model.actuator_trnid[row, 0]))
-        for row in range(model.nu)
-        if int(model.actuator_trntype[row]) == int(mujoco.mjtTrn.mjTRN_JOINT)
-    ]
-    joints = [joint for _, joint in rows]
+    model = subject.model
+    at_joints = (model.actuator_trntype == int(subject.mujoco.mjtTrn.mjTRN_JOINT)).nonzero()[0]
+    joints = model.actuator_trnid[at_joints, 0].tolist()
+    rows = zip(at_joints.tolist(), joints, strict=True)
     if len(set(joints)) < len(joints) or len(joints) < 2:
         return
     for (before, first), (row, joint) in pairwise(rows):
@@ -39,29 +36,21 @@ def key_does_not_hold(subject: Subject) -> Found:
     model = subject.model
     pairs = position_servos(subject)
     for row, name, data in subject.at_keys():
-        element = subject.node("key", row)
-        if element is None:
-            continue
-        away = []
-        for actuator, joint in pairs:
+        element, away = subject.node("key", row), []
+        for actuator, joint in pairs if element is not None else ():
             aim, at = float(model.key_ctrl[row, actuator]), float(data.actuator_length[actuator])
             low, high = map(float, model.jnt_range[joint])
             width = (high - low if model.jnt_limited[joint] else 3.14) * abs(float(model.actuator_gear[actuator, 0]))
             if abs(aim - at) > _FAR * width:
                 away.append((actuator, joint, aim, at))
-        if not away:
-            continue
-        if not model.key_ctrl[row].any() and not element.get("ctrl"):
+        if away and not model.key_ctrl[row].any() and not element.get("ctrl"):
             moved = f"{len(away)} position actuator{'s' * (len(away) > 1)}"
             message = f"{name} has no `ctrl`: {moved}, such as {subject.name('actuator', away[0][0])}, leave its pose"
             yield Finding(element, message, "qpos", help="write the positions of the joints as `ctrl`")
             continue
         for actuator, joint, aim, at in away:
-            message = (
-                f"in {name} {subject.name('actuator', actuator)} aims at {aim:.4g}, and"
-                f" {subject.name('joint', joint)} is at {at:.4g}"
-            )
-            yield Finding(element, message, "ctrl")
+            aims = f"in {name} {subject.name('actuator', actuator)} aims at {aim:.4g}"
+            yield Finding(element, f"{aims}, and {subject.name('joint', joint)} is at {at:.4g}", "ctrl")
 
 
 @rule("key-breaks-equality", in_mujoco=True)
@@ -69,17 +58,13 @@ def key_breaks_equality(subject: Subject) -> Found:
     """A keyframe whose pose breaks an equality constraint."""
     import numpy as np
 
-    mujoco = subject.mujoco
     for row, name, data in subject.at_keys():
         element = subject.node("key", row)
         if element is None or not data.ne:
             continue
-        broken: dict[int, float] = {}
-        kind = int(mujoco.mjtConstraint.mjCNSTR_EQUALITY)
-        for each in np.flatnonzero(data.efc_type[: data.nefc] == kind).tolist():
-            equality = int(data.efc_id[each])
-            broken[equality] = max(broken.get(equality, 0.0), abs(float(data.efc_pos[each])))
-        for equality, distance in broken.items():
-            if distance > 0.01:
+        rows = data.efc_type[: data.nefc] == int(subject.mujoco.mjtConstraint.mjCNSTR_EQUALITY)
+        ids, apart = data.efc_id[: data.nefc][rows], np.abs(data.efc_pos[: data.nefc][rows])
+        for equality in dict.fromkeys(ids.tolist()):
+            if (distance := float(apart[ids == equality].max())) > 0.01:
                 message = f"{name} breaks {subject.name('equality', equality)} by {distance:.3g}"
                 yield Finding(element, message, "qpos")

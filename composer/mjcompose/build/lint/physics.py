@@ -6,9 +6,12 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 from mjcompose.build.lint.rule import Finding, Found, Subject, rule
+from mjcompose.mujoco.arrays import HINGE, SLIDE
 from mjcompose.tree.classes import class_in_force
 
 if TYPE_CHECKING:
+    from lxml.etree import _Element as Node
+
     from mjcompose.mujoco.servos import Servos
 
 _HEAVIEST, _DENSE = 22_590.0, 100_000.0
@@ -34,15 +37,18 @@ def inertia_implausible(subject: Subject) -> Found:
 
     shapes = subject.shapes
     for body in range(1, subject.model.nbody):
-        node = subject.node("body", body)
-        inertial = None if node is None else node.find("inertial")
+        node, inertial = subject.node("body", body), _inertial(subject, body)
         mass, whole = subject.model.body_mass[body], subject.model.body_subtreemass[subject.model.body_rootid[body]]
         if mass > _NEGLIGIBLE * whole and shapes.own(body) and shapes.reach(body) > _SMALL:
             for fault in faults(shapes, body, gyration=_GYRATION, outside=_OUTSIDE):
-                yield Finding(
-                    node if inertial is None else inertial, f"{subject.name('body', body)}: {fault}",
-                    help="correct `<inertial>`, or remove it to compute the inertia from the geoms",
-                )  # fmt: skip
+                help = "correct `<inertial>`, or remove it to compute the inertia from the geoms"
+                place = node if inertial is None else inertial
+                yield Finding(place, f"{subject.name('body', body)}: {fault}", help=help)
+
+
+def _inertial(subject: Subject, body: int) -> Node | None:
+    node = subject.node("body", body)
+    return None if node is None else node.find("inertial")
 
 
 @rule("density-impossible", in_mujoco=True, profiles={"robot-asset": _UNITS})
@@ -83,8 +89,7 @@ def inertial_ignored(subject: Subject) -> Found:
     if subject.setting("compiler", "inertiafromgeom") != "true":
         return
     for body in range(1, subject.model.nbody):
-        node = subject.node("body", body)
-        inertial = None if node is None else node.find("inertial")
+        inertial = _inertial(subject, body)
         written = None if inertial is None else _number(inertial.get("mass"))
         mass = float(subject.model.body_mass[body])
         if written is not None and abs(written - mass) > 1e-3 * max(written, mass):
@@ -161,18 +166,14 @@ def timestep_too_long(subject: Subject) -> Found:
             f"{subject.name('joint', joint)}{by}: small motions grow {mode.factor:.3g} times in each step of"
             f" {subject.model.opt.timestep * 1000:g} ms{longest}"
         )
-        yield Finding(
-            node if node is not None else subject.node("joint", joint), message,
-            help="shorten `timestep`, add `armature` to the joint, or lower the gains",
-        )  # fmt: skip
+        place = node if node is not None else subject.node("joint", joint)
+        yield Finding(place, message, help="shorten `timestep`, add `armature` to the joint, or lower the gains")
 
 
 def _single(subject: Subject) -> Iterator[tuple[int, int]]:
     """Yield the hinges and slides, each with its degree of freedom."""
     model = subject.model
-    for joint in range(model.njnt):
-        if int(model.jnt_type[joint]) >= int(subject.mujoco.mjtJoint.mjJNT_SLIDE):
-            yield joint, int(model.jnt_dofadr[joint])
+    yield from ((joint, int(model.jnt_dofadr[joint])) for joint in (model.jnt_type >= SLIDE).nonzero()[0].tolist())
 
 
 @rule("servo-undamped", in_mujoco=True, profiles={
@@ -193,7 +194,7 @@ def servo_undamped(subject: Subject) -> Found:
 
 
 def _unit(subject: Subject, joint: int, per: bool = True) -> str:
-    is_hinge = int(subject.model.jnt_type[joint]) == int(subject.mujoco.mjtJoint.mjJNT_HINGE)
+    is_hinge = int(subject.model.jnt_type[joint]) == HINGE
     return ("N·m" if is_hinge else "N") + (("/rad" if is_hinge else "/m") if per else "")
 
 
@@ -217,35 +218,29 @@ def motor_too_weak(subject: Subject) -> Found:
     """A motor that cannot hold its joint against gravity in a keyframe."""
     from mjcompose.mujoco.servos import Servos
 
-    seen = set()
+    seen: dict[int, Finding] = {}
     for _, name, data in subject.at_keys():
-        if data.qvel.any():
-            continue
         servos = Servos(subject.mujoco, subject.model, data)
-        for joint, dof, needed, ends in _held(subject, data, servos):
-            if joint not in seen:
-                seen.add(joint)
-                unit, actuator = _unit(subject, joint, per=False), servos.of_dof(dof)[0]
-                message = (
-                    f"holding {subject.name('joint', joint)} in {name} takes {needed:.4g} {unit}, and its actuators"
-                    f" give {ends[0]:.4g} to {ends[1]:.4g} {unit}"
-                )
-                yield Finding(subject.node("actuator", actuator), message, help="raise the limit of the force")
+        for joint, dof, needed, ends in _held(subject, data, servos) if not data.qvel.any() else ():
+            unit, node = _unit(subject, joint, per=False), subject.node("actuator", servos.of_dof(dof)[0])
+            message = (
+                f"holding {subject.name('joint', joint)} in {name} takes {needed:.4g} {unit}, and its actuators"
+                f" give {ends[0]:.4g} to {ends[1]:.4g} {unit}"
+            )
+            seen.setdefault(joint, Finding(node, message, help="raise the limit of the force"))
+    yield from seen.values()
 
 
 def _held(subject: Subject, data: Any, servos: Servos) -> Iterator[tuple[int, int, float, tuple[float, float]]]:
     """Yield joint, degree of freedom, necessary force and limits of each joint that its actuators cannot hold."""
     model = subject.model
-    fixed = int(subject.mujoco.mjtJoint.mjJNT_SLIDE)
-    floating = {int(model.dof_treeid[model.jnt_dofadr[joint]]) for joint in range(model.njnt)
-                if int(model.jnt_type[joint]) < fixed}  # fmt: skip
+    floating = set(model.dof_treeid[model.jnt_dofadr[model.jnt_type < SLIDE]].tolist())
     touching = {int(model.body_treeid[model.geom_bodyid[geom]]) for geom in data.contact.geom.ravel() if geom >= 0}
     for joint, dof in _single(subject):
         tree, at = int(model.dof_treeid[dof]), float(data.qpos[model.jnt_qposadr[joint]])
         low, high = map(float, model.jnt_range[joint])
-        if tree in floating | touching | servos.coupled:
-            continue
-        if model.jnt_limited[joint] and not low + 1e-2 < at < high - 1e-2:
+        is_at_end = model.jnt_limited[joint] and not low + 1e-2 < at < high - 1e-2
+        if is_at_end or tree in floating | touching | servos.coupled:
             continue
         needed = float(data.qfrc_bias[dof] - data.qfrc_passive[dof])
         if model.jnt_actgravcomp[joint]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from lxml.etree import _Element as Node
 
 from mjcompose.build.lint.rule import Edit, Finding, Found, Subject, rule
+from mjcompose.mujoco.arrays import BALL, FREE, HINGE, SLIDE
 
 _LIMITS = {
     "joint": (("range", "limited"), ("actuatorfrcrange", "actuatorfrclimited")),
@@ -76,15 +77,15 @@ def key_out_of_range(subject: Subject) -> Found:
 @rule("reference-out-of-range", in_mujoco=True)
 def reference_out_of_range(subject: Subject) -> Found:
     """A joint whose reference position is outside of its range, in a model without keyframes."""
-    model, kinds = subject.model, subject.mujoco.mjtJoint
+    model = subject.model
     if model.nkey or not subject.is_complete:
         return
     for row in range(model.njnt):
-        if not model.jnt_limited[row] or int(model.jnt_type[row]) < int(kinds.mjJNT_SLIDE):
+        if not model.jnt_limited[row] or int(model.jnt_type[row]) < SLIDE:
             continue
         at, (low, high) = float(model.qpos0[model.jnt_qposadr[row]]), map(float, model.jnt_range[row])
         if not low - _ROUNDING <= at <= high + _ROUNDING:
-            unit = "rad" if int(model.jnt_type[row]) == int(kinds.mjJNT_HINGE) else "m"
+            unit = "rad" if int(model.jnt_type[row]) == HINGE else "m"
             message = (
                 f"{subject.name('joint', row)} starts at {at:.4g} {unit}, and its range is from {low:.4g} to {high:.4g}"
                 f" {unit}; there is no keyframe"
@@ -121,8 +122,7 @@ def position_servos(subject: Subject) -> list[tuple[int, int]]:
         joint = int(model.actuator_trnid[row, 0])
         gain, bias = float(model.actuator_gainprm[row, 0]), float(model.actuator_biasprm[row, 1])
         if (
-            int(model.actuator_trntype[row]) == int(mujoco.mjtTrn.mjTRN_JOINT)
-            and int(model.jnt_type[joint]) >= int(mujoco.mjtJoint.mjJNT_SLIDE)
+            int(model.actuator_trntype[row]) == int(mujoco.mjtTrn.mjTRN_JOINT) and int(model.jnt_type[joint]) >= SLIDE
             and int(model.actuator_biastype[row]) == int(mujoco.mjtBias.mjBIAS_AFFINE)
             and gain > 0 and abs(gain + bias) <= 1e-6 * gain and model.actuator_gear[row, 0]
             and not float(model.actuator_biasprm[row, 0])
@@ -134,11 +134,9 @@ def position_servos(subject: Subject) -> list[tuple[int, int]]:
 @rule("solref-below-timestep")
 def solref_below_timestep(subject: Subject) -> Found:
     """A time constant in `solref` that is shorter than two time steps, which MuJoCo replaces."""
-    steps = [each.get("timestep") for each in subject.root.iterfind("option") if each.get("timestep")]
-    flags = [each.get("refsafe") for each in subject.root.iterfind("option/flag") if each.get("refsafe")]
-    if flags and flags[-1] == "disable":
+    if subject.setting("option/flag", "refsafe") == "disable":
         return
-    step = float(steps[-1] or 0.002) if steps else 0.002
+    step = float(subject.setting("option", "timestep") or 0.002)
     for element in subject.root.iter("*"):
         for name in ("solref", "solreflimit", "solreffriction"):
             value = element.get(name)
@@ -151,13 +149,9 @@ def solref_below_timestep(subject: Subject) -> Found:
 @rule("quat-not-unit", in_mujoco=True)
 def quat_not_unit(subject: Subject) -> Found:
     """A quaternion in a keyframe that has not the length 1."""
-    model, kinds = subject.model, subject.mujoco.mjtJoint
-    offsets = {int(kinds.mjJNT_FREE): 3, int(kinds.mjJNT_BALL): 0}
-    quats = [
-        (joint, int(model.jnt_qposadr[joint]) + offsets[int(model.jnt_type[joint])])
-        for joint in range(model.njnt)
-        if int(model.jnt_type[joint]) in offsets
-    ]
+    model, offsets = subject.model, {FREE: 3, BALL: 0}
+    types, starts = model.jnt_type.tolist(), model.jnt_qposadr.tolist()
+    quats = [(at, starts[at] + offsets[type]) for at, type in enumerate(types) if type in offsets]
     for element in subject.root.iterfind("keyframe/key"):
         written = [float(word) for word in (element.get("qpos") or "").split()]
         for joint, start in quats if len(written) == model.nq else ():

@@ -79,9 +79,7 @@ def mesh_size(subject: Subject) -> Found:
     for mesh in range(model.nmesh):
         first, count = int(model.mesh_vertadr[mesh]), int(model.mesh_vertnum[mesh])
         size = float(np.linalg.norm(np.ptp(model.mesh_vert[first : first + count], axis=0)))
+        scale = model.mesh_scale[mesh].tolist()
         for doubt in doubts(Measured(size), reach) if size > 1 else ():
-            scale = [float(each) for each in model.mesh_scale[mesh]]
-            yield Finding(
-                subject.node("mesh", mesh), f"{subject.name('mesh', mesh)} {doubt.what}",
-                help=doubt.advice(scale, 'scale="{}"'),
-            )  # fmt: skip
+            message, help = f"{subject.name('mesh', mesh)} {doubt.what}", doubt.advice(scale, 'scale="{}"')
+            yield Finding(subject.node("mesh", mesh), message, help=help)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Diagnostic, Path, Severity, Span
+from mjcompose.base.report import counted
 from mjcompose.base.sink import Sink
 from mjcompose.build.plan.plan import AttachPart, EditOutcome, Gains, Plan, PlanPreview
 from mjcompose.build.plan.steps import EditElements, Step, steps_adding
@@ -198,8 +199,7 @@ def _own_lines(plan: Plan, part: AttachPart, preview: PlanPreview, indent: str) 
         yield f"{indent}drop {', '.join(map(str, attachment.drop))}"
     subtree = preview.subtrees.get(plan.place_of(part.at))
     dropped = [each for each in subtree.dropped if each.lacks is None] if subtree else []
-    for kind, names in _by_kind(dropped).items():
-        yield f"{indent}drops {_listed(kind, names)}"
+    yield from _by_kind(dropped, f"{indent}drops")
     for element in subtree.cut if subtree else ():
         yield f"{indent}drops the {element.called}, which needs {element.lacks}"
     for edit in attachment.edit:
@@ -211,28 +211,20 @@ def _edit_lines(edit: Edit, outcome: EditOutcome | None, indent: str) -> Iterato
     if outcome is None:
         yield indent + edit.words
         return
-    counts = ", ".join(_counted(count, kind) for kind, count in outcome.selected.items())
+    counts = ", ".join(counted(count, kind, _PLURALS.get(kind, "")) for kind, count in outcome.selected.items())
     yield f"{indent}{edit.words} ({counts or 'nothing'})"
-    for kind, names in _by_kind(outcome.removed).items():
-        yield f"{indent}  removes {_listed(kind, names)}"
-    for each in outcome.shapes:
-        yield f"{indent}  {each.words}"
+    yield from _by_kind(outcome.removed, f"{indent}  removes")
+    yield from (f"{indent}  {each.words}" for each in outcome.shapes)
 
 
-def _by_kind(elements: Iterable[DroppedElement]) -> dict[str, list[str]]:
+def _by_kind(elements: Iterable[DroppedElement], start: str) -> Iterator[str]:
+    """Yield a line for each kind of element, with their names."""
     kinds: dict[str, list[str]] = {}
     for element in elements:
         kinds.setdefault(element.what, []).append(element.name)
-    return kinds
-
-
-def _listed(kind: str, names: list[str]) -> str:
-    known = ", ".join(name for name in names if name)
-    return f"{_counted(len(names), kind)}{f': {known}' if known else ''}"
-
-
-def _counted(count: int, kind: str) -> str:
-    return f"{count} {kind if count == 1 else _PLURALS.get(kind, f'{kind}s')}"
+    for kind, names in kinds.items():
+        known = ", ".join(filter(None, names))
+        yield f"{start} {counted(len(names), kind, _PLURALS.get(kind, ''))}{f': {known}' if known else ''}"
 
 
 def _place_words(part: AttachPart) -> str:

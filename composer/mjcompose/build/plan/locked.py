@@ -11,6 +11,7 @@ from pathlib import Path
 from mjcompose.base import __version__, files
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Note, Span
+from mjcompose.base.report import with_rest
 from mjcompose.base.sink import Sink
 from mjcompose.build.plan.parts import is_one_choice
 from mjcompose.build.plan.plan import PlacedModel, Plan
@@ -22,8 +23,6 @@ from mjcompose.sources.kinds import PATH
 from mjcompose.sources.lock import Disputed, Lock, Locked, kind_of, lock_path, read_lock
 from mjcompose.sources.reference import PINS, Origin, Source
 from mjcompose.sources.store import Store
-
-_SHOWN = 8
 
 
 def use_lock(recipe: Path, context: Context, disputes: Disputed | None = None) -> Fetching | None:
@@ -237,8 +236,7 @@ def _wrong(before: Locked, now: Locked) -> Iterator[str]:
 
 
 def _notes(changes: Sequence[str]) -> list[Note]:
-    more = [f"and {len(changes) - _SHOWN} more"] if len(changes) > _SHOWN else []
-    return [Note(each) for each in (*changes[:_SHOWN], *more)]
+    return list(map(Note, with_rest(changes)))
 
 
 @dataclass(slots=True)

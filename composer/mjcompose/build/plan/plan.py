@@ -17,7 +17,6 @@ from mjcompose.build.plan.steps import (
     DrawValues,
     EditElements,
     OrderElements,
-    SetCollisions,
     Step,
     WriteKeyframe,
     added_places,
@@ -371,11 +370,6 @@ class Plan:
         return tuple(step for step in self.steps if isinstance(step, EditElements))
 
     @property
-    def excludes_touching(self) -> bool:
-        """Whether bodies that touch are excluded from colliding."""
-        return any(isinstance(step, SetCollisions) and not step.collisions.sides for step in self.steps)
-
-    @property
     def added_places(self) -> Mapping[tuple[str, str], AddedPlace]:
         """The bodies, frames and sites that are added, by kind and name."""
         return added_places(self.steps, self.document)
@@ -419,12 +413,6 @@ class Plan:
     def part_names(self) -> tuple[str, ...]:
         """The paths of all parts of the recipe: `base`, `left`, `left/gripper`."""
         return tuple(place.part for place in self.walk() if place.part and place.model is not None)
-
-    @property
-    def takes_subtrees(self) -> bool:
-        """Whether a model, here or in a nested recipe, is not used as a whole."""
-        requests = (place.request for place in self.walk() if place.request is not None)
-        return any(request.subtree is not None or request.drop for request in requests)
 
     @property
     def all_edits(self) -> list[Edit]:

@@ -48,7 +48,7 @@ from mjcompose.language.validate import validate_what_remains
 from mjcompose.sources import ros
 from mjcompose.sources.context import Context, as_text
 from mjcompose.sources.lock import resolve
-from mjcompose.sources.reference import Origin, Source, SourceError
+from mjcompose.sources.reference import Source, SourceError
 from mjcompose.sources.ros import UrdfChoices
 from mjcompose.text.node import Mapping, find, locate
 
@@ -372,13 +372,12 @@ class _Planner:
         for source in (*plan.sources(), *extended):
             if source.origin is None:
                 files += (source.path, *(folder for _, folder in source.packages))
-        outside = next((file for file in files if self._around(file) is None and not door.sees(file)), None)
+        fetching = self.context.fetching
+        own = [file for file in files if fetching is None or fetching.around(file) is None]
+        outside = next((file for file in own if not door.sees(file)), None)
         if outside is not None:
             door.outside(str(outside)).report(self.sink, span, shown=self.context.shown)
         return outside is None
-
-    def _around(self, file: Path) -> Origin | None:
-        return None if self.context.fetching is None else self.context.fetching.around(file)
 
     def _inner(self, model: Source | Plan) -> tuple[Plan, ...]:
         return self.inner.get(model, ()) if isinstance(model, Source) else ()

@@ -69,11 +69,13 @@ class Datasheet(Verb):
                 editing.sink.error("missing-key", message, span, help="leave `effort` out")
                 raise UnusableValue
             effort = sheet.rated
+        known = {"armature": sheet.reflected, "frictionloss": sheet.friction, "damping": sheet.damping}
+        of_joint = {name: value for name, value in known.items() if value is not None}  # the others stay as they are
         for index, node in enumerate(entry.found):
             joint, gear = _joint(editing, node, at)
             _without_other(editing, node, at)
             change = Change(editing, SET, entry.masses)
-            change.carry_out(joint, index, _of_joint(sheet), at=at)
+            change.carry_out(joint, index, of_joint, at=at)
             drive = _Drive(editing, node, joint, gear=gear, sheet=sheet, effort=effort, written=self, at=at)
             change.carry_out(node, index, drive.values(), at=at)
 
@@ -110,12 +112,6 @@ def _joint(editing: Editing, node: Node, at: Path) -> tuple[Node, float]:
         message = f"the `gear` of {editing.called(node)} is 0"
         report_unusable(editing, node, Fault("wrong-type", message, at, key=True, help="set it to 1"), it="it")
     return joint, gear
-
-
-def _of_joint(sheet: Sheet) -> dict[str, Any]:
-    """Return the known attributes of the joint. The others stay as they are."""
-    values = {"armature": sheet.reflected, "frictionloss": sheet.friction, "damping": sheet.damping}
-    return {name: value for name, value in values.items() if value is not None}
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,8 +12,8 @@ from lxml.etree import _Element as Node
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Fault, Note, Path
 from mjcompose.build.compose.checks import check_class_angles, refer_to_top_class
-from mjcompose.build.compose.editing import Editing, is_angular, take_files
-from mjcompose.build.compose.elements import settle_joints, update_node
+from mjcompose.build.compose.editing import Editing, take_files
+from mjcompose.build.compose.elements import is_angular, settle_joints, turned, update_node
 from mjcompose.build.compose.values import POLYNOMIALS, Masses, UnusableValue, Values, report_unusable
 from mjcompose.language.assign import MASS
 from mjcompose.language.select import unknown_attribute
@@ -68,11 +68,7 @@ class Operation:
     is_factor: bool = False
 
 
-def _written(now: float, written: float) -> float:
-    return written
-
-
-SET = Operation("set", _written)
+SET = Operation("set", lambda _, written: written)
 SCALE = Operation("scale", mul, is_factor=True)
 OFFSET = Operation("offset", add)
 
@@ -165,7 +161,7 @@ def _number(values: Values, operation: Operation, item: Any, attribute: Attribut
             message = f"`{attribute.name}` of {editing.called(node)} is an angle and {given} has no unit"
             report_unusable(editing, node, Fault("bare-angle", message, at, help=help))
         radians = numbers.joint_radians if attribute.angle == "joint" else numbers.orientation_radians
-        return making.turned(given, settings, radians)
+        return turned(given, settings, making.model_angle, radians=radians)
     unit = "deg" if is_in_degrees(str(node.tag), attribute.name) else "rad"
     return given.in_unit(unit) if isinstance(given, Angle) else float(given)
 

@@ -16,6 +16,7 @@ from lxml.etree import _Element as Node
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Note, Span
+from mjcompose.base.report import with_rest
 from mjcompose.base.rotation import Pose, normalize, rotate
 from mjcompose.base.sink import Sink
 from mjcompose.build.plan.plan import Plan
@@ -248,9 +249,7 @@ def _report(key: Node, wrong: Sequence[_Difference], model: Unit, sink: Sink) ->
         return
     called = f"the key `{key.get('name')}`" if key.get("name") else "a key without a name"
     first = wrong[0]
-    notes = [Note(_sentence(each)) for each in wrong[1:4]]
-    if len(wrong) > 4:
-        notes.append(Note(f"and {len(wrong) - 4} more"))
+    notes = list(map(Note, with_rest([_sentence(each) for each in wrong], 4)[1:]))
     span = first.meant.span or model.origins.span(key, model.file, first.vector)
     sink.error(
         "keyframe-wrong", f"{_sentence(first)}, in {called} of the finished model", span, notes=notes,

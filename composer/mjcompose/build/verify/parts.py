@@ -9,10 +9,10 @@ from typing import Any
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Note
+from mjcompose.base.report import with_rest
 from mjcompose.base.rotation import Pose
 from mjcompose.base.sink import Sink
 from mjcompose.build.bundle.assemble import Renamed
-from mjcompose.build.checks.check import with_rest
 from mjcompose.build.plan.plan import PartRecord
 from mjcompose.build.verify.compile import WHOLE
 from mjcompose.link.measure import folder_of, measure_with
