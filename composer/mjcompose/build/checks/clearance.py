@@ -15,6 +15,9 @@ from mjcompose.language.forms.scalars import LENGTHS, Expects, Items, Name, Scal
 
 _GLOB = Annotated[str, Name("geom", "body", glob=True)]
 _SIDE = Annotated[tuple[_GLOB, ...], Items(1, single=True)]
+_SIDES = Expects("two sides, each a glob over geoms or bodies or a list of them", '["arm/**", table]')
+_PAIR = Annotated[tuple[_GLOB, ...], Items(2, 2), Expects("pairs of globs, each a list of its own", "[[a, b]]")]
+_PAIRS = Expects("a list of pairs of globs", '[["gripper/**", "gripper/**"]]')
 
 
 class Clearance(Check):
@@ -30,23 +33,9 @@ class Clearance(Check):
     """the keyframes to check; by default the reference configuration"""
     min: Annotated[float, Scaled(LENGTHS)] = -1e-3
     """the smallest allowed distance, in meters; a negative number allows an overlap of that depth"""
-    excepted: Annotated[
-        tuple[
-            Annotated[tuple[_GLOB, ...], Items(2, 2), Expects("pairs of globs, each a list of its own", "[[a, b]]")],
-            ...,
-        ],
-        Items(),
-        Expects("a list of pairs of globs", '[["gripper/**", "gripper/**"]]'),
-    ] = Field((), alias="except")
+    excepted: Annotated[tuple[_PAIR, ...], Items(), _PAIRS] = Field((), alias="except")
     """pairs to ignore, as globs over names of geoms and bodies"""
-    between: (
-        Annotated[
-            tuple[_SIDE, ...],
-            Items(2, 2),
-            Expects("two sides, each a glob over geoms or bodies or a list of them", '["arm/**", table]'),
-        ]
-        | None
-    ) = None
+    between: Annotated[tuple[_SIDE, ...], Items(2, 2), _SIDES] | None = None
     """the two sides, each a glob over geoms and bodies, or a list of globs; by default all geoms that can touch"""
 
 
@@ -142,12 +131,12 @@ def _side(contact: Any, side: int) -> Side:
 
 def _geoms(scope: Scope, globs: Sequence[str]) -> list[int]:
     """Return the geoms that the globs match, and the geoms of the bodies that they match."""
-    geoms: list[int] = []
+    geoms: dict[int, None] = {}
     for glob in globs:
-        geoms += scope.matching("geom", glob)
         bodies = set(scope.matching("body", glob))
-        geoms += [geom for geom in scope.own("geom") if int(scope.model.geom_bodyid[geom]) in bodies]
-    return list(dict.fromkeys(geoms))
+        of_bodies = [geom for geom in scope.own("geom") if int(scope.model.geom_bodyid[geom]) in bodies]
+        geoms.update(dict.fromkeys([*scope.matching("geom", glob), *of_bodies]))
+    return list(geoms)
 
 
 def _apart(scope: Scope, data: Any, sides: Sequence[Sequence[int]], least: float) -> Iterator[tuple[Pair, float]]:
@@ -172,7 +161,5 @@ def _apart(scope: Scope, data: Any, sides: Sequence[Sequence[int]], least: float
 def _names(scope: Scope, side: Side) -> set[str]:
     """Return the names by which a glob matches a side: its own and its body's."""
     kind, index = side
-    names = [scope.roster.names[kind][index]]
-    if kind == "geom":
-        names.append(scope.roster.names["body"][int(scope.model.geom_bodyid[index])])
-    return {name.removeprefix(scope.prefix) for name in names if name}
+    body = scope.roster.names["body"][int(scope.model.geom_bodyid[index])] if kind == "geom" else ""
+    return {name.removeprefix(scope.prefix) for name in (scope.roster.names[kind][index], body) if name}

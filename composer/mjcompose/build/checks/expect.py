@@ -63,11 +63,8 @@ COUNTS: Mapping[str, str] = {
 OF_THE_MODEL = (MASS, *COUNTS)
 WHERE = "where"
 _INDEXED = re.compile(r"([A-Za-z]\w*)(?:\[(\d{1,3})\])?")
-_BY_TAG: Table[Any] = Table(
-    "tags",
-    {tag: Annotated[str, Name(tag, glob=True), Field(description=f"a glob over names: {tag}")] for tag in TAGS},
-    "",
-)
+_GLOBS = {tag: Annotated[str, Name(tag, glob=True), Field(description=f"a glob over names: {tag}")] for tag in TAGS}
+_BY_TAG: Table[Any] = Table("tags", _GLOBS, "")
 
 
 class Figure(Measure):
@@ -80,11 +77,8 @@ class Figure(Measure):
         return {"anyOf": [reference("number"), {"type": "boolean"}]}
 
 
-_FIGURES = Annotated[
-    tuple[Annotated[float | Angle, Figure()], ...],
-    Items(1, single=True),
-    Expects("a number, an angle, a boolean, or a list of these", "0.5"),
-]
+_EXPECTED = Expects("a number, an angle, a boolean, or a list of these", "0.5")
+_FIGURES = Annotated[tuple[Annotated[float | Angle, Figure()], ...], Items(1, single=True), _EXPECTED]
 
 
 def _with_unit(value: float | Angle) -> Number:
@@ -100,6 +94,7 @@ class Around(CheckPart):
     """a glob over names of bodies"""
 
 
+_CONDITIONS = Expects("a mapping from attributes to values", '{"size[0]": 0.1}')
 _BESIDE = "write `{0}` beside `select`, behind the `}}` of the selector: `{0}: …`"
 
 
@@ -121,12 +116,7 @@ class Selector(CheckPart):
     """only elements directly inside a body with this name"""
     inside: Around | None = Field(None, alias="in")
     """only elements at any depth inside a body with this name"""
-    where: (
-        Annotated[
-            dict[str, Any], Field(min_length=1), Expects("a mapping from attributes to values", '{"size[0]": 0.1}')
-        ]
-        | None
-    ) = None
+    where: Annotated[dict[str, Any], Field(min_length=1), _CONDITIONS] | None = None
     """only elements with these values in the compiled model: `type: mesh`, `joint: elbow`"""
 
     @property
@@ -152,9 +142,13 @@ class Selector(CheckPart):
 
     def asked(self) -> dict[str, Any]:
         conditions = [_condition(self.tag, key, value) for key, value in (self.where or {}).items()]
-        around = {key: None if each is None else each.body
-                  for key, each in (("parent", self.parent), ("inside", self.inside))}  # fmt: skip
-        return {"tag": self.tag, "glob": self.tags[self.tag], **around, WHERE: conditions}
+        parent, inside = (None if each is None else each.body for each in (self.parent, self.inside))
+        return {"tag": self.tag, "glob": self.tags[self.tag], "parent": parent, "inside": inside, WHERE: conditions}
+
+
+_OF_WHAT = "write for instance `select: {joint: NAME}`, or `attr: mass`"
+_COUNT = Expects("a count, or the least and the most", "[6, 8]")
+_RANGE = Expects("a list of 2 numbers", "[18, 22]")
 
 
 class Expect(Check):
@@ -163,12 +157,7 @@ class Expect(Check):
     word: ClassVar = "expect"
     example: ClassVar = "{select: {site: NAME}, count: 1}"
     rules: ClassVar = (
-        OneOf(
-            "select",
-            lacks="does not say of what",
-            advice="write for instance `select: {joint: NAME}`, or `attr: mass`",
-            unless="attr",
-        ),
+        OneOf("select", lacks="does not say of what", advice=_OF_WHAT, unless="attr"),
         Exclusive("equals", "range"),
         Belongs("count", "select", help="write `select: {TAG: NAME}` next to it"),
         Belongs("equals", "attr", help="write `attr: NAME` next to it"),
@@ -179,15 +168,7 @@ class Expect(Check):
 
     select: Selector | None = None
     """the elements; if omitted, `attr` is a number of the whole model"""
-    count: (
-        Annotated[
-            tuple[Count, ...],
-            Items(1, 2, single=True),
-            Checked(in_order),
-            Expects("a count, or the least and the most", "[6, 8]"),
-        ]
-        | None
-    ) = None
+    count: Annotated[tuple[Count, ...], Items(1, 2, single=True), Checked(in_order), _COUNT] | None = None
     """the number of elements, or `[LOW, HIGH]`; by default at least one"""
     attr: Annotated[Text, Expects("an attribute of MJCF", "damping")] | None = None
     """an MJCF attribute, or one of its numbers: `range[1]`. Bodies also have `subtree_mass`. Without `select`: `mass`,
@@ -196,15 +177,9 @@ class Expect(Check):
     """the expected value: a number, an angle, a boolean, or a list"""
     tol: Annotated[float | Angle, Measure(ge=0)] | None = None
     """the allowed difference of each number; by default only rounding"""
-    range: (
-        Annotated[
-            tuple[Annotated[float | Angle, Measure()], ...],
-            Items(2, 2),
-            Checked(in_order),
-            Expects("a list of 2 numbers", "[18, 22]"),
-        ]
-        | None
-    ) = None
+    range: Annotated[tuple[Annotated[float | Angle, Measure()], ...], Items(2, 2), Checked(in_order), _RANGE] | None = (
+        None
+    )
     """the smallest and largest allowed value of each number"""
 
     def contradictions(self, context: Settings) -> Iterator[Fault]:
@@ -215,10 +190,11 @@ class Expect(Check):
         if isinstance(attr, Fault):
             yield replace(attr, at=("attr",))
         elif self.equals is None and self.range is None:
-            help = "write `equals: VALUE`, or `range: [LOW, HIGH]`"
-            yield Fault(
-                "missing-key", f"`attr` of {OWNER} does not say which value it has", ("attr",), key=True, help=help
+            message, help = (
+                f"`attr` of {OWNER} does not say which value it has",
+                "write `equals: VALUE`, or `range: [LOW, HIGH]`",
             )
+            yield Fault("missing-key", message, ("attr",), key=True, help=help)
         elif self.equals is not None and len(self.equals) > 1 and (tag is None or attr[1] is not None):
             message = f"`equals` of {OWNER} expects one number, got a list"
             note = None if tag is None else "without an index, the attribute means all of its numbers"
@@ -353,18 +329,11 @@ def _is_there(scope: Scope, index: int, select: dict[str, Any]) -> bool:
     """Return whether the bodies around an element are those that the selector names."""
     if not (select["parent"] or select["inside"]):
         return True
-    around = list(_bodies_around(scope, select["tag"], index))
+    around = [holder(scope.model, select["tag"], index)]
+    while around[-1]:
+        around.append(holder(scope.model, "body", around[-1]))
     asked = ((select["parent"], around[:1]), (select["inside"], around))
     return all(glob is None or set(bodies) & set(scope.matching("body", glob)) for glob, bodies in asked)
-
-
-def _bodies_around(scope: Scope, kind: str, index: int) -> Iterator[int]:
-    """Yield the bodies around an element, from the nearest to the world."""
-    body = holder(scope.model, kind, index)
-    while body:
-        yield body
-        body = holder(scope.model, "body", body)
-    yield 0
 
 
 def _fits(scope: Scope, index: int, select: dict[str, Any], angle: str | None) -> bool:
@@ -392,8 +361,7 @@ def _fits(scope: Scope, index: int, select: dict[str, Any], angle: str | None) -
 def _differing(scope: Scope, asked: dict[str, Any], elements: list[int]) -> list[Fault]:
     tag = asked["select"]["tag"]
     wrong: list[tuple[str, str]] = []
-    expected = ""
-    key = "range" if asked["equals"] is None else "equals"
+    expected, key = "", "range" if asked["equals"] is None else "equals"
     for index in elements:
         try:
             actual = values_of(scope, tag, index, asked=asked)
@@ -408,8 +376,8 @@ def _differing(scope: Scope, asked: dict[str, Any], elements: list[int]) -> list
         unit = _UNITS.get(asked["attr"], "")
         have = _listed(like(quantities, actual.tolist())) + unit
         if key == "equals":
-            own = unit_of(tag, asked["attr"])
-            tol = None if asked["tol"] is None else quantity(asked["tol"][0], asked["tol"][1], own)
+            number, written = asked["tol"] or (None, None)
+            tol = None if number is None else quantity(number, written, unit_of(tag, asked["attr"]))
             holds = equal(actual, quantities, None if tol is None else tol.value)
             expected = _listed([str(each) for each in quantities]) + unit
             expected += "" if tol is None else f" ± {tol}{unit}"

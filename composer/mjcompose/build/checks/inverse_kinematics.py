@@ -74,7 +74,10 @@ class Solver:
             if np.linalg.norm(error[:3]) <= 0.5 * self.tolerance and self._open(error) <= self._slack:
                 break
             before = self.data.qpos.copy()
-            self._move(self._step(error, jacobian, damping))
+            velocity = np.zeros(self.model.nv)
+            velocity[self.moving] = self._step(error, jacobian, damping)
+            self.mujoco.mj_integratePos(self.model, self.data.qpos, velocity, 1.0)
+            self._clamp()
             new_error, new_jacobian = self._look()
             if new_error @ new_error < error @ error:
                 gain = 1 - (new_error @ new_error) / (error @ error)
@@ -148,12 +151,6 @@ class Solver:
             able &= ~stuck
         return step
 
-    def _move(self, step: Any) -> None:
-        velocity = np.zeros(self.model.nv)
-        velocity[self.moving] = step
-        self.mujoco.mj_integratePos(self.model, self.data.qpos, velocity, 1.0)
-        self._clamp()
-
     def _clamp(self) -> None:
         model, qpos = self.model, self.data.qpos
         for joint in set(model.dof_jntid[self.moving].tolist()):
@@ -217,12 +214,10 @@ class Solver:
 
     def _limits(self) -> tuple[Any, Any]:
         """Return the bounds of each moving degree of freedom; infinite for ball joints and those without limits."""
-        lower, upper = np.full(len(self.moving), -np.inf), np.full(len(self.moving), np.inf)
-        for place, dof in enumerate(self.moving.tolist()):
-            joint = int(self.model.dof_jntid[dof])
-            if self.model.jnt_limited[joint] and self.model.jnt_type[joint] in (SLIDE, HINGE):
-                lower[place], upper[place] = self.model.jnt_range[joint]
-        return lower, upper
+        joints = self.model.dof_jntid[self.moving]
+        bounded = (self.model.jnt_limited[joints] != 0) & np.isin(self.model.jnt_type[joints], (SLIDE, HINGE))
+        ends = self.model.jnt_range[joints]
+        return np.where(bounded, ends[:, 0], -np.inf), np.where(bounded, ends[:, 1], np.inf)
 
     def _scalar_positions(self) -> Any:
         """Return the position of each moving slide and hinge; 0 for other degrees of freedom."""

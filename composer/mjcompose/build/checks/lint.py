@@ -14,7 +14,6 @@ from mjcompose.base.extensions import Table
 from mjcompose.base.report import with_rest
 from mjcompose.build.checks.check import CheckEnds, Scope, at_keys, check_globs, failed, keys_named, names_nothing
 from mjcompose.build.lint.rule import FAMILIES, Subject, rules, subject_of
-from mjcompose.build.lint.rule import Rule as LinterRule
 from mjcompose.language.check import Check, CheckPart
 from mjcompose.language.forms.context import Rows, Settings
 from mjcompose.language.forms.model import IT, AnyOf
@@ -67,12 +66,12 @@ def excepted(scope: Scope, kinds: Sequence[str], settings: Mapping[str, Any]) ->
     return {(kind, each) for glob in settings["except"] for kind in kinds for each in scope.matching(kind, glob)}
 
 
-def listed(lines: Sequence[str], expected: str, actual: str, *at: str | int, help: str | None = None) -> list[Fault]:
+def listed(lines: Sequence[str], expected: str, actual: str, *at: str | int) -> list[Fault]:
     """Return one finding for lines, the first of them as its message; nothing without lines."""
     if not lines:
         return []
     first, *more = with_rest(lines)
-    return [failed(first, expected, actual, *at, more=more, help=help)]
+    return [failed(first, expected, actual, *at, more=more)]
 
 
 class InertiaImplausible(Rule):
@@ -195,7 +194,6 @@ class KeyOutOfRange(Rule):
 
 _Length = Annotated[float, Scaled(LENGTHS, ge=0)]
 _LIMITS = ("hausdorff", "beyond", "short", "uncovered", "volume")
-_FIELDS = {"short": "shortfall"}
 _LENGTHS = {
     "hausdorff": "is {} m off",
     "beyond": "reaches {} m out of the mesh",
@@ -247,7 +245,7 @@ class ShapeOffMesh(Rule):
         findings = []
         for measure, words in _LENGTHS.items():
             scope.found(measure, max(each[measure] for _, each in meant))
-            if (most := settings[_FIELDS.get(measure, measure)]) is not None:
+            if (most := settings["shortfall" if measure == "short" else measure]) is not None:
                 wrong = [(each[measure], name) for name, each in meant if each[measure] > most]
                 findings += _failed(wrong, words, f"at most {most:g} m", measure=measure)
         covered = [(each["uncovered"], name) for name, each in meant if each["uncovered"] is not None]
@@ -282,22 +280,17 @@ def _failed(wrong: list[tuple[float, str]], words: str, expected: str, measure: 
 RULES: Table[type[Rule]] = Table(
     "rules", {each.word: each for each in (InertiaImplausible, JointUnactuated, KeyOutOfRange, ShapeOffMesh)}, "RULE"
 )
-_PLAIN: Mapping[str, LinterRule] = {
-    code: each for code, each in rules().items() if code not in RULES and not each.in_files
-}
+_PLAIN = {code: each for code, each in rules().items() if code not in RULES and not each.in_files}
 """The rules of `mjcompose lint` that read no files. They have no settings."""
-_EXCEPTED: Table[Any] = Table(
-    "rules",
-    {
-        word: Annotated[
-            tuple[Annotated[str, Name(*rule.kinds, glob=True)], ...],
-            Items(1, single=True),
-            Field(description=f"elements that it ignores: {', '.join(rule.kinds)}"),
-        ]
-        for word, rule in RULES.items()
-    },
-    "RULE",
-)
+
+
+def _globs(kinds: tuple[str, ...]) -> Any:
+    """Return the form of one glob or several over the names of elements."""
+    about = Field(description=f"elements that it ignores: {', '.join(kinds)}")
+    return Annotated[tuple[Annotated[str, Name(*kinds, glob=True)], ...], Items(1, single=True), about]
+
+
+_EXCEPTED: Table[Any] = Table("rules", {word: _globs(rule.kinds) for word, rule in RULES.items()}, "RULE")
 if TYPE_CHECKING:
     _Word: TypeAlias = str
     _WithoutSettings: TypeAlias = str
@@ -322,40 +315,24 @@ class ExceptedElements(CheckPart):
     words: Annotated[Mapping[str, Any], Rows(lambda: _EXCEPTED)] = Field({}, alias="<rules>")
 
 
+_Mapping, _List = Tag("<mapping>"), Tag("<list>")
+_Rules = Expects("a list of rules", "[joint-unactuated]")
+_NeedsLimits = Keywords({"shape-off-mesh": "write `select: {shape-off-mesh: {hausdorff: 0.002}}`"})
+_Listed = Annotated[tuple[Annotated[_WithoutSettings, _NeedsLimits], ...], Items(1), _Rules, _List]
+_Selected = Annotated[_Listed | Annotated[SelectedRules, _Mapping], _Shape]
+_Names = Annotated[tuple[_Word, ...], Items(1), _Rules, _List]
+_Excepted = Annotated[_Names | Annotated[ExceptedElements, _Mapping], _Shape]
+
+
 class Lint(Check):
     """The model follows rules that most models should follow."""
 
     word: ClassVar = "lint"
     example: ClassVar = "{except: [joint-unactuated]}"
 
-    select: (
-        Annotated[
-            Annotated[
-                tuple[
-                    Annotated[
-                        _WithoutSettings,
-                        Keywords({"shape-off-mesh": "write `select: {shape-off-mesh: {hausdorff: 0.002}}`"}),
-                    ],
-                    ...,
-                ],
-                Items(1),
-                Expects("a list of rules", "[joint-unactuated]"),
-                Tag("<list>"),
-            ]
-            | Annotated[SelectedRules, Tag("<mapping>")],
-            _Shape,
-        ]
-        | None
-    ) = None
+    select: _Selected | None = None
     """rules or families as a list, or rules with settings; by default all rules that need no settings"""
-    excepted: (
-        Annotated[
-            Annotated[tuple[_Word, ...], Items(1), Expects("a list of rules", "[joint-unactuated]"), Tag("<list>")]
-            | Annotated[ExceptedElements, Tag("<mapping>")],
-            _Shape,
-        ]
-        | None
-    ) = Field(None, alias="except")
+    excepted: _Excepted | None = Field(None, alias="except")
     """rules to skip, as a list, or the elements that each ignores"""
 
     @property
@@ -371,9 +348,7 @@ class Lint(Check):
 
     def contradictions(self, context: Settings) -> Iterator[Fault]:
         selected, excepted = self.selected, self.excepted
-        words: Mapping[str, Any] | tuple[str, ...] = (
-            excepted.words if isinstance(excepted, ExceptedElements) else excepted or ()
-        )
+        words = excepted.words if isinstance(excepted, ExceptedElements) else excepted or ()
         for index, word in enumerate(words):
             if word not in selected:
                 at = ("except", index if isinstance(words, tuple) else word)
@@ -383,16 +358,11 @@ class Lint(Check):
             yield Fault("missing-key", f"{IT} has no rule left", ("except",), help="remove a rule from `except`")
 
     def asked(self) -> dict[str, Any]:
-        ignored: Mapping[str, Any] = (
-            self.excepted.words if isinstance(self.excepted, ExceptedElements) else dict.fromkeys(self.excepted or ())
-        )
-        return {
-            "rules": {
-                word: {**({} if rule is None else rule.model_dump(warnings=False)), "except": ignored.get(word, ())}
-                for word, rule in self.selected.items()
-                if ignored.get(word, ()) is not None
-            }
-        }
+        excepted = self.excepted
+        ignored = excepted.words if isinstance(excepted, ExceptedElements) else dict.fromkeys(excepted or ())
+        rules = {word: each for word, each in self.selected.items() if ignored.get(word, ()) is not None}
+        settings = {word: {} if each is None else each.model_dump(warnings=False) for word, each in rules.items()}
+        return {"rules": {word: {**each, "except": ignored.get(word, ())} for word, each in settings.items()}}
 
 
 KIND = Lint
@@ -416,9 +386,9 @@ def check(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
                 help = each.help or f"fix it, or write `except: {accepts}` to accept it"
                 each = replace(each, message=f"{each.message} ({word})", help=help)
             findings.append(each)
-        new = {key: value for key, value in scope.values.items() if key not in values}
+        named = {key if key in values else f"{word} {key}": value for key, value in scope.values.items()}
         scope.values.clear()
-        scope.values.update({**values, **{f"{word} {key}": value for key, value in new.items()}})
+        scope.values.update(named)
     return findings
 
 

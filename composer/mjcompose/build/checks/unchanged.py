@@ -41,6 +41,9 @@ def _known(name: str) -> Fault | None:
     return Fault("unknown-attribute", f"MJCF has no attribute `{name}` that could be excepted", help=help, fix=fix)
 
 
+_Attribute = Annotated[Text, Checked(_known), Expects("an attribute of MJCF")]
+
+
 class Unchanged(Check):
     """A part is identical to its source compiled alone."""
 
@@ -50,11 +53,9 @@ class Unchanged(Check):
 
     part: Annotated[str, Name("part", what="the prefix of a part")] | None = None
     """the prefix of the part, or `base`; by default all parts"""
-    excepted: Annotated[
-        tuple[Annotated[Text, Checked(_known), Expects("an attribute of MJCF")], ...],
-        Items(),
-        Expects("a list of attributes", "[gravcomp]"),
-    ] = Field((), alias="except")
+    excepted: Annotated[tuple[_Attribute, ...], Items(), Expects("a list of attributes", "[gravcomp]")] = Field(
+        (), alias="except"
+    )
     """MJCF attributes that you change on purpose"""
 
 
@@ -100,15 +101,9 @@ def _excepting(compared: PartComparison, check: Unchanged) -> str | None:
     from mjcompose.build.verify.parts import causes
     from mjcompose.mujoco.match import EXTRA, MISSING
 
-    names = list(check.excepted)
-    for each in causes(compared.differences):
-        if each.field in (MISSING, EXTRA):
-            return None
-        if (name := _attribute(each)) is None:
-            return None
-        names.append(name)
-    listed = ", ".join(dict.fromkeys(names))
-    return f"to accept it, write `except: [{listed}]`"
+    found = [None if each.field in (MISSING, EXTRA) else _attribute(each) for each in causes(compared.differences)]
+    names = [name for name in (*check.excepted, *found) if name is not None]
+    return None if None in found else f"to accept it, write `except: [{', '.join(dict.fromkeys(names))}]`"
 
 
 def _attribute(difference: Difference) -> str | None:

@@ -37,7 +37,9 @@ def key_does_not_hold(subject: Subject) -> Found:
     pairs = position_servos(subject)
     for row, name, data in subject.at_keys():
         element, away = subject.node("key", row), []
-        for actuator, joint in pairs if element is not None else ():
+        if element is None:
+            continue
+        for actuator, joint in pairs:
             aim, at = float(model.key_ctrl[row, actuator]), float(data.actuator_length[actuator])
             low, high = map(float, model.jnt_range[joint])
             width = (high - low if model.jnt_limited[joint] else 3.14) * abs(float(model.actuator_gear[actuator, 0]))
