@@ -18,7 +18,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from contextlib import ExitStack
+from contextlib import nullcontext
 from dataclasses import field, replace
 from functools import partial
 from pathlib import Path
@@ -41,8 +41,6 @@ from mjcompose.mujoco import engine
 from mjcompose.mujoco.engine import Compiled, Limits, Session
 from mjcompose.sources.context import Context
 from mjcompose.text.node import locate
-
-OnBundle = Callable[[Bundle], None]
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,11 +87,9 @@ def build(
     plan = planned(request, context)
     if plan is None:
         return None
-    with ExitStack() as stack:
-        session = session or stack.enter_context(engine.Session(limits))
-        return Build(
-            plan, request, context, session=session, library=library, outcomes=[] if outcomes is None else outcomes
-        ).run()
+    outcomes = [] if outcomes is None else outcomes
+    with nullcontext(session) if session else engine.Session(limits) as own:
+        return Build(plan, request, context, session=own, library=library, outcomes=outcomes).run()
 
 
 def planned(request: Request, context: Context) -> Plan | None:
@@ -126,7 +122,7 @@ class Build:
     session: Session
     library: Library | None = None
     outcomes: list[Outcome] = field(default_factory=list)
-    on_bundle: OnBundle | None = None
+    on_bundle: Callable[[Bundle], None] | None = None
 
     def run(self) -> Built | None:
         """Compose, link, bundle and verify the model; return None if the context has errors.

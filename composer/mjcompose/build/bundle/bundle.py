@@ -281,19 +281,16 @@ def check_paths(paths: Iterable[str]) -> None:
 
 def _fault(path: str) -> str | None:
     """Return why a path is not relative, plain and valid on every system; None if it is."""
-    if path.startswith("/") or _DRIVE.match(path):
-        return "it is absolute"
-    if "\\" in path:
-        return "it has a backslash"
-    if _CONTROL.search(path):
-        return "it has a control character"
     parts = path.split("/")
-    if ".." in parts:
-        return "it leads out of the bundle"
-    if "" in parts or "." in parts:
-        return "it has an empty segment"
-    is_text = path.encode("utf-8", "replace").decode() == path
-    return None if is_text else "it is not Unicode text"
+    faults = {
+        "it is absolute": path.startswith("/") or _DRIVE.match(path),
+        "it has a backslash": "\\" in path,
+        "it has a control character": _CONTROL.search(path),
+        "it leads out of the bundle": ".." in parts,
+        "it has an empty segment": "" in parts or "." in parts,
+        "it is not Unicode text": path.encode("utf-8", "replace").decode() != path,
+    }
+    return next((words for words, is_so in faults.items() if is_so), None)
 
 
 LICENSES = "LICENSES"
@@ -402,9 +399,8 @@ def license_table(rows: Iterable[LicenseRow]) -> str:
     lines = [("part", "source", "license", "file")]
     lines += [(row.part, row.source, row.license or UNKNOWN, ", ".join(row.files) or "-") for row in rows]
     widths = [max(len(line[column]) for line in lines) for column in range(3)]
-    return "\n".join(
-        "  ".join([*(text.ljust(width) for text, width in zip(line, widths, strict=False)), line[3]]) for line in lines
-    )
+    padded = ([*map(str.ljust, line[:3], widths), line[3]] for line in lines)
+    return "\n".join(map("  ".join, padded))
 
 
 def report_unlicensed(rows: Iterable[LicenseRow], context: Context) -> None:
@@ -413,9 +409,7 @@ def report_unlicensed(rows: Iterable[LicenseRow], context: Context) -> None:
     if not bare:
         return
     names = ", ".join(f"`{row.part}`" for row in bare[:20])
-    if len(bare) > 20:
-        names += f" and {len(bare) - 20} other parts"
-    help = (
-        "put a `LICENSE` with its text next to the model, or `<!-- SPDX-License-Identifier: CC-BY-4.0 -->` at its top"
-    )
+    names += f" and {len(bare) - 20} other parts" if len(bare) > 20 else ""
+    comment = "`<!-- SPDX-License-Identifier: CC-BY-4.0 -->`"
+    help = f"put a `LICENSE` with its text next to the model, or {comment} at its top"
     context.sink.warning("license-missing", f"nothing says under which license {names} may be passed on", help=help)

@@ -79,6 +79,12 @@ class ReadLimits:
     bytes: int = field(default_factory=lambda: in_force().output_size)
 
 
+_NO_BUNDLE = {
+    ".mjb": "MuJoCo's binary form, not a bundle: load it with `mjcompose.load`",
+    **dict.fromkeys(MJCF_FILES, "text alone, which has no manifest: a bundle is a folder, a `.zip` or an `.mjz`"),
+}
+
+
 class ReadError(DiagnosticError):
     """The reason why a bundle cannot be read."""
 
@@ -98,16 +104,12 @@ def read(
     try:
         if path.is_dir():
             files = _read_folder(path, limits, shown)
-        elif path.suffix.lower() == ".mjb" and path.exists():
-            message = f"`{shown}` is MuJoCo's binary form, not a bundle: load it with `mjcompose.load`"
-            raise ReadError("file-unreadable", message)
-        elif path.suffix.lower() in MJCF_FILES and path.exists():
-            message = f"`{shown}` is text alone, which has no manifest: a bundle is a folder, a `.zip` or an `.mjz`"
-            raise ReadError("file-unreadable", message)
-        elif path.exists():
-            files = _read_archive(path if content is None else BytesIO(content), limits, shown)
-        else:
+        elif not path.exists():
             raise ReadError("file-not-found", f"the file or folder `{shown}` does not exist")
+        elif (what := _NO_BUNDLE.get(path.suffix.lower())) is not None:
+            raise ReadError("file-unreadable", f"`{shown}` is {what}")
+        else:
+            files = _read_archive(path if content is None else BytesIO(content), limits, shown)
         bundle = Bundle(files, _model(files, path, shown))
         texts = (content for name, content in files.items() if name.endswith(".xml"))
         if any(map(_EXPANDS.search, (files[bundle.model], *texts))):

@@ -165,12 +165,12 @@ def check_kind(target: Path, out: Path, option: str | None = None) -> None:
         mode = os.stat(target).st_mode
     except (OSError, ValueError):
         return  # reported where it is written
-    if stat.S_ISDIR(mode):
-        message = f"cannot write {written}: a folder of that name is there"
-        raise OutputError("output-unwritable", message, "choose another name, or remove the folder")
-    if not stat.S_ISREG(mode):
+    why, help = "a folder of that name is there", "choose another name, or remove the folder"
+    if not stat.S_ISDIR(mode):
+        why = "it is not an ordinary file"
         help = "choose the name of a file; a command that can write to standard output calls it `-`"
-        raise OutputError("output-unwritable", f"cannot write {written}: it is not an ordinary file", help)
+    if not stat.S_ISREG(mode):
+        raise OutputError("output-unwritable", f"cannot write {written}: {why}", help)
 
 
 @contextlib.contextmanager
@@ -278,15 +278,11 @@ def write_folder(bundle: Bundle, out: Path) -> None:
 
 
 def _check_replaceable(target: Path, out: Path) -> None:
-    if not os.path.exists(target):
-        return
-    if not os.path.isdir(target):
+    if os.path.exists(target) and not os.path.isdir(target):
         message = f"cannot write the folder `{out}`: a file of that name is there"
         raise OutputError("output-unwritable", message, "choose another name, or remove the file")
-    present = _files_in(target)
-    if not present:
-        return
-    known = _own_files(target)
+    present = _files_in(target) if os.path.exists(target) else set()
+    known = _own_files(target) if present else set()
     if known is None:
         message = f"the folder `{out}` is not empty and was not made by mjcompose"
         raise OutputError("output-unwritable", message, "choose a new or empty folder")

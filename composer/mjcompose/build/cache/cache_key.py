@@ -153,15 +153,12 @@ class Files:
 
     def _stamp(self, path: str) -> tuple[Stamp, bool] | None:
         if path not in self._stamps:
-            try:
+            self._stamps[path] = None
+            with contextlib.suppress(OSError, ValueError):
                 status = os.stat(path)
-            except (OSError, ValueError):
-                self._stamps[path] = None
-            else:
-                is_folder = stat.S_ISDIR(status.st_mode)
-                if not is_folder:
+                self._stamps[path] = stamp_of(status), stat.S_ISDIR(status.st_mode)
+                if not stat.S_ISDIR(status.st_mode):
                     files.current().note((path,))
-                self._stamps[path] = stamp_of(status), is_folder
         return self._stamps[path]
 
 
@@ -286,13 +283,11 @@ def _values(node: Node, file: str) -> Iterator[object]:
         yield [node.text, node.plain, repr(node.value)]
         return
     yield "{" if isinstance(node, Mapping) else "["
-    if isinstance(node, Sequence):
-        for item in node.items:
-            yield from _values(item, file)
-    else:
-        for name, (_, value) in node.entries.items():
-            yield name
-            yield from _values(value, file)
+    for item in node.items if isinstance(node, Sequence) else ():
+        yield from _values(item, file)
+    for name, (_, value) in node.entries.items() if isinstance(node, Mapping) else ():
+        yield name
+        yield from _values(value, file)
     yield "."
 
 

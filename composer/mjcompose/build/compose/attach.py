@@ -21,6 +21,7 @@ from mjcompose.build.plan.plan import IN_PLACE, AttachPart, PartRecord, Plan, ar
 from mjcompose.build.plan.steps import AddedPlace, AddElement, DrawValues, SetDefault, SetSingleton, Step, steps_adding
 from mjcompose.language.edit import Edit
 from mjcompose.language.placing import ORIENTATIONS
+from mjcompose.language.value import Element
 from mjcompose.link import numbers
 from mjcompose.link.bodies import bodies, effective_pose
 from mjcompose.link.inertia import has_mass
@@ -158,13 +159,12 @@ def _placed(record: UnplacedRecord, degrees: bool, sequence: str) -> PartRecord:
         # A replicate has many poses.
         pose = None if pose is None or node.tag != "frame" else read_pose(node, degrees, sequence) @ pose
         node = node.getparent()
-    if pose is not None and not pose.is_finite:
-        pose = None
+    member = replace(record.member, pose=pose if pose is not None and pose.is_finite else None)
     if node is None or node.tag != "body":
-        return replace(record.member, pose=pose)
+        return member
     if name := node.get("name"):
-        return replace(record.member, body=str(name), pose=pose)
-    return replace(record.member, pose=pose, obscure="it is attached to a body without a name")
+        return replace(member, body=str(name))
+    return replace(member, obscure="it is attached to a body without a name")
 
 
 SENSE = "sense"
@@ -199,10 +199,7 @@ def add_joints(step: AttachPart, part: Part, linking: Linking, making: ElementBu
         part.weld, part.joints = True, (Joint("freejoint", {"name": step.prefix}),)
         return
     part.sense = _sense(step, making)
-    joint = step.attachment.joint
-    if joint is None:
-        return
-    named = {"name": step.prefix} if step.prefix else {}
+    joint, named = step.attachment.joint, {"name": step.prefix} if step.prefix else {}
     if joint == "none":
         part.weld = True
     elif joint in ("free", "mocap") and floats_by_itself(part.unit, mocap=joint == "mocap"):
@@ -215,9 +212,8 @@ def add_joints(step: AttachPart, part: Part, linking: Linking, making: ElementBu
     elif joint == "ball":
         # With the class `main`, it has none of the joint defaults of its place, which are for other joints.
         part.joints = (Joint("joint", {**named, "type": "ball", "class": "main"}),)
-    else:
-        elements = joint if isinstance(joint, tuple) else (joint,)
-        for element in elements:
+    elif joint is not None:
+        for element in joint if isinstance(joint, tuple) else (joint,):
             if isinstance(joint, tuple):
                 named = {"name": step.prefix + str(element.attributes["name"])}
             spans = {name: making.span(element, name) for name in element.attributes}
@@ -241,10 +237,8 @@ def _sense(step: AttachPart, making: ElementBuilder) -> Sense | None:
 def check_joints(step: AttachPart, linking: Linking, making: ElementBuilder) -> None:
     """Report classes of the joints that do not exist, once all classes of the model are known."""
     joint = step.attachment.joint
-    elements = joint if isinstance(joint, tuple) else () if joint is None or isinstance(joint, str) else (joint,)
-    for element in elements:
-        name = element.attributes.get("class")
-        if name is not None:
+    for element in joint if isinstance(joint, tuple) else (joint,):
+        if isinstance(element, Element) and (name := element.attributes.get("class")) is not None:
             check_class(linking, making.sink, str(name), span=making.span(element, "class"))
 
 
@@ -320,10 +314,8 @@ def _text(values: Iterable[float]) -> str:
 
 def _report_no_mate(step: AttachPart, unit: Unit, making: ElementBuilder) -> None:
     name = step.attachment.mate or ""
-    known: dict[str, list[str]] = {tag: [] for tag in _MATES}
-    for element in (each for world in unit.root.iterchildren("worldbody") for each in world.iter(*_MATES)):
-        if element.get("name"):
-            known[str(element.tag)].append(str(element.get("name")))
+    worlds = list(unit.root.iterchildren("worldbody"))
+    known = {tag: [str(e.get("name")) for world in worlds for e in world.iter(tag) if e.get("name")] for tag in _MATES}
     all_names = [each for names in known.values() for each in names]
     message = f"`{step.prefix}` has no site, body or frame `{name}` to mate with"
     span = locate(making.document, (*step.at, "mate"))
@@ -416,16 +408,14 @@ def _report_no_target(step: AddElement, linking: Linking, making: ElementBuilder
         help = "put that entry above this one"
         making.sink.error("unknown-name", message, step.to_span, notes=notes, help=help, subjects=(step.to,))
         return
-    kinds = linking.names.kinds_of(step.to)
+    kinds, site = linking.names.kinds_of(step.to), linking.names.find("site", step.to)
+    holder = site.getparent() if site is not None else None
     if step.to_kind == "body" and "frame" in kinds:
         help = f"`{step.to}` is a frame: write `to: {{frame: {step.to}}}`"
     elif step.to_kind == "frame" and "body" in kinds:
         help = f"`{step.to}` is a body: write `to: {step.to}`"
-    elif "site" in kinds:
-        site = linking.names.find("site", step.to)
-        holder = site.getparent() if site is not None else None
-        if holder is not None and holder.tag == "body" and holder.get("name"):
-            help = f"`{step.to}` is a site: write `to: {holder.get('name')}`, the body that contains it"
+    elif holder is not None and holder.tag == "body" and holder.get("name"):
+        help = f"`{step.to}` is a site: write `to: {holder.get('name')}`, the body that contains it"
     making.sink.add(
         unresolved(linking, step.to_kind, step.to, span=step.to_span, written=written, purpose=" to add to", help=help)
     )
@@ -483,7 +473,6 @@ class EarlyAdditions:
         return (steps[0].to, self.places[kind, name].span) if steps else None
 
     def _is_ready(self, step: AddElement) -> bool:
-        if step.to_kind == "world":
-            return True
-        holder = self.linking.names.find(step.to_kind, step.to)
-        return holder is not None and holder.getroottree().getroot() is self.linking.base.root
+        holder = None if step.to_kind == "world" else self.linking.names.find(step.to_kind, step.to)
+        is_there = holder is not None and holder.getroottree().getroot() is self.linking.base.root
+        return is_there or step.to_kind == "world"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import ExitStack
+from contextlib import nullcontext
 from itertools import product
 from typing import Any
 
@@ -88,11 +88,10 @@ class _CollisionWriter:
         self, step: SetCollisions, function: Callable[..., Any], argument: Any, verb: str
     ) -> list[Mapping[str, Any]]:
         """Return the pairs of bodies that MuJoCo finds, and report bodies without a name."""
-        with ExitStack() as stack:
-            session = self.session or stack.enter_context(engine.Session())
-            if not keep_finished(self.linking.flat(), self.context, session):
+        with nullcontext(self.session) if self.session else engine.Session() as own:
+            if not keep_finished(self.linking.flat(), self.context, own):
                 return []
-            answer = engine.call(session, function, [FINISHED], argument=argument)
+            answer = engine.call(own, function, [FINISHED], argument=argument)
         if not answer.ok:
             self.making.sink.error("mujoco-crash", f"MuJoCo fails on the contacts: {answer.error}", step.span)
             return []
@@ -120,8 +119,7 @@ class _CollisionWriter:
             else:
                 fitting = set(filter(fitter(name, lambda: names, self.plan.separator), names))
             if not fitting:
-                path: tuple[str | int, ...] = (*step.collisions.at, BETWEEN, index)
-                path = (*path, at) if len(step.collisions.sides[index]) > 1 else path
+                path = (*step.collisions.at, BETWEEN, index, *([at] if len(step.collisions.sides[index]) > 1 else []))
                 message = f"`{name}` is not a part, and names no body"
                 notes = (exists_note("part", list(places), name), exists_note("body", names[1:], name))
                 span, help = locate(self.making.document, path), did_you_mean(name, [*places, *names[1:]])
@@ -142,8 +140,8 @@ class _CollisionWriter:
         # names the bodies.
         named: list[tuple[str, str]] = []
         sink = self.making.sink
-        for one, other in ((one, other) for one in sides[0] for other in sides[1] if one is not other):
-            for first, second in product(self._geoms(one), self._geoms(other)):
+        for one, other in product(*sides):
+            for first, second in product(self._geoms(one), self._geoms(other)) if one is not other else ():
                 if not first.get("name") or not second.get("name"):
                     name = _name(one if not first.get("name") else other)
                     message = f"a geom of the body `{name}` has no name, and pairs of geoms need names"
@@ -183,9 +181,8 @@ class _CollisionWriter:
 
 def _is_of(name: str, placed: PlacedModel) -> bool:
     """Return whether a body belongs to a part. The world belongs to the base."""
-    if name == "world":
-        return not placed.prefix
-    return bool(name) and name.startswith(placed.prefix) and not name.startswith(tuple(placed.others))
+    is_below = bool(name) and name.startswith(placed.prefix) and not name.startswith(tuple(placed.others))
+    return not placed.prefix if name == "world" else is_below
 
 
 def _name(body: Node) -> str:

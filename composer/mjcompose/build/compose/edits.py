@@ -282,15 +282,13 @@ class ModelEdits:
         others = {key.get("name"): key for key in keys_of(base)}
         for key, place in places:
             section = place.getparent()
-            if section is None or section.getparent() is not base.root:
-                base.section("keyframe").append(key)
-            else:
+            if section is not None and section.getparent() is base.root:
                 section.replace(place, key)
+            else:
+                base.section("keyframe").append(key)
             if (other := others.get(key.get("name"))) is not None:
                 message = f"a key cannot be called `{key.get('name')}`: the recipe writes a key of that name"
                 span = base.origins.span(other, base.file, "name")
-                notes = (Note("the other one", base.origins.span(key, base.file)),)
+                notes, subjects = (Note("the other one", base.origins.span(key, base.file)),), (str(key.get("name")),)
                 help = "choose another name"
-                self.making.sink.error(
-                    "name-clash", message, span, notes=notes, help=help, subjects=(str(key.get("name")),)
-                )
+                self.making.sink.error("name-clash", message, span, notes=notes, help=help, subjects=subjects)

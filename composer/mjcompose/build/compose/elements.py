@@ -161,17 +161,15 @@ def make_node(element: Element, kind: ElementType, making: ElementBuilder) -> No
     making.made[node] = element
     _set_attributes(node, element, kind, making=making)
     for child in element.children:
-        child_kind = kind.children.get(child.tag)
-        if child_kind is not None:
-            node.append(make_node(child, child_kind, making))
+        if child.tag in kind.children:
+            node.append(make_node(child, kind.children[child.tag], making))
     return node
 
 
 def _set_attributes(node: Node, element: Element, kind: ElementType, making: ElementBuilder) -> None:
     for name, value in element.attributes.items():
-        attribute = kind.attributes.get(name)
-        if attribute is not None:
-            _set_attribute(node, element, attribute, value=value, making=making)
+        if name in kind.attributes:
+            _set_attribute(node, element, kind.attributes[name], value=value, making=making)
 
 
 def update_node(node: Node, element: Element, kind: ElementType, making: ElementBuilder) -> None:
@@ -302,11 +300,9 @@ def _plain(value: object, unit: str) -> object:
     """Return an angle such as `90deg` in the unit that MJCF uses for a number that is not a pose."""
     if isinstance(value, tuple):
         return tuple(_plain(item, unit) for item in value)
-    if isinstance(value, Angle):
-        if unit == "degree":
-            return value.value if value.unit == "deg" else value.value / numbers.RADIANS_PER_DEGREE
-        return numbers.joint_radians(value.value) if value.unit == "deg" else value.value
-    return value
+    if not isinstance(value, Angle):
+        return value
+    return turned(value, AngleSettings(), unit, radians=numbers.joint_radians)
 
 
 def pose_number(value: Single) -> float:
@@ -429,5 +425,4 @@ def _has_class(kind: ElementType, linking: Linking) -> bool:
     if attribute is None or attribute.since is None:
         return attribute is not None
     # `<texture class="c"/>` is an error before MuJoCo 3.17, in which classes have no settings for textures either.
-    settings = _top_class(linking).iterchildren(kind.tag)
-    return kind.tag in linking.request.isolated_tags or next(settings, None) is not None
+    return kind.tag in linking.request.isolated_tags or _top_class(linking).find(kind.tag) is not None

@@ -68,9 +68,8 @@ def _rows(index: Index, kind: str) -> Sequence[Any]:
 
 
 def _locked(row: Any) -> LockedName:
-    sizes = [
-        getattr(row, name) for name in ("qpos_size", "dof_size", "ctrl_size", "act_size", "size") if hasattr(row, name)
-    ]
+    names = ("qpos_size", "dof_size", "ctrl_size", "act_size", "size")
+    sizes = [getattr(row, name) for name in names if hasattr(row, name)]
     ranges = list(getattr(row, "ctrl_ranges", ())) or ([row.range] if getattr(row, "limited", False) else [])
     # The last digits of a range in degrees depend on the machine.
     exact = [None if pair is None else [float(f"{each:.12g}") for each in pair] for pair in ranges]
@@ -120,13 +119,10 @@ def _check(order: Order, found: Sequence[str], plan: Plan, sink: Sink, unit: Uni
     for place, name in missing:
         span = locate(plan.document, (*order.at, place))
         sink.add(unknown_name(kind, name, filter(None, (*others, *found)), span=span))
-    if missing:
+    if others and not order.more and not missing:
+        _report_others(order, others, span=locate(plan.document, order.at, key=True), sink=sink)
         return
-    span = locate(plan.document, order.at, key=True)
-    if others and not order.more:
-        _report_others(order, others, span=span, sink=sink)
-        return
-    at = next((at for at, name in enumerate(order.names) if found[at] != name), None)
+    at = None if missing else next((at for at, name in enumerate(order.names) if found[at] != name), None)
     if at is None:
         return
     second, first = order.names[at], found[at]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
-from contextlib import ExitStack
+from contextlib import nullcontext
 from dataclasses import field, replace
 from typing import Any
 
@@ -350,11 +350,10 @@ def hold_poses(
     layout = linking.keys.final_layout
     if not steps or layout is None:
         return
-    with ExitStack() as stack:
-        session = session or stack.enter_context(engine.Session())
-        if keep_finished(linking.flat(), context, session):
+    with nullcontext(session) if session else engine.Session() as own:
+        if keep_finished(linking.flat(), context, own):
             for step in steps:
-                _PoseHolder(step, layout, linking, making=making).hold(session)
+                _PoseHolder(step, layout, linking, making=making).hold(own)
 
 
 @dataclass(frozen=True, slots=True)

@@ -136,9 +136,8 @@ def parse_shapes(data: Any) -> dict[str, Any]:
     shapes, error, mesh = data["shapes"], data["error"], data["mesh"]
     if not isinstance(shapes, list) or not shapes or not all(map(_is_shape, shapes)):
         raise ValueError("no shapes")
-    if not isinstance(error, dict) or {*error} != {*_ERRORS}:
-        raise ValueError("no errors")
-    if not all(value is None or _is_number(value) for value in error.values()):
+    are_numbers = isinstance(error, dict) and all(value is None or _is_number(value) for value in error.values())
+    if not are_numbers or {*error} != {*_ERRORS}:
         raise ValueError("no errors")
     if not isinstance(mesh, dict) or not isinstance(mesh.get("faces"), int) or not _is_number(mesh.get("size")):
         raise ValueError("no mesh")

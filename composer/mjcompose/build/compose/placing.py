@@ -7,7 +7,7 @@ have its keyframes, too.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence, Set
-from contextlib import ExitStack
+from contextlib import nullcontext
 from dataclasses import replace
 from itertools import groupby
 from typing import TYPE_CHECKING, Any
@@ -64,9 +64,9 @@ def mirror_keys(
             continue
         from mjcompose.mujoco.mirror import mirrored_keys  # imports numpy
 
-        with ExitStack() as stack:
+        with nullcontext(session) if session else engine.Session() as own:
             asked = {"texts": [each.text for each in models if each], "axis": mirror.axes[1]}
-            answer = engine.call(session or stack.enter_context(engine.Session()), mirrored_keys, [], argument=asked)
+            answer = engine.call(own, mirrored_keys, [], argument=asked)
         if not answer.ok or "fault" in answer.value:
             fault = answer.value["fault"] if answer.ok else {"why": "crash", "error": answer.error}
             keys = [str(key.get("name") or "") for key in keys_of(other)]
@@ -130,14 +130,13 @@ def scattered(
     for name in ("boundmass", "boundinertia"):  # a free body needs a mass
         if not compiler.get(name):
             compiler.set(name, "1e-9")
-    with ExitStack() as stack:
-        session = session or stack.enter_context(engine.Session())
-        if not keep_finished(model, context, session):
+    with nullcontext(session) if session else engine.Session() as own:
+        if not keep_finished(model, context, own):
             return None
         from mjcompose.mujoco.scatter import scatter  # imports numpy
 
         argument = {"groups": [_asked(plan, group) for group in groups]}
-        answer = engine.call(session, scatter, [FINISHED], argument=argument)
+        answer = engine.call(own, scatter, [FINISHED], argument=argument)
     if not answer.ok:
         context.sink.error("mujoco-crash", f"MuJoCo fails on the copies: {answer.error}", groups[0][0].span)
         return None

@@ -168,13 +168,10 @@ class _FieldDraws:
     def _values(self, node: Node) -> Values:
         return Values(self.editing, node, 0, at=self.step.field.drawn_at)
 
-    # -- the draws ---------------------------------------------------------------------------------------------
-
     def _drawn(self, node: Node, sample: int) -> Any:
         """Return the draw in the recipe's unit: a number, a list with a number for each component, or the choice."""
         entry = self.step.field
         _, subscript = attribute_and_index(entry.attr)
-
         count = None if entry.distribution.is_whole or subscript is not None else self._count(node)
         draws = []
         for place in range(1 if count is None else count):
@@ -222,8 +219,6 @@ class _FieldDraws:
             message = f"`{entry.attr}` of {self.editing.called(node)} has {numbers}, {expected}"
             self._fault("wrong-length", message, node)
         return have
-
-    # -- checks --------------------------------------------------------------------------------------------------
 
     def check(self, node: Node, samples: Sequence[int]) -> None:
         """Report the first sample whose draw makes a number that has no meaning. Raises `UnusableValue`."""
@@ -273,11 +268,9 @@ class _FieldDraws:
             return
         if not any(self._angles(node)) or distribution.is_whole:
             return
-        if distribution.kind == CHOICE:
-            bare = any(not isinstance(each, str) and each != 0 for each in distribution.values)
-        else:
-            bare = any(each != 0 for items in distribution.parameters.values() for each in items)
-        if bare:
+        numbers = [each for items in distribution.parameters.values() for each in items]
+        drawn = distribution.values if distribution.kind == CHOICE else numbers
+        if any(not isinstance(each, str) and each != 0 for each in drawn):
             called, kind = self.editing.called(node), distribution.kind
             message = f"`{entry.attr}` of {called} is an angle, and `{kind}` has no unit"
             help = "write the unit after the numbers (`5deg`, `0.1rad`), or `angle: degree` at the top of the recipe"

@@ -281,17 +281,14 @@ def simplify_meshes(
 def _mesh(editing: Editing, node: Node, at: Path) -> Node:
     if node.tag == "mesh":
         return node
-    name = editing.effective(node, "mesh") if node.tag == "geom" else None
-    if not name:
+    if not (name := editing.effective(node, "mesh") if node.tag == "geom" else None):
         report_unusable(editing, node, Fault("wrong-type", f"{editing.called(node)} has no mesh to simplify", at))
     return _named_mesh(editing, node, str(name), at=at)
 
 
 def _geoms(editing: Editing, mesh: str) -> Iterator[Node]:
-    for section in editing.root.iterchildren("worldbody"):
-        for geom in section.iter("geom"):
-            if editing.effective(geom, "mesh") == mesh:
-                yield geom
+    geoms = (geom for section in editing.root.iterchildren("worldbody") for geom in section.iter("geom"))
+    yield from (geom for geom in geoms if editing.effective(geom, "mesh") == mesh)
 
 
 def _check_textures(editing: Editing, mesh: Node, result: Mapping[str, Any], at: Path) -> None:

@@ -118,8 +118,6 @@ class Values:
                 help = did_you_mean(error.name, scope)
         editing.sink.error(code, message, span, notes=notes, help=help, subjects=subjects)
 
-    # -- the present values -------------------------------------------------------------------------------------
-
     def now(self, attribute: Attribute, index: int | None = None) -> Value | None:
         """Return the effective value or None. Angles are in the recipe's unit, or in radians if it has none."""
         text = self.editing.effective(self.node, attribute.name)

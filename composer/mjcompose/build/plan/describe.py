@@ -141,13 +141,9 @@ def _gain_lines(gains: Iterable[Gains]) -> Iterator[str]:
 def _lines(plan: Plan, preview: PlanPreview, indent: str = "") -> Iterator[str]:
     yield f"{indent}{plan.name}: {'written in' if plan.at else 'the model of'} {plan.file}"
     inner = indent + "  "
-    if plan.base is None:
-        yield f"{inner}start from an empty model"
-    else:
-        yield f"{inner}start from {_model(plan.base)}"
+    yield f"{inner}start from {'an empty model' if plan.base is None else _model(plan.base)}"
+    if plan.base is not None:
         yield from _own_lines(plan, plan.base, preview=preview, indent=inner + "  ")
-        if isinstance(plan.base.model, Plan):
-            yield from _lines(plan.base.model, preview, inner + "  ")
     early: list[Step] = []
     last = {part.at: part.prefix for part in plan.parts}
     places = plan.added_places
@@ -166,8 +162,6 @@ def _lines(plan: Plan, preview: PlanPreview, indent: str = "") -> Iterator[str]:
             name = f"{part.prefix} … {last[part.at]} ({axes})"
         yield f"{inner}attach {name}: {_model(part)}, {_place_words(part)}"
         yield from _own_lines(plan, part, preview=preview, indent=inner + "  ")
-        if isinstance(part.model, Plan):
-            yield from _lines(part.model, preview, inner + "  ")
     for field in plan.randomize.of_parameters if plan.randomize else ():
         yield inner + field.words
     for step in plan.steps:
@@ -190,7 +184,7 @@ def _model(part: AttachPart) -> str:
 
 
 def _own_lines(plan: Plan, part: AttachPart, preview: PlanPreview, indent: str) -> Iterator[str]:
-    """Yield the recipes, drops and edits of a base or a part, and each element that would be cut in two."""
+    """Yield the recipes, drops and edits of a base or a part, each element that would be cut in two, and its plan."""
     attachment = part.attachment
     for recipe in part.inner:
         yield f"{indent}attaches the recipe {recipe.file}"
@@ -204,6 +198,8 @@ def _own_lines(plan: Plan, part: AttachPart, preview: PlanPreview, indent: str) 
         yield f"{indent}drops the {element.called}, which needs {element.lacks}"
     for edit in attachment.edit:
         yield from _edit_lines(edit, preview.edits.get(plan.place_of(edit.at)), indent)
+    if isinstance(part.model, Plan):
+        yield from _lines(part.model, preview, indent)
 
 
 def _edit_lines(edit: Edit, outcome: EditOutcome | None, indent: str) -> Iterator[str]:
@@ -229,13 +225,9 @@ def _by_kind(elements: Iterable[DroppedElement], start: str) -> Iterator[str]:
 
 def _place_words(part: AttachPart) -> str:
     attachment = part.attachment
-    for kind in ("site", "body", "frame"):
-        name = getattr(attachment, kind)
-        if name is not None:
-            place = f"on the {kind} {name}"
-            break
-    else:
-        place = "in the world"
+    named = {kind: getattr(attachment, kind) for kind in ("site", "body", "frame")}
+    places = [f"on the {kind} {name}" for kind, name in named.items() if name is not None]
+    place = places[0] if places else "in the world"
     if attachment.sensors is not None:
         quantities = attachment.sensors.quantities
         place += f", where {' and '.join(quantities)} {'is' if len(quantities) == 1 else 'are'} measured"
@@ -303,21 +295,17 @@ def _own_data(plan: Plan, part: AttachPart, preview: PlanPreview) -> dict[str, A
 
 def _edited(plan: Plan, edits: Iterable[Edit], preview: PlanPreview) -> list[dict[str, Any]]:
     """Return the selected and removed elements, and the generated shapes, of each entry of `edit` that succeeded."""
-    return [
-        {
-            "words": edit.words,
-            "selected": dict(outcome.selected),
-            "removed": [{"kind": element.what, "name": element.name} for element in outcome.removed],
-            **_some(
-                made=[
-                    {"mesh": it.mesh, "geom": it.of, "how": it.how, "shapes": list(it.shapes), "error": dict(it.error)}
-                    for it in outcome.shapes
-                ]
-            ),
-        }
-        for edit in edits
-        if (outcome := preview.edits.get(plan.place_of(edit.at))) is not None
-    ]
+    found = []
+    for edit in edits:
+        if (outcome := preview.edits.get(plan.place_of(edit.at))) is not None:
+            removed = [{"kind": element.what, "name": element.name} for element in outcome.removed]
+            made = [
+                {"mesh": it.mesh, "geom": it.of, "how": it.how, "shapes": list(it.shapes), "error": dict(it.error)}
+                for it in outcome.shapes
+            ]
+            about = {"words": edit.words, "selected": dict(outcome.selected), "removed": removed}
+            found.append({**about, **_some(made=made)})
+    return found
 
 
 def _model_data(model: Source | Plan | None, preview: PlanPreview) -> Any:

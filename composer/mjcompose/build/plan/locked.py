@@ -294,10 +294,8 @@ def _locked(use: _SourceUse, fetching: Fetching) -> Locked | None:
     """Return the entry of a source, or None if no file of it is readable."""
     files = {}
     for name, path in use.files.items():
-        try:
+        with contextlib.suppress(OSError):  # reported where the file is needed
             files[name] = fetching.digest(path)
-        except OSError:
-            continue  # reported where the file is needed
     if not files:
         return None
     source, origin = use.source, use.origin

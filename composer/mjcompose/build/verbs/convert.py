@@ -173,16 +173,15 @@ def _given(
             source = item.removeprefix(FROM)
             text = editing.effective(node, source)
             if not text or not any(numbers.read(text)):
-                report_unusable(editing, node, Fault("missing-key", f"{editing.called(node)} has no `{source}`", path,
-                                            help=f"write `{name}: …` with its values"))  # fmt: skip
+                message, help = f"{editing.called(node)} has no `{source}`", f"write `{name}: …` with its values"
+                report_unusable(editing, node, Fault("missing-key", message, path, help=help))
             found[name] = str(text)
             continue
         if name == "inheritrange" and abs(gear) != 1 and item:
             # MuJoCo 4.0 gives the range of the joint to the control, which the gear multiplies.
             message = f"the control of {editing.called(node)} is {gear:g} times the position that `inheritrange` limits"
-            report_unusable(
-                editing, node, Fault("not-supported", message, path, help="write `ctrlrange`, with the joint's range")
-            )
+            help = "write `ctrlrange`, with the joint's range"
+            report_unusable(editing, node, Fault("not-supported", message, path, help=help))
         power = 0 if to == "general" else _POWERS.get(name, 0) or (_OF_CONTROL[to] if name == "ctrlrange" else 0)
         old = GRAMMAR.element(f"actuator/{node.tag}").attributes.get(name)
         now = values.now(old) if old is not None else None
@@ -247,9 +246,8 @@ def _converted(
         lost.append(f"the control is {is_now} now, not {was}")
     limits: dict[str, str] | None = {}
     if old != to or "ctrlrange" in given:
-        limits = _limits(
-            editing, node, to, model=model, keeps=before.split("+")[0] == after.split("+")[0], written={**made, **given}
-        )
+        keeps = before.split("+")[0] == after.split("+")[0]
+        limits = _limits(editing, node, to, model=model, keeps=keeps, written={**made, **given})
     if limits is None:
         lost.append("`ctrlrange`, which limits another thing")
         # The range goes, but a class may still limit the control: with `ctrllimited="true"` and no range, MuJoCo 4.0
@@ -291,19 +289,15 @@ def _rewrite(editing: Editing, node: Node, to: str, written: Mapping[str, str], 
         node.attrib.pop(name, "")
     if node.tag == PLUGIN:
         del node[:]  # its `<config>`
-        _drop_instance(editing.root, str(instance or ""))
+        # MuJoCo 4.0 refuses the `mujoco.pid` of no actuator: "actuator not found for plugin instance 0".
+        is_needless = all(each.get("instance") != instance for each in editing.root.iter("*"))
+        for each in editing.root.findall("extension/plugin/instance") if instance and is_needless else ():
+            if each.get("name") == instance:
+                each.getparent().remove(each)  # type: ignore[union-attr]
     node.tag = to
     for name, text in written.items():
         node.set(name, text)
     editing.note(node)
-
-
-def _drop_instance(root: Node, name: str) -> None:
-    # MuJoCo 4.0 refuses the `mujoco.pid` of no actuator: "actuator not found for plugin instance 0".
-    if all(each.get("instance") != name for each in root.iter("*")):
-        for instance in root.findall("extension/plugin/instance"):
-            if instance.get("name") == name:
-                instance.getparent().remove(instance)  # type: ignore[union-attr]
 
 
 def _lost_in_keys(editing: Editing, node: Node) -> Iterator[str]:
@@ -427,9 +421,8 @@ def _position(
 
 def _integral(editing: Editing, model: ActuatorModel) -> dict[str, str]:
     """Return the attributes of a pid other than its gains. They include zeros if classes may set other values."""
-    imax = model.dynprm[0] if model.dynamics == "pid" else 0.0
+    imax, whole = model.dynprm[0] if model.dynamics == "pid" else 0.0, _in_classes(editing)
     found = {"ki": model.gainprm[0], "imax": imax, "slewmax": model.slewmax}
-    whole = _in_classes(editing)
     return {name: numbers.text([value]) for name, value in found.items() if value or whole}
 
 
@@ -543,13 +536,10 @@ def _needs(editing: Editing, node: Node, to: str, gain: str, at: Path) -> None:
 def _report(editing: Editing, to: str, lost: Mapping[str, list[str]], at: Path) -> None:
     count = len({each for names in lost.values() for each in names})
     what = next(iter(lost.values()))[0] if count == 1 else f"{count} actuators"
-    notes = [Note(f"lost: {loss}{'' if len(names) == count else _few(names)}") for loss, names in lost.items()]
+    few = {loss: f" ({', '.join(names[:8])}{', …' * (len(names) > 8)})" for loss, names in lost.items()}
+    notes = [Note(f"lost: {loss}{few[loss] * (len(names) != count)}") for loss, names in lost.items()]
     message = f"{what} cannot do all that {'it' if count == 1 else 'they'} did as `{to}`"
     editing.sink.warning("convert-loss", message, editing.span(at), notes=notes)
-
-
-def _few(names: list[str], shown: int = 8) -> str:
-    return f" ({', '.join(names[:shown])}{', …' if len(names) > shown else ''})"
 
 
 VERB = Convert

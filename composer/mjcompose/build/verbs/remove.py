@@ -93,22 +93,14 @@ def listed_kind(node: Node, section: str) -> str:
 
 
 def _still_needed(removal: Removal[Editing], editing: Editing, at: Path) -> None:
-    notes = []
-    seen: set[Node] = set()
+    found: dict[Node, Note] = {}
     for _, node, attribute, namespace, name in removal.references:
         user = whole(node)
-        if user in seen:
-            continue
-        seen.add(user)
-        if len(seen) <= _SHOWN:
-            notes.append(
-                Note(
-                    f"{editing.called(user)} refers to the {word(namespace)} `{name}` by `{attribute}`",
-                    editing.span_of(node, attribute if not is_list(node, attribute, section_of(node)) else None),
-                )
-            )
-    if len(seen) > _SHOWN:
-        notes.append(Note(f"and {len(seen) - _SHOWN} more"))
+        place = None if is_list(node, attribute, section_of(node)) else attribute
+        message = f"{editing.called(user)} refers to the {word(namespace)} `{name}` by `{attribute}`"
+        found.setdefault(user, Note(message, editing.span_of(node, place)))
+    rest = [Note(f"and {len(found) - _SHOWN} more")] if len(found) > _SHOWN else []
+    notes = [*[*found.values()][:_SHOWN], *rest]
     alone = len(removal.going) == 1
     what = editing.called(removal.going[0][1]) if alone else f"{len(removal.going)} elements"
     editing.sink.error(

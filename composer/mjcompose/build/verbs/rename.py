@@ -18,6 +18,7 @@ from mjcompose.language.forms.model import WHOLE
 from mjcompose.language.forms.scalars import Name
 from mjcompose.text.node import locate
 from mjcompose.tree.edit import BadBone, NewName, Renaming, is_rod, renamed_skin, skins, twisted_by, unlistable_message
+from mjcompose.tree.grammar import Attribute
 from mjcompose.tree.names import MAY_REPEAT, WORLD, own_name
 from mjcompose.tree.select import kind_of, naming_attribute
 
@@ -68,14 +69,11 @@ class Rename(Verb):
             editing.sink.error("bad-name", message, editing.span(at), notes=(note,))
             raise UnusableValue
         for node in new:
-            naming = naming_attribute(kind_of(node))
-            assert naming is not None
             editing.forget(node)
-            editing.write(node, {naming.name: at})
+            editing.write(node, {_naming(node).name: at})
         bodies = {str(node.get("name")): name for node, name in new.items() if node.tag == "body" and node.get("name")}
         for node, name in new.items():
-            naming = naming_attribute(kind_of(node))
-            assert naming is not None
+            naming = _naming(node)
             # You ask `explain` for the final name of an element, and it shows how the element got it.
             if old := own_name(node, naming.name):
                 editing.making.origins.renamed.setdefault(node, []).append((old, name))
@@ -88,6 +86,12 @@ class Rename(Verb):
 
     def words(self) -> str:
         return f"rename to {self.name}"
+
+
+def _naming(node: Node) -> Attribute:
+    naming = naming_attribute(kind_of(node))
+    assert naming is not None
+    return naming
 
 
 def _new_name(editing: Editing, node: Node, index: int, written: str, at: Path) -> str:
@@ -143,8 +147,8 @@ def _check(editing: Editing, new: dict[Node, str], at: Path) -> None:
     """Report a new name that is already used, unless that name is given up in the same step."""
     taken: dict[tuple[str, str], Node] = {}
     for node, name in new.items():
-        naming = naming_attribute(kind_of(node))
-        assert naming is not None and naming.declares is not None
+        naming = _naming(node)
+        assert naming.declares is not None
         if naming.declares in MAY_REPEAT:
             continue
         other = taken.setdefault((naming.declares, name), node)
@@ -180,8 +184,8 @@ def _advice(editing: Editing, node: Node, other: Node, at: Path) -> str:
 def _renaming(editing: Editing, new: dict[Node, str]) -> Renaming[Editing]:
     names = []
     for node, name in new.items():
-        naming = naming_attribute(kind_of(node))
-        assert naming is not None and naming.declares is not None
+        naming = _naming(node)
+        assert naming.declares is not None
         if (old := own_name(node, naming.name)) is not None:
             names.append(NewName(editing, naming.declares, old, new=name))
     return Renaming.of(names)

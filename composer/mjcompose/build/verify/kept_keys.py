@@ -55,10 +55,9 @@ Meant = dict[str, dict[Own, list[Value]]]
 def check_kept_keys(model: Unit, notes: KeyNotes, session: engine.Session, sink: Sink) -> None:
     """Report numbers of the compiled model's keys that differ from the sources and the recipe."""
     keys = keys_of(model)
-    if not keys or not (notes.written or notes.sources):
-        return
-    final = bare_model(model)
-    if final is None:  # MuJoCo attaches a model, or reads a shape from a file
+    # There is no bare model if MuJoCo attaches a model, or reads a shape from a file.
+    final = bare_model(model) if keys and (notes.written or notes.sources) else None
+    if final is None:
         return
     sources = [each for found in notes.sources.values() for each in found]
     texts = list(dict.fromkeys(each.text for each in sources))
