@@ -160,9 +160,8 @@ class Build:
         if context.sink.has_errors:
             return None
         facts = ManifestInput(
-            plan=self.plan, model=composed.model, uses=composed.files, members=composed.members, compiled=compiled,
-            merged=draft.merged, checks=tuple(self.outcomes), cell=request.name, drawn=composed.drawn,
-            pictured=request.pictured, shapes=composed.shapes, tables=composed.tables,
+            self.plan, composed, compiled, merged=draft.merged, checks=tuple(self.outcomes), cell=request.name,
+            pictured=request.pictured,
         )  # fmt: skip
         final = self._exported(add_manifest(bundle, facts, context), composed)
         return None if final is None else Built(self.plan, composed, final, compiled=compiled, merged=draft.merged)

@@ -8,7 +8,8 @@ from pathlib import Path
 from random import Random
 
 import pytest
-from mjcompose.build.bundle.read import ReadError, ReadLimits, read
+from mjcompose.base.limits import allow
+from mjcompose.build.bundle.read import ReadError, read
 
 FILES = {"model.xml": b"<mujoco/>", "assets/a.obj": b"v 0 0 0\n" * 50}
 
@@ -28,9 +29,9 @@ def folder(path: Path, files: dict[str, bytes]) -> Path:
     return path
 
 
-def refusal(path: Path, limits: ReadLimits | None = None) -> str:
-    with pytest.raises(ReadError) as caught:
-        read(path, limits)
+def refusal(path: Path, **limits: int) -> str:
+    with allow(**limits), pytest.raises(ReadError) as caught:
+        read(path)
     assert caught.value.code == "file-unreadable"
     return caught.value.message
 
@@ -131,7 +132,7 @@ def test_links_and_pipes_in_a_folder_are_refused(tmp_path: Path, kind: str) -> N
 def test_a_bomb_is_not_unpacked(tmp_path: Path) -> None:
     path = archive(tmp_path / "a.zip", {**FILES, "zeros": bytes(10_000_000)})
     assert path.stat().st_size < 20_000
-    assert "holds more than 1000000 bytes" in refusal(path, ReadLimits(bytes=1_000_000))
+    assert "holds more than 1000000 bytes" in refusal(path, output_size=1_000_000)
 
 
 def test_a_bomb_that_lies_about_its_size_is_not_unpacked(tmp_path: Path) -> None:
@@ -139,19 +140,20 @@ def test_a_bomb_that_lies_about_its_size_is_not_unpacked(tmp_path: Path) -> None
     content = path.read_bytes()
     content = content.replace((10_000_000).to_bytes(4, "little"), (10).to_bytes(4, "little"))
     path.write_bytes(content)
-    assert "is not a readable zip" in refusal(path, ReadLimits(bytes=1_000_000))
+    assert "is not a readable zip" in refusal(path, output_size=1_000_000)
 
 
 @pytest.mark.parametrize("make", [folder, archive])
 def test_too_many_files_are_refused(tmp_path: Path, make: object) -> None:
     files = {**FILES, **{f"f{number}": b"" for number in range(10)}}
     path = (folder if make is folder else archive)(tmp_path / "a", files)
-    assert "has more than 5 files" in refusal(path, ReadLimits(files=5))
-    assert len(read(path, ReadLimits(files=12)).files) == 12
+    assert "has more than 5 files" in refusal(path, output_files=5)
+    with allow(output_files=12):
+        assert len(read(path).files) == 12
 
 
 def test_a_folder_that_is_too_large_is_refused(tmp_path: Path) -> None:
-    assert "holds more than 100 bytes" in refusal(folder(tmp_path / "a", FILES), ReadLimits(bytes=100))
+    assert "holds more than 100 bytes" in refusal(folder(tmp_path / "a", FILES), output_size=100)
 
 
 def test_the_one_model_that_no_other_names(tmp_path: Path) -> None:

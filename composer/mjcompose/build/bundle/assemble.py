@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import posixpath
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -17,7 +16,7 @@ from mjcompose.base.files import Refused, real_path
 from mjcompose.build.bundle import manifest as entries
 from mjcompose.build.bundle.bundle import MODEL, Bundle, BundleError, Licenses, license_files, picture_of
 from mjcompose.build.bundle.collect import collect
-from mjcompose.build.plan.plan import Drawn, GeneratedShapes, PartRecord, Plan, Tables
+from mjcompose.build.plan.plan import PartRecord, Plan
 from mjcompose.build.plan.read import packages_of
 from mjcompose.link.files import Merged
 from mjcompose.link.linking import FileUse
@@ -38,6 +37,7 @@ if TYPE_CHECKING:
     from pydantic import BaseModel
 
     from mjcompose.build.bundle.bundle import Outcome
+    from mjcompose.build.compose.compose import Composed
     from mjcompose.mujoco.engine import Compiled
     from mjcompose.mujoco.index import Index
 
@@ -203,33 +203,29 @@ class ManifestInput:
     """
 
     plan: Plan
-    model: Unit
-    uses: tuple[FileUse, ...]
-    members: tuple[PartRecord, ...]
+    composed: Composed
     compiled: Compiled | None
     merged: Merged
-    checks: tuple[Outcome, ...] = ()
-    cell: str | None = None
-    drawn: tuple[Drawn, ...] = ()
-    pictured: bool = False
-    shapes: tuple[GeneratedShapes, ...] = ()
-    tables: Tables = field(default_factory=dict)
+    checks: tuple[Outcome, ...]
+    cell: str | None
+    pictured: bool
 
 
 def add_manifest(bundle: Bundle, making: ManifestInput, context: Context) -> Bundle:
-    plan, compiled, model = making.plan, making.compiled, making.model
+    plan, compiled, composed = making.plan, making.compiled, making.composed
+    model = composed.model
     named = list(sources(plan))
     names = portable(plan, model, context)
     licenses = _licenses(named)
     inputs = tuple(
-        _input(source, licenses.of[label], names, table=making.tables.get(source.read_as, ()))
+        _input(source, licenses.of[label], names, table=composed.tables.get(source.read_as, ()))
         for label, source in named
     )
     by_license: dict[str, list[str]] = {}
     parts = [place.part for place in plan.places() if isinstance(place.model, Source)]
     for each, part in zip(inputs, parts, strict=True):
         by_license.setdefault(each.license or UNKNOWN, []).append(part)
-    renamed = renamed_in(model, making.members)
+    renamed = renamed_in(model, composed.members)
     index = None
     if compiled is not None and compiled.index is not None:
         index = entries.index_of(compiled.index, written_in(model, compiled.index, names.place))
@@ -246,9 +242,9 @@ def add_manifest(bundle: Bundle, making: ManifestInput, context: Context) -> Bun
         params={name: value for name, value in plan.scope.items() if name not in plan.variants},
         seed=plan.randomize.seed if plan.randomize else None,
         sample=plan.sample if plan.randomize else None,
-        draws=tuple(_as(entries.Draw, each, component=each.start) for each in making.drawn),
+        draws=tuple(_as(entries.Draw, each, component=each.start) for each in composed.drawn),
         inputs=inputs,
-        parts=tuple(_part(member, number, renamed) for number, member in enumerate(making.members)),
+        parts=tuple(_part(member, number, renamed) for number, member in enumerate(composed.members)),
         adopted=tuple(
             _as(entries.Adopted, each, origin=names.place(each.span)) for each in model.adopted if each.is_written
         ),
@@ -259,7 +255,7 @@ def add_manifest(bundle: Bundle, making: ManifestInput, context: Context) -> Bun
         picture=picture_of(plan.name) if making.pictured else None,
         made=tuple(
             _as(entries.GeneratedShape, each, geom=each.of, origin=names.place(each.span), **each.error)
-            for each in making.shapes
+            for each in composed.shapes
         ),
         checks=tuple(_as(entries.Check, each, origin=names.place(each.span)) for each in making.checks),
         index=index,
@@ -283,7 +279,7 @@ def _read(bundle: Bundle, making: ManifestInput, portable: Portable) -> list[tup
     """Return every file that was read, with its hash; each is hashed once."""
     known = {
         real_path(where): bundle.digest(path)
-        for path, where in making.model.contents.items()
+        for path, where in making.composed.model.contents.items()
         if isinstance(where, Path) and path in bundle.files
     }
     recipes: set[str] = set()  # and the recipes that they extend, as messages name them
@@ -294,7 +290,7 @@ def _read(bundle: Bundle, making: ManifestInput, portable: Portable) -> list[tup
         *(path for shown in portable.texts if os.path.isfile(path := portable.context.folder / shown)),
         *(portable.context.folder / file for file in recipes),
         *(path for _, source in sources(making.plan) for path in (source.path, *source.licenses)),
-        *(Path(use.source) for use in making.uses if use.content is None),
+        *(Path(use.source) for use in making.composed.files if use.content is None),
     }
     found: dict[str, str] = {}
     for path in files:

@@ -16,12 +16,10 @@ import struct
 import zipfile
 import zlib
 from collections.abc import Mapping
-from dataclasses import field
 from io import BytesIO
 from pathlib import Path
 
 from mjcompose.base.access import Door
-from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Diagnostic, DiagnosticError
 from mjcompose.base.files import MJCF_FILES, open_regular, read_regular
 from mjcompose.base.limits import in_force
@@ -71,14 +69,6 @@ _EXPANDS = re.compile(rb"<(replicate|flexcomp|composite)\b")
 _NAMED = re.compile(rb"""<(?:include|model)\s[^>]*?file\s*=\s*["']([^"']*)["']""")
 
 
-@dataclass(frozen=True, slots=True)
-class ReadLimits:
-    """The maximum number of files in a bundle, and of bytes in all when decompressed."""
-
-    files: int = field(default_factory=lambda: in_force().output_files)
-    bytes: int = field(default_factory=lambda: in_force().output_size)
-
-
 _NO_BUNDLE = {
     ".mjb": "MuJoCo's binary form, not a bundle: load it with `mjcompose.load`",
     **dict.fromkeys(MJCF_FILES, "text alone, which has no manifest: a bundle is a folder, a `.zip` or an `.mjz`"),
@@ -89,9 +79,7 @@ class ReadError(DiagnosticError):
     """The reason why a bundle cannot be read."""
 
 
-def read(
-    path: Path, limits: ReadLimits | None = None, shown: str | None = None, content: bytes | None = None
-) -> Bundle:
+def read(path: Path, shown: str | None = None, content: bytes | None = None) -> Bundle:
     """Return the bundle in a folder, a zip or an MJZ. Raises ReadError, with `shown` as the path in messages.
 
     `content` are the bytes of an archive that was read already.
@@ -100,16 +88,16 @@ def read(
     decompressed. The model is the one in the manifest, else `model.xml`, else `STEM.xml`, else the only model that
     no other one names.
     """
-    limits, shown = limits or ReadLimits(), shown or str(path)
+    shown = shown or str(path)
     try:
         if path.is_dir():
-            files = _read_folder(path, limits, shown)
+            files = _read_folder(path, shown)
         elif not path.exists():
             raise ReadError("file-not-found", f"the file or folder `{shown}` does not exist")
         elif (what := _NO_BUNDLE.get(path.suffix.lower())) is not None:
             raise ReadError("file-unreadable", f"`{shown}` is {what}")
         else:
-            files = _read_archive(path if content is None else BytesIO(content), limits, shown)
+            files = _read_archive(path if content is None else BytesIO(content), shown)
         bundle = Bundle(files, _model(files, path, shown))
         texts = (content for name, content in files.items() if name.endswith(".xml"))
         if any(map(_EXPANDS.search, (files[bundle.model], *texts))):
@@ -131,7 +119,7 @@ def _check_size(bundle: Bundle, path: Path, shown: str) -> None:
             raise ReadError(fault.code, f"`{shown}`: {fault.message}", fault.help, notes=(f"at {fault.span}",))
 
 
-def _read_folder(folder: Path, limits: ReadLimits, shown: str) -> dict[str, bytes]:
+def _read_folder(folder: Path, shown: str) -> dict[str, bytes]:
     sizes: dict[str, int] = {}
     for parent, folders, names in os.walk(folder, onerror=raise_error):
         for name in [*folders, *names]:
@@ -144,9 +132,9 @@ def _read_folder(folder: Path, limits: ReadLimits, shown: str) -> dict[str, byte
                 kind = "a link" if stat.S_ISLNK(status.st_mode) else "no ordinary file"
                 raise ReadError("file-unreadable", f"`{path}` in `{shown}` is {kind}")
             sizes[path] = status.st_size
-            if len(sizes) > limits.files:
+            if len(sizes) > in_force().output_files:
                 break
-    _check_sizes(sizes, shown, limits)
+    _check_sizes(sizes, shown)
     files = {path: read_regular(folder / path) for path in sizes}
     if b"../assets/" not in files.get(MANIFEST, b""):
         return files
@@ -155,12 +143,12 @@ def _read_folder(folder: Path, limits: ReadLimits, shown: str) -> dict[str, byte
     return with_shared_assets(files, folder)
 
 
-def _read_archive(file: Path | BytesIO, limits: ReadLimits, shown: str) -> dict[str, bytes]:
+def _read_archive(file: Path | BytesIO, shown: str) -> dict[str, bytes]:
     try:
-        opened = file if isinstance(file, BytesIO) else open_regular(file, limits.bytes)
+        opened = file if isinstance(file, BytesIO) else open_regular(file, in_force().output_size)
         with opened as stream, zipfile.ZipFile(stream) as archive:
             entries = [entry for entry in archive.infolist() if not entry.filename.endswith("/")]
-            _check_entries(entries, shown, limits)
+            _check_entries(entries, shown)
             return {entry.filename: archive.read(entry) for entry in entries}
     except (ReadError, BundleError):
         raise
@@ -168,7 +156,7 @@ def _read_archive(file: Path | BytesIO, limits: ReadLimits, shown: str) -> dict[
         raise ReadError("file-unreadable", f"`{shown}` is not a readable zip: {error}") from error
 
 
-def _check_entries(entries: list[zipfile.ZipInfo], shown: str, limits: ReadLimits) -> None:
+def _check_entries(entries: list[zipfile.ZipInfo], shown: str) -> None:
     sizes: dict[str, int] = {}
     for entry in entries:
         path = entry.filename
@@ -179,15 +167,16 @@ def _check_entries(entries: list[zipfile.ZipInfo], shown: str, limits: ReadLimit
         if entry.flag_bits & 1:
             raise ReadError("file-unreadable", f"`{path}` in `{shown}` is encrypted")
         sizes[path] = entry.file_size
-    _check_sizes(sizes, shown, limits)
+    _check_sizes(sizes, shown)
     check_paths(sizes)
 
 
-def _check_sizes(sizes: dict[str, int], shown: str, limits: ReadLimits) -> None:
-    if len(sizes) > limits.files:
-        raise ReadError("file-unreadable", f"`{shown}` has more than {limits.files} files")
-    if sum(sizes.values()) > limits.bytes:
-        raise ReadError("file-unreadable", f"`{shown}` holds more than {limits.bytes} bytes")
+def _check_sizes(sizes: dict[str, int], shown: str) -> None:
+    limits = in_force()
+    if len(sizes) > limits.output_files:
+        raise ReadError("file-unreadable", f"`{shown}` has more than {limits.output_files} files")
+    if sum(sizes.values()) > limits.output_size:
+        raise ReadError("file-unreadable", f"`{shown}` holds more than {limits.output_size} bytes")
 
 
 def _model(files: dict[str, bytes], path: Path, shown: str) -> str:

@@ -196,7 +196,6 @@ class Maker:
         if made is None:
             return None, (LOST,)
         _report(found.record, context, outcomes)
-        log("`%s` is unchanged and comes from the cache", made.name)
         return made, ()
 
     def make(
@@ -206,8 +205,7 @@ class Maker:
         """Plan the model, and build it unless the cache has the plan; report errors."""
         from mjcompose.build import stages
 
-        outcomes = [] if outcomes is None else outcomes
-        options = self.options
+        outcomes, options = [] if outcomes is None else outcomes, self.options
         request = stages.Request(
             self.recipe, choice.given, choice.name, sample=choice.sample, verified=options.verified,
             deduplicated=options.deduplicated, pictured=options.pictured, target=options.target, worlds=options.worlds,
@@ -218,15 +216,13 @@ class Maker:
         if key is not None and self.options.text_beside is None and not context.sink.has_errors:
             known = self._recall_planned(plan, choice.name, context, key=key, outcomes=outcomes)
             if known is not None:
-                log("`%s` is unchanged and comes from the cache", known.name)
                 return known
         if self._ahead is not None:  # from the previous model
             self._ahead.end()
             self._ahead = None
-        build = stages.Build(
+        built = stages.Build(
             plan, request, context, session=session, library=self.library, outcomes=outcomes, on_bundle=self._pack_ahead
-        )
-        built = build.run()
+        ).run()
         if built is None:
             return None
         made = result_of_build(built, license_rows(plan, context), why, key=key)
@@ -406,6 +402,7 @@ def _warns(record: Record) -> bool:
 
 
 def _report(record: Record, context: Context, outcomes: list[Outcome] | None) -> None:
+    log("`%s` is unchanged and comes from the cache", record.name)
     for diagnostic in record.diagnostics:
         context.sink.add(diagnostic)
     if outcomes is not None:

@@ -298,9 +298,8 @@ class CellRun:
             if isinstance(result, Died):
                 message = f"the process that made this model {result.how}, twice"
                 help = "if memory ran out, use a smaller number with `--jobs`; `--jobs 1` uses no other process"
-                result = CellResult(
-                    cell, None, True, diagnostics=(Diagnostic("worker-died", message, cell.span, help=help),)
-                )
+                fault = Diagnostic("worker-died", message, cell.span, help=help)
+                result = CellResult(cell, None, True, diagnostics=(fault,))
             yield self._taken(result)
 
     def _fetch(self, cell: Cell) -> None:

@@ -34,8 +34,7 @@ def choices_of(recipe: Path, context: Context) -> Iterator[dict[str, Node]]:
     if not values:
         return
     if math.prod(map(len, values.values())) <= MANY:
-        for chosen in itertools.product(*values.values()):
-            yield dict(zip(values, chosen, strict=True))
+        yield from (dict(zip(values, chosen, strict=True)) for chosen in itertools.product(*values.values()))
     else:
         yield from ({axis: value} for axis, every in values.items() for value in every)
 
@@ -129,12 +128,16 @@ def select_cells(every: Sequence[Cell], picks: Iterable[str], sink: Sink, recipe
     A pick is the name of a sample, of a cell (which selects all its samples), or `AXIS=VALUE[,AXIS=VALUE...]`: all
     cells with these values.
     """
+
+    def text_of(cell: Cell, axis: str) -> str | None:
+        return pick_text(cell.given[axis]) if axis in cell.given else None
+
     found: dict[str, Cell] = {}
     for pick in picks:
         chosen = [each for each in every if pick in (each.name, each.cell)]
         wanted = [item.partition("=") for item in pick.split(",")]
         if not chosen and all(equals for _, equals, _ in wanted):
-            chosen = [each for each in every if all(_has_value(each, axis, value) for axis, _, value in wanted)]
+            chosen = [each for each in every if all(text_of(each, axis) == value for axis, _, value in wanted)]
         found.update((each.name, each) for each in chosen)
         if not chosen:
             _report_none(every, pick, sink, recipe=recipe)
@@ -189,10 +192,6 @@ def _report_none(every: Sequence[Cell], pick: str, sink: Sink, recipe: str) -> N
     names = {each.name: each for each in every}
     sink.error("unknown-name", f"the matrix of `{recipe}` has no cell `{pick}`",
                notes=(exists_note("cell", names, pick),), help=did_you_mean(pick, names, "--pick {}"))  # fmt: skip
-
-
-def _has_value(cell: Cell, axis: str, value: str) -> bool:
-    return axis in cell.given and pick_text(cell.given[axis]) == value
 
 
 def pick_text(node: Node) -> str:

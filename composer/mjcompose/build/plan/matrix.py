@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping as Map
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Diagnostic, Note
@@ -98,12 +98,13 @@ class _Source:
     def draw(self, seed: int, sample: int) -> Value:
         """Return the draw: a number, one for each component of a vector, or the chosen value."""
         distribution, field = self.field.distribution, self.field
+
+        def component(n: int) -> Any:
+            return distribution.draw(bits(seed, sample, field.stream, element="", component=n), n)
+
         if isinstance(self.nominal, tuple) and not distribution.is_whole:
-            return tuple(
-                distribution.draw(bits(seed, sample, field.stream, element="", component=n), n)
-                for n in range(len(self.nominal))
-            )
-        chosen = distribution.draw(bits(seed, sample, field.stream, element="", component=0), 0)
+            return tuple(map(component, range(len(self.nominal))))
+        chosen = component(0)
         return tuple(chosen) if isinstance(chosen, list) else chosen
 
     def value(self, seed: int, sample: int) -> Value | None:

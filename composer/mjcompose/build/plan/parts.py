@@ -51,8 +51,7 @@ def without_rings(parts: tuple[AttachPart, ...], separator: str, sink: Sink) -> 
     mounts: dict[str, str | None] = {}
     for part in parts:  # the longest prefix of its place is the part that it is attached to
         place = part.attachment.site or part.attachment.body or part.attachment.frame or ""
-        starts = (place[:end] for end in range(len(place), 0, -1))
-        mounts[part.prefix] = next((start for start in starts if start in prefixes), None)
+        mounts[part.prefix] = max((each for each in prefixes if each and place.startswith(each)), key=len, default=None)
     reported: set[str] = set()
     for part in parts:
         ring = [part.prefix]
@@ -77,11 +76,10 @@ def check_part_names(plan: Plan, sink: Sink) -> None:
         if isinstance(check, Unchanged) and check.part is not None and check.part not in parts:
             near = closest(check.part, parts)
             message = f"check `{check.name}` is about `{check.part}`, which is not a part of this recipe"
-            unknown = unknown_name(
+            sink.add(unknown_name(
                 "part", check.part, parts, span=locate(plan.document, (*check.at, "part")), message=message,
                 help=f"write `part: {near[0]}`" if near else None, fix=renaming(check.part, parts), about=(check.name,),
-            )  # fmt: skip
-            sink.add(unknown)
+            ))  # fmt: skip
     _check_mirrors(plan, sink)
     for key in (step.key for step in plan.keyframes):
         for part in key.sources:

@@ -269,8 +269,7 @@ class _Planner:
             self.sink.error("draw-at-run-time", message, span, help=help, subjects=(field.name,))
 
     def _read(self, path: Path, given: Given) -> ValidRecipe | None:
-        valid = validated_recipe(path, given, self.context)
-        if valid is not None:
+        if (valid := validated_recipe(path, given, self.context)) is not None:
             self.sink.suppress_about(valid.lost)
         return valid
 
@@ -351,9 +350,8 @@ class _Planner:
         before, context, plans = self.sink.error_count, self.context, []
         for path, folder, span in inner_recipes(source, context):
             try:
-                relative = os.path.relpath(path, folder)
-                message = f"./{relative}"
-                found = resolve(message, relative_to=folder, environment=context.environment, fetching=context.fetching)
+                named = f"./{os.path.relpath(path, folder)}"
+                found = resolve(named, relative_to=folder, environment=context.environment, fetching=context.fetching)
             except SourceError as error:
                 self.sink.add(error.at(span))
                 continue

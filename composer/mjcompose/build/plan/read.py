@@ -395,7 +395,7 @@ def files_of_source(source: Source) -> Iterator[Path]:
     """
     files = _of_urdf(source) if source.format == "urdf" else _of_mjcf(source.path, source.door, set())
     seen = (path for path in files if source.door.sees(path))
-    yield from (path for path in (*seen, *source.licenses) if os.path.isfile(path))
+    yield from filter(os.path.isfile, (*seen, *source.licenses))
 
 
 def files_of_recipe(plan: Plan, context: Context) -> Iterator[Path]:

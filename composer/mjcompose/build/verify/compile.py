@@ -7,6 +7,7 @@ import os
 import re
 from collections.abc import Iterator
 from contextlib import contextmanager
+from itertools import takewhile
 from pathlib import Path
 from posixpath import basename
 
@@ -35,12 +36,9 @@ def unmoved_flexes(root: Node, mujoco: str | None) -> Iterator[Node]:
     if mujoco is None or version_key(mujoco) >= (4,):
         return
     for flex in root.iter("flexcomp"):
-        around = flex.getparent()
-        while around is not None and around.tag in ("frame", "replicate"):
-            if around.tag == "frame" and not _MOVING.isdisjoint(around.keys()):
-                yield flex
-                break
-            around = around.getparent()
+        around = takewhile(lambda each: each.tag in ("frame", "replicate"), flex.iterancestors())
+        if any(each.tag == "frame" and not _MOVING.isdisjoint(each.keys()) for each in around):
+            yield flex
 
 
 def compile_and_report(

@@ -22,6 +22,7 @@ from mjcompose.build.verify.compile import WHOLE
 from mjcompose.language.assign import MASS
 from mjcompose.mujoco import engine
 from mjcompose.mujoco.addresses import rows_of
+from mjcompose.mujoco.arrays import FREE
 from mjcompose.mujoco.attributes import ON_BODIES, TAGS, Model, array_of, attributes
 from mjcompose.mujoco.controls import GAINS
 from mjcompose.mujoco.messages import CRASH_HELP, CRASHES
@@ -237,9 +238,8 @@ def with_worlds(table: DrawTable, bundle: Bundle, build: Build) -> Bundle:
                 listed = ", ".join(f"`{name}`" for name in answer.value)
                 message = f"world {sample - 1} differs from sample {sample} as a build makes it: {listed}"
                 help = "remove the fields that change these, or build without `--as worlds`"
-                table.context.sink.error(
-                    CODE, message, locate(table.plan.document, ("randomize",), key=True), help=help
-                )
+                span = locate(table.plan.document, ("randomize",), key=True)
+                table.context.sink.error(CODE, message, span, help=help)
                 return bundle
         about = {
             "worlds": _FORMAT, "model": MODEL, "mujoco": table.session.mujoco_version,
@@ -368,7 +368,6 @@ def _mean_mass(model: Model) -> float:
     return sum(model.body_mass.tolist()) / (model.nbody - 1) if model.nbody > 1 else math.nan
 
 
-_FREE = 0
 _OF_INERTIA = {"body_pos": "body_ipos", "body_quat": "body_iquat"}
 _OF_KEYS = {"body_pos": "key_mpos", "body_quat": "key_mquat"}
 
@@ -379,11 +378,9 @@ def _following(model: Model, columns: list[dict[str, Any]]) -> Iterator[tuple[Pl
     The reference pose of a free joint is the pose of its body, and so is its pose in a key that does not set
     it.
     """
+    every = [(target["array"], *target["index"]) for column in columns for target in column["targets"]]
     for array, at, width in (("body_pos", 0, 3), ("body_quat", 3, 4)):
-        drawn = {
-            tuple(target["index"]) for column in columns for target in column["targets"] if target["array"] == array
-        }
-        for body, component in sorted(drawn):
+        for body, component in sorted({(each[1], each[2]) for each in every if each[0] == array}):
             targets = [
                 *_of_free_joint(model, body, at + component),
                 *_of_mocap(model, body, array, component=component),
@@ -395,7 +392,7 @@ def _following(model: Model, columns: list[dict[str, Any]]) -> Iterator[tuple[Pl
 
 def _of_free_joint(model: Model, body: int, component: int) -> Iterator[Place]:
     joint = model.body_jntadr[body]
-    if joint < 0 or model.jnt_type[joint] != _FREE:
+    if joint < 0 or model.jnt_type[joint] != FREE:
         return
     first = int(model.jnt_qposadr[joint])
     pose = slice(first, first + 7)

@@ -144,12 +144,9 @@ def verify_stored(path: Path, context: Context, session: Session, recipe: Path |
 def _compiled(bundle: Bundle, shown: str, context: Context, session: Session) -> Compiled | None:
     try:
         verified = verify(bundle, session=session, keep=WHOLE, stranger=shown)
-    except OutsideFilesError as error:
-        for each in error.found:
+    except (OutsideFilesError, OutputError) as error:
+        for each in error.found if isinstance(error, OutsideFilesError) else (error.diagnostic,):
             context.sink.add(each)
-        return None
-    except OutputError as error:
-        context.sink.add(error.diagnostic)
         return None
     for warning in verified.warnings:
         said = " ".join(warning.message.split())
@@ -185,12 +182,7 @@ def _report(compared: PartComparison, manifest: Manifest, inputs: InputFinder, c
             context.sink.error("part-changed", change_sentence(compared), notes=difference_notes(compared.differences))
         return
     message = f"`{member.called}` is not compared with its source: {compared.obscure}"
-    cause = Cause(compared.obscure, f"`{member.called}`")
-    if member.obscure is not None:
-        context.sink.warning("part-not-compared", message, cause=cause)
-    elif inputs.given:
-        context.sink.error("part-not-compared", message, cause=cause)
-    else:
-        name = manifest.recipe.path if manifest.recipe else "the recipe"
-        help = f"say where the recipe is: `--recipe path/to/{name}`"
-        context.sink.warning("part-not-compared", message, help=help, cause=cause)
+    name = manifest.recipe.path if manifest.recipe else "the recipe"
+    help = None if member.obscure or inputs.given else f"say where the recipe is: `--recipe path/to/{name}`"
+    report = context.sink.error if inputs.given and member.obscure is None else context.sink.warning
+    report("part-not-compared", message, help=help, cause=Cause(compared.obscure, f"`{member.called}`"))

@@ -24,7 +24,7 @@ from mjcompose.base.sink import Sink
 from mjcompose.build.bundle.bundle import LARGEST_MANIFEST, MANIFEST, Bundle, Location, is_address
 from mjcompose.build.bundle.listing import Condition, ListingError, rows
 from mjcompose.build.bundle.manifest import Manifest, check_files, check_index, index_of, manifest_of
-from mjcompose.build.bundle.read import ReadError, ReadLimits, files_outside, named_model, read
+from mjcompose.build.bundle.read import ReadError, files_outside, named_model, read
 from mjcompose.build.bundle.staging import manifest_beside, write_files
 from mjcompose.mujoco.attributes import names
 from mjcompose.mujoco.index import index as compiled_index
@@ -69,9 +69,8 @@ def load(bundle: str | PathLike[str], *, allow_changes: bool = False) -> Loaded:
 def _downloaded(address: str, folder: Path) -> Path:
     from mjcompose.build.bundle.remote import RemoteError, download
 
-    limits = ReadLimits()
     try:
-        return download(address, folder, limits.files, size=limits.bytes)
+        return download(address, folder, in_force().output_files, size=in_force().output_size)
     except RemoteError as error:
         raise failure("file-unreadable", f"cannot read `{hide(address)}`: {error}") from error
 
@@ -107,7 +106,7 @@ def _checked(path: Path, shown: str) -> _Checked:
     try:
         content = None
         if os.path.isfile(path):
-            content = read_regular(path, ReadLimits().bytes)
+            content = read_regular(path, in_force().output_size)
             key = (sha256(content).hexdigest(), in_force())
             if (kept := _taken(key)) is not None:
                 return _Checked(key, kept.manifest, None, kept=kept)
