@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 
 from mjcompose.base.codes import CODES
@@ -27,7 +28,7 @@ class Sink:
     """Collects diagnostics in the order they are found; equal diagnostics are kept once.
 
     A code that is not in `CODES` is a bug of the caller and raises `KeyError`. Exceeding the limit `faults` raises
-    `TooManyFaults`. A block `with sink:` ends at a `DiagnosticError`, whose diagnostic is added.
+    `TooManyFaults`.
     """
 
     def __init__(self) -> None:
@@ -98,13 +99,13 @@ class Sink:
                 self._found[Diagnostic("limit-exceeded", message, None, help=advice("faults"))] = {}
                 raise TooManyFaults(self)
 
-    def __enter__(self) -> Sink:
-        return self
-
-    def __exit__(self, kind: object, error: BaseException | None, trace: object) -> bool:
-        if isinstance(error, DiagnosticError):
+    @contextmanager
+    def catching(self) -> Iterator[None]:
+        """Add the DiagnosticError that ends the block, if one does."""
+        try:
+            yield
+        except DiagnosticError as error:
             self.add(error.diagnostic)
-        return isinstance(error, DiagnosticError)
 
     def drop(self, diagnostic: Diagnostic) -> None:
         """Forget a warning or a note, with all findings of the same cause, because the user has acknowledged it."""

@@ -7,22 +7,19 @@ from contextlib import ExitStack
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
 from mjcompose.base.diagnostic import hide
-from mjcompose.build.bundle.bundle import is_address
+from mjcompose.build.bundle.bundle import OutputError, OutputForm, is_address
 from mjcompose.cli.cells import BuildingOptions, check_readers, check_several
 from mjcompose.cli.options import RECIPE_OR_STDIN, caching, did_you_mean, output
 from mjcompose.cli.output import OutputSpec, Picturing, Task, kind_of_output
 from mjcompose.cli.reporting import FINDINGS, USAGE, noted_files, noted_outputs
-from mjcompose.cli.run import PATH, Run, Stop, command, flag, option
+from mjcompose.cli.run import PATH, Run, command, flag, option
 from mjcompose.targets.names import MUJOCO
 from mjcompose.targets.names import NAMES as TARGETS_NAMES
-
-if TYPE_CHECKING:
-    from mjcompose.build.bundle.bundle import OutputForm
 
 
 class _Target(click.Choice):  # type: ignore[type-arg]  # before click 8.2 it is not generic
@@ -91,22 +88,18 @@ class Options(BuildingOptions):
 def build(options: Options, run: Run) -> int:
     """Build the model of RECIPE: one MJCF file and its assets, compiled in MuJoCo before it is written."""
     code = _build(options, run)
-    if code == 0 and options.depfile is not None:
-        from mjcompose.cli.build_records import write_depfile
+    if code or (options.depfile is None and options.sbom is None):
+        return code
+    from mjcompose.cli.build_records import write_depfile, write_sbom
 
-        context = run.new_context()
+    context = run.new_context()
+    if options.depfile is not None:
         inputs = [*noted_files(), *options.choices.set_files]
         write_depfile(options.depfile, noted_outputs(), inputs, context=context)
-        run.report(context)
-        code = FINDINGS if context.sink.has_errors else 0
-    if code == 0 and options.sbom is not None:
-        from mjcompose.cli.build_records import write_sbom
-
-        context = run.new_context()
+    if options.sbom is not None and not context.sink.has_errors:
         write_sbom(options.sbom, noted_outputs()[0], context)
-        run.report(context)
-        code = FINDINGS if context.sink.has_errors else 0
-    return code
+    run.report(context)
+    return FINDINGS if context.sink.has_errors else 0
 
 
 def _build(options: Options, run: Run) -> int:
@@ -177,10 +170,8 @@ def _check_usage(options: Options) -> None:
 
 
 def _output_spec(options: Options, run: Run) -> OutputSpec:
-    from mjcompose.build.bundle.bundle import OutputError
-
     out = options.out
-    try:
+    with run.stopping(USAGE):
         out, kind = _for_shared_assets(out, options.one) if options.shared_assets else (out, kind_of_output(out))
         if options.picture:
             _check_has_picture(out or "", kind)
@@ -189,9 +180,6 @@ def _output_spec(options: Options, run: Run) -> OutputSpec:
 
             check_parquet()
         _check_target(options, kind)
-    except OutputError as error:
-        run.context.sink.add(error.diagnostic)
-        raise Stop(USAGE) from None
     spec = OutputSpec("build/{name}.zip" if out is None else out, kind, not options.no_compile, form=run.form)
     return replace(spec, why=options.why, licenses=options.licenses)
 
@@ -205,8 +193,6 @@ _NO_SHARING = {
 
 
 def _for_shared_assets(out: str | None, one: bool) -> tuple[str, OutputForm]:
-    from mjcompose.build.bundle.bundle import OutputError, OutputForm
-
     out = "build/{name}/" if out is None else out
     help = "write `--all -o 'build/{name}/'`"
     if one:
@@ -221,8 +207,6 @@ def _for_shared_assets(out: str | None, one: bool) -> tuple[str, OutputForm]:
 
 
 def _check_has_picture(out: str, kind: OutputForm) -> None:
-    from mjcompose.build.bundle.bundle import OutputError
-
     if is_address(out):
         help = "write to this machine and copy the files from there, or remove `--picture`"
         message = f"`--picture` is for outputs on this machine, and `{hide(out)}` is an address"
@@ -238,8 +222,6 @@ _MORE = {"isaac": ("usd",)}
 
 
 def _check_target(options: Options, kind: str) -> None:
-    from mjcompose.build.bundle.bundle import OutputError
-
     target = options.target
     if target is None:
         return

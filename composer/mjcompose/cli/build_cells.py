@@ -8,7 +8,7 @@ import os
 import shlex
 import tempfile
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager, nullcontext
+from contextlib import AbstractContextManager, nullcontext, suppress
 from dataclasses import field, replace
 from functools import partial
 from importlib.util import find_spec
@@ -120,17 +120,15 @@ def _check_names(chosen: Sequence[Cell], task: Task) -> None:
 
 
 def _checked_folder(task: Task, count: int) -> Path | str:
-    code, spec, context = USAGE, task.spec, task.run.context
-    try:
+    spec, run = task.spec, task.run
+    with run.stopping(USAGE):
         kind_of_output(spec.out, count)  # of all shards, which write to one place
-        code, folder = FINDINGS, location(context.folder, _folder(spec.out))
+    with run.stopping(FINDINGS):
+        folder = location(run.context.folder, _folder(spec.out))
         if isinstance(folder, str):
             from mjcompose.build.bundle.remote import check_writable
 
             check_writable(folder)
-    except OutputError as error:
-        context.sink.add(error.diagnostic)
-        raise Stop(code) from None
     return folder
 
 
@@ -147,7 +145,6 @@ class _Results:
     index: RunTable = field(default_factory=lambda: RunTable(COLUMNS))
 
     def take(self, each: CellResult) -> None:
-        """Report a cell that is done, and add its rows."""
         spec, sink = self.spec, self.context.sink
         note_files(each.files)
         pictured = replace(self.context, sink=Sink())
@@ -186,7 +183,7 @@ class _Results:
             else:
                 if self.spec.form == "text":
                     say(f"wrote {hide(path)}: {what} {table.count} models")
-        table.close()
+        table.rows.close()
 
 
 def _take_all(
@@ -246,20 +243,16 @@ def build_worlds(task: Task, options: Options, table: Path) -> int:
     if not code and not chosen and not context.sink.has_errors:
         help = "write `matrix` or `randomize` into it, or build it without `--worlds`"
         context.sink.error("missing-key", f"`{task.maker.recipe}` is one model and has no worlds", help=help)
-    try:
+    with context.sink.catching():
         worlds.check_name(table)
-    except OutputError as error:
-        context.sink.add(error.diagnostic)
     task.run.check(code or USAGE)
     joint = _Worlds(task, table)
-    with scratch("worlds") as folder:
+    with scratch("worlds") as folder, suppress(_Failed), context.sink.catching():
         try:
             study, bundle = joint.worlds(chosen, Shelf(folder), options)
         except LoadError as error:
             for each in error.diagnostics:
                 context.sink.add(replace(each, span=each.span or joint.last))
-        except _Failed:
-            pass
         else:
             joint.write(chosen[0], study, bundle)
     task.run.report()
@@ -304,15 +297,9 @@ class _Worlds:
         return shelf.take(each.result, each.cell)
 
     def write(self, first: Cell, study: Worlds, bundle: Bundle | None) -> None:
-        """Write the bundle, and then the table. Report errors of writing."""
-        try:
-            words = self._put_first(first) if bundle is None else self._put(bundle, study)
-            worlds.write(self.context.folder / self.table, study.nominal, study.table, option="--worlds")
-        except OutputError as error:
-            self.context.sink.add(error.diagnostic)
-            return
-        except _Failed:
-            return
+        """Write the bundle, and then the table. Raises OutputError and _Failed."""
+        words = self._put_first(first) if bundle is None else self._put(bundle, study)
+        worlds.write(self.context.folder / self.table, study.nominal, study.table, option="--worlds")
         note_output(str(self.table))
         say(words, form=self.task.spec.form)
         numbers = sum(varying.index.size for varying in study.arrays.values())
@@ -370,16 +357,15 @@ class RunTable:
 
     def __init__(self, first: Mapping[str, type]) -> None:
         self._first = dict(first)
-        self._rows: IO[str] = tempfile.TemporaryFile("w+", encoding="utf-8")  # noqa: SIM115  (closed by `close`)
+        self.rows: IO[str] = tempfile.TemporaryFile("w+", encoding="utf-8")  # noqa: SIM115  (`_put_table` closes it)
         self._columns: dict[str, type] = {}
         self.count = 0
 
     def add(self, first: Sequence[Value | None], row: Mapping[str, Value]) -> None:
-        """Add a row: the values of the first columns, and the others by column."""
         for name, value in row.items():
             if self._columns.setdefault(name, _kind(value)) is not _kind(value):
                 self._columns[name] = str
-        self._rows.write(json.dumps([*first, dict(row)]) + "\n")
+        self.rows.write(json.dumps([*first, dict(row)]) + "\n")
         self.count += 1
 
     def write(self, path: Location, option: str | None = None) -> None:
@@ -400,13 +386,9 @@ class RunTable:
                 with stage.open("w", encoding="utf-8", newline="") as file:
                     write_rows(file, columns, self._read())
 
-    def close(self) -> None:
-        """Delete the rows."""
-        self._rows.close()
-
     def _read(self) -> Iterator[list[Any]]:
-        self._rows.seek(0)
-        for line in self._rows:
+        self.rows.seek(0)
+        for line in self.rows:
             *first, row = json.loads(line)
             yield [*first, *(row.get(name) for name in self._columns)]
 
@@ -415,11 +397,9 @@ class RunTable:
         import pyarrow
         from pyarrow import parquet
 
-        types = {str: pyarrow.string(), float: pyarrow.float64()}
+        types = {str: pyarrow.string(), float: pyarrow.float64(), int: pyarrow.int64()}
         kinds: list[type] = [*self._first.values(), *self._columns.values()]
-        schema = pyarrow.schema(
-            [(name, types.get(kind, pyarrow.int64())) for name, kind in zip(columns, kinds, strict=True)]
-        )
+        schema = pyarrow.schema(zip(columns, map(types.__getitem__, kinds), strict=True))
         with parquet.ParquetWriter(stage, schema) as writer:
             rest = self._read()
             while rows := list(itertools.islice(rest, _BATCH)):
@@ -431,7 +411,6 @@ class RunTable:
 
 
 def check_parquet() -> None:
-    """Raise OutputError if Parquet cannot be written."""
     if find_spec("pyarrow") is None:
         help = 'run `pip install "mjcompose[parquet]"`, or write a `.csv`'
         raise OutputError("output-kind", "a Parquet table needs the package `pyarrow`", help)

@@ -11,7 +11,8 @@ from typing import Any
 from mjcompose.base import __version__
 from mjcompose.build.bundle.bundle import MANIFEST, MODEL, OutputError, to_text
 from mjcompose.build.bundle.manifest import Input, Manifest, from_json
-from mjcompose.build.bundle.read import ReadError, read
+from mjcompose.build.bundle.read import read
+from mjcompose.build.bundle.staging import staged_file
 from mjcompose.sources.context import Context
 
 
@@ -43,7 +44,6 @@ def _escaped(path: str) -> str:
 
 def write_depfile(file: Path, outputs: Iterable[str], inputs: Iterable[Path], context: Context) -> None:
     """Write the file completely. Report an error to the context. A folder is its model."""
-    from mjcompose.build.bundle.staging import staged_file
 
     def named(output: str) -> str:
         if not output.endswith("/"):
@@ -51,12 +51,10 @@ def write_depfile(file: Path, outputs: Iterable[str], inputs: Iterable[Path], co
         return output + (MODEL if os.path.isfile(context.folder / output / MODEL) else MANIFEST)
 
     needed = sorted({os.path.abspath(context.folder / each) for each in inputs})
-    try:
+    with context.sink.catching():
         text = render_depfile(map(named, outputs), needed)
         with staged_file(context.folder / file, "--depfile") as stage:
             stage.write_bytes(os.fsencode(text))
-    except OutputError as error:
-        context.sink.add(error.diagnostic)
 
 
 def render_sbom(manifest: Manifest, sha256: str) -> bytes:
@@ -93,12 +91,8 @@ def _component(part: Input, ref: str) -> dict[str, Any]:
 
 def write_sbom(file: Path, bundle: str, context: Context) -> None:
     """Write the parts of the bundle at a path. Report an error to the context."""
-    from mjcompose.build.bundle.staging import staged_file
-
-    try:
+    with context.sink.catching():
         built = read(context.folder / bundle)
         text = render_sbom(from_json(built.files[MANIFEST]), built.sha256)
         with staged_file(context.folder / file, "--sbom") as stage:
             stage.write_bytes(text)
-    except (OutputError, ReadError) as error:
-        context.sink.add(error.diagnostic)

@@ -129,7 +129,6 @@ def rebuild(options: RebuildOptions, run: Run) -> Answer:
     the stamp records, from the folder of the stamp.
     """
     from mjcompose.base.report import MjcomposeError
-    from mjcompose.build.bundle.bundle import OutputError
     from mjcompose.build.bundle.write import write
     from mjcompose.tools.open.stamp import read_stamp
     from mjcompose.tools.open.stamp import rebuild as build_again
@@ -146,9 +145,6 @@ def rebuild(options: RebuildOptions, run: Run) -> Answer:
     if bundle is None:
         raise Stop(FINDINGS)
     out = options.out or f"build/{record.name}.zip"
-    try:
+    with run.stopping(FINDINGS):
         write(bundle, context.folder / out, environment=context.environment)
-    except OutputError as error:
-        context.sink.add(error.diagnostic)
-        raise Stop(FINDINGS) from None
     return Answer(f"wrote {out}: the bytes of the stamp", {"wrote": out, "sha256": bundle.sha256}, is_outcome=True)

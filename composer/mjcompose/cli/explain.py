@@ -175,15 +175,10 @@ def names(options: NamesOptions, run: Run) -> Answer:
     text = write(found)
     if options.out in (None, "-"):
         return Answer(text.removesuffix("\n"), code=0, reports=False)
-    from mjcompose.build.bundle.bundle import OutputError
     from mjcompose.build.bundle.staging import staged_file
 
-    try:
-        with staged_file(run.context.folder / str(options.out), "--output") as stage:
-            stage.write_text(text, encoding="utf-8")
-    except OutputError as error:
-        run.context.sink.add(error.diagnostic)
-        raise Stop(FINDINGS) from None
+    with run.stopping(FINDINGS), staged_file(run.context.folder / str(options.out), "--output") as stage:
+        stage.write_text(text, encoding="utf-8")
     return Answer(f"wrote {options.out}", {"path": options.out}, is_outcome=True, code=0, reports=False)
 
 

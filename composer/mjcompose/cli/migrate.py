@@ -104,7 +104,6 @@ def _check_usage(options: Options) -> None:
 
 def _written(result: Result, out: str | None, context: Context) -> Path | None:
     """Write the files, all or none. Return the path of the model."""
-    from mjcompose.build.bundle.bundle import OutputError
     from mjcompose.build.bundle.staging import staged_folder
     from mjcompose.tools.migrate.migrate import lay_out
 
@@ -119,14 +118,11 @@ def _written(result: Result, out: str | None, context: Context) -> Path | None:
                                help=f"write a folder: `-o {target.with_suffix('')}`")  # fmt: skip
             return None
         return target if rewrite(target, migrated.files[model][1], context, option="-o") else None
-    try:
-        with staged_folder(target, "-o") as stage:
-            stage.mkdir()
-            placed = lay_out(migrated, stage)[model].relative_to(stage)
-    except OutputError as error:
-        context.sink.add(error.diagnostic)
-        return None
-    return target / placed
+    placed = None
+    with context.sink.catching(), staged_folder(target, "-o") as stage:
+        stage.mkdir()
+        placed = lay_out(migrated, stage)[model].relative_to(stage)
+    return None if placed is None else target / placed
 
 
 def _bound(result: Result, target: Path) -> str | None:

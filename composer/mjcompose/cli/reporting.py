@@ -23,7 +23,6 @@ _READ, _WRITTEN = "mjcompose.read", "mjcompose.written"
 
 
 def note_files(files: Iterable[str | Path]) -> None:
-    """Record files of the current command."""
     if (context := click.get_current_context(silent=True)) is not None:
         context.meta.setdefault(_READ, set()).update(map(Path, files))
 
@@ -33,7 +32,6 @@ def noted_files() -> set[Path]:
 
 
 def note_output(target: str) -> None:
-    """Record an output of the current command."""
     if (context := click.get_current_context(silent=True)) is not None:
         context.meta.setdefault(_WRITTEN, {})[target] = None
 
@@ -232,11 +230,7 @@ def write_junit(suites: Sequence[Suite], out: str, context: Context) -> None:
     if out == "-":
         click.echo(text, nl=False)
         return
-    from mjcompose.build.bundle.bundle import OutputError
     from mjcompose.build.bundle.staging import staged_file
 
-    try:
-        with staged_file(context.folder / out, "--junit") as stage:
-            stage.write_text(text, encoding="utf-8")
-    except OutputError as error:
-        context.sink.add(error.diagnostic)
+    with context.sink.catching(), staged_file(context.folder / out, "--junit") as stage:
+        stage.write_text(text, encoding="utf-8")

@@ -260,6 +260,14 @@ class Run:
         if self.context.sink.has_errors:
             raise Stop(code)
 
+    @contextmanager
+    def stopping(self, code: int) -> Iterator[None]:
+        """End the command with this code if a DiagnosticError ends the block."""
+        with self.context.sink.catching():
+            yield
+            return
+        raise Stop(code)
+
     def need(self, value: Value | None, *named: Path) -> Value:
         """Return the value, or end the command if there is none, with the code for the files that were named."""
         if value is None:

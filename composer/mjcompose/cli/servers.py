@@ -10,10 +10,10 @@ import os
 import re
 import sys
 from base64 import b64encode
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -21,7 +21,7 @@ from mjcompose.base import __version__
 from mjcompose.base.scratch import scratch
 from mjcompose.cli.options import formats
 from mjcompose.cli.reporting import USAGE
-from mjcompose.cli.run import PATH, Answer, Group, Run, Stop, command, flag, option
+from mjcompose.cli.run import PATH, Answer, Group, Run, command, flag, option
 
 if TYPE_CHECKING:
     from mcp_types import CallToolResult
@@ -218,9 +218,6 @@ def lsp(options: LspOptions, run: Run) -> None:
     serve()
 
 
-Result = TypeVar("Result")
-
-
 @click.group()
 def plugin() -> None:
     """Let MuJoCo open recipes in every program that loads its plugins: C++ programs, Studio, ROS 2 control.
@@ -243,7 +240,8 @@ def install(options: PluginOptions, run: Run) -> Answer:
     """
     from mjcompose.tools.open import decoder
 
-    place = _done(run, lambda: decoder.install(decoder.mujoco_folder(options.mujoco)))
+    with run.stopping(USAGE):
+        place = decoder.install(decoder.mujoco_folder(options.mujoco))
     return Answer(f"installed {place}", {"installed": str(place)}, is_outcome=True)
 
 
@@ -252,17 +250,8 @@ def remove(options: PluginOptions, run: Run) -> Answer:
     """Remove the plugin from MuJoCo's plugin folder."""
     from mjcompose.tools.open import decoder
 
-    place = _done(run, lambda: decoder.remove(decoder.mujoco_folder(options.mujoco)))
+    with run.stopping(USAGE):
+        place = decoder.remove(decoder.mujoco_folder(options.mujoco))
     removed = None if place is None else str(place)
     return Answer(f"removed {removed}" if removed else "the plugin is not installed", {"removed": removed},
                   is_outcome=True)  # fmt: skip
-
-
-def _done(run: Run, work: Callable[[], Result]) -> Result:
-    from mjcompose.base.diagnostic import DiagnosticError
-
-    try:
-        return work()
-    except DiagnosticError as error:
-        run.context.sink.add(error.diagnostic)
-        raise Stop(USAGE) from None

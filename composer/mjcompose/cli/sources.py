@@ -15,7 +15,6 @@ from mjcompose.cli.reporting import FINDINGS, USAGE, say
 from mjcompose.cli.run import Answer, Group, Run, Stop, command, flag, group, option
 
 if TYPE_CHECKING:
-    from mjcompose.sources.reference import SourceError
     from mjcompose.sources.store import Store
 
 
@@ -86,7 +85,6 @@ def prune(options: PruneOptions, run: Run) -> Answer:
     """
     from mjcompose.base.limits import parse_size
     from mjcompose.base.scratch import sweep_temporary
-    from mjcompose.sources.reference import SourceError
     from mjcompose.sources.store import GRACE
 
     store, size, everything = _store(run), options.size, options.everything
@@ -94,10 +92,8 @@ def prune(options: PruneOptions, run: Run) -> Answer:
     limit = 0 if everything else store.limit if size is None else parse_size(size)
     if limit is None:
         raise click.UsageError(f"`{size}` is not a size: write it as 500M or 2G")
-    try:
+    with run.stopping(FINDINGS):
         removed = store.prune(limit, grace=GRACE if size is None and not everything else 0)
-    except SourceError as error:
-        raise _failed(error, run) from None
     size_removed = sum(entry.size for entry in removed)
     words = f"removed {_count(removed)}, {_bytes(size_removed)}"
     return Answer(words, {"removed": len(removed), "size": size_removed}, is_outcome=True)
@@ -116,7 +112,6 @@ def verify(options: VerifyOptions, run: Run) -> Answer | None:
     """
     from mjcompose.base.diagnostic import Note
     from mjcompose.sources.blobs import blobs_in
-    from mjcompose.sources.reference import SourceError
 
     store, sink = _store(run), run.context.sink
     entries = store.entries()
@@ -135,10 +130,8 @@ def verify(options: VerifyOptions, run: Run) -> Answer | None:
         if not (damage := store.damage(entry)):
             continue
         if options.fix:
-            try:
+            with run.stopping(FINDINGS):
                 store.remove_content(entry.content)
-            except SourceError as error:
-                raise _failed(error, run) from None
             _say_removed(entry.folder, run.form)
             continue
         notes = [Note(line.replace("was locked", "was stored")) for line in damage[:8]]
@@ -154,19 +147,13 @@ def _say_removed(path: Path, form: str) -> None:
 
 
 def _store(run: Run) -> Store:
-    from mjcompose.sources.reference import SourceError
     from mjcompose.sources.store import Store
 
-    try:
-        return Store.of(run.context.environment)
-    except SourceError as error:
-        run.form = "text"
-        raise _failed(error, run, USAGE) from None
-
-
-def _failed(error: SourceError, run: Run, code: int = FINDINGS) -> Stop:
-    run.context.sink.add(error.diagnostic)
-    return Stop(code)
+    form, run.form = run.form, "text"  # of an error
+    with run.stopping(USAGE):
+        store = Store.of(run.context.environment)
+    run.form = form
+    return store
 
 
 def _count(entries: Sequence[object]) -> str:

@@ -256,18 +256,14 @@ class _Rendering:
 
     def one(self) -> str | None:
         """Write one picture or film."""
-        from mjcompose.build.bundle.bundle import OutputError
         from mjcompose.tools.diff.sides import load
         from mjcompose.tools.view.render import check_given, format_of, render
 
         operand, out, wish, session, kept = self.operand, self.out, self.wish, self.session, "render"
         context = operand.context
-        try:
+        with context.sink.catching():
             format_of(out, wish)  # before a model is built in vain
-        except OutputError as error:
-            context.sink.add(error.diagnostic)
-            return None
-        if not check_given(operand, self.given):
+        if context.sink.has_errors or not check_given(operand, self.given):
             return None
         progress(f"drawing {operand.label}")
         side = load(operand, kept, session, given=self.given)
@@ -278,15 +274,13 @@ class _Rendering:
 
     def sheet(self, options: RenderOptions) -> str | None:
         """Write a contact sheet."""
-        from mjcompose.build.bundle.bundle import OutputError
         from mjcompose.tools.diff.sides import Kind
         from mjcompose.tools.view.render import Format, format_of, render_sheet
 
         operand, out, context = self.operand, self.out, self.operand.context
-        try:
+        with context.sink.catching():
             assert format_of(out, self.wish) is Format.PNG, out
-        except OutputError as error:
-            context.sink.add(error.diagnostic)
+        if context.sink.has_errors:
             return None
         if operand.kind is not Kind.RECIPE:
             context.sink.error("unknown-name", f"`{operand.label}` is not a recipe and has neither cells nor samples",
