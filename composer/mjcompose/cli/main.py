@@ -63,11 +63,12 @@ _MODULES = {
     **dict.fromkeys(("list", "rebuild", "verify"), "bundles"),
     **dict.fromkeys(("lsp", "mcp", "plugin"), "servers"),
     **dict.fromkeys(("cache", "lock"), "sources"),
-    "fix": "fmt",
+    **dict.fromkeys(("fix", "lint"), "fmt"),
     **dict.fromkeys(("diff", "names", "tree"), "explain"),
     "import": "new",
     "plan": "check",
     "render": "view",
+    "upgrade": "migrate",
 }
 
 # Names of verbs in other tools, and the corresponding command here.
