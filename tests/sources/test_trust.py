@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 from mjcompose.base import files
-from mjcompose.sources import archives, git, web_archive
+from mjcompose.sources import fetched, web_archive
 from mjcompose.sources import reference as references
 from mjcompose.sources.fetching import Fetching
 from mjcompose.sources.kinds import PATH, kind_called, parse
@@ -16,7 +16,7 @@ from mjcompose.sources.reference import Origin, SourceError, Trust, check_reach,
 from mjcompose.sources.web_archive import unpack as unpacked
 
 FAULTS = [RecursionError, MemoryError, OSError, UnicodeError]
-FETCHED = Origin("git+https://host/repo@v1", git.GIT, Path("/store/git/1"), commit="1" * 40, tree="2" * 40)
+FETCHED = Origin("git+https://host/repo@v1", fetched.GIT, Path("/store/git/1"), commit="1" * 40, tree="2" * 40)
 
 
 def fails(kind: type[Exception]) -> Any:
@@ -99,7 +99,7 @@ def test_a_reference_that_cannot_be_judged_is_refused(
     monkeypatch.setattr(inner, fails(kind))
     reference = parse("https://robots.example.org/a.zip#arm.xml")
     with pytest.raises(SourceError) as caught:
-        check_reach(reference, archives.ARCHIVE, FETCHED, Trust(references=("package:arms",)), offline=True)
+        check_reach(reference, fetched.ARCHIVE, FETCHED, Trust(references=("package:arms",)), offline=True)
     assert caught.value.code == "source-outside" and "`https://robots.example.org" in caught.value.message
 
 
@@ -107,7 +107,7 @@ def test_of_nested_origins_the_innermost_counts(tmp_path: Path) -> None:
     """In any order: a package inside of another is not what is around it."""
     roots = [tmp_path, tmp_path / "a", tmp_path / "a" / "b"]
     roots[-1].mkdir(parents=True)
-    made = {str(each): Origin(f"git+https://host/{number}@v1", git.GIT, each, commit="1" * 40, tree="2" * 40)
+    made = {str(each): Origin(f"git+https://host/{number}@v1", fetched.GIT, each, commit="1" * 40, tree="2" * 40)
             for number, each in enumerate(roots)}  # fmt: skip
     for order in (list(made), list(reversed(made)), [*list(made)[1:], *list(made)[:1]]):
         fetching = Fetching(origins={each: made[each] for each in order})

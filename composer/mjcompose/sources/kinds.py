@@ -11,7 +11,7 @@ from mjcompose.base.diagnostic import DiagnosticError, hide
 from mjcompose.base.extensions import Table, is_registered, refuse
 from mjcompose.base.files import CODE
 from mjcompose.base.suggest import closest, exists_note
-from mjcompose.sources import archives, git, license, packages
+from mjcompose.sources import fetched, license, packages
 from mjcompose.sources import fetching as nearby
 from mjcompose.sources.fetching import Fetching, Lookup
 from mjcompose.sources.reference import (
@@ -108,8 +108,8 @@ PATH = SourceKind(
 
 
 KINDS: tuple[SourceKind, ...] = (
-    PATH, packages.PACKAGE, packages.MENAGERIE, packages.DESCRIPTIONS, git.GIT, archives.ARCHIVE, git.HF,
-    archives.BUCKET, archives.OCI,
+    PATH, packages.PACKAGE, packages.MENAGERIE, packages.DESCRIPTIONS, fetched.GIT, fetched.ARCHIVE,
+    fetched.HF, fetched.BUCKET, fetched.OCI,
 )  # fmt: skip
 """A kind exists if its row is here; messages and docs list kinds in this order."""
 
