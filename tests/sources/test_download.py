@@ -14,17 +14,22 @@ from typing import Any
 import pytest
 from mjcompose.base.limits import allow
 from mjcompose.sources.download import Version, download
+from mjcompose.sources.fetching import Fetching, Lookup
 from mjcompose.sources.reference import SourceError, is_private
 
 NOTHING = Version()
 CONTENT = bytes(range(256)) * 64
 
 
+def lookup(is_confined: bool = False, **environment: str) -> Lookup:
+    return Lookup(Path(), environment, Fetching(progress=print), is_confined=is_confined)
+
+
 @pytest.fixture
 def get(tmp_path: Path) -> Callable[..., Version | None]:
     def get(url: str, known: Version = NOTHING, **environment: str) -> Version | None:
         told = {"MJCOMPOSE_TIMEOUT": "1", **environment}
-        return download(url, tmp_path / "file.part", environment=told, progress=print, known=known)
+        return download(url, tmp_path / "file.part", known, lookup=lookup(**told))
 
     return get
 
@@ -156,13 +161,8 @@ def test_a_silent_server_takes_no_more_than_the_time_that_it_may_be_silent(
     told: list[str] = []
     begun = time.monotonic()
     with pytest.raises(SourceError):
-        download(
-            f"{web.url}/a",
-            Path("never written"),
-            environment={"MJCOMPOSE_TIMEOUT": "2"},
-            progress=told.append,
-            known=NOTHING,
-        )
+        own = Lookup(Path(), {"MJCOMPOSE_TIMEOUT": "2"}, Fetching(progress=told.append))
+        download(f"{web.url}/a", Path("never written"), NOTHING, lookup=own)
     assert time.monotonic() - begun < 3.8
     release.set()
     assert len(told) >= 2 and all(each.startswith("waiting for 127.0.0.1: ") for each in told)
@@ -316,8 +316,8 @@ def test_a_detour_leads_to_no_name_of_this_network(
         "mjcompose.sources.download.is_private", lambda host: "127.0.0.1" not in host and is_private(host)
     )
     web.pages["/a"] = lambda handler: answer(handler, b"", status=302, Location="https://robots.example.org/b")
-    given: dict[str, Any] = {"environment": {"MJCOMPOSE_TIMEOUT": "1"}, "progress": print, "known": NOTHING}
+    confined = lookup(is_confined=True, MJCOMPOSE_TIMEOUT="1")
     for start, asked in ((f"{web.url}/a", 1), ("https://robots.example.org/b", 1)):
         with pytest.raises(SourceError) as caught:
-            download(start, tmp_path / "file.part", is_confined=True, **given)
+            download(start, tmp_path / "file.part", NOTHING, lookup=confined)
         assert caught.value.code == "source-outside" and len(web.asked) == asked

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import re
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -58,21 +58,14 @@ class _Broken(Exception):
 
 
 def download(
-    url: str, partial: Path, *, environment: Mapping[str, str], progress: Callable[[str], None],
-    known: Version, is_confined: bool = False,
-) -> Version | None:  # fmt: skip
+    url: str, partial: Path, known: Version, *, lookup: Lookup, headers: Mapping[str, str] | None = None
+) -> Version | None:
     """Download the file to `partial`, resuming an earlier download. Raises SourceError and OSError.
 
     Return None, without writing a file, if the server still has the version `known`. After a SourceError the
-    partial file stays for the next run. `is_confined` refuses redirects into this machine's network.
+    partial file stays for the next run. Only the server of `url` gets the `headers`.
     """
-    silence = Silence(patience(environment))
-    return _Download(url, partial, environment, progress, known, silence, is_confined).run()
-
-
-def download_object(url: str, partial: Path, headers: Mapping[str, str], lookup: Lookup) -> None:
-    """Download as `download` does, with headers that only the server of `url` gets. Raises SourceError and OSError."""
-    _for_lookup(url, partial, lookup, headers=headers).run()
+    return _Download(url, lookup, headers or {}, partial, known).run()
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,57 +79,47 @@ class Answer:
 
 def ask(url: str, headers: Mapping[str, str], lookup: Lookup) -> Answer:
     """Return a short answer of a server, whatever its status, and follow no redirect. Raises SourceError."""
-    return _for_lookup(url, Path(), lookup, headers=headers).ask("GET", None)
+    return _Download(url, lookup, headers).ask("GET", None)
 
 
 def post_json(url: str, question: object, media: str, lookup: Lookup) -> tuple[int, Any]:
     """Send JSON, and return the status and the JSON of the answer, or None if it has none. Raises SourceError."""
     headers = {"Accept": media, "Content-Type": media}
-    answer = _for_lookup(url, Path(), lookup, headers=headers).ask("POST", json.dumps(question).encode())
+    answer = _Download(url, lookup, headers).ask("POST", json.dumps(question).encode())
     try:
         return answer.status, json.loads(answer.body)
     except (ValueError, RecursionError):
         return answer.status, None
 
 
-def _for_lookup(url: str, partial: Path, lookup: Lookup, headers: Mapping[str, str]) -> _Download:
-    silence = Silence(patience(lookup.environment))
-    return _Download(
-        url, partial, environment=lookup.environment, progress=lookup.fetching.progress, known=Version(),
-        silence=silence, is_confined=lookup.is_confined, headers=headers,
-    )  # fmt: skip
-
-
-@dataclass(frozen=True, slots=True)
+@dataclass(slots=True)
 class _Download:
     url: str
-    partial: Path
-    environment: Mapping[str, str]
-    progress: Callable[[str], None]
-    known: Version
-    silence: Silence
-    is_confined: bool = False
-    headers: Mapping[str, str] = field(default_factory=dict)
+    lookup: Lookup
+    headers: Mapping[str, str]
+    partial: Path = Path()
+    known: Version = Version()
+    silence: Silence = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.silence = Silence(patience(self.lookup.environment))
 
     @property
     def shown(self) -> str:
         """The address without secrets, which LFS and registries put into theirs."""
         return hide(self.url)
 
+    def _failed(self, why: str, *notes: str, help: str | None = None, code: str = "source-fetch") -> SourceError:
+        return SourceError(code, f"`{self.shown}` {why}", notes=notes, help=help)
+
     def run(self) -> Version | None:
-        from urllib3.exceptions import (
-            HTTPError,
-            LocationValueError,
-            NameResolutionError,
-            NewConnectionError,
-            TimeoutError,
-        )  # fmt: skip
+        from urllib3 import exceptions as errors
 
         last, pause, attempt = "", 0.0, 0
         while attempt < _TRIES and not self.silence.is_nearly_over:
             if attempt:
                 own = _PAUSE * 2**attempt
-                self.progress(f"{last}; trying again" + (f" in {pause:.0f} s" if pause > 5 else ""))
+                self.lookup.fetching.progress(f"{last}; trying again" + (f" in {pause:.0f} s" if pause > 5 else ""))
                 time.sleep(max(pause, own))
                 if pause > own:
                     self.silence.broken()  # the server requires the pause
@@ -145,38 +128,37 @@ class _Download:
                 return self._once()
             except _Broken as broken:
                 last, pause = str(broken), broken.pause
-            except LocationValueError as error:
-                raise SourceError("source-fetch", f"`{self.shown}` cannot be fetched: {_in_short(error)}") from None
-            except HTTPError as error:
+            except errors.LocationValueError as error:
+                raise self._failed(f"cannot be fetched: {_in_short(error)}") from None
+            except errors.HTTPError as error:
                 last, pause = _in_short(error), 0.0
                 # urllib3 also reports a refused connection as a timeout.
-                if isinstance(error, TimeoutError) and not isinstance(error, NewConnectionError):
-                    last = f"the server said nothing for {patience(self.environment):g} s"
-                message = f"`{self.shown}` cannot be fetched: "
-                if isinstance(getattr(error, "original_error", error), NameResolutionError):  # as in a second, too
-                    message += "the name of its server cannot be resolved"
+                if isinstance(error, errors.TimeoutError) and not isinstance(error, errors.NewConnectionError):
+                    last = f"the server said nothing for {patience(self.lookup.environment):g} s"
+                original = getattr(error, "original_error", error)
+                if isinstance(original, errors.NameResolutionError):  # also a second later
                     help = "check the network and the address; with `--offline` mjcompose uses the store"
-                    raise SourceError("source-fetch", message, notes=(last,), help=help) from None
+                    why = "cannot be fetched: the name of its server cannot be resolved"
+                    raise self._failed(why, last, help=help) from None
                 if "CERTIFICATE_VERIFY_FAILED" in last:
-                    message += "its server has no certificate that this machine trusts"
                     help = "name a file with the certificate of its authority in `SSL_CERT_FILE`"
-                    raise SourceError("source-fetch", message, notes=(last,), help=help) from None
-        notes = (f"after {counted(attempt, 'try', 'tries')}: {last}",)
+                    why = "cannot be fetched: its server has no certificate that this machine trusts"
+                    raise self._failed(why, last, help=help) from None
         help = "try again later, which goes on from where it broke off; a slow server gets more time with"
         help += " `MJCOMPOSE_TIMEOUT=120`; with `--offline` mjcompose uses the store"
-        raise SourceError("source-fetch", f"`{self.shown}` cannot be fetched", notes=notes, help=help)
+        raise self._failed("cannot be fetched", f"after {counted(attempt, 'try', 'tries')}: {last}", help=help)
 
     def _pool(self, url: str) -> PoolManager:
         import urllib.request
 
         import urllib3
 
-        parts = urlsplit(url)
+        parts, environment = urlsplit(url), self.lookup.environment
         seconds = self.silence.left  # for all tries together
         timeout = urllib3.Timeout(connect=seconds, read=seconds)
         named = (f"{parts.scheme}_proxy", f"{parts.scheme.upper()}_PROXY", "all_proxy", "ALL_PROXY")
-        proxy = next((value for name in named if (value := self.environment.get(name))), None)
-        spared = self.environment.get("no_proxy") or self.environment.get("NO_PROXY") or ""
+        proxy = next((value for name in named if (value := environment.get(name))), None)
+        spared = environment.get("no_proxy") or environment.get("NO_PROXY") or ""
         bypass: Any = getattr(urllib.request, "proxy_bypass_environment")  # noqa: B009  public, and not in the stubs
         if proxy and not bypass(parts.netloc, {"no": spared}):
             try:
@@ -199,8 +181,8 @@ class _Download:
             self._check_reach(at)
             with self._pool(at) as pool:
                 # Retries happen here, where the received bytes are known.
-                with waiting(self.progress, f"for {urlsplit(at).hostname}"):
-                    own = self.headers if self._is_same_server(at) else {}
+                with waiting(self.lookup.fetching.progress, f"for {urlsplit(at).hostname}"):
+                    own = self.headers if urlsplit(at)[:2] == urlsplit(self.url)[:2] else {}
                     response = pool.request(
                         "GET", at, headers={**own, **headers}, preload_content=False, decode_content=False,
                         redirect=False, retries=False,
@@ -213,11 +195,7 @@ class _Download:
                 finally:
                     response.close()
             at = self._next(at, leads_to)
-        message = f"`{self.shown}` leads on more than {_HOPS} times"
-        raise SourceError("source-fetch", message, notes=(f"last to `{hide(at)}`",))
-
-    def _is_same_server(self, at: str) -> bool:
-        return urlsplit(at)[:2] == urlsplit(self.url)[:2]
+        raise self._failed(f"leads on more than {_HOPS} times", f"last to `{hide(at)}`")
 
     def ask(self, method: str, body: bytes | None) -> Answer:
         """Ask once, follow no redirect, and return the answer, which must be short."""
@@ -226,7 +204,8 @@ class _Download:
         self._check_reach(self.url)
         headers = {"User-Agent": "mjcompose", "Accept-Encoding": "identity", **self.headers}
         try:
-            with self._pool(self.url) as pool, waiting(self.progress, f"for {urlsplit(self.url).hostname}"):
+            progress = self.lookup.fetching.progress
+            with self._pool(self.url) as pool, waiting(progress, f"for {urlsplit(self.url).hostname}"):
                 response = pool.request(
                     method, self.url, body=body, headers=headers, preload_content=False, redirect=False, retries=False
                 )
@@ -235,26 +214,26 @@ class _Download:
                 finally:
                     response.close()
         except HTTPError as error:
-            raise SourceError("source-fetch", f"`{self.shown}` cannot be fetched: {_in_short(error)}") from None
+            raise self._failed(f"cannot be fetched: {_in_short(error)}") from None
         if response.status in _BUSY or len(answer) > _MOST_JSON:
             why = f"the server answered {response.status}" if response.status in _BUSY else "its answer is too large"
-            raise SourceError("source-fetch", f"`{self.shown}` cannot be fetched: {why}")
+            raise self._failed(f"cannot be fetched: {why}")
         return Answer(response.status, response.headers, answer)
 
     def _next(self, at: str, leads_to: str) -> str:
         """Return the target of a redirect. Unencrypted addresses are refused, except on this machine."""
         way = take_apart(leads_to, at)
         if way is None or way.scheme not in ("http", "https"):
-            raise SourceError("source-fetch", f"`{self.shown}` leads to `{hide(leads_to)}`, which is not a web address")
+            raise self._failed(f"leads to `{hide(leads_to)}`, which is not a web address")
         leads_to = way.geturl()
         was_open = self.url.startswith("http:")
         if way.scheme == "http" and not (was_open and is_this_machine(way.netloc)):
-            raise SourceError("source-fetch", f"`{self.shown}` leads to `{hide(leads_to)}`, which is not encrypted")
+            raise self._failed(f"leads to `{hide(leads_to)}`, which is not encrypted")
         return leads_to
 
     def _check_reach(self, at: str) -> None:
         """Refuse a server of this machine or its network, even for a name that had no address before."""
-        if self.is_confined and is_private(urlsplit(at).netloc):
+        if self.lookup.is_confined and is_private(urlsplit(at).netloc):
             leads = "" if at == self.url else f" leads to `{hide(at)}`, which"
             message = f"`{self.shown}`, which a fetched recipe names,{leads} is on this machine or in its network"
             raise SourceError("source-outside", message)
@@ -269,10 +248,10 @@ class _Download:
             forget(self.partial)
             raise _Broken("the server has another file now")
         if status in (404, 410):
-            raise SourceError("source-not-found", f"`{self.shown}` does not exist: the server answered {status}")
+            raise self._failed(f"does not exist: the server answered {status}", code="source-not-found")
         if status not in (200, 206):
             why = " (it requires a login, which is not supported)" if status in (401, 403, 407) else ""
-            raise SourceError("source-fetch", f"`{self.shown}` cannot be fetched: the server answered {status}{why}")
+            raise self._failed(f"cannot be fetched: the server answered {status}{why}")
         version = Version(response.headers.get("ETag", ""), response.headers.get("Last-Modified", ""))
         resumed = status == 206
         if resumed and not response.headers.get("Content-Range", "").startswith(f"bytes {have}-"):
@@ -293,9 +272,9 @@ class _Download:
             pause = 0.0
         if pause <= _PATIENCE:
             return _Broken(answered, pause)
-        notes = (f"it says `Retry-After: {response.headers.get('Retry-After', '')}`",)
+        note = f"it says `Retry-After: {response.headers.get('Retry-After', '')}`"
         help = "try again later; with `--offline` mjcompose uses the store"
-        return SourceError("source-fetch", f"`{self.shown}` cannot be fetched now: {answered}", notes=notes, help=help)
+        return self._failed(f"cannot be fetched now: {answered}", note, help=help)
 
     def _write(self, response: BaseHTTPResponse, version: Version, size: int) -> None:
         from urllib3.exceptions import HTTPError, TimeoutError
@@ -303,7 +282,7 @@ class _Download:
         length = response.headers.get("Content-Length", "")
         total = size + int(length) if length.isdigit() else 0
         self._note.write_text(json.dumps({"etag": version.etag, "modified": version.modified}), encoding="utf-8")
-        seconds, of = patience(self.environment), f" of {total}" if total else ""
+        seconds, of = patience(self.lookup.environment), f" of {total}" if total else ""
         reported = since = time.monotonic()
         before = size
         with self.partial.open("ab" if size else "wb") as file:
@@ -313,8 +292,8 @@ class _Download:
                     size += len(chunk)
                     if max(size, total) > (most := in_force().source_size):
                         forget(self.partial)
-                        message = f"`{self.shown}` is larger than {written('source-size', most)}"
-                        raise SourceError("archive-refused", message, help=advice("source-size", total or None))
+                        help, why = advice("source-size", total or None), written("source-size", most)
+                        raise self._failed(f"is larger than {why}", help=help, code="archive-refused")
                     file.write(chunk)
                     self.silence.broken()
                     now = time.monotonic()
@@ -325,7 +304,8 @@ class _Download:
                         since, before = now, size
                     if now - reported > 1:
                         reported = now
-                        self.progress(f"  {size >> 20} MiB" + (f" of {total >> 20} MiB" if total else ""))
+                        more = f" of {total >> 20} MiB" if total else ""
+                        self.lookup.fetching.progress(f"  {size >> 20} MiB{more}")
             except HTTPError as error:
                 why = ": it came to a halt" if isinstance(error, TimeoutError) else ""
                 raise _Broken(f"the transfer broke off after {size}{of} bytes{why}") from None
@@ -345,7 +325,6 @@ class _Download:
 
 
 def forget(partial: Path) -> None:
-    """Remove a download that is finished or useless."""
     partial.unlink(missing_ok=True)
     partial.with_suffix(".version").unlink(missing_ok=True)
 

@@ -297,13 +297,13 @@ class _Artifact:
         return found
 
     def _fill(self, target: Path, base: str, layers: list[tuple[str, str | None]], *, headers: dict[str, str]) -> None:
-        from mjcompose.sources.download import download_object, forget
+        from mjcompose.sources.download import Version, download, forget
         from mjcompose.sources.web_archive import Unsafe, check, check_name, unpack
 
         for sha256, title in layers:
             partial = self.store.folder / "partial" / f"{sha256}.part"
             partial.parent.mkdir(parents=True, exist_ok=True)
-            download_object(f"{base}/blobs/sha256:{sha256}", partial, headers, lookup=self.lookup)
+            download(f"{base}/blobs/sha256:{sha256}", partial, Version(), lookup=self.lookup, headers=headers)
             try:
                 self._check(sha256_of(partial), sha256)
                 if title is None:

@@ -316,7 +316,7 @@ class _Server:
             self.lookup.fetching.progress(f"Git LFS of `{self.url}` does not have the file {sha256[:12]}…")
 
     def _fetched(self, pointer: Pointer, action: Mapping[str, Any]) -> Path:
-        from mjcompose.sources.download import download_object, forget
+        from mjcompose.sources.download import Version, download, forget
 
         href, headers = action.get("href"), action.get("header")
         parts = take_apart(href) if isinstance(href, str) else None
@@ -330,7 +330,7 @@ class _Server:
         }  # fmt: skip
         self.partial.mkdir(parents=True, exist_ok=True)
         partial = self.partial / f"{pointer.sha256}.part"
-        download_object(parts.geturl(), partial, own, lookup=self.lookup)
+        download(parts.geturl(), partial, Version(), lookup=self.lookup, headers=own)
         got = partial.stat().st_size
         if got != pointer.size or sha256_of(partial) != pointer.sha256:
             forget(partial)

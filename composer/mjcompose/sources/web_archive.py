@@ -205,16 +205,7 @@ class Download(Protocol):
     def __call__(self, url: str, partial: Path, known: Version, *, lookup: Lookup) -> Version | None: ...
 
 
-def _over_http(url: str, partial: Path, known: Version, *, lookup: Lookup) -> Version | None:
-    from mjcompose.sources.download import download  # slow to import, and only needed for downloads
-
-    environment, progress = lookup.environment, lookup.fetching.progress
-    return download(
-        url, partial, environment=environment, progress=progress, known=known, is_confined=lookup.is_confined
-    )
-
-
-def resolve(reference: Reference, lookup: Lookup, download: Download = _over_http) -> Source:
+def resolve(reference: Reference, lookup: Lookup, download: Download | None = None) -> Source:
     """Return the file in an archive. Raises SourceError.
 
     Archives that the lock or the reference pins come from the store, or else are fetched. Unpinned ones
@@ -223,6 +214,10 @@ def resolve(reference: Reference, lookup: Lookup, download: Download = _over_htt
     id, known = reference.id, lookup.fetching.origins
     if id not in known:
         store = Store.of(lookup.environment)
+        if download is None:
+            from mjcompose.sources.download import download as over_http  # slow to import
+
+            download = over_http
         entry = _Archive(reference, id, store, lookup=lookup, download=download).entry()
         known[id] = Origin(id, reference.kind, entry.content, sha256=entry.key, stored=entry.files)
     return source_in(known[id], reference)
