@@ -14,54 +14,45 @@ nothing: each name is imported when you first use it.
 from __future__ import annotations
 
 from importlib import import_module
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from mjcompose import mjcf as mjcf
-    from mjcompose import mujoco_plugin as mujoco_plugin
-    from mjcompose import worlds as worlds
-    from mjcompose.base import __version__ as __version__
-    from mjcompose.base.report import MjcomposeError as MjcomposeError
-    from mjcompose.tools.open.recipe import BuildError as BuildError
-    from mjcompose.tools.open.recipe import RecipeWarning as RecipeWarning
-    from mjcompose.tools.open.recipe import model as model
-    from mjcompose.tools.open.recipe import spec as spec
-    from mjcompose.tools.open.stamp import stamp as stamp
-    from mjcompose.tools.worlds.load import load as load
-    from mjcompose.tools.worlds.load import load_many as load_many
-    from mjcompose.tools.worlds.names import BundleWarning as BundleWarning
-    from mjcompose.tools.worlds.names import LoadError as LoadError
-    from mjcompose.tools.worlds.names import UnknownNameError as UnknownNameError
+    from collections.abc import Callable, Mapping
 
-_MODULES = {name: f"mjcompose.{name}" for name in ("mjcf", "mujoco_plugin", "worlds")}
-_HOMES = {
-    "BuildError": "mjcompose.tools.open.recipe",
-    "BundleWarning": "mjcompose.tools.worlds.names",
-    "LoadError": "mjcompose.tools.worlds.names",
-    "MjcomposeError": "mjcompose.base.report",
-    "RecipeWarning": "mjcompose.tools.open.recipe",
-    "UnknownNameError": "mjcompose.tools.worlds.names",
-    "__version__": "mjcompose.base",
-    "load": "mjcompose.tools.worlds.load",
-    "load_many": "mjcompose.tools.worlds.load",
-    "model": "mjcompose.tools.open.recipe",
-    "spec": "mjcompose.tools.open.recipe",
-    "stamp": "mjcompose.tools.open.stamp",
-}
+    from mjcompose import mjcf, mujoco_plugin, worlds
+    from mjcompose.base import __version__
+    from mjcompose.base.report import MjcomposeError
+    from mjcompose.tools.open.recipe import BuildError, RecipeWarning, model, spec
+    from mjcompose.tools.open.stamp import stamp
+    from mjcompose.tools.worlds.load import load, load_many
+    from mjcompose.tools.worlds.names import BundleWarning, LoadError, UnknownNameError
 
-__all__ = [*_MODULES, *_HOMES]
+__all__ = [
+    "BuildError", "BundleWarning", "LoadError", "MjcomposeError", "RecipeWarning", "UnknownNameError", "__version__",
+    "load", "load_many", "mjcf", "model", "mujoco_plugin", "spec", "stamp", "worlds",
+]  # fmt: skip
 
 
-def __getattr__(name: str) -> object:
-    if name in _MODULES:
-        return import_module(_MODULES[name])
-    home = _HOMES.get(name)
-    if home is None:
-        raise AttributeError(f"module `{__name__}` has no attribute `{name}`", name=name)
-    value: object = getattr(import_module(home), name)
-    globals()[name] = value
-    return value
+def _lazy(own: dict[str, Any], homes: Mapping[str, str]) -> tuple[Callable[[str], object], Callable[[], list[str]]]:
+    """Return `__getattr__` and `__dir__` of a module that imports names on first use. `homes` has them by module."""
+    home_of = {name: home for home, names in homes.items() for name in names.split()}
+
+    def find(name: str) -> object:
+        if name not in home_of:
+            raise AttributeError(f"module `{own['__name__']}` has no attribute `{name}`", name=name)
+        home = import_module(f"mjcompose.{home_of[name] or name}")
+        own[name] = getattr(home, name) if home_of[name] else home
+        return own[name]
+
+    return find, lambda: list(own["__all__"])
 
 
-def __dir__() -> list[str]:
-    return __all__
+__getattr__, __dir__ = _lazy(globals(), {
+    "base.report": "MjcomposeError",
+    "base": "__version__",
+    "tools.open.recipe": "BuildError RecipeWarning model spec",
+    "tools.open.stamp": "stamp",
+    "tools.worlds.load": "load load_many",
+    "tools.worlds.names": "BundleWarning LoadError UnknownNameError",
+    "": "mjcf mujoco_plugin worlds",
+})  # fmt: skip
