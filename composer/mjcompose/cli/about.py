@@ -15,11 +15,14 @@ import click
 
 from mjcompose.base import __version__
 from mjcompose.base.dataclass import dataclass
+from mjcompose.base.diagnostic import DiagnosticError
+from mjcompose.base.sandbox import call_confined
 from mjcompose.base.scratch import scratch
 from mjcompose.cli import completion
 from mjcompose.cli.options import formats
 from mjcompose.cli.reporting import FINDINGS
 from mjcompose.cli.run import Answer, Group, Run, argument, command
+from mjcompose.sources.blobs import blobs_in
 
 _CORE = ("numpy", "pydantic", "lxml", "pyyaml", "click", "platformdirs", "filelock", "urllib3", "regex")
 _MODEL = "<mujoco><worldbody><geom size='1'/></worldbody></mujoco>"
@@ -55,8 +58,6 @@ def doctor(options: Options, run: Run) -> Answer:
 
 
 def _installed() -> Iterator[Finding]:
-    from mjcompose.base import __version__
-
     yield Finding("mjcompose", f"{__version__}, Python {platform.python_version()}, {platform.platform()}")
     others = sorted(set(metadata.packages_distributions().get("mjcompose", [])) - {"mjcompose"})
     if others:
@@ -107,7 +108,6 @@ def _git() -> Finding:
 
 
 def _store() -> Finding:
-    from mjcompose.sources.blobs import blobs_in
     from mjcompose.sources.reference import SourceError
     from mjcompose.sources.store import Store
 
@@ -127,8 +127,6 @@ def _store() -> Finding:
 
 def _templates() -> Finding:
     """Return how the process that expands templates is confined, as it reports itself."""
-    from mjcompose.base.sandbox import call_confined
-
     with scratch("doctor") as folder:
         answer = call_confined("mjcompose.base.sandbox:probe", str(folder), (), seconds=60, memory=1 << 30)
     if not answer["ok"]:
@@ -157,7 +155,6 @@ def _extras() -> Iterator[Finding]:
 
 def _extensions() -> Iterator[Finding]:
     """Yield the extensions of other packages. Each is loaded to see whether that works."""
-    from mjcompose.base.diagnostic import DiagnosticError
     from mjcompose.base.extensions import GROUPS, load, names
 
     for group, what in GROUPS.items():

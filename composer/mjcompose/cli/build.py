@@ -12,6 +12,7 @@ from typing import Any
 import click
 
 from mjcompose.base.diagnostic import hide
+from mjcompose.base.extensions import is_registered
 from mjcompose.build.bundle.bundle import OutputError, OutputForm, is_address
 from mjcompose.cli.cells import BuildingOptions, check_readers, check_several
 from mjcompose.cli.options import RECIPE_OR_STDIN, caching, did_you_mean, output
@@ -26,7 +27,6 @@ class _Target(click.Choice):  # type: ignore[type-arg]  # before click 8.2 it is
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> str:
         if value in self.choices:
             return str(value)
-        from mjcompose.base.extensions import is_registered
 
         if is_registered("targets", value):
             return str(value)

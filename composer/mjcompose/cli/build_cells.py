@@ -18,13 +18,13 @@ from typing import IO, TYPE_CHECKING, Any
 import click
 
 from mjcompose.base.dataclass import dataclass
-from mjcompose.base.diagnostic import hide
+from mjcompose.base.diagnostic import Span, hide
 from mjcompose.base.files import own_name
 from mjcompose.base.report import counted
 from mjcompose.base.runtime import deferring
 from mjcompose.base.scratch import scratch
 from mjcompose.base.sink import Sink
-from mjcompose.build.bundle.bundle import Location, OutputError, OutputForm, is_address, location
+from mjcompose.build.bundle.bundle import Bundle, Location, OutputError, OutputForm, is_address, location
 from mjcompose.build.bundle.listing import COLUMNS, SIZES, column, write_rows
 from mjcompose.build.bundle.staging import staged_file
 from mjcompose.build.bundle.write import write as write_bundle
@@ -35,6 +35,7 @@ from mjcompose.cli.output import OutputSpec, Task, add_picture, kind_of_output, 
 from mjcompose.cli.reporting import FINDINGS, INTERRUPTED, USAGE, arguments, note_files, note_output, say, say_details
 from mjcompose.cli.run import Stop
 from mjcompose.language.expand import Cell
+from mjcompose.sources.context import Context
 from mjcompose.text.expression import Value
 from mjcompose.tools.worlds import worlds
 from mjcompose.tools.worlds.join import Joined, Joining, Shelf
@@ -42,11 +43,8 @@ from mjcompose.tools.worlds.names import LoadError
 from mjcompose.tools.worlds.worlds import Worlds
 
 if TYPE_CHECKING:
-    from mjcompose.base.diagnostic import Span
-    from mjcompose.build.bundle.bundle import Bundle
     from mjcompose.cli.build import Options
     from mjcompose.language.expand import Cell
-    from mjcompose.sources.context import Context
 
 
 SAMPLES, MODELS = "samples", "models"
@@ -163,7 +161,6 @@ class _Results:
                 self.index.add(*index_row(each.cell, each.result, path, checks=len(each.outcomes)))
 
     def write_tables(self, table: str | None, parquet: bool, shard: Shard | None) -> None:
-        """Write the draws, to `table` if it is given, and the index."""
         forms = (".csv", ".parquet") if parquet else (".csv",)
         drawn, index = ([_in(self.beside, f"{name}{form}", shard) for form in forms] for name in (SAMPLES, MODELS))
         option = "--sample-table" if table else None

@@ -90,7 +90,6 @@ def _component(part: Input, ref: str) -> dict[str, Any]:
 
 
 def write_sbom(file: Path, bundle: str, context: Context) -> None:
-    """Write the parts of the bundle at a path. Report an error to the context."""
     with context.sink.catching():
         built = read(context.folder / bundle)
         text = render_sbom(from_json(built.files[MANIFEST]), built.sha256)

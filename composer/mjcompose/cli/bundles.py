@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from mjcompose.base.report import MjcomposeError
 from mjcompose.build.bundle.bundle import is_address
 from mjcompose.build.bundle.listing import COLUMNS
 from mjcompose.cli.options import STRICT, FetchOptions, LimitOptions, ReportOptions, TimeOptions
@@ -128,7 +129,6 @@ def rebuild(options: RebuildOptions, run: Run) -> Answer:
     STAMP is a JSON file with the result of `mjcompose.stamp(BUNDLE)`. RECIPE is its recipe, by default at the path that
     the stamp records, from the folder of the stamp.
     """
-    from mjcompose.base.report import MjcomposeError
     from mjcompose.build.bundle.write import write
     from mjcompose.tools.open.stamp import read_stamp
     from mjcompose.tools.open.stamp import rebuild as build_again

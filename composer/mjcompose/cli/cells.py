@@ -18,26 +18,16 @@ from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import CellName, Diagnostic, DiagnosticError, listed
 from mjcompose.base.files import STDIN
 from mjcompose.base.sink import Sink
-from mjcompose.cli import completion
-from mjcompose.cli.options import (
-    NO_CACHE,
-    STRICT,
-    VERBOSE,
-    WATCH,
-    Choices,
-    FetchOptions,
-    LimitOptions,
-    ReportOptions,
-    TimeOptions,
-)
+from mjcompose.build.bundle.bundle import Location
+from mjcompose.cli import completion, options
+from mjcompose.cli.options import NO_CACHE, STRICT, Choices, FetchOptions, LimitOptions, ReportOptions, TimeOptions
 from mjcompose.cli.reporting import USAGE, exit_code, is_quiet, on_terminal, say
 from mjcompose.cli.run import Group, Run, flag, group, option
+from mjcompose.sources.context import Context
 
 if TYPE_CHECKING:
-    from mjcompose.build.bundle.bundle import Location
     from mjcompose.build.cache.cell_run import CellResult, Finish
     from mjcompose.language.expand import Cell
-    from mjcompose.sources.context import Context
     from mjcompose.text.node import Node
     from mjcompose.tools.cluster.client import Crew
 
@@ -45,8 +35,6 @@ Item = TypeVar("Item")
 
 
 class CellOptions(Group):
-    """The choice of one cell or sample."""
-
     heading: ClassVar[str] = "Model"
     pick: str | None = option("--pick", metavar="CELL", shell_complete=completion.cells,
                               help="Select this cell of the matrix, this sample, or AXIS=VALUE[,...].")  # fmt: skip
@@ -76,7 +64,6 @@ class CellOptions(Group):
         return cell
 
     def values(self, recipe: Path, given: dict[str, Node], run: Run, verb: str) -> tuple[dict[str, Node], int]:
-        """Return the values, the chosen cell's included, and the number of the sample."""
         cell = self.chosen(recipe, given, run=run, verb=verb)
         return (given, self.sample or 0) if cell is None else ({**given, **cell.given}, cell.sample)
 
@@ -156,8 +143,6 @@ JOBS = option(
 
 
 class WorkerOptions(Group):
-    """The processes and machines that make the cells."""
-
     heading: ClassVar[str] = "Workers"
     jobs: int | None = JOBS
     cluster: str | None = option(
@@ -208,9 +193,9 @@ class BuildingOptions(Group):
     no_cache: bool = NO_CACHE
     fetching: FetchOptions = group(FetchOptions)
     strict: bool = STRICT
-    verbose: bool = VERBOSE
+    verbose: bool = options.VERBOSE
     reporting: ReportOptions = group(ReportOptions)
-    watch: bool = WATCH
+    watch: bool = options.WATCH
 
 
 def check_several(one: bool, *, jobs: int | None, shard: Shard | None = None, cluster: str | None = None) -> None:
@@ -289,7 +274,6 @@ class Tally:
     failed: list[CellName] = field(default_factory=list)
 
     def take(self, cell: CellName, found: Iterable[Diagnostic], sink: Sink, *, failed: bool) -> None:
-        """Count a cell, and add its diagnostics."""
         for diagnostic in found:
             sink.add_of_cell(cell, diagnostic)
         if failed:

@@ -11,25 +11,27 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from mjcompose.base import files as sources
 from mjcompose.base import report as github
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import CellName, Diagnostic, Severity, Span
 from mjcompose.base.files import STDIN
+from mjcompose.base.limits import in_force
 from mjcompose.base.report import Case, Suite, counted
 from mjcompose.base.sink import Sink
+from mjcompose.build.bundle.bundle import Outcome, license_rows, license_table
 from mjcompose.cli.cells import BuildingOptions, ModelOptions, Tally, check_readers, check_several, counting, stopped
 from mjcompose.cli.options import RECIPE_OR_STDIN, caching
 from mjcompose.cli.reporting import FINDINGS, exit_code, note_files, progress, say, say_details
 from mjcompose.cli.run import RECIPE_PATH, Answer, Run, argument, command, flag, option
+from mjcompose.sources.context import Context
 
 if TYPE_CHECKING:
-    from mjcompose.build.bundle.bundle import Outcome
     from mjcompose.build.cache.builder import Maker
     from mjcompose.build.cache.cell_run import RecipeResult
     from mjcompose.build.plan.matrix import FilledValues
     from mjcompose.build.plan.plan import Plan, PlanPreview
     from mjcompose.language.expand import Cell
-    from mjcompose.sources.context import Context
 
 
 class Options(BuildingOptions):
@@ -91,7 +93,6 @@ class _Checking:
         self.results: list[_Result] = []
 
     def alone(self, recipe: Path) -> int:
-        """Check the only recipe, and report it. Return the exit code."""
         run = self.run
         result = self._checked(recipe, run.context)
         run.report()
@@ -108,8 +109,6 @@ class _Checking:
 
     def at_once(self, recipes: list[Path]) -> None:
         """Check one model of each recipe, in as many processes as there are cores."""
-        from mjcompose.base import files as sources
-        from mjcompose.base.limits import in_force
         from mjcompose.base.processes import Died, Pool, cores
         from mjcompose.build.cache.builder import Maker
         from mjcompose.build.cache.cell_run import RecipeJob, RecipeResult, context_for_worker, make_recipe
@@ -274,8 +273,6 @@ def plan(options: PlanOptions, run: Run) -> Answer:
             cells = cells_of(recipe, context, given)
     planned = run.need(plan, recipe)
     if options.licenses:
-        from mjcompose.build.bundle.bundle import license_rows, license_table
-
         rows = license_rows(planned, context)
         return Answer(lambda: license_table(rows), [asdict(row) for row in rows])
     if options.expanded:

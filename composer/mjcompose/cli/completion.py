@@ -10,12 +10,14 @@ from typing import TYPE_CHECKING
 import click
 from click.shell_completion import BashComplete, CompletionItem, add_completion_class, split_arg_string
 
+from mjcompose.base.codes import CODES
+from mjcompose.base.limits import NAMES
 from mjcompose.cli.run import Answer, Group, Run, argument, command
+from mjcompose.sources.context import Context
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as Element
 
-    from mjcompose.sources.context import Context
     from mjcompose.text.node import Node
 
 _LINES = {
@@ -42,7 +44,6 @@ def _completing(offered: Callable[[Path, Context], Iterable[str]], listed: bool 
     """Return a completion among `offered`; with `listed`, the last item of a comma-separated list is completed."""
 
     def complete(ctx: click.Context, parameter: click.Parameter, incomplete: str) -> list[CompletionItem]:
-        from mjcompose.sources.context import Context
         from mjcompose.sources.fetching import Fetching
 
         recipe = _recipe(ctx)
@@ -53,11 +54,8 @@ def _completing(offered: Callable[[Path, Context], Iterable[str]], listed: bool 
         except Exception:
             return []  # there is no room for a message on a line that is being typed
         before, comma, begun = incomplete.rpartition(",") if listed else ("", "", incomplete)
-        return [
-            CompletionItem(before + comma + name)
-            for name in names
-            if name.startswith(begun) and ("=" in name or not comma)
-        ]
+        fitting = (name for name in names if name.startswith(begun) and ("=" in name or not comma))
+        return [CompletionItem(before + comma + name) for name in fitting]
 
     return complete
 
@@ -148,13 +146,10 @@ def attributes(ctx: click.Context, parameter: click.Parameter, incomplete: str) 
 
 
 def files(ctx: click.Context, parameter: click.Parameter, incomplete: str) -> list[CompletionItem]:
-    """Let the shell complete files."""
     return [CompletionItem(incomplete, type="file")]
 
 
 def models_and_codes(ctx: click.Context, parameter: click.Parameter, incomplete: str) -> list[CompletionItem]:
-    """Complete files and codes of faults."""
-    from mjcompose.base.codes import CODES
     from mjcompose.build.lint.rule import rules
 
     rules()  # which adds its codes
@@ -163,16 +158,12 @@ def models_and_codes(ctx: click.Context, parameter: click.Parameter, incomplete:
 
 
 def commands(ctx: click.Context, parameter: click.Parameter, incomplete: str) -> list[CompletionItem]:
-    """Complete the commands, for `help`."""
     group = ctx.find_root().command
     assert isinstance(group, click.Group)
     return [CompletionItem(name) for name in group.list_commands(ctx) if name.startswith(incomplete)]
 
 
 def limits(ctx: click.Context, parameter: click.Parameter, incomplete: str) -> list[CompletionItem]:
-    """Complete the limits, each to be followed by its value."""
-    from mjcompose.base.limits import NAMES
-
     return [CompletionItem(f"{name}=") for name in NAMES if name.startswith(incomplete)]
 
 
@@ -206,5 +197,4 @@ class Bash(BashComplete):
 
 
 def install() -> None:
-    """Register these classes with click for the shells that need them."""
     add_completion_class(Bash)

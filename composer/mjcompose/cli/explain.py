@@ -11,6 +11,7 @@ import click
 
 from mjcompose.base.codes import CODES, address, code_of, in_terminal, page
 from mjcompose.base.files import MJCF_FILES, RECIPES, STDIN
+from mjcompose.build.bundle.staging import staged_file
 from mjcompose.cli import completion
 from mjcompose.cli.cells import CellOptions, ModelOptions
 from mjcompose.cli.options import Amount, Choices, ReportOptions, TimeOptions, did_you_mean, output
@@ -73,11 +74,9 @@ def explain(options: ExplainOptions, run: Run) -> Answer:
     explained = explain(model, selection, context, sample=sample, given=given)
     if explained is None:
         raise Stop(run.code_of_failure(model))
-    return Answer(
-        lambda: render(explained, source_reader(context.folder), use_color(out=True)),
-        lambda: as_data(explained),
-        reports=context.sink.has_errors,  # `check` and `build` report warnings
-    )
+    source, color, has_errors = source_reader(context.folder), use_color(out=True), context.sink.has_errors
+    # `check` and `build` report warnings.
+    return Answer(lambda: render(explained, source, color), lambda: as_data(explained), reports=has_errors)
 
 
 _WIDEST = 100
@@ -133,13 +132,10 @@ def tree(options: TreeOptions, run: Run) -> Answer:
     options.cell.check(model, is_recipe=is_recipe)
     given, sample = options.cell.values(model, given, run=run, verb="show")
     found = run.need(outline(options.model, run.context, given, sample=sample), model)
-    show = render_places if options.places else render
-    return Answer(
-        lambda: show(found, options.depth, use_color(out=True)),
-        lambda: as_data(found, options.depth),
-        code=0,
-        reports=not is_recipe,  # `check` and `build` report warnings of a recipe
-    )
+    show, depth = render_places if options.places else render, options.depth
+    color = use_color(out=True)
+    # `check` and `build` report warnings of a recipe.
+    return Answer(lambda: show(found, depth, color), lambda: as_data(found, depth), code=0, reports=not is_recipe)
 
 
 class NamesOptions(Group):
@@ -175,7 +171,6 @@ def names(options: NamesOptions, run: Run) -> Answer:
     text = write(found)
     if options.out in (None, "-"):
         return Answer(text.removesuffix("\n"), code=0, reports=False)
-    from mjcompose.build.bundle.staging import staged_file
 
     with run.stopping(FINDINGS), staged_file(run.context.folder / str(options.out), "--output") as stage:
         stage.write_text(text, encoding="utf-8")

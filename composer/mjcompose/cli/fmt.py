@@ -15,18 +15,20 @@ import click
 
 from mjcompose.base import report as github
 from mjcompose.base.access import door_of_user
+from mjcompose.base.diagnostic import Diagnostic
 from mjcompose.base.files import MJCF_FILES, RECIPES, read_regular
 from mjcompose.base.limits import in_force
 from mjcompose.base.report import Paint, counted, printable
+from mjcompose.build.bundle.bundle import OutputError
+from mjcompose.build.bundle.staging import ChangedError, replace_text
 from mjcompose.cli.options import RECIPE, FetchOptions, RecipeOptions, ReportOptions, TimeOptions
 from mjcompose.cli.reporting import FINDINGS, on_terminal, progress, say, use_color
 from mjcompose.cli.run import PATH, Answer, Group, Run, argument, command, flag, group, option
+from mjcompose.sources.context import Context
 
 if TYPE_CHECKING:
-    from mjcompose.base.diagnostic import Diagnostic
     from mjcompose.build.lint.rule import Rule
     from mjcompose.mujoco.engine import Session
-    from mjcompose.sources.context import Context
     from mjcompose.tools.fix import Fixed
     from mjcompose.tools.lint import Linted, Target
 
@@ -134,9 +136,6 @@ def rewrite(
 
     If the text of the file is no longer `before`, the file stays unchanged.
     """
-    from mjcompose.build.bundle.bundle import OutputError
-    from mjcompose.build.bundle.staging import ChangedError, replace_text
-
     if not (door := door_of_user()).sees(context.folder / recipe):
         door.outside(str(recipe)).report(context.sink, None, shown=context.shown)
         return False
@@ -197,12 +196,9 @@ def fix(options: FixOptions, run: Run) -> int:
         show_differences(found.files, context, done="fixed")
         if writes is None and found.files and is_asked():
             writes = click.confirm(f"write {_amount(found)}?", err=True)
-    done = (
-        [rewrite(path, after, context, before=before) for path, (before, after) in found.files.items()]
-        if writes
-        else [False]
-    )
-    written = all(done)
+    texts = found.files.items() if writes else ()
+    done = [rewrite(path, after, context, before=before) for path, (before, after) in texts]
+    written = bool(writes) and all(done)
     if run.form == "json":
         _say_data(found, context, written=written)
     elif found.files:
@@ -217,7 +213,6 @@ def fix(options: FixOptions, run: Run) -> int:
 
 
 def is_asked() -> bool:
-    """Return whether there is a person who can answer."""
     return sys.stdin is not None and sys.stdin.isatty() and on_terminal()
 
 
@@ -273,14 +268,9 @@ def lint(options: LintOptions, run: Run) -> Answer | int:
     if options.rules:
         every = rules().values()
         width = max(len(each.code) for each in every)
-        return Answer(
-            "\n".join(f"{each.code:{width}}  {each.family:8}  {each.summary}" for each in every),
-            [
-                {"code": each.code, "family": each.family, "summary": each.summary, "usual": each.usual}
-                for each in every
-            ],
-            code=0,
-        )
+        lines = [f"{each.code:{width}}  {each.family:8}  {each.summary}" for each in every]
+        names = ("code", "family", "summary", "usual")
+        return Answer("\n".join(lines), [{name: getattr(each, name) for name in names} for each in every], code=0)
     if not options.files:
         raise click.UsageError("Missing argument 'FILES...'. `mjcompose lint .` looks for models in this folder.")
     try:
@@ -327,7 +317,6 @@ def _separated(values: Sequence[str]) -> list[str]:
 
 
 def _fix(target: Target, selected: Sequence[Rule], context: Context, session: Session) -> int:
-    """Apply the fixes of one model and return how many were applied."""
     from mjcompose.tools.fix import Fixing
     from mjcompose.tools.lint import lint
 

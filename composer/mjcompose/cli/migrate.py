@@ -12,14 +12,15 @@ import click
 
 from mjcompose.base.files import MJCF_FILES, RECIPES
 from mjcompose.base.report import counted
+from mjcompose.build.bundle.staging import staged_folder
 from mjcompose.cli import completion
 from mjcompose.cli.fmt import difference, rewrite, show_differences
 from mjcompose.cli.options import STRICT, Amount, FetchOptions, ReportOptions, TimeOptions, did_you_mean, output
 from mjcompose.cli.reporting import FINDINGS, progress
 from mjcompose.cli.run import PATH, Answer, Group, Run, Stop, argument, command, flag, group, option
+from mjcompose.sources.context import Context
 
 if TYPE_CHECKING:
-    from mjcompose.sources.context import Context
     from mjcompose.tools.migrate.migrate import Result
     from mjcompose.tools.migrate.upgrade import Upgrade
 
@@ -106,7 +107,6 @@ def _check_usage(options: Options) -> None:
 
 def _written(result: Result, out: str | None, context: Context) -> Path | None:
     """Write the files, all or none. Return the path of the model."""
-    from mjcompose.build.bundle.staging import staged_folder
     from mjcompose.tools.migrate.migrate import lay_out
 
     migrated, model = result.migrated, result.model
@@ -176,21 +176,15 @@ def _data(result: Result, written: Path | None, context: Context) -> dict[str, A
         proof = {"same": outcome.same, "equal": len(outcome.equal), "rounded": outcome.rounded}
         proof |= {"explained": result.explained, "unexplained": result.unexplained}
         proof |= {"recut": outcome.recut, "not_compared": outcome.apart}
+    places = [None if each.span is None else str(each.span) for each in migrated.steps]
+    steps = zip(migrated.steps, places, strict=True)
+    texts = {context.shown(path): texts for path, texts in migrated.changed.items()}
     return {
-        "from": migrated.before,
-        "to": migrated.after,
-        "output": None if written is None else str(written),
-        "steps": [
-            {"change": each.change, "place": None if each.span is None else str(each.span), "words": each.words}
-            for each in migrated.steps
-        ],
-        "diff": {
-            context.shown(path): difference(before, after, context.shown(path), done="migrated")
-            for path, (before, after) in migrated.changed.items()
-        },
-        "adopted": list(migrated.adopted),
-        "proof": proof,
-    }
+        "from": migrated.before, "to": migrated.after, "output": None if written is None else str(written),
+        "steps": [{"change": each.change, "place": place, "words": each.words} for each, place in steps],
+        "diff": {shown: difference(*both, shown, done="migrated") for shown, both in texts.items()},
+        "adopted": list(migrated.adopted), "proof": proof,
+    }  # fmt: skip
 
 
 class UpgradeOptions(Group):

@@ -14,13 +14,15 @@ import click
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.files import RECIPES, URDF_FILES, foreign_format, read_regular
 from mjcompose.base.report import counted
+from mjcompose.build.bundle.bundle import OutputError, unwritable_error
+from mjcompose.build.bundle.staging import staged_file
 from mjcompose.cli.fmt import rewrite
 from mjcompose.cli.options import ReportOptions, TimeOptions, output
 from mjcompose.cli.reporting import FINDINGS, progress, say
 from mjcompose.cli.run import PATH, Answer, Group, Run, Stop, argument, command, flag, group, option
+from mjcompose.sources.context import Context, as_text
 
 if TYPE_CHECKING:
-    from mjcompose.sources.context import Context
     from mjcompose.tools.importing.recover import Recovered
 
 
@@ -40,8 +42,6 @@ class Options(Group):
 @command(Options)
 def new(options: Options, run: Run) -> Answer | None:
     """Write a commented starter recipe to PATH (default: model.yaml). It builds without changes."""
-    from mjcompose.build.bundle.bundle import OutputError, unwritable_error
-
     path, context = options.path, run.context
     if options.project and options.examples:
         raise click.UsageError("--project and --examples exclude each other")
@@ -69,8 +69,6 @@ class _Outcome:
 
 
 def _recipe(path: Path, context: Context) -> _Outcome:
-    from mjcompose.build.bundle.staging import staged_file
-    from mjcompose.sources.context import as_text
     from mjcompose.tools.new import starter
 
     if path.suffix.lower() not in RECIPES:
@@ -90,7 +88,6 @@ def _project(folder: Path | None, context: Context) -> _Outcome:
     from importlib import metadata
 
     from mjcompose.language.schema import text as schema
-    from mjcompose.sources.context import as_text
     from mjcompose.tools.lock import write_lock
     from mjcompose.tools.new import needed, project, write_project
 
@@ -100,11 +97,9 @@ def _project(folder: Path | None, context: Context) -> _Outcome:
     model = re.sub(r"[^\w-]+", "_", title).strip("_-") or "model"
     files = project(title, model, metadata.version("mujoco"), schema=schema())
     recipe = f"recipes/{model}.yaml"
+    texts = {name: text.encode() for name, text in files.items()}
     written, kept = write_project(
-        {name: text.encode() for name, text in files.items()},
-        needed(model),
-        folder,
-        finish=lambda stage: write_lock(stage / recipe, None, context),
+        texts, needed(model), folder, finish=lambda stage: write_lock(stage / recipe, None, context)
     )
     start = f"start with {folder / 'README.md'}"
     if "README.md" in kept:
@@ -171,7 +166,6 @@ def import_(options: ImportOptions, run: Run) -> Answer | int:
     becomes a comment. Exit codes: 0 the recipe builds the same model, 1 something differs or cannot be read or built, 2
     wrong usage.
     """
-    from mjcompose.base.report import counted
     from mjcompose.tools.importing.recover import recover
     from mjcompose.tools.importing.search import search
 
@@ -211,7 +205,6 @@ def import_(options: ImportOptions, run: Run) -> Answer | int:
 
 
 def _answer(found: Recovered, target: Path, shown: str, run: Run) -> Answer | int:
-    from mjcompose.base.report import counted
     from mjcompose.tools.importing.recover import changed, left
 
     comments = [entry for entry in found.proposal.entries if entry.note is not None]

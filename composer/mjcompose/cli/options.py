@@ -11,21 +11,22 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import click
 
-from mjcompose.base.limits import NAMES, allow, read
+from mjcompose.base.diagnostic import Span
+from mjcompose.base.files import read_argument
+from mjcompose.base.limits import NAMES, allow, in_force, read
+from mjcompose.base.suggest import closest
 from mjcompose.cli import completion
 from mjcompose.cli.entry import LEAST, bound
 from mjcompose.cli.run import PATH, RECIPE_PATH, Group, Run, argument, flag, group, option
+from mjcompose.sources.context import Context
 
 if TYPE_CHECKING:
     from mjcompose.build.cache.cache import Cache
-    from mjcompose.sources.context import Context
     from mjcompose.text.node import Node
 
 
 def did_you_mean(name: str, known: Iterable[str], otherwise: str = "") -> str:
     """Return the question after a message of Click about an unknown name, or `otherwise`, with a space before it."""
-    from mjcompose.base.suggest import closest
-
     near = closest(name, known)
     return f" Did you mean `{near[0]}`?" if near else otherwise
 
@@ -41,7 +42,6 @@ class Amount(click.FloatRange):
 
 
 def formats(*names: str) -> Any:
-    """Declare `--output-format` with these values."""
     help = "The format of the output."
     return option("--output-format", type=click.Choice(names), default="text", show_default=True, help=help)
 
@@ -123,7 +123,6 @@ class Choices(Group):
         found: dict[str, Node] = {}
         if not (self.sets or self.set_files):
             return found  # without importing anything
-        from mjcompose.base.diagnostic import Span
         from mjcompose.text.load import load
         from mjcompose.text.node import Mapping, Scalar
 
@@ -155,9 +154,6 @@ class Choices(Group):
 
     def _text(self, file: Path, context: Context) -> bytes:
         if file not in self._read:
-            from mjcompose.base.files import read_argument
-            from mjcompose.base.limits import in_force
-
             self._read[file] = read_argument(context.folder / file, in_force().recipe_size)
         return self._read[file]
 

@@ -14,24 +14,39 @@ from typing import TYPE_CHECKING
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Severity, hide
 from mjcompose.base.report import counted
-from mjcompose.build.bundle.bundle import Location, file_name, hash_of, is_address, location, picture_of
+from mjcompose.base.scratch import scratch
+from mjcompose.base.sink import Sink
+from mjcompose.build.bundle.bundle import (
+    WORLDS,
+    Bundle,
+    Location,
+    OutputError,
+    OutputForm,
+    file_name,
+    form_of,
+    hash_of,
+    is_address,
+    license_table,
+    location,
+    picture_of,
+    report_unlicensed,
+)
+from mjcompose.build.bundle.staging import check_is_no_source, manifest_beside, staged_file, with_version
 from mjcompose.cli.reporting import clear_progress, note_files, note_output, progress, say, say_details
+from mjcompose.sources.context import Context
 from mjcompose.text.expression import shown
 from mjcompose.tree.merged_settings import in_words
 
 if TYPE_CHECKING:
-    from mjcompose.build.bundle.bundle import Bundle, OutputForm
     from mjcompose.build.cache.builder import BuildResult, Maker
     from mjcompose.cli.run import Run
     from mjcompose.mujoco.engine import Session
-    from mjcompose.sources.context import Context
     from mjcompose.text.node import Node
 
 _KEPT = "picture"
 
 
 def picture_beside(target: str, name: str) -> Path:
-    """Return the path of the picture of the output `target`."""
     return Path(os.path.dirname(target.rstrip("/"))) / picture_of(name)
 
 
@@ -47,7 +62,6 @@ class Picturing:
         out = picture_beside(target, name)
         if is_known and os.path.exists(context.folder / out):
             return
-        from mjcompose.base.sink import Sink
         from mjcompose.mujoco.engine import Session
         from mjcompose.tools.diff.sides import load, read_operand
         from mjcompose.tools.view.render import Wish, render
@@ -80,7 +94,6 @@ class OutputSpec:
         target = self.out.replace("{name}", file_name(name)).replace("{hash}", hash_of(name))
         if self.kind != "mjb":
             return target
-        from mjcompose.build.bundle.staging import with_version
 
         return with_version(target, mujoco)
 
@@ -107,8 +120,6 @@ class OutputSpec:
 
 def kind_of_output(out: str | None, models: int = 1) -> OutputForm:
     """Return the form for OUT. Raises OutputError if it is unclear, or if several models would go to one place."""
-    from mjcompose.build.bundle.bundle import OutputError, OutputForm, form_of
-
     if out is None:
         return OutputForm.ARCHIVE
     kind = OutputForm.TEXT if out == "-" else form_of(out)
@@ -134,7 +145,6 @@ _NO_ADDRESS = {
 
 
 def report_of(result: BuildResult, spec: OutputSpec) -> str:
-    """Return the report about a written model: JSON, or several lines of text."""
     out = hide(spec.target(result.name, result.mujoco))
     if spec.form == "json":
         import json
@@ -167,8 +177,6 @@ def _data(result: BuildResult, spec: OutputSpec, out: str) -> dict[str, object]:
 def _lines(result: BuildResult, spec: OutputSpec, out: str) -> Iterator[str]:
     files, be = out, "is"
     if spec.kind == "mjb":
-        from mjcompose.build.bundle.staging import manifest_beside
-
         files, be = f"{out} and {manifest_beside(Path(out)).name}", "are"
     yield f"{files} {be} up to date" if result.is_written else f"wrote {files}"
     if sizes := result.sizes or {}:
@@ -184,8 +192,6 @@ def _lines(result: BuildResult, spec: OutputSpec, out: str) -> Iterator[str]:
     if spec.licenses and not result.licenses:
         yield "  no licenses: it takes nothing from other models"
     elif spec.licenses:
-        from mjcompose.build.bundle.bundle import license_table
-
         yield license_table(result.licenses)
 
 
@@ -221,7 +227,6 @@ class Task:
     session: Session | None = None
 
     def build_one(self, why: tuple[str, ...]) -> int:
-        """Build the single model of the recipe. Return the exit code."""
         from mjcompose.build.cache.builder import ModelChoice
 
         maker, choice = self.maker, ModelChoice(self.given)
@@ -230,7 +235,6 @@ class Task:
         return self.finish(maker.make(self.run.context, self.session, choice, key=maker.key(), why=why))
 
     def finish(self, result: BuildResult | None) -> int:
-        """Write the model and report it. Return the exit code."""
         from mjcompose.build.cache.builder import shown_input_files
 
         run, spec, context = self.run, self.spec, self.run.context
@@ -276,8 +280,6 @@ class _Writer:
     session: Session | None
 
     def put(self, result: BuildResult) -> BuildResult | None:
-        from mjcompose.build.bundle.bundle import OutputError, report_unlicensed
-
         maker, spec, context = self.maker, self.spec, self.context
         clear_progress()
         report_unlicensed(result.licenses, context)
@@ -311,7 +313,6 @@ class _Writer:
     def _check_picture(self, result: BuildResult, target: str) -> None:
         """Refuse a picture that would replace a texture. Raises OutputError."""
         if self.spec.picturing is not None:
-            from mjcompose.build.bundle.staging import check_is_no_source
             from mjcompose.build.cache.builder import input_files
 
             message = "--picture"
@@ -328,7 +329,6 @@ class _Writer:
 
     def _write(self, result: BuildResult, out: str) -> tuple[Path, ...]:
         """Write the model, and return the files that were written elsewhere than to `out`."""
-        from mjcompose.build.bundle.staging import check_is_no_source
         from mjcompose.build.cache.builder import input_files
 
         maker, spec, context = self.maker, self.spec, self.context
@@ -343,8 +343,6 @@ class _Writer:
             text = result.text
             assert text is not None
             if out != "-":
-                from mjcompose.build.bundle.staging import staged_file
-
                 with staged_file(context.folder / out, "-o") as stage:
                     stage.write_bytes(text)
             elif sys.stdout is None:
@@ -374,13 +372,10 @@ class _Writer:
                 packing=maker.packing, warn=lost,
             )  # fmt: skip
             if spec.kind == "mjb":
-                from mjcompose.build.bundle.staging import manifest_beside
-
                 return (manifest_beside(Path(os.path.abspath(context.folder / out))),)
         return ()
 
     def _deliver(self, result: BuildResult, out: str) -> None:
-        from mjcompose.base.scratch import scratch
         from mjcompose.build.bundle.remote import ASSETS, deliver_assets, deliver_file, deliver_folder
 
         parts = out.rstrip("/").rsplit("/", self.spec.assets_above)
@@ -398,8 +393,6 @@ class _Writer:
 
 
 def _check_holds_all(bundle: Bundle, out: str) -> None:
-    from mjcompose.build.bundle.bundle import WORLDS, OutputError
-
     if WORLDS in bundle.files:
         help = "write a folder or an archive, such as `-o build/{name}.zip`"
         raise OutputError("output-kind", f"`{out}` has no room for the worlds", help)

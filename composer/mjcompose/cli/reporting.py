@@ -14,9 +14,10 @@ import click
 
 from mjcompose.base import report as text
 from mjcompose.base.diagnostic import Diagnostic, Severity
-from mjcompose.base.files import STDIN
+from mjcompose.base.files import STDIN, read_regular
 from mjcompose.base.report import Case, Suite, printable
 from mjcompose.base.report import report as junit_text
+from mjcompose.build.bundle.staging import staged_file
 from mjcompose.sources.context import Context
 
 _READ, _WRITTEN = "mjcompose.read", "mjcompose.written"
@@ -204,8 +205,6 @@ def on_terminal() -> bool:
 
 
 def _text_of(path: Path) -> str:
-    from mjcompose.base.files import read_regular
-
     return read_regular(path).decode("utf-8", "replace")
 
 
@@ -230,7 +229,6 @@ def write_junit(suites: Sequence[Suite], out: str, context: Context) -> None:
     if out == "-":
         click.echo(text, nl=False)
         return
-    from mjcompose.build.bundle.staging import staged_file
 
     with context.sink.catching(), staged_file(context.folder / out, "--junit") as stage:
         stage.write_text(text, encoding="utf-8")

@@ -17,32 +17,15 @@ from typing import TYPE_CHECKING, Any, TypeVar, dataclass_transform
 import click
 
 from mjcompose.base.dataclass import dataclass
-from mjcompose.base.files import keep_stdin
-from mjcompose.base.report import printable
-from mjcompose.cli.reporting import (
-    DOCUMENTS,
-    FINDINGS,
-    FORM,
-    USAGE,
-    clear_progress,
-    exit_code,
-    is_quiet,
-    note_files,
-    noted_files,
-    progress_of_command,
-    rendered,
-    report,
-    say,
-    source_reader,
-    use_color,
-    write_junit,
-)
+from mjcompose.base.diagnostic import Diagnostic
+from mjcompose.base.files import Mark, keep_stdin
+from mjcompose.base.report import Suite, printable
+from mjcompose.cli import reporting
+from mjcompose.cli.reporting import DOCUMENTS, FINDINGS, FORM, USAGE, clear_progress, exit_code, is_quiet, report, say
+from mjcompose.sources.blobs import let_go
 from mjcompose.sources.context import Context
 
 if TYPE_CHECKING:
-    from mjcompose.base.diagnostic import Diagnostic
-    from mjcompose.base.files import Mark
-    from mjcompose.base.report import Suite
     from mjcompose.mujoco.engine import Session
 
 Options = TypeVar("Options")
@@ -208,7 +191,7 @@ class Answer:
         if self.is_outcome:
             say(text, form=form)
         else:
-            click.echo(printable(text, colors=True), color=use_color(out=True))
+            click.echo(printable(text, colors=True), color=reporting.use_color(out=True))
 
 
 class Run:
@@ -233,7 +216,7 @@ class Run:
         self.texts: Mapping[str, bytes] = {}
         self.to_stderr = False
         self._given, self._meta = given, command.meta
-        self._progress = progress_of_command()  # contexts are also opened in threads, which lack Click's own
+        self._progress = reporting.progress_of_command()  # contexts are also opened in threads, which lack Click's own
         self.is_reported = False
         self.context = self.new_context()
 
@@ -294,15 +277,15 @@ class Run:
             code = FINDINGS if context.sink.has_errors else 0
         if self.junit is not None:
             writing = Context()
-            write_junit(self.suites, self.junit, writing)
+            reporting.write_junit(self.suites, self.junit, writing)
             self.report(writing)
             code = max(code, FINDINGS if writing.sink.has_errors else 0)
         return code
 
     def print_document(self) -> None:
         """Print all diagnostics that were reported, in a format that is one document."""
-        read = source_reader(self.context.folder, self.texts)
-        shown = rendered(self.kept, self.form, read, suites=self.suites)
+        read = reporting.source_reader(self.context.folder, self.texts)
+        shown = reporting.rendered(self.kept, self.form, read, suites=self.suites)
         click.echo(shown, nl=False, err=self.to_stderr or not self.sets_apart)
 
     @contextmanager
@@ -342,7 +325,6 @@ def _listed(value: Any) -> Iterable[Path]:
 
 def _again_and_again(once: Callable[[], int], named: list[Path]) -> int:
     """Run the command again whenever a file changes that it read, until the user interrupts it."""
-    from mjcompose.sources.blobs import let_go
     from mjcompose.tools.view.builder import marks
 
     before: dict[Path, Mark] = {}
@@ -351,12 +333,12 @@ def _again_and_again(once: Callable[[], int], named: list[Path]) -> int:
         try:
             while True:
                 started = marks([*before, *named])
-                note_files(named)
+                reporting.note_files(named)
                 code = once()
                 let_go()
                 if code == USAGE and not before:  # there is nothing to watch
                     return code
-                files = [Path.cwd() / path for path in noted_files()]
+                files = [Path.cwd() / path for path in reporting.noted_files()]
                 before = {path: started.get(path, mark) for path, mark in marks(files).items()}
                 if not is_quiet():
                     clear_progress()

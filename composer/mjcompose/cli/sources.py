@@ -9,10 +9,14 @@ from typing import TYPE_CHECKING
 
 import click
 
+from mjcompose.base.diagnostic import Note
+from mjcompose.base.limits import parse_size
 from mjcompose.base.report import counted
+from mjcompose.base.scratch import sweep_temporary
 from mjcompose.cli.options import RECIPE, RecipeOptions, ReportOptions, formats
 from mjcompose.cli.reporting import FINDINGS, USAGE, say
 from mjcompose.cli.run import Answer, Group, Run, Stop, command, flag, group, option
+from mjcompose.sources.blobs import blobs_in, mujocos_in
 
 if TYPE_CHECKING:
     from mjcompose.sources.store import Store
@@ -36,8 +40,6 @@ class InfoOptions(Group):
 @command(InfoOptions, within=cache)
 def info(options: InfoOptions, run: Run) -> Answer:
     """Print the location, the size and the contents of the store."""
-    from mjcompose.sources.blobs import blobs_in, mujocos_in
-
     store = _store(run)
     entries = store.entries()
     built = list(blobs_in(store.folder))
@@ -56,14 +58,12 @@ def info(options: InfoOptions, run: Run) -> Answer:
         if unfinished := store.unfinished():
             yield f"  {len(unfinished)} unfinished, being fetched now or broken off"
 
+    rows = [
+        {"kind": each.kind, "key": each.key, "source": each.origin, "size": each.size, "files": len(each.files)}
+        for each in entries
+    ]
     data = {
-        "folder": str(store.folder),
-        "size": size,
-        "limit": store.limit,
-        "entries": [
-            {"kind": each.kind, "key": each.key, "source": each.origin, "size": each.size, "files": len(each.files)}
-            for each in entries
-        ],
+        "folder": str(store.folder), "size": size, "limit": store.limit, "entries": rows,
         "builds": {"size": size_built, "files": len(built)},
         "mujocos": [{"version": each.version, "size": each.size} for each in mujocos],
     }  # fmt: skip
@@ -83,8 +83,6 @@ def prune(options: PruneOptions, run: Run) -> Answer:
 
     Without options, entries used in the last hour stay, because a build may be reading them.
     """
-    from mjcompose.base.limits import parse_size
-    from mjcompose.base.scratch import sweep_temporary
     from mjcompose.sources.store import GRACE
 
     store, size, everything = _store(run), options.size, options.everything
@@ -110,9 +108,6 @@ def verify(options: VerifyOptions, run: Run) -> Answer | None:
 
     Damaged files of built models are always removed. They are built again when they are needed.
     """
-    from mjcompose.base.diagnostic import Note
-    from mjcompose.sources.blobs import blobs_in
-
     store, sink = _store(run), run.context.sink
     entries = store.entries()
     built = list(blobs_in(store.folder))

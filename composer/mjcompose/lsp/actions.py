@@ -136,11 +136,8 @@ def offer_ignore(offered: Offer) -> Iterator[Action]:
             line = lines[span.line - 1] if span.line <= len(lines) else ""
             comment = f"<!-- mjcompose: ignore[{diagnostic.code}] -->"
             text = f"{line[: len(line) - len(line.lstrip())]}{comment}\n"
-            yield Action(
-                f"ignore this: `{comment}`",
-                (Change(Span(file, span.line, 1, end_line=span.line, end_column=1), text),),
-                diagnostic,
-            )
+            change = Change(Span(file, span.line, 1, end_line=span.line, end_column=1), text)
+            yield Action(f"ignore this: `{comment}`", (change,), diagnostic)
 
 
 _OTHER = {"deg": "rad", "rad": "deg"}

@@ -143,8 +143,6 @@ class Item:
 
 @dataclass(frozen=True, slots=True)
 class Hover:
-    """Markdown about the text at a place."""
-
     text: str
     span: Span | None = None
 
@@ -162,8 +160,6 @@ class Action:
 
 @dataclass(frozen=True, slots=True)
 class Symbol:
-    """An entry of the outline."""
-
     name: str
     kind: str
     span: Span
@@ -226,7 +222,6 @@ class Known:
 
     @property
     def detail(self) -> str:
-        """Return one line about the name, such as `site of arm, in wrist, pos 0 0 0.1`."""
         of = f" of {self.part}" if self.part else ""
         place = f", in {self.holder}" if self.holder else ""
         return f"{self.tag}{of}{place}{', ' + self.words if self.words else ''}"
@@ -276,7 +271,6 @@ def names_of(plan: Plan, root: _Element | None, composed: Plan | None, library: 
 
 
 def names_in_tree(unit: Unit) -> Names:
-    """Return the names of one model."""
     return Names(_by_namespace(_of_root(unit.root, "", [])), sources={"": unit}, prefixes={"": ""})
 
 

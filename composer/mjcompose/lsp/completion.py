@@ -75,11 +75,9 @@ def offer_keys(question: Question) -> Iterator[Item]:
     for at, key in enumerate(keys_of(question.forms)):
         if key.name in written and key.name != cursor.whole:
             continue
-        rank = 10 if key.required else 20 + min(at, 20)
-        yield Item(
-            key.name, "key", "required" if key.required else "", doc=key.doc, rank=rank,
-            insert=_insert(key, question), again=not _is_collection(key),
-        )  # fmt: skip
+        detail, rank = ("required", 10) if key.required else ("", 20 + min(at, 20))
+        insert, again = _insert(key, question), not _is_collection(key)
+        yield Item(key.name, "key", detail, doc=key.doc, rank=rank, insert=insert, again=again)
 
 
 def _insert(key: Key, question: Question) -> str:
@@ -122,16 +120,8 @@ def offer_parameters(question: Question) -> Iterator[Item]:
     cursor = question.cursor
     if cursor.role in ("key", "either") and (found := _at(cursor.path, question)) is not None:
         for each in found.values():
-            colon = "" if cursor.has_colon else ": "
-            yield Item(
-                each.name,
-                each.kind,
-                each.detail,
-                doc=each.doc,
-                rank=15,
-                insert=each.name + colon,
-                again=bool(each.values),
-            )
+            insert, again = each.name + ("" if cursor.has_colon else ": "), bool(each.values)
+            yield Item(each.name, each.kind, each.detail, doc=each.doc, rank=15, insert=insert, again=again)
     if cursor.role in ("value", "either") and cursor.path:
         path = cursor.path[:-1] if isinstance(cursor.path[-1], int) else cursor.path
         found = _at(path[:-1], question) or {}
@@ -244,7 +234,6 @@ def complete(question: Question) -> Completion:
 
 
 def _quoted(item: Item, question: Question) -> Item:
-    """Return a value in quotes if it needs quotes in YAML and has none yet."""
     cursor = question.cursor
     plain = item.label[:1] not in _OPENING and not any(each in item.label for each in (": ", " #"))
     if cursor.in_flow:

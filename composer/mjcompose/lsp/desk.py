@@ -99,36 +99,8 @@ def _offline(folder: Path) -> Context:
     return Context(folder=folder, fetching=Fetching(offline=True))
 
 
-class Verifier:
-    """Builds recipes as `check` does, and lints models, with one process of MuJoCo. Used from one thread only."""
-
-    def __init__(self, folder: Path) -> None:
-        self.folder = folder
-        self._shelf = Shelf()
-        self._session = Session(remembers=True)
-
-    def close(self) -> None:
-        self._session.close()
-
-    def verify(self, path: Path, text: str, texts: Mapping[str, bytes]) -> tuple[Diagnostic, ...]:
-        context = _offline(self.folder)
-        with unsaved({**texts, os.path.realpath(path): text.encode("utf-8", "replace")}):
-            self._shelf.refresh(texts)
-            try:
-                build(Request(path), context, session=self._session, library=self._shelf.library)
-            except TooManyFaults as too_many:
-                context.sink = too_many.sink
-            self._shelf.note(texts)
-        return tuple(context.sink.sorted())
-
-    def lint(self, path: Path, text: str, texts: Mapping[str, bytes]) -> tuple[Diagnostic, ...]:
-        """Return the findings about an MJCF file, as `mjcompose lint` reports them. A file must exist."""
-        if not os.path.isfile(path):
-            return ()
-        context = _offline(self.folder)
-        with unsaved({**texts, os.path.realpath(path): text.encode("utf-8", "replace")}):
-            linted = lint(path, context, self._session, selected=chosen())
-        return (*context.sink.sorted(), *linted.found)
+def _with(texts: Mapping[str, bytes], path: Path, text: str) -> dict[str, bytes]:
+    return {**texts, os.path.realpath(path): text.encode("utf-8", "replace")}
 
 
 def _has_errors(found: Iterable[Diagnostic]) -> bool:
@@ -142,10 +114,10 @@ _MOST_TEXT = 1_000_000
 class Workspace:
     """Analyses recipes one after another, in one thread. It reads changed sources only, and fetches nothing."""
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, *, remembers: bool = False) -> None:
         self.folder = folder
         self.shelf = Shelf()
-        self._session = Session()
+        self._session = Session(remembers=remembers)
         self._latest: tuple[Analysis, Analysis] | None = None
 
     def close(self) -> None:
@@ -161,7 +133,7 @@ class Workspace:
             )  # fmt: skip
             return Analysis(path, self.folder, text, found=(warning,))
         self.shelf.refresh(texts)
-        whole = {**texts, os.path.realpath(path): text.encode("utf-8", "replace")}
+        whole = _with(texts, path, text)
         with unsaved(whole):
             analysis = self._analysed(path, text, whole, before or Analysis(path, self.folder, text))
         self.shelf.note(texts)
@@ -226,7 +198,6 @@ class Workspace:
         return frozenset(Path(os.path.normpath(each)) for each in found)
 
     def including(self, path: Path, texts: Mapping[str, bytes]) -> list[Analysis]:
-        """Return the recipes in the folder that contain the name of a recipe."""
         found = []
         for name in model_files(self.folder):
             other = self.folder / name
@@ -261,6 +232,27 @@ class Workspace:
             path, self.folder, text, found=found, files=frozenset(files), is_current=is_current, model_of=text,
             unit=unit, nodes=nodes,
         )  # fmt: skip
+
+    def verify(self, path: Path, text: str, texts: Mapping[str, bytes]) -> tuple[Diagnostic, ...]:
+        """Return the findings about a recipe, built with MuJoCo as `check` does."""
+        context = _offline(self.folder)
+        with unsaved(_with(texts, path, text)):
+            self.shelf.refresh(texts)
+            try:
+                build(Request(path), context, session=self._session, library=self.shelf.library)
+            except TooManyFaults as too_many:
+                context.sink = too_many.sink
+            self.shelf.note(texts)
+        return tuple(context.sink.sorted())
+
+    def lint(self, path: Path, text: str, texts: Mapping[str, bytes]) -> tuple[Diagnostic, ...]:
+        """Return the findings about an MJCF file, as `mjcompose lint` reports them. A file must exist."""
+        if not os.path.isfile(path):
+            return ()
+        context = _offline(self.folder)
+        with unsaved(_with(texts, path, text)):
+            linted = lint(path, context, self._session, selected=chosen())
+        return (*context.sink.sorted(), *linted.found)
 
 
 PAUSE = 0.4  # seconds without typing before MuJoCo builds the model
@@ -300,17 +292,16 @@ class Document:
 
 
 class Desk:
-    """The open documents by path, in the thread of the event loop; `Workspace` and `Verifier` have one thread each."""
+    """The open documents by path, in the thread of the event loop; analysis and verification have one thread each."""
 
     def __init__(
         self, folder: Path, publish: Callable[[Path, list[Diagnostic]], None], log: Callable[[str], None]
     ) -> None:
         self.folder = folder
         self.documents: dict[Path, Document] = {}
-        self.workspace, self.verifier = Workspace(folder), Verifier(folder)
+        self.workspace, self.verifier = Workspace(folder), Workspace(folder, remembers=True)
         self._publish, self._log = publish, log
-        self._analysing = ThreadPoolExecutor(1, "analysis")
-        self._verifying = ThreadPoolExecutor(1, "verification")
+        self._analysing, self._verifying = ThreadPoolExecutor(1, "analysis"), ThreadPoolExecutor(1, "verification")
         self._reported: dict[Path, dict[str, list[Diagnostic]]] = {}
 
     def take(self, path: Path, text: str, version: int | None = None) -> None:
@@ -345,7 +336,6 @@ class Desk:
                 self._start(document)
 
     def texts(self, but: Path | None = None) -> dict[str, bytes]:
-        """Return the texts of the open documents as bytes, by real path."""
         others = (each for each in self.documents.values() if each.path != but)
         return {os.path.realpath(each.path): each.text.encode("utf-8", "replace") for each in others}
 
@@ -422,10 +412,9 @@ class Desk:
         if not all(is_saved(path, text) for path, text in texts.items() if path in models):
             return  # MuJoCo reads the files on disk
         try:
-            found = await asyncio.get_running_loop().run_in_executor(
-                self._verifying, self.verifier.lint if is_model else self.verifier.verify, document.path, document.text,
-                texts,
-            )  # fmt: skip
+            work = self.verifier.lint if is_model else self.verifier.verify
+            given = document.path, document.text, texts
+            found = await asyncio.get_running_loop().run_in_executor(self._verifying, work, *given)
         except Exception:
             self._log(traceback.format_exc())
             return

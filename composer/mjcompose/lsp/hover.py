@@ -86,7 +86,6 @@ def _pose(known: Known, traced: Traced) -> Iterator[str]:
 
 
 def _words(pose: Pose) -> str:
-    """Return a pose as text: `[0.1, 0, 0.25] m`."""
     pos = ", ".join(numbers.text([round(float(each), 6) + 0.0]) for each in pose.pos)
     turned = any(abs(float(each)) > 1e-9 for each in pose.quat[1:])
     quat = ", ".join(numbers.text([round(float(each), 4) + 0.0]) for each in pose.quat)

@@ -40,8 +40,6 @@ class Form:
 
 @dataclass(frozen=True, slots=True)
 class Key:
-    """A key that a mapping can have."""
-
     name: str
     doc: str
     forms: tuple[Form, ...]

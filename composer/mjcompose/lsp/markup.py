@@ -97,8 +97,6 @@ class ModelAnalysis(Analysis):
 
 @dataclass(frozen=True)
 class ModelQuestion(Question):
-    """A place in the newest `lines` of an MJCF file."""
-
     analysis: ModelAnalysis
 
     @cached_property
@@ -133,7 +131,6 @@ class ModelQuestion(Question):
 
     @property
     def piece(self) -> Piece | None:
-        """The start tag at the cursor."""
         return self._there[1]
 
     @property
@@ -162,7 +159,6 @@ class ModelQuestion(Question):
 
     @property
     def element(self) -> ElementType | None:
-        """The kind of the element at the cursor."""
         tags = self.path[:-1] if self.cursor.role == "value" else self.path
         return self.kind(tags) if self.cursor.role in ("key", "value") else None
 
@@ -204,11 +200,8 @@ def place(question: ModelQuestion) -> tuple[Cursor, Piece | None, int]:
             if piece.kind == "start":
                 return (*_in_tag(question, piece, tags), count)
             if piece.kind == "end":
-                return (
-                    _cursor(question, tags, "end", start=piece.start + 2, end=piece.start + 2 + len(piece.tag)),
-                    None,
-                    count,
-                )
+                start = piece.start + 2
+                return _cursor(question, tags, "end", start=start, end=start + len(piece.tag)), None, count
             return _cursor(question, tags, "text", start=offset, end=offset), None, count
         if piece.start >= offset:
             break

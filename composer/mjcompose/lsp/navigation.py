@@ -190,11 +190,9 @@ def formatted(text: str, file: str) -> list[Change]:
     if result is None:
         return []
     before, after = _LINE.findall(text), _LINE.findall(result.decode("utf-8"))
-    return [
-        Change(_span(file, first, last, text), "".join(after[low:high]))
-        for kind, first, last, low, high in difflib.SequenceMatcher(None, before, after, False).get_opcodes()
-        if kind != "equal"
-    ]
+    steps = difflib.SequenceMatcher(None, before, after, False).get_opcodes()
+    changed = (rows for kind, *rows in steps if kind != "equal")
+    return [Change(_span(file, first, last, text), "".join(after[low:high])) for first, last, low, high in changed]
 
 
 def _span(file: str, first: int, last: int, text: str) -> Span:

@@ -196,11 +196,8 @@ class Converter:
         """Return a diagnostic in a file. One without a place in this file is shown on the first line."""
         span = found.span if found.span is not None and self.path(found.span) == path else None
         place = lsp.Range(lsp.Position(0, 0), lsp.Position(0, 0)) if span is None else self.range(span)
-        related = [
-            lsp.DiagnosticRelatedInformation(self.location(note.span), note.message)
-            for note in (*found.notes, *found.others)
-            if note.span is not None
-        ]
+        notes = [(note.span, note.message) for note in (*found.notes, *found.others) if note.span is not None]
+        related = [lsp.DiagnosticRelatedInformation(self.location(at), message) for at, message in notes]
         url = address(found.code)
         return lsp.Diagnostic(
             place, _words(found), _SEVERITIES[found.severity], found.code, source="mjcompose",

@@ -138,12 +138,10 @@ def _rename_in_model(
                 if there is None or known.namespace not in use.wanted.namespaces or use.wanted.part is not None:
                     continue
                 now = there.removesuffix(known.name) + new
+                changed = None
                 try:
-                    changed = (
-                        renamed(text, there, now, separator=other.separator, pattern=True)
-                        if use.wanted.pattern
-                        else None
-                    )
+                    if use.wanted.pattern:
+                        changed = renamed(text, there, now, separator=other.separator, pattern=True)
                 except (NotSure, ValueError):
                     raise Refused(f"`{text}` in `{other.file}` would match other names: change it first") from None
                 if changed is not None or text == there:

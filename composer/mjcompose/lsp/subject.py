@@ -93,7 +93,6 @@ class Settable:
 
     @property
     def detail(self) -> str:
-        """Return one line: `parameter, default 0.45 m`."""
         default = f", default {self.default}" if self.default else ""
         choice = f", one of {', '.join(self.values)}" if self.values and self.kind == "parameter" else ""
         return f"{self.kind}{default}{' ' + self.unit if self.unit else ''}{choice}"

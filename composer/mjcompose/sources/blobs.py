@@ -1,10 +1,7 @@
 """Single files of the store, leases on its entries, and the MuJoCos of other versions.
 
-    asked/, built/, raw/, packed/     entries of the build cache (`composer/mjcompose/build/cache/cache.py`)
-    shapes/                           results for meshes (`composer/mjcompose/build/compose/mesh_jobs.py`)
-    writing/                          files being written; they move to their place in one step
-    leases/                           one file for each process, which keeps it locked and lists the entries in use
-    mujoco/VERSION/                   an environment, complete if it has the file `.ready`, with its size
+`store.py` lists the folders. A process keeps its file in `leases/` locked; the file lists the entries in use. An
+environment in `mujoco/VERSION/` is complete if it has the file `.ready`, with its size.
 
 Files need no lock: all writers of a key write the same content, or content that is as good. The system unlocks a lease
 when its process ends for any reason. Looking up or removing an entry happens inside the gate, so no entry is removed
@@ -32,7 +29,6 @@ if TYPE_CHECKING:
 
 
 def sha256_of(path: Path) -> str:
-    """Return the sha256 of a file. Raises OSError."""
     if (kept := unsaved_text(path)) is not None:
         return hashlib.sha256(kept).hexdigest()
     with open_regular(path) as stream:
@@ -166,12 +162,10 @@ _DIGEST = 32
 
 
 def key_of(data: object) -> str:
-    """Return a key for JSON data. No I/O."""
     return hashlib.sha256(json.dumps(data, ensure_ascii=True).encode()).hexdigest()
 
 
 def digest(content: bytes) -> str:
-    """The sha256 of bytes. No I/O."""
     return hashlib.sha256(content).hexdigest()
 
 
@@ -230,7 +224,6 @@ def is_left(stage: str | PathLike[str]) -> bool:
 
 
 def has(store: str | PathLike[str], kind: str, key: str) -> bool:
-    """Return whether an entry exists, damaged or not."""
     return os.path.isfile(os.path.join(store, kind, key))
 
 
@@ -284,7 +277,6 @@ class KeptMujoco:
 
     @property
     def key(self) -> str:
-        """The name of its lock and of its lease."""
         return mujoco_key(self.version)
 
 

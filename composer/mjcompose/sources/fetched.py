@@ -19,27 +19,10 @@ from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import hide
 from mjcompose.base.limits import advice, in_force, written
 from mjcompose.sources import license
+from mjcompose.sources import reference as forms
 from mjcompose.sources.blobs import files_below, sha256_of
 from mjcompose.sources.fetching import Lookup, not_at_hand, source_in, unlocked
-from mjcompose.sources.reference import (
-    CONTROL,
-    Form,
-    Library,
-    Origin,
-    Reference,
-    Source,
-    SourceError,
-    SourceKind,
-    always,
-    bare,
-    check_secrets,
-    host_of_url,
-    is_this_machine,
-    malformed,
-    never,
-    no_host,
-    take_apart,
-)  # fmt: skip  # fmt: skip
+from mjcompose.sources.reference import Form, Library, Origin, Reference, Source, SourceError, SourceKind, malformed
 
 if TYPE_CHECKING:
     from mjcompose.sources.download import Version
@@ -58,11 +41,11 @@ def _parse_archive(text: str) -> Reference:
     scheme, _, rest = text.partition(":")
     location, _, path = rest.partition("#")
     host, _, archive = location.removeprefix("//").partition("/")
-    check_secrets(text, host)
+    forms.check_secrets(text, host)
     archive, _, sha256 = archive.partition("@sha256:")
     if not host or not archive:
         raise malformed(text, _ARCHIVE_FORM, "does not say the archive")
-    if take_apart(f"{scheme}://{host}/") is None:
+    if forms.take_apart(f"{scheme}://{host}/") is None:
         raise malformed(text, _ARCHIVE_FORM, "names a host that cannot be one")
     if not path:
         raise malformed(text, _ARCHIVE_FORM, "does not say the file inside the archive")
@@ -84,7 +67,7 @@ def _resolve(reference: Reference, lookup: Lookup) -> Source:
 ARCHIVE = SourceKind(
     name="archive", forms=(_ARCHIVE_FORM, _PINNED), local_schemes=("http",), separator="#", is_local=False,
     is_fetched=True, runs_code=False, pins=frozenset({"sha256"}), variables=(), libraries=(), parse=_parse_archive,
-    resolve=_resolve, host=host_of_url, is_of_this_machine=never,
+    resolve=_resolve, host=forms.host_of_url, is_of_this_machine=forms.never,
 )  # fmt: skip
 
 
@@ -101,7 +84,7 @@ def _parse_bucket(text: str) -> Reference:
     form = _S3 if text.startswith("s3:") else _GS
     location, _, path = text.partition("#")
     address, _, sha256 = location.partition("@sha256:")
-    check_secrets(text, address.partition("//")[2].partition("/")[0])
+    forms.check_secrets(text, address.partition("//")[2].partition("/")[0])
     place = _PLACE.fullmatch(address.partition(":")[2])
     # `::` is how fsspec chains file systems, so it could name files of this machine.
     if place is None or "::" in address or {"", ".", ".."} & {*place[2].split("/")}:
@@ -168,7 +151,7 @@ BUCKET = SourceKind(
     name="bucket", forms=(_S3, _GS), local_schemes=(), separator="#", is_local=False, is_fetched=True,
     runs_code=False, pins=frozenset({"sha256"}), variables=(), libraries=(Library("fsspec", "remote"),),
     # The credentials are of this machine: a fetched recipe must not use them.
-    parse=_parse_bucket, resolve=_resolve, host=no_host, is_of_this_machine=always,
+    parse=_parse_bucket, resolve=_resolve, host=forms.no_host, is_of_this_machine=forms.always,
 )  # fmt: skip
 
 
@@ -186,12 +169,12 @@ _MOST_LAYERS = 1000
 
 
 def _parse_oci(text: str) -> Reference:
-    location, _, path = bare(text, _OCI_FORM).partition("#")
+    location, _, path = forms.bare(text, _OCI_FORM).partition("#")
     address, _, digest = location.partition("@")
     registry, _, repository = address.partition("/")
-    check_secrets(text, "")
+    forms.check_secrets(text, "")
     is_host = "." in registry or ":" in registry or registry == "localhost"
-    if not is_host or take_apart(f"https://{registry}/") is None or not _REPOSITORY.fullmatch(repository):
+    if not is_host or forms.take_apart(f"https://{registry}/") is None or not _REPOSITORY.fullmatch(repository):
         raise malformed(text, _OCI_FORM, "does not say the registry and the repository")
     if (found := _DIGEST.fullmatch(digest)) is None:
         raise malformed(text, _OCI_FORM, "does not say the digest, which is sha256: and 64 digits of 0-9 and a-f")
@@ -229,7 +212,7 @@ class _Artifact:
     def fetched(self, key: str) -> Entry:
         self.lookup.fetching.progress(f"fetching {self.reference.id}")
         registry, _, repository = self.reference.name.partition("/")
-        scheme = "http" if is_this_machine(registry) else "https"
+        scheme = "http" if forms.is_this_machine(registry) else "https"
         base = f"{scheme}://{registry}/v2/{repository}"
         content, headers = self._manifest(f"{base}/manifests/sha256:{self.reference.revision}")
         layers = self._layers(content)
@@ -260,8 +243,8 @@ class _Artifact:
         from mjcompose.sources.download import ask
 
         told = dict(_BEARER.findall(challenge)) if challenge.lower().startswith("bearer ") else {}
-        realm = take_apart(told.pop("realm", ""))
-        is_open = realm is not None and url.startswith("http:") and is_this_machine(realm.netloc)
+        realm = forms.take_apart(told.pop("realm", ""))
+        is_open = realm is not None and url.startswith("http:") and forms.is_this_machine(realm.netloc)
         if realm is None or not (realm.scheme == "https" or (realm.scheme == "http" and is_open)):
             message = f"`{self.reference.id}` cannot be fetched: the registry requires a login, which is not supported"
             raise SourceError("source-fetch", message)
@@ -331,7 +314,7 @@ class _Artifact:
 OCI = SourceKind(
     name="oci", forms=(_OCI_FORM,), local_schemes=(), separator="#", is_local=False, is_fetched=True, runs_code=False,
     pins=frozenset({"sha256"}), variables=(), libraries=(), parse=_parse_oci, resolve=_resolve_oci,
-    host=lambda reference: reference.name.partition("/")[0], is_of_this_machine=never,
+    host=lambda reference: reference.name.partition("/")[0], is_of_this_machine=forms.never,
 )  # fmt: skip
 
 
@@ -351,14 +334,14 @@ def _parse_git(text: str) -> Reference:
     form = next((each for each in _GIT_FORMS if each.scheme == scheme), _GIT_FORMS[0])
     location, _, path = rest.partition("#")
     host, _, tail = location.removeprefix("//").partition("/")
-    check_secrets(text, host)
+    forms.check_secrets(text, host)
     # Only an `@` after the host starts a revision; before it, an `@` ends a user name.
     repository, at, revision = tail.rpartition("@")
     if not at:
         repository, revision = tail, ""
     if not repository or bool(host) == (scheme == "git+file"):
         raise malformed(text, form, "does not say the repository")
-    if host and take_apart(f"https://{host}/") is None:
+    if host and forms.take_apart(f"https://{host}/") is None:
         raise malformed(text, form, "names a host that cannot be one")
     if not (revision := revision_in(revision)):
         raise malformed(text, form, "does not say the revision")
@@ -373,7 +356,7 @@ def revision_in(text: str) -> str:
         from urllib.parse import unquote  # most builds fetch nothing
 
         text = unquote(text)
-    return "" if text.startswith("-") or CONTROL.search(text) else text
+    return "" if text.startswith("-") or forms.CONTROL.search(text) else text
 
 
 def _resolve_git(reference: Reference, lookup: Lookup) -> Source:
@@ -385,7 +368,8 @@ def _resolve_git(reference: Reference, lookup: Lookup) -> Source:
 GIT = SourceKind(
     name="git", forms=_GIT_FORMS, local_schemes=("git+http",), separator="#", is_local=False, is_fetched=True,
     runs_code=False, pins=frozenset({"commit", "tree"}), variables=(), libraries=(), parse=_parse_git,
-    resolve=_resolve_git, host=host_of_url, is_of_this_machine=lambda reference: reference.name.startswith("file:"),
+    resolve=_resolve_git, host=forms.host_of_url,
+    is_of_this_machine=lambda reference: reference.name.startswith("file:"),
 )  # fmt: skip
 
 
@@ -398,8 +382,8 @@ _HUB_REPOSITORY = re.compile(r"((datasets|spaces)/)?[A-Za-z0-9_-][\w.-]*/[A-Za-z
 
 
 def _parse_hf(text: str) -> Reference:
-    location, _, path = bare(text, _HF_FORM).partition("#")
-    check_secrets(text, "")
+    location, _, path = forms.bare(text, _HF_FORM).partition("#")
+    forms.check_secrets(text, "")
     repository, _, revision = location.partition("@")
     if not _HUB_REPOSITORY.fullmatch(repository):
         raise malformed(text, _HF_FORM, "does not say the organization and the repository")
@@ -425,8 +409,8 @@ def _hub(reference: Reference, lookup: Lookup) -> str:
     from mjcompose.sources.reference import is_private
 
     hub = (lookup.environment.get("HF_ENDPOINT") or _HUB).rstrip("/")
-    parts = take_apart(hub)
-    is_open = parts is not None and parts.scheme == "http" and is_this_machine(parts.netloc)
+    parts = forms.take_apart(hub)
+    is_open = parts is not None and parts.scheme == "http" and forms.is_this_machine(parts.netloc)
     if parts is None or "@" in parts.netloc or parts.query or not (parts.scheme == "https" or is_open):
         message = f"`HF_ENDPOINT` is `{hide(hub)}`, which is not an https address of a server without a login"
         raise SourceError("source-fetch", message, help=f"write it as `{_HUB}`, or unset it")
@@ -440,5 +424,5 @@ def _hub(reference: Reference, lookup: Lookup) -> str:
 HF = SourceKind(
     name="hf", forms=(_HF_FORM,), local_schemes=(), separator="#", is_local=False, is_fetched=True, runs_code=False,
     pins=frozenset({"commit", "tree"}), variables=("HF_ENDPOINT",), libraries=(), parse=_parse_hf, resolve=_resolve_hf,
-    host=lambda reference: "huggingface.co", is_of_this_machine=never,
+    host=lambda reference: "huggingface.co", is_of_this_machine=forms.never,
 )  # fmt: skip

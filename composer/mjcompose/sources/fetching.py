@@ -212,7 +212,6 @@ def source_in(origin: Origin, reference: Reference) -> Source:
 
 
 def unlocked(reference: Reference, fetching: Fetching) -> SourceError:
-    """Return the error for a source that is not in the lock when only locked sources are allowed."""
     message = f"`{reference.text}` is not in the lock"
     return SourceError("lock-stale", message, help=f"run `mjcompose lock {fetching.recipe}` and commit the lock")
 
@@ -305,7 +304,6 @@ def _without_folder(text: str, wanted: Path) -> tuple[str, str, str | None]:
 
 
 def nearest(text: str, existing: Iterable[str]) -> str | None:
-    """Return the most similar existing reference."""
     # Otherwise a dot would count as the end of a prefix, and all `.xml` files as one name with different prefixes.
     flat = {each.removeprefix("./").replace(".", "_"): each for each in existing}
     near = closest(text.replace("\\", "/").removeprefix("./").replace(".", "_"), flat)

@@ -127,15 +127,11 @@ class Git:
                 raise GitFailure(said or (f"git was ended by signal {-status}" if status < 0 else ""))
 
     def _settings(self, folder: Path | None) -> list[str]:
+        # With `fetch.unpackLimit`, all objects arrive in one file, whose size can be limited.
         settings = {
-            **_BOUNDS,
-            **CONFINED,
-            "http.lowSpeedLimit": "1",
-            "http.lowSpeedTime": self._silence,
-            "gc.auto": "0",
-            "fetch.fsckObjects": "false",
-            "fetch.unpackLimit": "1",  # all objects arrive in one file, whose size can be limited
-        }
+            **_BOUNDS, **CONFINED, "http.lowSpeedLimit": "1", "http.lowSpeedTime": self._silence, "gc.auto": "0",
+            "fetch.fsckObjects": "false", "fetch.unpackLimit": "1",
+        }  # fmt: skip
         return [*_options(settings), *([] if folder is None else [f"--git-dir={folder}"])]
 
     def _variables(self, arguments: tuple[str, ...]) -> dict[str, str]:

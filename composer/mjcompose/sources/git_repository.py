@@ -225,8 +225,6 @@ _HEADER, _VALUE = re.compile(r"[A-Za-z0-9-]+"), re.compile(r"[\x20-\x7e]*")
 
 @dataclass(frozen=True, slots=True)
 class Pointer:
-    """The sha256 and the size of a file that Git LFS keeps."""
-
     sha256: str
     size: int
 

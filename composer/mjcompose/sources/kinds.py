@@ -13,19 +13,9 @@ from mjcompose.base.files import CODE
 from mjcompose.base.suggest import closest, exists_note
 from mjcompose.sources import fetched, license, packages
 from mjcompose.sources import fetching as nearby
+from mjcompose.sources import reference as forms
 from mjcompose.sources.fetching import Fetching, Lookup
-from mjcompose.sources.reference import (
-    CONTROL,
-    Form,
-    Reference,
-    Source,
-    SourceError,
-    SourceKind,
-    has_format,
-    is_this_machine,
-    never,
-    no_host,
-)
+from mjcompose.sources.reference import CONTROL, Form, Reference, Source, SourceError, SourceKind, has_format, never
 
 
 def _parse_path(text: str) -> Reference:
@@ -103,7 +93,7 @@ def _with_origin(source: Source, fetching: Fetching, folder: Path) -> Source:
 PATH = SourceKind(
     name="path", forms=(Form("./path/to/model.xml", "a file, relative to the recipe that names it"),),
     local_schemes=(), separator="/", is_local=True, is_fetched=False, runs_code=False, pins=frozenset(),
-    variables=(), libraries=(), parse=_parse_path, resolve=_resolve_path, host=no_host, is_of_this_machine=never,
+    variables=(), libraries=(), parse=_parse_path, resolve=_resolve_path, host=forms.no_host, is_of_this_machine=never,
 )  # fmt: skip
 
 
@@ -164,7 +154,7 @@ def parse(text: str, fetched: str | None = None) -> Reference:
             kind = EXTENDED[scheme[1]]
         except DiagnosticError as error:
             raise SourceError(error.code, error.message, error.diagnostic.help) from error
-    if kind is None and is_this_machine(scheme[2].removeprefix("//").partition("/")[0]):
+    if kind is None and forms.is_this_machine(scheme[2].removeprefix("//").partition("/")[0]):
         kind = _ON_THIS_MACHINE.get(scheme[1])
     if kind is None:
         raise _unknown_kind(text, scheme[1], scheme[2])

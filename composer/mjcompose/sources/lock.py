@@ -237,7 +237,6 @@ def _sides(text: str) -> tuple[str, str]:
 
 
 def _both(ours: Lock, theirs: Lock) -> Lock:
-    """Return the union; for conflicts, our side."""
     sources = {**theirs.sources, **ours.sources}
     for id in ours.sources.keys() & theirs.sources.keys():
         mine, other = ours.sources[id], theirs.sources[id]

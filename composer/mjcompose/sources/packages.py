@@ -17,23 +17,9 @@ from mjcompose.base.files import read_regular
 from mjcompose.base.suggest import closest, exists_note
 from mjcompose.sources import fetching as nearby
 from mjcompose.sources import license
+from mjcompose.sources import reference as forms
 from mjcompose.sources.fetching import Fetching, Lookup, not_at_hand
-from mjcompose.sources.reference import (
-    Form,
-    Library,
-    Origin,
-    Reference,
-    Source,
-    SourceError,
-    SourceKind,
-    always,
-    bare,
-    has_format,
-    is_commit,
-    malformed,
-    never,
-    no_host,
-)
+from mjcompose.sources.reference import Form, Library, Origin, Reference, Source, SourceError, SourceKind, malformed
 
 if TYPE_CHECKING:
     from importlib.metadata import Distribution
@@ -43,7 +29,7 @@ _PACKAGE_FORM = Form("package:NAME/path/in/package.xml", "a file inside an insta
 
 
 def _parse_package(text: str) -> Reference:
-    name, _, path = bare(text, _PACKAGE_FORM).partition("/")
+    name, _, path = forms.bare(text, _PACKAGE_FORM).partition("/")
     if not name or not path.strip("/"):
         lacks = "the file inside the package" if name else "the package"
         raise malformed(text, _PACKAGE_FORM, f"does not say {lacks}")
@@ -60,7 +46,7 @@ def _resolve_package(reference: Reference, lookup: Lookup) -> Source:
     roots = folders(reference.name)
     if not roots:
         raise _not_installed(reference)
-    if not has_format(inside):
+    if not forms.has_format(inside):
         raise nearby.without_suffix(reference.text, _existing(reference, roots))
     for root in roots:
         wanted = root / inside
@@ -154,7 +140,7 @@ def _normalised(distribution_name: str) -> str:
 PACKAGE = SourceKind(
     name="package", forms=(_PACKAGE_FORM,), local_schemes=(), separator="/", is_local=False, is_fetched=False,
     runs_code=False, pins=frozenset({"package", "version"}), variables=("PYTHONPATH",), libraries=(),
-    parse=_parse_package, resolve=_resolve_package, host=no_host, is_of_this_machine=always,
+    parse=_parse_package, resolve=_resolve_package, host=forms.no_host, is_of_this_machine=forms.always,
 )  # fmt: skip
 
 
@@ -167,7 +153,7 @@ _WITHOUT_NETWORK = "without a network, set `MENAGERIE_ROOT` to a folder that hol
 
 
 def _parse_menagerie(text: str) -> Reference:
-    robot, slash, entry = bare(text, _MENAGERIE_FORM).partition("/")
+    robot, slash, entry = forms.bare(text, _MENAGERIE_FORM).partition("/")
     if not robot or (slash and not entry):
         raise malformed(text, _MENAGERIE_FORM, "does not say " + ("the entry" if robot else "the robot"))
     return Reference(text, MENAGERIE, robot, path=entry)
@@ -279,7 +265,7 @@ MENAGERIE = SourceKind(
     # The last two determine the folder of the package's downloads.
     variables=("MENAGERIE_ROOT", "MENAGERIE_CACHE_DIR", "MENAGERIE_BASE_URL", "XDG_CACHE_HOME", "HOME"),
     libraries=(Library(_MENAGERIE_PACKAGE, "menagerie"),), parse=_parse_menagerie, resolve=_resolve_menagerie,
-    host=no_host, is_of_this_machine=never,
+    host=forms.no_host, is_of_this_machine=forms.never,
 )  # fmt: skip
 
 
@@ -289,7 +275,7 @@ _TRANSPORTS = "GIT_ALLOW_PROTOCOL"
 
 
 def _parse_descriptions(text: str) -> Reference:
-    name = bare(text, _DESCRIPTIONS_FORM)
+    name = forms.bare(text, _DESCRIPTIONS_FORM)
     if not name.isidentifier():
         raise malformed(text, _DESCRIPTIONS_FORM, "does not name a description")
     return Reference(text, DESCRIPTIONS, name, path="")
@@ -328,7 +314,7 @@ def _commit(repository: Path) -> str | None:
         head = read_regular(repository / ".git" / "HEAD", 1024).decode("ascii").strip()
     except (OSError, ValueError):
         return None
-    return head if is_commit(head) else None
+    return head if forms.is_commit(head) else None
 
 
 def _load(reference: Reference, fetching: Fetching) -> Any:
@@ -362,7 +348,7 @@ def _model_file(description: Any, reference: Reference) -> Path:
         if written is None:
             continue
         path = Path(written)
-        if not os.path.isfile(path) or not has_format(path):
+        if not os.path.isfile(path) or not forms.has_format(path):
             raise SourceError("source-not-found", f"`{reference.text}` stands for `{path}`, which is not a model file")
         return path
     raise SourceError("source-kind", f"`{reference.text}` has neither MJCF nor URDF")
@@ -383,5 +369,5 @@ DESCRIPTIONS = SourceKind(
     # The last two name the folder of the package's clones.
     variables=("ROBOT_DESCRIPTIONS_CACHE", "ROBOT_DESCRIPTION_COMMIT", "PYTHONPATH", "XDG_CACHE_HOME", "HOME"),
     libraries=(Library(_DESCRIPTIONS_PACKAGE),), parse=_parse_descriptions, resolve=_resolve_descriptions,
-    host=no_host, is_of_this_machine=always,
+    host=forms.no_host, is_of_this_machine=forms.always,
 )  # fmt: skip

@@ -172,7 +172,6 @@ def bare(text: str, form: Form) -> str:
 
 
 def malformed(text: str, form: Form, problem: str) -> SourceError:
-    """Return the error for a reference that lacks something of its form."""
     return SourceError("source-kind", f"the model reference `{text}` {problem}", help=f"the form is `{form.example}`")
 
 
@@ -318,12 +317,10 @@ def host_of_url(reference: Reference) -> str | None:
 
 
 def always(reference: Reference) -> bool:
-    """Return True, for kinds whose references always name something on this machine."""
     return True
 
 
 def never(reference: Reference) -> bool:
-    """Return False, for kinds whose references never name something that only this machine has."""
     return False
 
 
@@ -343,7 +340,6 @@ class Trust:
     references: tuple[str, ...] = ()
 
     def with_more(self, other: Trust) -> Trust:
-        """Return the union of both."""
         return Trust(
             tuple(dict.fromkeys((*self.files, *other.files))),
             tuple(dict.fromkeys((*self.references, *other.references))),

@@ -337,7 +337,6 @@ class Store:
 
 
 def name_of(id: str) -> str:
-    """Return a file name for an origin."""
     return hashlib.sha256(id.encode()).hexdigest()
 
 

@@ -11,15 +11,9 @@ from typing import TYPE_CHECKING, Any
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Cause, Note, Span
 from mjcompose.base.scratch import scratch
+from mjcompose.build.bundle import manifest as manifests
 from mjcompose.build.bundle.bundle import LICENSES, MANIFEST, WORLDS, Bundle
-from mjcompose.build.bundle.manifest import (
-    TargetRecord,
-    UnsupportedFeature,
-    files_of,
-    from_json,
-    index_of,
-    with_manifest,
-)
+from mjcompose.build.bundle.manifest import TargetRecord, UnsupportedFeature, files_of, from_json, with_manifest
 from mjcompose.build.bundle.staging import write_files
 from mjcompose.mujoco import engine
 from mjcompose.mujoco.attributes import NameTable
@@ -163,7 +157,7 @@ def _bundle(
         )
         for group in grouped(losses)
     )  # fmt: skip
-    index = None if found["index"] is None else index_of(Index.from_data(found["index"]))
+    index = None if found["index"] is None else manifests.index_of(Index.from_data(found["index"]))
     changed = {
         "model": aimed.model, "target": TargetRecord(name=target, left_out=left_out), "files": files_of(aimed),
         "index": index, "parts": (),

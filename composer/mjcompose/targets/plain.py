@@ -188,7 +188,6 @@ def write_meshes(root: Node, model: Any, names: list[str]) -> dict[str, bytes]:
 
 
 def obj(model: Any, number: int) -> bytes:
-    """Return a mesh of a compiled model as an OBJ file."""
     return ("\n".join(_lines(model, number)) + "\n").encode()
 
 

@@ -140,8 +140,6 @@ def left_out(feature: str, *paths: str, why: str = "", but: Collection[str] = ()
 
 
 def refused(feature: str, path: str, why: str, help: str) -> Limit:
-    """Return a limit that refuses a model with an element at this path."""
-
     def apply(draft: Draft) -> None:
         for element in draft.root.iterfind(path):
             draft.lose(feature, element, why, outcome=Outcome.REFUSED, help=help)
@@ -445,13 +443,8 @@ def _gravity(draft: Draft) -> None:
 
 
 def _changed(model: Any, plain: Any, number: int, names: Collection[str], kind: str) -> list[str]:
-    """Return the attributes of an element that are not the defaults of MuJoCo."""
-    arrays = {name: f"{kind}_{name}" for name in names}
-    return [
-        name
-        for name, array in arrays.items()
-        if not np.array_equal(getattr(model, array)[number], getattr(plain, array)[0])
-    ]
+    values = {name: (getattr(model, f"{kind}_{name}")[number], getattr(plain, f"{kind}_{name}")[0]) for name in names}
+    return [name for name, (mine, default) in values.items() if not np.array_equal(mine, default)]
 
 
 def _bits(draft: Draft) -> None:

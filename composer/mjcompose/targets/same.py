@@ -27,7 +27,6 @@ def pose(pos: Any, quat: Any = (1.0, 0.0, 0.0, 0.0)) -> Pose:
 
 
 def about(axis: Any, angle: float) -> Pose:
-    """Return the rotation by an angle (rad) about an axis through the origin."""
     half = angle / 2
     return pose((0, 0, 0), (math.cos(half), *(math.sin(half) * np.asarray(axis))))
 
@@ -45,7 +44,6 @@ def joined(*poses: Pose) -> Pose:
 
 
 def back(of: Pose) -> Pose:
-    """Return the inverse of a pose."""
     return -(of[1].T @ of[0]), of[1].T
 
 
@@ -57,15 +55,13 @@ def quat(turned: Any) -> Any:
     """
     (xx, xy, xz), (yx, yy, yz), (zx, zy, zz) = turned
     squares = np.array([1 + xx + yy + zz, 1 + xx - yy - zz, 1 - xx + yy - zz, 1 - xx - yy + zz])
-    mixed = np.array(
-        [
-            [squares[0], zy - yz, xz - zx, yx - xy],
-            [zy - yz, squares[1], yx + xy, xz + zx],
-            [xz - zx, yx + xy, squares[2], zy + yz],
-            [yx - xy, xz + zx, zy + yz, squares[3]],
-        ]
-    )
-    row = mixed[int(squares.argmax())]
+    mixed = [
+        [squares[0], zy - yz, xz - zx, yx - xy],
+        [zy - yz, squares[1], yx + xy, xz + zx],
+        [xz - zx, yx + xy, squares[2], zy + yz],
+        [yx - xy, xz + zx, zy + yz, squares[3]],
+    ]
+    row = np.array(mixed[int(squares.argmax())])
     return row / np.linalg.norm(row)
 
 

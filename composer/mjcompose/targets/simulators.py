@@ -82,8 +82,6 @@ def is_enabled(mujoco: Any, model: Any, flag: str) -> bool:
 
 
 def with_plugins(kind: str) -> Flagged:
-    """Return the elements of a kind that plugins compute."""
-
     def flagged(_mujoco: object, model: Any) -> Iterator[tuple[int, str]]:
         for number in np.flatnonzero(getattr(model, f"{kind}_plugin") >= 0).tolist():
             yield number, f"a plugin computes this {kind}"

@@ -222,11 +222,8 @@ COMPARED: Mapping[str, str] = {
 TARGETS: Table[Target] = Table("targets", {each.name: each for each in ALL}, "TARGET", kind=Target)
 
 check_rows("the targets of composer/mjcompose/targets/table.py", [MUJOCO, *TARGETS.own], NAMES)
-check_rows(
-    "the features of composer/mjcompose/targets/table.py",
-    FEATURES,
-    dict.fromkeys(limit.feature for target in TARGETS.values() for limit in target.limits),
-)
+_used = dict.fromkeys(limit.feature for target in TARGETS.values() for limit in target.limits)
+check_rows("the features of composer/mjcompose/targets/table.py", FEATURES, _used)
 
 
 _ROOT = Path(__file__).resolve().parents[3]
@@ -253,7 +250,6 @@ def features() -> str:
 
 
 def read_back() -> str:
-    """Return the table of comparisons."""
     found = json.loads(READ_BACK.read_text(encoding="utf-8"))
     lines = [f"| compared | {' | '.join(found)} |", f"|---|{'---|' * len(found)}"]
     lines.append(f"| version | {' | '.join(each['version'] for each in found.values())} |")

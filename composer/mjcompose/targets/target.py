@@ -16,8 +16,6 @@ from mjcompose.tree.xml_text import write
 
 
 class Outcome(StrEnum):
-    """What happens to a feature."""
-
     KEPT = "written"
     WRITTEN = "written otherwise"
     PARTLY = "partly"

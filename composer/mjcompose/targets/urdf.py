@@ -97,7 +97,6 @@ def _shapes(draft: Draft, number: int, geom: Node, into: Node, package: str) -> 
 
 
 def _geometry(draft: Draft, number: int, geom: Node, package: str) -> Iterator[tuple[Pose, Node]]:
-    """Yield the shapes of a geom in its frame."""
     size, kind, here = draft.model.geom_size[number], geom.get("type"), shifted((0, 0, 0))
     if kind == "box":
         yield here, etree.Element("box", size=text(2 * size))
@@ -151,7 +150,6 @@ def hung(draft: Draft, body: int, name: str, parent: str) -> Iterator[Node]:
 
 
 def fixed(name: str, parent: str, child: str, frame: Pose) -> Node:
-    """Return a joint that does not move."""
     return _joint(name, "fixed", parent, child=child, frame=frame)
 
 
