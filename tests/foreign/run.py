@@ -134,12 +134,12 @@ def _models(options: argparse.Namespace) -> Iterator[tuple[str, list[str]]]:
         verdicts = _judged(strings.judge, chosen if name in SUITES - {"mujoco-warp"} else sources)
         loaded, same = _counted(verdicts)
         told = strings.surprises(verdicts, _of(name, strings.intended(), verdicts, sources))
-        row = f"{name} {_pinned(name)}: {len(verdicts)} models, {loaded} load, {same} stay the same to the bit"
+        row = f"{name} {_pinned(name)}: {len(verdicts)} models, {loaded} load, {same} are the same"
         if name in SUITES:
             verdicts = _judged(turned.judge, chosen)
             loaded, same = _counted(verdicts)
             told += strings.surprises(verdicts, _of(name, strings.intended("turned"), verdicts, sources))
-            row += f", {same} of {loaded} are unchanged when composed twice, turned and tilted"
+            row += f", {same} of {loaded} composed"
         yield row, told
 
 
