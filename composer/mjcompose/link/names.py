@@ -177,8 +177,8 @@ class UnitNames:
             declared = self.declared[namespace]
             yield from ((namespace, name, node) for name, node in referred.items() if name not in declared)
 
-    def rename(self, section: Node) -> None:
-        """Rename all in a section."""
+    def take(self, section: Node) -> None:
+        """Rename all in a section, and collect the names."""
         table, prefix, outward = _actions(str(section.tag)), self.prefix, self.outward
         # The references of a class need not exist.
         referred = defaultdict(dict) if section.tag == "default" else self.referred
@@ -263,7 +263,7 @@ def rename(unit: Unit, prefix: str, *, top_class: str, outward: Mapping[str, str
     """
     names = UnitNames(prefix, outward)
     for section in unit.root.iterchildren("*"):
-        names.rename(section)
+        names.take(section)
     # MuJoCo 4.0 refuses `<composite>`, which older models have; its `prefix` names the elements that it makes.
     for composite in unit.root.iter("composite") if prefix else ():
         if "prefix" not in composite.attrib:
